@@ -1,0 +1,1 @@
+"""Parametric furniture and the mesh database."""

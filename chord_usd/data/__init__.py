@@ -1,0 +1,1 @@
+"""Procedural houses, readers of house data sets, splits."""

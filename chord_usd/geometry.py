@@ -1,0 +1,63 @@
+"""Plane geometry that more than one step needs: footprints, own frames, walls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Room
+from chord_usd.units import rotation_2d
+
+
+def footprint(box: Box) -> FloatArray:
+    """(4, 2) corners in metres: back left, front left, front right, back right (own frame).
+
+    The order is counter-clockwise; the front edge runs from corner 1 to corner 2.
+    """
+    half_length, half_width = box.size_m[0] / 2, box.size_m[1] / 2
+    own = np.array(
+        [
+            [-half_length, half_width],
+            [-half_length, -half_width],
+            [half_length, -half_width],
+            [half_length, half_width],
+        ]
+    )
+    return own @ rotation_2d(box.yaw_deg).T + np.array(box.center_m[:2])
+
+
+def front_direction(yaw_deg: float) -> FloatArray:
+    """(2,) unit vector in the world towards which an item of this yaw faces; -y at yaw 0."""
+    return rotation_2d(yaw_deg) @ np.array([0.0, -1.0])
+
+
+def footprint_polygon(box: Box) -> Polygon:
+    """The footprint as a shapely polygon, metres."""
+    return Polygon(footprint(box))
+
+
+def room_polygon(room: Room) -> Polygon:
+    """The room's floor as a shapely polygon, metres."""
+    return Polygon(room.polygon_m)
+
+
+def wall_area(rooms: Iterable[Room], thickness_m: float = WALL_THICKNESS_M) -> BaseGeometry:
+    """Where walls stand: within thickness_m of a room (mitred) and in no room. Metres.
+
+    Rooms thickness_m apart share one solid wall; rooms that touch have none between them.
+    """
+    floors = unary_union([room_polygon(room) for room in rooms])
+    return floors.buffer(thickness_m, join_style="mitre", mitre_limit=3.0).difference(floors)
+
+
+def polygons_of(area: BaseGeometry) -> list[Polygon]:
+    """The polygons of a polygonal area, whatever shapely wrapped them in; empty ones dropped."""
+    if isinstance(area, Polygon):
+        return [] if area.is_empty else [area]
+    if isinstance(area, MultiPolygon) or hasattr(area, "geoms"):
+        return [part for child in area.geoms for part in polygons_of(child)]
+    return []

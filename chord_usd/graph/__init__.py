@@ -1,0 +1,1 @@
+"""LayoutImage -> SceneGraph: detection, rooms, matching."""

@@ -1,0 +1,1 @@
+"""StageFile -> pictures, in Blender's own process."""

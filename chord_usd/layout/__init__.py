@@ -1,0 +1,1 @@
+"""PlanImage -> LayoutImage: network, schedule, sampler."""

@@ -1,0 +1,1 @@
+"""Scores of layouts, scenes and stages."""

@@ -1,0 +1,236 @@
+"""The only category table: name, level, colour, detector class, sizes, mounting.
+
+Colours are the paper's (supplementary, tables "Scene layout items" and "Fine-grained items").
+The paper speaks of 28 household categories and lists 26: `chair` and `bathtub` are ours, in the
+two colours farthest from all others. House level and table level share colours (0000FF is window
+and lying book), so every look-up by colour names its level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+from chord_usd.errors import SceneError
+from chord_usd.types import ROOM_KINDS, RoomKind
+
+ITEM_OPACITY = 0.3
+"""Opacity of an item over the plan raster (paper, supplementary)."""
+
+FRONT_MARK_OPACITY = 0.3
+"""Opacity of the mark that shows an item's front: black over the painted item.
+
+Black keeps all (category, mark) colours at least four grey levels apart on every room shade.
+"""
+
+FRONT_MARK_LENGTH = 0.6
+"""Share of the item's length that the front mark spans, centred."""
+
+FRONT_MARK_WIDTH = 0.3
+"""Share of the item's width (depth) that the front mark takes, measured from the front edge."""
+
+Rgb = tuple[int, int, int]
+
+
+class Level(Enum):
+    """Which raster a category is painted in."""
+
+    PLAN = "plan"
+    HOUSE = "house"
+    TABLE = "table"
+
+
+class Mount(Enum):
+    """What carries an item."""
+
+    FLOOR = "floor"
+    WALL = "wall"
+    UNDERFOOT = "underfoot"
+    """Lies flat under other items, which may stand on it."""
+
+
+@dataclass(frozen=True)
+class Category:
+    """One row of the table. Sizes are metres, (smallest, largest) over usual pieces."""
+
+    name: str
+    label: str
+    level: Level
+    rgb: Rgb
+    detector_class: int
+    """Index within its level; rows keep their index for ever, checkpoints depend on it."""
+    length_m: tuple[float, float]
+    width_m: tuple[float, float]
+    height_m: tuple[float, float]
+    mount: Mount = Mount.FLOOR
+    mount_height_m: float = 0.0
+    """Usual height of the underside above the floor (table level: above what carries it)."""
+    rooms: tuple[RoomKind, ...] = ()
+    """Room kinds it usually stands in, the first one its home."""
+    supports: bool = False
+    """Tabletop items may stand on it."""
+
+
+def _rgb(code: str) -> Rgb:
+    return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
+
+
+_Span = tuple[float, float]
+_WALL = {"mount": Mount.WALL}
+_BED: tuple[RoomKind, ...] = ("bedroom",)
+_STORAGE: tuple[RoomKind, ...] = ("bedroom", "study", "store", "corridor", "living")
+_LOUNGE: tuple[RoomKind, ...] = ("living",)
+_EAT: tuple[RoomKind, ...] = ("dining", "living", "kitchen")
+_COOK: tuple[RoomKind, ...] = ("kitchen",)
+_BATH: tuple[RoomKind, ...] = ("bathroom",)
+_LAUNDRY: tuple[RoomKind, ...] = ("balcony", "bathroom", "kitchen")
+
+# name, label, colour, length, width (depth), height, rooms, further fields
+_HOUSE_ROWS: tuple[tuple[str, str, str, _Span, _Span, _Span, tuple[RoomKind, ...], dict], ...] = (
+    ("bed", "Bed", "FF0000", (0.9, 2.0), (1.9, 2.2), (0.85, 1.2), _BED, {}),
+    ("cabinet", "Cabinet", "FFFF00", (0.6, 2.8), (0.38, 0.65), (0.75, 2.4), _STORAGE, {}),
+    ("bed_background", "Bed Background", "FF3333", (1.2, 3.2), (0.05, 0.12), (0.6, 1.6), _BED,
+     {**_WALL, "mount_height_m": 1.1}),
+    ("bedside_table", "Bedside Table", "F08080", (0.35, 0.6), (0.35, 0.5), (0.4, 0.65), _BED,
+     {"supports": True}),
+    ("table", "Table", "A52A2A", (0.8, 1.8), (0.45, 0.8), (0.72, 0.78),
+     ("bedroom", "study", "living"), {"supports": True}),
+    ("leisure_sofa", "Leisure Sofa", "666600", (0.6, 1.0), (0.6, 1.1), (0.7, 1.0),
+     ("living", "balcony", "bedroom", "study"), {}),
+    ("sofa", "Sofa", "FF9933", (1.4, 3.2), (0.8, 1.1), (0.7, 0.95), _LOUNGE, {}),
+    ("tv_cabinet", "TV Cabinet", "FFCC99", (1.0, 2.6), (0.3, 0.5), (0.35, 0.6),
+     ("living", "bedroom"), {"supports": True}),
+    ("sofa_background", "Sofa Background", "99004C", (1.2, 3.6), (0.05, 0.12), (0.5, 1.4), _LOUNGE,
+     {**_WALL, "mount_height_m": 1.1}),
+    ("coffee_table", "Coffee Table", "CCFF99", (0.6, 1.4), (0.5, 0.9), (0.35, 0.5), _LOUNGE,
+     {"supports": True}),
+    ("dining_cabinet", "Dining Cabinet", "FF9999", (0.8, 2.0), (0.35, 0.5), (0.8, 2.2), _EAT, {}),
+    ("shoe_cabinet", "Shoe Cabinet", "006633", (0.6, 1.6), (0.25, 0.45), (0.8, 2.2),
+     ("corridor", "living", "dining"), {}),
+    ("single_sofa", "Single Sofa", "CC6600", (0.75, 1.05), (0.75, 1.0), (0.7, 1.0), _LOUNGE, {}),
+    ("dining_table", "Dining Table", "FF6666", (0.8, 2.2), (0.75, 1.1), (0.72, 0.78), _EAT,
+     {"supports": True}),
+    ("side_coffee_table", "Side Coffee Table", "99FFCC", (0.35, 0.65), (0.35, 0.65), (0.4, 0.6),
+     ("living", "bedroom", "balcony"), {"supports": True}),
+    ("single_door_floor_cabinet", "Single Door Floor Cabinet", "9999FF", (0.3, 0.55), (0.5, 0.65),
+     (0.8, 0.95), _COOK, {"supports": True}),
+    ("double_door_floor_cabinet", "Double Door Floor Cabinet", "6666FF", (0.6, 1.1), (0.5, 0.65),
+     (0.8, 0.95), _COOK, {"supports": True}),
+    ("cooker_cabinet", "Cooker Cabinet", "000099", (0.6, 0.95), (0.5, 0.65), (0.8, 0.95), _COOK,
+     {}),
+    ("sink_cabinet", "Sink Cabinet", "0000CC", (0.6, 1.1), (0.5, 0.65), (0.8, 0.95), _COOK, {}),
+    ("electrical_floor_cabinet", "Electrical Floor Cabinet", "3333FF", (0.55, 0.75), (0.5, 0.65),
+     (0.8, 2.2), _COOK, {}),
+    ("refrigerator", "Refrigerator", "006666", (0.55, 0.95), (0.55, 0.78), (1.5, 1.95),
+     ("kitchen", "dining"), {}),
+    ("shower", "Shower", "33FF99", (0.75, 1.4), (0.75, 1.2), (1.9, 2.2), _BATH, {}),
+    ("toilet", "Toilet", "660033", (0.36, 0.46), (0.6, 0.78), (0.4, 0.85), _BATH, {}),
+    ("washbasin", "Washbasin", "CC0066", (0.45, 1.3), (0.38, 0.6), (0.8, 0.95), _BATH, {}),
+    ("washing_machine", "Washing Machine", "FFCCE5", (0.55, 0.68), (0.5, 0.68), (0.82, 0.95),
+     _LAUNDRY, {}),
+    ("washing_set", "Washing Set", "FF66B2", (0.9, 1.7), (0.5, 0.68), (0.85, 2.2), _LAUNDRY, {}),
+    ("chair", "Chair", "CC00FF", (0.4, 0.58), (0.4, 0.6), (0.75, 1.05),
+     ("dining", "study", "bedroom", "living", "kitchen"), {}),
+    ("bathtub", "Bathtub", "66FF00", (1.3, 1.8), (0.68, 0.9), (0.48, 0.62), _BATH, {}),
+)  # fmt: skip
+
+# name, label, colour, length, width, height, further fields
+_TABLE_ROWS: tuple[tuple[str, str, str, _Span, _Span, _Span, dict], ...] = (
+    ("lying_book", "Lying Book", "0000FF", (0.12, 0.24), (0.17, 0.32), (0.01, 0.06), {}),
+    ("standing_book", "Standing Book", "FFFFAA", (0.1, 0.45), (0.14, 0.26), (0.18, 0.32), {}),
+    ("magazine", "Magazine", "7FFFAA", (0.18, 0.25), (0.24, 0.32), (0.004, 0.02),
+     {"mount": Mount.UNDERFOOT}),
+    ("all_in_one_computer", "All-in-one Computer", "00FFAA", (0.45, 0.75), (0.2, 0.5), (0.38, 0.6),
+     {}),
+    ("laptop", "Laptop", "FF7FAA", (0.28, 0.4), (0.2, 0.35), (0.18, 0.28), {}),
+    ("big_mouse_pad", "Big Mouse Pad", "7F7FAA", (0.6, 1.0), (0.28, 0.45), (0.003, 0.006),
+     {"mount": Mount.UNDERFOOT}),
+    ("table_lamp", "Table Lamp", "007FAA", (0.15, 0.4), (0.15, 0.4), (0.3, 0.65), {}),
+    ("small_ornament", "Small Ornament", "FF00AA", (0.05, 0.2), (0.05, 0.2), (0.05, 0.3), {}),
+    ("pen_holder", "Pen Holder", "7F00AA", (0.07, 0.14), (0.07, 0.14), (0.1, 0.22), {}),
+    ("big_plant", "Big Plant", "0000AA", (0.25, 0.5), (0.25, 0.5), (0.35, 0.8), {}),
+    ("small_plant", "Small Plant", "FFFF55", (0.1, 0.25), (0.1, 0.25), (0.1, 0.35), {}),
+    ("coffee_cup", "Coffee Cup", "7FFF55", (0.08, 0.17), (0.08, 0.15), (0.06, 0.12), {}),
+    ("electronic", "Electronic", "FF0000", (0.07, 0.3), (0.07, 0.25), (0.01, 0.25), {}),
+    ("photo_frame", "Photo Frame", "FF7F55", (0.12, 0.3), (0.03, 0.14), (0.14, 0.35), {}),
+    ("food", "Food", "7F7F55", (0.12, 0.35), (0.12, 0.35), (0.04, 0.18), {}),
+    ("dinner_set", "Dinner Set", "FFFF00", (0.3, 0.5), (0.25, 0.4), (0.02, 0.16), {}),
+    ("drinks", "Drinks", "7F7F00", (0.06, 0.3), (0.06, 0.3), (0.12, 0.35), {}),
+)  # fmt: skip
+
+_PLAN_ROWS: tuple[tuple[str, str, str], ...] = (
+    ("wall", "Wall", "000000"),
+    ("door", "Door", "139C5A"),
+    ("window", "Window", "0000FF"),
+)
+
+
+def _house_categories() -> Iterable[Category]:
+    for index, (name, label, code, length, width, height, rooms, more) in enumerate(_HOUSE_ROWS):
+        yield Category(
+            name, label, Level.HOUSE, _rgb(code), index, length, width, height, rooms=rooms, **more
+        )
+
+
+def _table_categories() -> Iterable[Category]:
+    for index, (name, label, code, length, width, height, more) in enumerate(_TABLE_ROWS):
+        yield Category(name, label, Level.TABLE, _rgb(code), index, length, width, height, **more)
+
+
+def _plan_categories() -> Iterable[Category]:
+    for index, (name, label, code) in enumerate(_PLAN_ROWS):
+        span = (0.0, 0.0)
+        yield Category(name, label, Level.PLAN, _rgb(code), index, span, span, span)
+
+
+HOUSE_CATEGORIES: tuple[Category, ...] = tuple(_house_categories())
+TABLE_CATEGORIES: tuple[Category, ...] = tuple(_table_categories())
+PLAN_CATEGORIES: tuple[Category, ...] = tuple(_plan_categories())
+
+CATEGORIES: dict[str, Category] = {
+    row.name: row for row in (*HOUSE_CATEGORIES, *TABLE_CATEGORIES, *PLAN_CATEGORIES)
+}
+"""Every row by name; names are unique over all levels."""
+
+BACKGROUND_RGB: Rgb = (255, 255, 255)
+"""Outside the house, and rooms of unknown kind."""
+
+ROOM_SHADES: dict[RoomKind, Rgb] = {
+    "unknown": BACKGROUND_RGB,
+    "living": (244, 244, 244),
+    "dining": (235, 235, 235),
+    "bedroom": (226, 226, 226),
+    "kitchen": (217, 217, 217),
+    "bathroom": (208, 208, 208),
+    "balcony": (199, 199, 199),
+    "corridor": (190, 190, 190),
+    "study": (181, 181, 181),
+    "store": (172, 172, 172),
+}
+"""Grey level of each room kind in a shaded plan raster (paper, open-plan section)."""
+
+assert set(ROOM_SHADES) == set(ROOM_KINDS)
+
+
+def category(name: str) -> Category:
+    """The row of this name. Raises SceneError for a name that is not in the table."""
+    try:
+        return CATEGORIES[name]
+    except KeyError:
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, CATEGORIES, n=1)
+        hint = f"use '{near[0]}'" if near else "see chord_usd/palette.py for the table"
+        raise SceneError(
+            f"unknown category '{name}'", expected="a category of the palette", try_=hint
+        ) from None
+
+
+def painted(base_rgb: Rgb, item_rgb: Rgb, opacity: float = ITEM_OPACITY) -> Rgb:
+    """item_rgb laid over base_rgb at this opacity, rounded to 8 bits per channel."""
+    red, green, blue = (
+        round((1.0 - opacity) * base + opacity * top)
+        for base, top in zip(base_rgb, item_rgb, strict=True)
+    )
+    return red, green, blue

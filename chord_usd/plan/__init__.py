@@ -1,0 +1,1 @@
+"""File or drawing -> Plan -> PlanImage."""

@@ -1,0 +1,1 @@
+"""SceneGraph -> StageFile: shell, items, lights, looks, check."""

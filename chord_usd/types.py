@@ -1,0 +1,207 @@
+"""The artefacts that travel along the line: Plan, PlanImage, LayoutImage, SceneGraph, StageFile.
+
+Numpy and the standard library only. Lengths are metres, angles degrees counter-clockwise from +x,
+Z is up. Everything is frozen; arrays have their write flag cleared. Centimetres exist only inside
+the CHOrD JSON reader and writer.
+
+An item's own frame has its origin at the centre of its underside, length along x, width (depth)
+along y, and its front towards -y. At yaw 0 a sofa's back is therefore to the north (+y).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+ByteArray = npt.NDArray[np.uint8]
+BoolArray = npt.NDArray[np.bool_]
+
+RoomKind = Literal[
+    "living", "dining", "bedroom", "kitchen", "bathroom", "balcony",
+    "corridor", "study", "store", "unknown",
+]  # fmt: skip
+ROOM_KINDS: tuple[RoomKind, ...] = RoomKind.__args__  # type: ignore[attr-defined]
+
+OpeningKind = Literal["door", "window", "passage"]
+
+WALL_THICKNESS_M = 0.24
+"""Every wall of a plan raster is this thick, which is what gives the raster its scale (paper)."""
+
+CANVAS_PX = 256
+"""Width and height of plan and layout rasters (paper, section 5)."""
+
+
+def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+    """A copy of values that cannot be written to."""
+    array = np.array(values, dtype=dtype)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True)
+class PixelFrame:
+    """Where a raster lies in the world. units.px_from_m and units.m_from_px do the arithmetic."""
+
+    m_per_px: float
+    origin_m: tuple[float, float]
+    """World position of the lower left corner of the lower left pixel."""
+    height_px: int = CANVAS_PX
+
+
+@dataclass(frozen=True)
+class Box:
+    """An oriented box standing on its base."""
+
+    center_m: tuple[float, float, float]
+    """x, y of the centre and z of the base."""
+    size_m: tuple[float, float, float]
+    """Length (own x), width (own y, depth) and height, all positive."""
+    yaw_deg: float
+    """Counter-clockwise; at 0 the front faces -y."""
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """A room, bounded by the inner faces of its walls."""
+
+    id: str
+    kind: RoomKind
+    polygon_m: FloatArray
+    """(N, 2) corners, counter-clockwise, first corner not repeated."""
+    name: str = ""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+    """Unknown keys of the JSON element; they survive a round trip."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """A door, window or passage (an opening without a leaf) in a wall."""
+
+    id: str
+    kind: OpeningKind
+    box: Box
+    """Length along the wall; width across it; base height and height of the hole."""
+    room_ids: tuple[str, ...] = ()
+    """The rooms it joins, one or two; empty where not known."""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A vector floor plan. Walls are what lies within WALL_THICKNESS_M of a room and in none."""
+
+    rooms: tuple[Room, ...]
+    openings: tuple[Opening, ...]
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def room(self, room_id: str) -> Room:
+        """The room with this id. Raises KeyError."""
+        for room in self.rooms:
+            if room.id == room_id:
+                return room
+        raise KeyError(room_id)
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What made an artefact; written into every file so that a result can be made again."""
+
+    input_hash: str = ""
+    checkpoint_hash: str = ""
+    seed: int = 0
+    version: str = ""
+    configuration: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanImage:
+    """A plan raster: (CANVAS_PX, CANVAS_PX, 3) uint8 RGB, and where it lies."""
+
+    rgb: ByteArray
+    frame: PixelFrame
+
+
+@dataclass(frozen=True, eq=False)
+class LayoutImage:
+    """A layout raster: the plan raster with items painted over it at 0.3 opacity."""
+
+    rgb: ByteArray
+    frame: PixelFrame
+    provenance: Provenance = field(default_factory=Provenance)
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """One item seen in a layout raster, before it has a room or a mesh."""
+
+    category: str
+    corners_px: FloatArray
+    """(4, 2) continuous pixels: back left, front left, front right, back right in the own frame."""
+    score: float
+    """Detector confidence, [0, 1]."""
+    mask: BoolArray | None = None
+    """(H, W) pixels of the item, where known."""
+
+
+@dataclass(frozen=True)
+class Asset:
+    """A mesh of the database."""
+
+    id: str
+    category: str
+    size_m: tuple[float, float, float]
+    usd_path: Path
+    """Interface layer of the component."""
+    licence: str = ""
+    author: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """A placed piece. Children (tabletop items) are posed in the frame of their parent."""
+
+    id: str
+    category: str
+    """Name of a row of palette."""
+    box: Box
+    """In the world for items of a room, in the parent's own frame for children."""
+    room_id: str = ""
+    asset: Asset | None = None
+    children: tuple[Item, ...] = ()
+    score: float = 1.0
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneGraph:
+    """House > rooms > items > tabletop items."""
+
+    rooms: tuple[Room, ...]
+    openings: tuple[Opening, ...]
+    items: tuple[Item, ...]
+    provenance: Provenance = field(default_factory=Provenance)
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def plan(self) -> Plan:
+        """The same house, unfurnished."""
+        return Plan(rooms=self.rooms, openings=self.openings)
+
+    def items_of(self, room_id: str) -> Iterator[Item]:
+        """Items that stand in this room, in their order."""
+        return (item for item in self.items if item.room_id == room_id)
+
+
+@dataclass(frozen=True)
+class StageFile:
+    """A written USD stage."""
+
+    path: Path
+    content_hash: str
+    provenance: Provenance = field(default_factory=Provenance)
