@@ -1,0 +1,49 @@
+# make house   set up, furnish an example plan and render it into out/
+# make test    set up and run the tests
+# make lint    ruff and mypy
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+BIN := .venv/bin
+PLAN ?= examples/two_bedrooms.png
+# What Blender's wheel (bpy) links to and a slim Debian lacks.
+BLENDER_LIBRARIES := libegl1 libgl1 libgomp1 libice6 libopengl0 libsm6 libx11-6 libxext6 \
+	libxfixes3 libxi6 libxkbcommon0 libxrender1 libxt6 libxxf86vm1
+
+.PHONY: setup house test lint wheel clean
+
+setup: .venv/.ready
+
+.venv/.ready: pyproject.toml setup.py constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' \
+		|| { echo "error: $(PYTHON) is not Python 3.11, which bpy asks for. Try: make PYTHON=/path/to/python3.11"; exit 2; }
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || $(call install,python3.11-venv)
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --upgrade-strategy only-if-needed -c constraints.txt -e '.[dev]'
+	@! ldd $(BIN)/../lib/python3.11/site-packages/bpy/__init__.so 2>/dev/null | grep -q 'not found' \
+		|| $(call install,$(BLENDER_LIBRARIES))
+	@touch $@
+
+# Debian packages: installed when we may, named when we may not.
+define install
+{ if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends $(1); \
+else echo "error: system packages are missing. Try: sudo apt-get install $(1)"; exit 2; fi; }
+endef
+
+house: setup
+	$(BIN)/chord-usd generate $(PLAN) -o out/house.usda --layout-out out/layout.png --preview out/plan.png
+	$(BIN)/chord-usd render out/house.usda -o out/pictures --samples 64 --resolution 960x540
+
+test: setup
+	$(BIN)/python -m pytest tests/unit tests/step tests/end_to_end
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy chord_usd
+
+wheel: setup
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+clean:
+	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis

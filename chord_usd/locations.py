@@ -1,0 +1,54 @@
+"""Where the files that ship with the package lie.
+
+In a checkout (editable install) `materials/` and `checkpoints/` are the repository's own folders;
+in an installed wheel they are inside the package.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from chord_usd.errors import AssetError, CheckpointError
+
+CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
+"""Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
+
+_PACKAGE = Path(__file__).parent
+
+
+def checkpoint_folder(name: str) -> Path:
+    """Folder of a checkpoint, such as "plan2layout" or "detector".
+
+    Raises CheckpointError when there is none of this name, or nothing in it.
+    """
+    own = os.environ.get(CHECKPOINTS_VARIABLE)
+    places = [*([Path(own)] if own else []), _shipped("checkpoints")]
+    for place in places:
+        folder = place / name
+        if folder.is_dir() and any(folder.iterdir()):
+            return folder
+    raise CheckpointError(
+        f"there is no checkpoint {name!r}",
+        where=str(places[0]),
+        expected=f"a folder {name} with safetensors weights and a config",
+        try_=f"chord-usd train {name}, or set {CHECKPOINTS_VARIABLE} to a folder that holds it",
+    )
+
+
+def materials_folder() -> Path:
+    """Folder of wall and floor looks, one folder each. Raises AssetError when it is missing."""
+    folder = _shipped("materials")
+    if not folder.is_dir():
+        raise AssetError(
+            "the looks of walls and floors are missing",
+            where=str(folder),
+            expected="one folder per look",
+            try_="pip install --force-reinstall chord-usd",
+        )
+    return folder
+
+
+def _shipped(kind: str) -> Path:
+    installed = _PACKAGE / "_data" / kind
+    return installed if installed.is_dir() else _PACKAGE.parent / kind

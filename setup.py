@@ -1,0 +1,15 @@
+"""Puts the repository's materials/ and checkpoints/ inside the wheel; the rest is pyproject.toml."""
+
+from setuptools import find_packages, setup
+
+SHIPPED = {
+    "chord_usd._data.materials": "materials",
+    "chord_usd._data.checkpoints": "checkpoints",
+}
+
+setup(
+    packages=[*find_packages(include=["chord_usd*"]), *SHIPPED],
+    package_dir=SHIPPED,
+    package_data={"chord_usd": ["py.typed"], **{name: ["**/*"] for name in SHIPPED}},
+    include_package_data=False,
+)
