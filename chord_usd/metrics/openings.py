@@ -1,0 +1,130 @@
+"""Openings and the room to use them: which rooms they join, and what stands in front of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.metrics.footprints import Footprints, footprints_of, is_underfoot
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2
+from chord_usd.types import WALL_THICKNESS_M, BoolArray, Box, Opening, Room, SceneGraph
+
+MAX_CLEARANCE_M = 0.9
+"""A door needs its own width in front of it, but a leaf is no wider than this."""
+
+WINDOW_CLEARANCE_M = 0.5
+"""Depth that stays free in front of a window, above its sill."""
+
+TOUCH_M = 0.01
+"""Clearances are smaller by this on every side: standing flush beside a door is fine."""
+
+PROBE_M = 0.1
+"""How far beyond the wall's face one looks for the room on that side."""
+
+
+@dataclass(frozen=True)
+class Blocked:
+    """An item in the clearance of an opening."""
+
+    opening: str
+    item: str
+
+
+def rooms_beside(
+    openings: Sequence[Opening], rooms: Sequence[Room]
+) -> list[tuple[Room | None, Room | None]]:
+    """For each opening the rooms in front of it (-y side at yaw 0) and behind; None is outside.
+
+    Found from the geometry, so it also holds where Opening.room_ids is empty.
+    """
+    if not openings or not rooms:
+        return [(None, None)] * len(openings)
+    boxes = [opening.box for opening in openings]
+    center_m = np.array([box.center_m[:2] for box in boxes])
+    reach_m = np.array([max(box.size_m[1], WALL_THICKNESS_M) / 2 + PROBE_M for box in boxes])
+    step_m = np.array([front_direction(box.yaw_deg) for box in boxes]) * reach_m[:, None]
+    # (2, openings, 1, xy) probes against (rooms,) floors
+    probes_m = np.stack([center_m + step_m, center_m - step_m])[:, :, None, :]
+    floors = np.array([room_polygon(room) for room in rooms])
+    inside = shapely.contains_xy(floors, probes_m[..., 0], probes_m[..., 1])
+
+    def holder(row: BoolArray) -> Room | None:
+        return rooms[int(row.argmax())] if row.any() else None
+
+    return [(holder(front), holder(back)) for front, back in zip(*inside, strict=True)]
+
+
+def clearance_depth_m(opening: Opening) -> float:
+    """How deep the floor in front of an opening stays free, metres."""
+    if opening.kind == "window":
+        return WINDOW_CLEARANCE_M
+    return min(opening.box.size_m[0], MAX_CLEARANCE_M)
+
+
+def clearance_boxes(opening: Opening) -> tuple[Box, Box]:
+    """The boxes in front of and behind an opening that stay free, TOUCH_M smaller all round."""
+    box = opening.box
+    depth_m = clearance_depth_m(opening)
+    step = front_direction(box.yaw_deg) * (box.size_m[1] + depth_m) / 2
+    size_m = (
+        max(box.size_m[0] - 2 * TOUCH_M, TOUCH_M),
+        depth_m - 2 * TOUCH_M,
+        box.size_m[2],
+    )
+    x_m, y_m, z_m = box.center_m
+    front = replace(box, center_m=(x_m + step[0], y_m + step[1], z_m), size_m=size_m)
+    back = replace(box, center_m=(x_m - step[0], y_m - step[1], z_m), size_m=size_m)
+    return front, back
+
+
+def _open_floors(rooms: Sequence[Room]) -> dict[str, shapely.Geometry]:
+    """By room id, the floor one sees without looking through a wall: it and what touches it."""
+    floors = np.array([room_polygon(room) for room in rooms])
+    near, other = shapely.STRtree(floors).query(floors, predicate="dwithin", distance=TOUCH_M)
+    return {
+        room.id: shapely.union_all(floors[other[near == index]]) for index, room in enumerate(rooms)
+    }
+
+
+def _clearances(graph: SceneGraph) -> Iterator[tuple[Opening, shapely.Geometry]]:
+    """Each opening with the floor that stays free on each of its sides that is a room."""
+    floors = _open_floors(graph.rooms)
+    beside = rooms_beside(graph.openings, graph.rooms)
+    for opening, sides in zip(graph.openings, beside, strict=True):
+        for room, box in zip(sides, clearance_boxes(opening), strict=True):
+            if room is not None:
+                yield opening, footprint_polygon(box).intersection(floors[room.id])
+
+
+def _enters_height(prints: Footprints, index: int, opening: Opening) -> bool:
+    sill_m = opening.box.center_m[2]
+    lintel_m = sill_m + opening.box.size_m[2]
+    return bool(prints.top_m[index] > sill_m + TOUCH_M and prints.base_m[index] < lintel_m)
+
+
+def blocked_openings(graph: SceneGraph) -> list[Blocked]:
+    """Openings with an item in the box in front of them, on either side (SceneEval).
+
+    The box is as wide as the opening and clearance_depth_m deep, clipped to the room it lies in.
+    Items below the sill, above the lintel or underfoot do not block. One entry for each pair.
+    """
+    if not graph.items:
+        return []
+    prints = footprints_of(graph.items)
+    tree = shapely.STRtree(prints.polygons)
+    found: dict[Blocked, None] = {}
+    for opening, clearance in _clearances(graph):
+        for index in sorted(tree.query(clearance, predicate="intersects")):
+            item = graph.items[index]
+            shared_m2 = prints.polygons[index].intersection(clearance).area
+            if (
+                shared_m2 > MIN_OVERLAP_M2
+                and not is_underfoot(item)
+                and _enters_height(prints, index, opening)
+            ):
+                found[Blocked(opening=opening.id, item=item.id)] = None
+    return list(found)

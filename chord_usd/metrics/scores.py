@@ -1,0 +1,129 @@
+"""All scores of one scene, and their means over a set with what each is a mean of."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from chord_usd.metrics.openings import Blocked, blocked_openings, rooms_beside
+from chord_usd.metrics.overlap import Overlap, scene_overlap
+from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
+from chord_usd.metrics.walk import Walk, walk
+from chord_usd.types import RoomKind, SceneGraph
+
+
+@dataclass(frozen=True)
+class SceneScores:
+    """What metrics say about one scene. Lists name the culprits, so a score can be looked into."""
+
+    overlap: Overlap
+    walk: Walk
+    items: int
+    out_of_room: tuple[str, ...]
+    openings: int
+    blocked: tuple[Blocked, ...]
+    rooms_to_furnish: int
+    empty_rooms: tuple[str, ...]
+
+    @property
+    def blocked_openings(self) -> tuple[str, ...]:
+        """Ids of openings that something stands in front of, each once."""
+        return tuple(dict.fromkeys(blocked.opening for blocked in self.blocked))
+
+
+@dataclass(frozen=True)
+class Score:
+    """A mean that says what it is a mean of."""
+
+    value: float
+    count: int
+    """How many of `over` there were; at 0 the value is 0 and means nothing."""
+    over: str
+
+
+def part_of(graph: SceneGraph, room_ids: Collection[str]) -> SceneGraph:
+    """The scene that consists of these rooms only, with the openings in their walls.
+
+    Raises KeyError for an id that names no room.
+    """
+    unknown = set(room_ids) - {room.id for room in graph.rooms}
+    if unknown:
+        raise KeyError(sorted(unknown)[0])
+    rooms = tuple(room for room in graph.rooms if room.id in room_ids)
+    beside = zip(graph.openings, rooms_beside(graph.openings, rooms), strict=True)
+    return replace(
+        graph,
+        rooms=rooms,
+        openings=tuple(opening for opening, sides in beside if any(sides)),
+        items=tuple(item for item in graph.items if item.room_id in room_ids),
+    )
+
+
+def rooms_of_kind(graphs: Iterable[SceneGraph], kind: RoomKind) -> Iterator[SceneGraph]:
+    """Every room of one kind as a scene of its own (the paper's bedroom and living room rows)."""
+    for graph in graphs:
+        for room in graph.rooms:
+            if room.kind == kind:
+                yield part_of(graph, {room.id})
+
+
+def score_scene(graph: SceneGraph, room_ids: Collection[str] | None = None) -> SceneScores:
+    """All scores of a scene, or of some of its rooms."""
+    if room_ids is not None:
+        graph = part_of(graph, room_ids)
+    return SceneScores(
+        overlap=scene_overlap(graph),
+        walk=walk(graph),
+        items=len(graph.items),
+        out_of_room=tuple(out_of_room(graph)),
+        openings=len(graph.openings),
+        blocked=tuple(blocked_openings(graph)),
+        rooms_to_furnish=len(rooms_to_furnish(graph.rooms)),
+        empty_rooms=tuple(empty_rooms(graph)),
+    )
+
+
+def score_scenes(graphs: Iterable[SceneGraph]) -> dict[str, Score]:
+    """Scores of a set of scenes by name.
+
+    Overlap and walking are means over scenes; a scene without any pair of items has no overlap
+    ratio and is left out of those, so that empty scenes cannot better them. The others are shares
+    of all items, openings and rooms of the set.
+    """
+    return mean_scores(score_scene(graph) for graph in graphs)
+
+
+def mean_scores(scores: Iterable[SceneScores]) -> dict[str, Score]:
+    """The same, from scenes that were scored already."""
+    all_scores = list(scores)
+    paired = [s.overlap for s in all_scores if s.overlap.pairs]
+    walks = [s.walk for s in all_scores]
+    furnished = sum(s.rooms_to_furnish - len(s.empty_rooms) for s in all_scores)
+    pairs = "scenes with a pair of items"
+    return {
+        "por": _mean([o.por for o in paired], pairs),
+        "por_all": _mean([o.por_all for o in paired], pairs),
+        "piou": _mean([o.piou for o in paired], pairs),
+        "piou_all": _mean([o.piou_all for o in paired], pairs),
+        "out_of_room": _share(
+            sum(len(s.out_of_room) for s in all_scores), sum(s.items for s in all_scores), "items"
+        ),
+        "blocked_openings": _share(
+            sum(len(s.blocked_openings) for s in all_scores),
+            sum(s.openings for s in all_scores),
+            "openings",
+        ),
+        "furnished": _share(
+            furnished, sum(s.rooms_to_furnish for s in all_scores), "rooms to furnish"
+        ),
+        "walkable": _mean([w.walkable for w in walks], "scenes"),
+        "reachable_rooms": _mean([w.reachable_rooms for w in walks], "scenes"),
+    }
+
+
+def _mean(values: list[float], over: str) -> Score:
+    return Score(sum(values) / len(values) if values else 0.0, len(values), over)
+
+
+def _share(part: int, whole: int, over: str) -> Score:
+    return Score(part / whole if whole else 0.0, whole, over)
