@@ -1,0 +1,85 @@
+"""What a layout model is made of; stored beside its weights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from difflib import get_close_matches
+from typing import Any, Literal
+
+from chord_usd.errors import CheckpointError
+
+
+@dataclass(frozen=True)
+class LayoutConfig:
+    """Architecture and noise schedule of a plan-conditioned layout model.
+
+    The paper's own setting is PRESETS["paper"]; the shipped model is PRESETS["default"].
+    """
+
+    state: Literal["codes", "rgb"] = "codes"
+    """What is diffused: one error-correcting code word per category, or the RGB raster itself."""
+    condition: Literal["planes", "rgb"] = "planes"
+    """What the network sees of the plan: masks and room measures, or the RGB raster itself."""
+    prediction: Literal["sample", "epsilon"] = "sample"
+    """Network output: category logits whose expectation is the clean sample, or the noise."""
+    patch_px: int = 4
+    """Side of the square of pixels that is folded into channels before the U-Net."""
+    channels: tuple[int, ...] = (48, 96, 160, 224)
+    """Width of each U-Net level, finest first."""
+    attention: tuple[bool, ...] = (False, False, True, True)
+    """Which levels attend over the whole house."""
+    blocks_per_level: int = 1
+    feature_channels: int = 64
+    """Width between the U-Net and the 1×1 head."""
+    schedule: Literal["log_snr", "linear"] = "log_snr"
+    """log_snr: log noise-to-signal uniform in time; linear: DDPM's linear betas (paper)."""
+    training_steps: int = 1000
+    noise_to_signal: tuple[float, float] = (0.4, 200.0)
+    """Smallest and largest sigma/alpha of the log_snr schedule. An item is hundreds of equal
+    pixels, so noise hides it only when its standard deviation is many times the signal's."""
+    default_steps: int = 20
+    """Sampler steps unless asked otherwise."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready mapping; from_dict reads it back."""
+        return {
+            key: list(value) if isinstance(value, tuple) else value
+            for key, value in asdict(self).items()
+        }
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> LayoutConfig:
+        """Reads to_dict's mapping. Unknown keys raise CheckpointError and name the nearest one."""
+        known = {field.name for field in fields(cls)}
+        for key in values:
+            if key not in known:
+                near = get_close_matches(key, known, n=1)
+                raise CheckpointError(
+                    f"unknown configuration key '{key}'",
+                    expected=f"'{near[0]}'" if near else f"one of {', '.join(sorted(known))}",
+                    try_="a checkpoint of this version",
+                )
+        given: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in values.items()
+        }
+        return cls(**given)
+
+
+PRESETS: dict[str, LayoutConfig] = {
+    "default": LayoutConfig(),
+    "large": LayoutConfig(channels=(128, 192, 320, 448), blocks_per_level=2, feature_channels=128),
+    "paper": LayoutConfig(
+        state="rgb",
+        condition="rgb",
+        prediction="epsilon",
+        patch_px=1,
+        channels=(128, 128, 256, 256, 512, 512),
+        attention=(False, False, False, False, True, False),
+        blocks_per_level=2,
+        schedule="linear",
+        default_steps=1000,
+    ),
+}
+"""default: two CPU cores; large: a GPU; paper: section 5 of the paper, 3 noise + 3 plan channels
+in, 3 out, DDPM's U-Net and linear schedule at full resolution."""

@@ -1,0 +1,112 @@
+"""The conditional U-Net: diffusers' UNet2DModel between a fold of pixels and a 1×1 head."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from diffusers import UNet2DModel
+from torch import Tensor, nn
+from torch.nn import functional
+
+from chord_usd.layout.codes import CLASS_COUNT, STATE_CHANNELS, codebook
+from chord_usd.layout.condition import GRID_PLANES, PIXEL_PLANES
+from chord_usd.layout.config import LayoutConfig
+
+RGB_CHANNELS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What the network says about one noisy batch."""
+
+    sample: Tensor
+    """(B, C, H, W) expectation of the clean state, or the noise for epsilon prediction."""
+    logits: Tensor | None = None
+    """(B, CLASS_COUNT, H, W) category logits (codes only)."""
+    front_logit: Tensor | None = None
+    """(B, H, W) logit of the front mark (codes only)."""
+
+
+class LayoutNetwork(nn.Module):
+    """epsilon_theta(x_t; y, t) of the paper's equation 1.
+
+    Pixels are folded patch_px × patch_px into channels first (space to depth), which makes a
+    256×256 layout affordable on a CPU; with patch_px = 1 it is the paper's network.
+    """
+
+    codes: Tensor
+
+    def __init__(self, config: LayoutConfig) -> None:
+        super().__init__()
+        self.config = config
+        fold = config.patch_px**2
+        width = config.channels[0]
+        self.embed_state = nn.Conv2d(_state_channels(config) * fold, width, 1)
+        self.embed_plan = nn.Conv2d(_plan_channels(config), width, 1)
+        unet: Any = UNet2DModel(
+            in_channels=2 * width,
+            out_channels=config.feature_channels,
+            block_out_channels=config.channels,
+            layers_per_block=config.blocks_per_level,
+            down_block_types=tuple(
+                "AttnDownBlock2D" if attend else "DownBlock2D" for attend in config.attention
+            ),
+            up_block_types=tuple(
+                "AttnUpBlock2D" if attend else "UpBlock2D" for attend in config.attention[::-1]
+            ),
+            attention_head_dim=32,
+            norm_num_groups=16,
+        )
+        self.unet = unet
+        self.head = nn.Conv2d(config.feature_channels, _output_channels(config) * fold, 1)
+        self.register_buffer("codes", torch.from_numpy(codebook()), persistent=False)
+
+    def forward(
+        self, state: Tensor, time: Tensor, pixels: Tensor, grid: Tensor | None
+    ) -> Prediction:
+        """Predicts the clean state of a noisy batch.
+
+        state: (B, C, H, W) noisy state; time: (B,) training steps in [0, training_steps);
+        pixels: (B, PIXEL_PLANES or 3, H, W) plan; grid: (B, GRID_PLANES, H/patch, W/patch) or None
+        for the RGB condition.
+        """
+        patch = self.config.patch_px
+        plan = functional.pixel_unshuffle(pixels, patch)
+        if grid is not None:
+            plan = torch.cat([plan, grid], dim=1)
+        folded = functional.pixel_unshuffle(state, patch)
+        inputs = torch.cat([self.embed_state(folded), self.embed_plan(plan)], dim=1)
+        features = functional.silu(self.unet(inputs, time).sample)
+        output = functional.pixel_shuffle(self.head(features), patch)
+        if self.config.state == "rgb":
+            return Prediction(output)
+        return self._expected_code(output)
+
+    def encode(self, labels: Tensor, front: Tensor) -> Tensor:
+        """Labels (B, H, W) and front marks (B, H, W) bool to the clean state (B, 17, H, W)."""
+        words = functional.embedding(labels.long(), self.codes).permute(0, 3, 1, 2)
+        return torch.cat([words, front[:, None].to(words.dtype) * 2.0 - 1.0], dim=1)
+
+    def _expected_code(self, output: Tensor) -> Prediction:
+        logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
+        chances = logits.softmax(dim=1)
+        words = torch.einsum("bkhw,kc->bchw", chances, self.codes.to(chances.dtype))
+        front = torch.sigmoid(front_logit)[:, None] * 2.0 - 1.0
+        return Prediction(torch.cat([words, front], dim=1), logits, front_logit)
+
+
+def _state_channels(config: LayoutConfig) -> int:
+    return RGB_CHANNELS if config.state == "rgb" else STATE_CHANNELS
+
+
+def _plan_channels(config: LayoutConfig) -> int:
+    fold = config.patch_px**2
+    if config.condition == "rgb":
+        return RGB_CHANNELS * fold
+    return PIXEL_PLANES * fold + GRID_PLANES
+
+
+def _output_channels(config: LayoutConfig) -> int:
+    return RGB_CHANNELS if config.state == "rgb" else CLASS_COUNT + 1

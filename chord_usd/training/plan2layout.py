@@ -1,0 +1,268 @@
+"""Training of the layout model: resumable, on a time budget, on CPU or CUDA."""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+from chord_usd.layout.checkpoint import load_checkpoint, save_checkpoint
+from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.network import LayoutNetwork, Prediction
+from chord_usd.layout.schedule import training_scheduler
+from chord_usd.training.stream import LayoutStream, Sample, StreamConfig, sample_loader
+from chord_usd.types import Plan
+
+STATE_FILE = "state.pt"
+LOG_FILE = "losses.csv"
+LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
+
+Report = Callable[[dict[str, float]], None]
+
+
+@dataclass(frozen=True)
+class TrainingConfig:
+    """How to train. Preset `paper` uses the paper's numbers (section 5), see PAPER_TRAINING."""
+
+    minutes: float = 60.0
+    batch: int = 8
+    learning_rate: float = 6e-4
+    warmup_steps: int = 300
+    cooldown_share: float = 0.25
+    """Last share of the budget in which the learning rate falls to a twentieth."""
+    weight_decay: float = 0.01
+    ema_decay: float = 0.999
+    gradient_clip: float = 1.0
+    front_weight: float = 0.3
+    decay_every_steps: int = 0
+    """Where set, the learning rate is divided by 10 each time (paper), without cool-down."""
+    workers: int = 1
+    save_minutes: float = 2.0
+    sheet_minutes: float = 15.0
+    seed: int = 0
+    device: str = "cpu"
+    stream: StreamConfig = field(default_factory=StreamConfig)
+
+
+PAPER_SCENES = 9706
+PAPER_EPOCHS = 400
+_PAPER_STEPS_PER_EPOCH = PAPER_SCENES * 8 // 10 // 4
+
+PAPER_TRAINING = TrainingConfig(
+    minutes=float("inf"),
+    batch=4,
+    learning_rate=1e-4,
+    warmup_steps=0,
+    weight_decay=0.0,
+    decay_every_steps=100 * _PAPER_STEPS_PER_EPOCH,
+)
+"""Batch 4, learning rate 1e-4 divided by 10 every 100 epochs (paper, section 5.1)."""
+
+
+class LayoutTrainer:
+    """Holds what a run must not lose: network, moving average, optimiser, counters."""
+
+    def __init__(self, network_config: LayoutConfig, config: TrainingConfig, folder: Path) -> None:
+        torch.manual_seed(config.seed)
+        self.config, self.folder = config, folder
+        self.device = torch.device(config.device)
+        self.network = LayoutNetwork(network_config).to(self.device)
+        self.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        self.average = LayoutNetwork(network_config).to(self.device).eval()
+        self.average.requires_grad_(False)
+        self.average.load_state_dict(self.network.state_dict())
+        self.optimiser = torch.optim.AdamW(
+            self.network.parameters(), config.learning_rate, weight_decay=config.weight_decay
+        )
+        self.scheduler = training_scheduler(network_config)
+        self.step, self.minutes_before = 0, 0.0
+        self.started = time.monotonic()
+        self._run_step = self._compiled()
+
+    def warm_start(self, checkpoint: Path) -> None:
+        """Starts from the weights of a checkpoint folder; the optimiser starts fresh."""
+        loaded = load_checkpoint(checkpoint, str(self.device))
+        self.network.load_state_dict(loaded.network.state_dict())
+        self.average.load_state_dict(loaded.network.state_dict())
+        self.step = int(loaded.training.get("steps", 0))
+        self.minutes_before = float(loaded.training.get("minutes", 0.0))
+
+    def resume(self) -> bool:
+        """Takes up the run in the folder; False where there is none."""
+        path = self.folder / STATE_FILE
+        if not path.is_file():
+            return False
+        state = torch.load(path, map_location=self.device, weights_only=True)
+        self.network.load_state_dict(state["network"])
+        self.average.load_state_dict(state["average"])
+        self.optimiser.load_state_dict(state["optimiser"])
+        self.step, self.minutes_before = state["step"], state["minutes"]
+        return True
+
+    def save(self) -> None:
+        """Writes the resumable state and the checkpoint folder, each atomically."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        partial = self.folder / (STATE_FILE + ".part")
+        torch.save(
+            {
+                "network": self.network.state_dict(),
+                "average": self.average.state_dict(),
+                "optimiser": self.optimiser.state_dict(),
+                "step": self.step,
+                "minutes": self.minutes_before + self.minutes,
+            },
+            partial,
+        )
+        partial.replace(self.folder / STATE_FILE)
+        save_checkpoint(self.folder / "checkpoint", self.average, self.training_record())
+
+    def training_record(self) -> dict[str, object]:
+        """What the model card says of this run."""
+        return {
+            "steps": self.step,
+            "batch": self.config.batch,
+            "minutes": round(self.minutes_before + self.minutes, 1),
+            "device": self.config.device,
+            "data": asdict(self.config.stream),
+        }
+
+    @property
+    def minutes(self) -> float:
+        """Minutes since this call of the program began."""
+        return (time.monotonic() - self.started) / 60.0
+
+    def train(self, real_plans: Sequence[Plan], report: Report) -> None:
+        """Runs until the minutes are spent, saving every save_minutes and at the end."""
+        config = self.config
+        cell_px = self.network.config.patch_px
+        stream = LayoutStream(_continued(config.stream, self.step), real_plans, cell_px)
+        last_save = last_sheet = self.started = time.monotonic()
+        for sample in sample_loader(stream, config.batch, config.workers):
+            losses = self._step(sample)
+            if self.step % 25 == 0:
+                self._log(losses, report)
+            now = time.monotonic()
+            if now - last_save > config.save_minutes * 60:
+                self.save()
+                last_save = now
+            if now - last_sheet > config.sheet_minutes * 60:
+                self._draw_sheet()
+                last_sheet = now
+            if self.minutes > config.minutes:
+                break
+        self.save()
+        self._draw_sheet()
+
+    def _step(self, sample: Sample) -> dict[str, Tensor]:
+        rate = self._learning_rate()
+        for group in self.optimiser.param_groups:
+            group["lr"] = rate
+        batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in sample.items()}
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.device.type == "cuda"):
+            losses = self._run_step(batch)
+        self.optimiser.zero_grad(set_to_none=True)
+        losses["loss"].backward()
+        torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.gradient_clip)
+        self.optimiser.step()
+        self.step += 1
+        self._update_average()
+        return losses
+
+    def _losses(self, batch: Sample) -> dict[str, Tensor]:
+        """Cross-entropy of the categories at a random noise level, or the paper's noise error."""
+        network = self.network
+        clean = self._clean_state(batch)
+        times = torch.randint(0, network.config.training_steps, (len(clean),), device=clean.device)
+        noise = torch.randn_like(clean)
+        noisy = self.scheduler.add_noise(clean, noise, times)
+        prediction = network(noisy, times, self._plan_pixels(batch), self._plan_grid(batch))
+        if prediction.logits is None:
+            error = functional.mse_loss(prediction.sample.float(), noise)
+            return {"loss": error}
+        return self._category_losses(prediction, batch)
+
+    def _category_losses(self, prediction: Prediction, batch: Sample) -> dict[str, Tensor]:
+        """Means over floor pixels: nothing belongs outside, so nothing is learned there."""
+        logits, front_logit = prediction.logits, prediction.front_logit
+        assert logits is not None
+        assert front_logit is not None
+        labels = batch["labels"].long()
+        inside = (batch["pixels"][:, 3] > 0) | (labels > 0)
+        category = functional.cross_entropy(logits.float(), labels, reduction="none")
+        category = (category * inside).sum() / inside.sum()
+        item = labels > 0
+        front = functional.binary_cross_entropy_with_logits(
+            front_logit.float(), batch["front"].float(), reduction="none"
+        )
+        front = (front * item).sum() / item.sum().clamp(min=1)
+        loss = category + self.config.front_weight * front
+        return {"loss": loss, "category": category.detach(), "front": front.detach()}
+
+    def _clean_state(self, batch: Sample) -> Tensor:
+        if self.network.config.state == "rgb":
+            return batch["layout"].permute(0, 3, 1, 2).float() / 127.5 - 1.0
+        return self.network.encode(batch["labels"], batch["front"])
+
+    def _plan_pixels(self, batch: Sample) -> Tensor:
+        if self.network.config.condition == "rgb":
+            return batch["rgb"].permute(0, 3, 1, 2).float() / 127.5 - 1.0
+        return batch["pixels"].float()
+
+    def _plan_grid(self, batch: Sample) -> Tensor | None:
+        return None if self.network.config.condition == "rgb" else batch["grid"]
+
+    def _compiled(self) -> Callable[[Sample], dict[str, Tensor]]:
+        if self.device.type != "cuda":
+            return self._losses
+        return torch.compile(self._losses)
+
+    def _learning_rate(self) -> float:
+        config = self.config
+        if config.decay_every_steps:
+            return config.learning_rate * 0.1 ** (self.step // config.decay_every_steps)
+        warm = min(1.0, (self.step + 1) / max(config.warmup_steps, 1))
+        spent = min(self.minutes / config.minutes, 1.0)
+        into_cooldown = max(0.0, spent - 1.0 + config.cooldown_share) / config.cooldown_share
+        return config.learning_rate * warm * (1.0 - 0.95 * into_cooldown)
+
+    @torch.no_grad()
+    def _update_average(self) -> None:
+        # The average of the first steps would remember the random initialisation for too long.
+        decay = min(self.config.ema_decay, (1.0 + self.step) / (10.0 + self.step))
+        averages = [parameter.data for parameter in self.average.parameters()]
+        current = [parameter.data for parameter in self.network.parameters()]
+        torch._foreach_lerp_(averages, current, 1.0 - decay)
+
+    def _log(self, losses: dict[str, Tensor], report: Report) -> None:
+        row = {
+            "step": float(self.step),
+            "images": float(self.step * self.config.batch),
+            "minutes": round(self.minutes_before + self.minutes, 2),
+            "learning_rate": self._learning_rate(),
+            **{name: round(float(value.detach()), 5) for name, value in losses.items()},
+        }
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / LOG_FILE
+        fresh = not path.exists()
+        with path.open("a", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, LOG_FIELDS, restval="", extrasaction="ignore")
+            if fresh:
+                writer.writeheader()
+            writer.writerow(row)
+        report(row)
+
+    def _draw_sheet(self) -> None:
+        from chord_usd.training.sheets import draw_sheet
+
+        draw_sheet(self.average, self.folder / "sheets" / f"step_{self.step:07d}.png", self.device)
+
+
+def _continued(stream: StreamConfig, step: int) -> StreamConfig:
+    """A resumed run must not see the houses of its first minutes again."""
+    return replace(stream, seed=stream.seed + step)

@@ -1,0 +1,172 @@
+"""The layout model: schedules against diffusers' own, sampling, checkpoints."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from chord_usd.errors import CheckpointError, ChordError
+from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from chord_usd.layout.codes import CLASS_COUNT
+from chord_usd.layout.config import PRESETS, LayoutConfig
+from chord_usd.layout.network import LayoutNetwork
+from chord_usd.layout.sample import LayoutModel
+from chord_usd.layout.schedule import sampling_scheduler, training_scheduler
+from chord_usd.palette import CATEGORIES
+from chord_usd.types import PixelFrame, PlanImage
+
+TINY = replace(
+    PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16,
+    default_steps=2,
+)  # fmt: skip
+TINY_PAPER = replace(
+    PRESETS["paper"], patch_px=4, channels=(16, 32), attention=(False, False), default_steps=2
+)
+
+
+@pytest.fixture(params=[TINY, TINY_PAPER], ids=["codes", "rgb"])
+def model(request):
+    torch.manual_seed(0)
+    network = LayoutNetwork(request.param).eval().requires_grad_(False)
+    return LayoutModel(Checkpoint(network, request.param, "hash", {}))
+
+
+def _plan_image(width_px: int = 180) -> PlanImage:
+    rgb = np.full((256, 256, 3), 255, np.uint8)
+    rgb[30:220, 20 : 20 + width_px] = CATEGORIES["wall"].rgb
+    rgb[36:214, 26 : 14 + width_px] = 255
+    return PlanImage(rgb, PixelFrame(0.04, (0.0, 0.0)))
+
+
+def test_same_seed_same_pixels_other_seed_other_pixels(model):
+    one = model.sample(_plan_image(), seed=3)
+    assert np.array_equal(one.rgb, model.sample(_plan_image(), seed=3).rgb)
+    assert not np.array_equal(one.rgb, model.sample(_plan_image(), seed=4).rgb)
+    assert one.provenance.seed == 3
+
+
+def test_a_batch_gives_each_plan_what_it_would_get_alone():
+    torch.manual_seed(0)
+    network = LayoutNetwork(TINY).eval().requires_grad_(False)
+    model = LayoutModel(Checkpoint(network, TINY, "hash", {}))
+    batch = model.sample_batch([_plan_image(180), _plan_image(120)], seeds=[1, 2])
+    alone = model.sample(_plan_image(120), seed=2)
+    same = (batch[1].rgb == alone.rgb).all(axis=2).mean()
+    assert same > 0.999  # sums are rounded in another order in a batch
+
+
+def test_nothing_is_painted_outside_the_house():
+    torch.manual_seed(0)
+    network = LayoutNetwork(TINY).eval().requires_grad_(False)
+    plan = _plan_image()
+    layout = LayoutModel(Checkpoint(network, TINY, "hash", {})).sample(plan, seed=0)
+    floor = np.zeros((256, 256), bool)
+    floor[36:214, 26:194] = True
+    assert np.array_equal(layout.rgb[~floor], plan.rgb[~floor])
+    assert not np.array_equal(layout.rgb[floor], plan.rgb[floor])
+
+
+def test_progress_counts_every_step(model):
+    seen = []
+    model.sample(_plan_image(), steps=3, progress=lambda done, total: seen.append((done, total)))
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_the_sampler_walks_the_noise_levels_of_training(preset):
+    config = PRESETS[preset]
+    trained = training_scheduler(config).alphas_cumprod
+    walked = sampling_scheduler(config).alphas_cumprod
+    assert torch.equal(trained, walked)
+    assert bool((trained[1:] < trained[:-1]).all())
+
+
+def test_noise_to_signal_spans_what_the_configuration_says():
+    config = PRESETS["default"]
+    alphas = training_scheduler(config).alphas_cumprod.double()
+    ratio = ((1 - alphas) / alphas).sqrt()
+    assert ratio[0].item() == pytest.approx(config.noise_to_signal[0], rel=1e-3)
+    assert ratio[-1].item() == pytest.approx(config.noise_to_signal[1], rel=1e-2)
+
+
+def test_an_oracle_is_sampled_exactly():
+    """With a network that always names the truth, the reverse process ends at the truth."""
+    scheduler = sampling_scheduler(PRESETS["default"])
+    scheduler.set_timesteps(7)
+    truth = torch.sign(torch.randn(1, 17, 8, 8, generator=torch.Generator().manual_seed(0)))
+    state = torch.randn(1, 17, 8, 8, generator=torch.Generator().manual_seed(1))
+    for time in scheduler.timesteps:
+        state = scheduler.step(truth, time, state).prev_sample
+    assert torch.allclose(state, truth, atol=1e-5)
+
+
+def test_encoding_is_undone_by_the_nearest_code_word():
+    network = LayoutNetwork(TINY)
+    labels = torch.arange(CLASS_COUNT).repeat(10)[: 16 * 16].reshape(1, 16, 16)
+    state = network.encode(labels, labels > 3)
+    nearest = torch.einsum("bchw,kc->bkhw", state[:, :-1], network.codes).argmax(dim=1)
+    assert torch.equal(nearest, labels)
+    assert torch.equal(state[:, -1] > 0, labels > 3)
+
+
+def test_paper_preset_has_three_noise_and_three_plan_channels_in_and_three_out():
+    network = LayoutNetwork(TINY_PAPER)
+    fold = TINY_PAPER.patch_px**2
+    assert network.embed_state.in_channels == 3 * fold
+    assert network.embed_plan.in_channels == 3 * fold
+    assert network.head.out_channels == 3 * fold
+    assert PRESETS["paper"].patch_px == 1
+    assert PRESETS["paper"].training_steps == 1000
+
+
+class TestCheckpoints:
+    def test_round_trip(self, tmp_path):
+        network = LayoutNetwork(TINY).half().float()
+        save_checkpoint(tmp_path, network, {"steps": 7})
+        loaded = load_checkpoint(tmp_path)
+        assert loaded.config == TINY
+        assert loaded.training == {"steps": 7}
+        for name, tensor in network.state_dict().items():
+            assert torch.equal(loaded.network.state_dict()[name], tensor)
+        assert not list(tmp_path.glob("*.part"))
+
+    def test_missing_folder_says_what_to_do(self, tmp_path):
+        with pytest.raises(CheckpointError, match=r"no checkpoint here.*Try: chord-usd train"):
+            load_checkpoint(tmp_path / "nowhere")
+
+    @pytest.mark.parametrize("keep", [0, 100, 5000])
+    def test_truncated_weights(self, tmp_path, keep):
+        save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
+        weights = tmp_path / "weights.safetensors"
+        weights.write_bytes(weights.read_bytes()[:keep])
+        with pytest.raises(CheckpointError, match="damaged"):
+            load_checkpoint(tmp_path)
+
+    def test_weights_of_another_network(self, tmp_path):
+        save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
+        description = json.loads((tmp_path / "config.json").read_text())
+        description["network"]["channels"] = [32, 32]
+        (tmp_path / "config.json").write_text(json.dumps(description))
+        with pytest.raises(CheckpointError, match="another version"):
+            load_checkpoint(tmp_path)
+
+    def test_unknown_configuration_key_suggests_the_near_one(self):
+        values = {**TINY.to_dict(), "patch_pix": 4}
+        with pytest.raises(CheckpointError, match=r"'patch_pix'.*'patch_px'"):
+            LayoutConfig.from_dict(values)
+
+    def test_another_format(self, tmp_path):
+        save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
+        path = tmp_path / "config.json"
+        path.write_text(path.read_text().replace('"format": 1', '"format": 99'))
+        with pytest.raises(CheckpointError, match="format 99"):
+            load_checkpoint(tmp_path)
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="this machine has CUDA")
+def test_cuda_asked_for_and_absent(tmp_path):
+    save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
+    with pytest.raises(ChordError, match="no CUDA device"):
+        LayoutModel.load(tmp_path, "cuda")
