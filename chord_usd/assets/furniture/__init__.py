@@ -1,0 +1,1 @@
+"""Parametric furniture, one module per kind of room or use. catalogue.designs() lists it all."""

@@ -1,0 +1,160 @@
+"""Beds: frame, headboard, mattress, duvet with a turned sheet, pillows."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Literal
+
+from chord_usd.assets.furniture.joinery import four_legs
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    block,
+    creased,
+    cushion,
+    joined,
+    pillow,
+    rounded_slab,
+    soft_block,
+)
+
+Headboard = Literal["panel", "slats", "channels"]
+
+_RAIL_TOP_M = 0.3
+_MATTRESS_TOP_M = 0.5
+
+
+def bed(size_m: Size, *, headboard: Headboard = "panel", throw: bool = True) -> tuple[Part, ...]:
+    """A bed with its head at the back (+y); length runs across the bed, width along it."""
+    length, width, height = size_m
+    head = 0.1 if headboard == "channels" else 0.06
+    lying = width - head
+    y = -head / 2
+    rail = rounded_slab((length, lying, _RAIL_TOP_M - 0.12), 0.03, 0.012).moved(y=y, z=0.12)
+    mattress = cushion((length - 0.09, lying - 0.05, 0.24), 0.08, 0.05, 0.015)
+    return (
+        *four_legs(length - 0.08, width - 0.08, 0.13, 0.06, "leg"),
+        Part("Rail", rail, "frame"),
+        *_headboard(headboard, length, height, head, width / 2),
+        Part("Mattress", mattress.moved(y=y, z=_MATTRESS_TOP_M - 0.24), "mattress"),
+        *_bedding(length, lying, y, throw=throw),
+        *_pillows(length, width / 2 - head),
+    )
+
+
+def _headboard(
+    kind: Headboard, length: float, height: float, thick: float, back: float
+) -> tuple[Part, ...]:
+    y, rise = back - thick / 2, height - 0.1
+    if kind == "panel":
+        board = rounded_slab((length, rise, thick), 0.04, 0.015, 6, 2)
+        return (Part("Headboard", _upright(board).moved(y=back, z=0.1), "frame"),)
+    if kind == "channels":
+        count = max(round(length / 0.2), 4)
+        wide = length / count
+        pads = [
+            soft_block((wide, thick, rise), 0.04, (2, 1, 4)).moved(
+                -length / 2 + wide * (i + 0.5), y, 0.1
+            )
+            for i in range(count)
+        ]
+        return (Part("Headboard", joined(pads), "frame"),)
+    posts = [block((0.06, thick, height)).moved(s * (length - 0.06) / 2, y) for s in (-1, 1)]
+    rails = [block((length - 0.1, 0.035, 0.08)).moved(y=y, z=z) for z in (0.42, height - 0.1)]
+    count = max(round(length / 0.13), 5)
+    step = (length - 0.12) / count
+    bars = [
+        block((0.035, 0.02, height - 0.56)).moved(-(length - 0.12) / 2 + step * (i + 0.5), y, 0.48)
+        for i in range(count)
+    ]
+    return (Part("Headboard", joined([*posts, *rails, *bars]), "frame"),)
+
+
+def _upright(plate: Solid) -> Solid:
+    """A plate drawn lying down, stood up with its underside to the back and its width rising."""
+    lifted = plate.turned("x", 90)
+    return lifted.moved(z=-float(lifted.bounds_m()[0, 2]))
+
+
+def _bedding(length: float, lying: float, y: float, *, throw: bool) -> tuple[Part, ...]:
+    """Duvet over the lower two thirds, its upper edge turned back, perhaps a throw at the foot."""
+    reach = lying * 0.64
+    foot = y - lying / 2
+    duvet = soft_block((length - 0.03, reach, 0.225), 0.055, (14, 14, 3))
+    duvet = creased(duvet, 0.008, 0.62).moved(y=foot + 0.012 + reach / 2, z=_RAIL_TOP_M + 0.015)
+    turned = soft_block((length - 0.018, 0.24, 0.222), 0.045, (14, 3, 3))
+    turned = creased(turned, 0.006, 0.62).moved(y=foot + reach - 0.07, z=_RAIL_TOP_M + 0.03)
+    parts = [Part("Duvet", duvet, "duvet"), Part("Turned_Sheet", turned, "sheet", collider=None)]
+    if throw:
+        blanket = soft_block((length - 0.012, 0.46, 0.222), 0.05, (14, 4, 3))
+        blanket = creased(blanket, 0.006, 0.5).moved(y=foot + 0.42, z=_RAIL_TOP_M + 0.025)
+        parts.append(Part("Throw", blanket, "throw", collider=None))
+    return tuple(parts)
+
+
+def _pillows(length: float, head_y: float) -> tuple[Part, ...]:
+    """One or two pillows leaning on the headboard, each with a small cushion before it."""
+    count = 2 if length >= 1.3 else 1
+    wide = min(0.7, (length - 0.12) / count - 0.03)
+    main = pillow((wide, 0.46, 0.17)).turned("x", 38)
+    small = pillow((wide * 0.66, 0.36, 0.14)).turned("x", 46)
+    sleepers, accents = [], []
+    for index in range(count):
+        x = (index - (count - 1) / 2) * (length - 0.12) / count
+        sleepers.append(_resting(main, x, head_y - 0.01))
+        accents.append(_resting(small, x, head_y - 0.19))
+    return (
+        Part("Pillows", joined(sleepers), "sheet", collider=None),
+        Part("Cushions", joined(accents), "accent", collider=None),
+    )
+
+
+def _resting(piece: Solid, x: float, back: float) -> Solid:
+    low, high = piece.bounds_m()
+    return piece.moved(x, back - float(high[1]), _MATTRESS_TOP_M - 0.025 - float(low[2]))
+
+
+_BARE = {"mattress": "mattress", "sheet": "white_cloth"}
+_WOODEN = {
+    "oak_linen": {
+        **_BARE, "frame": "oak", "leg": "oak", "duvet": "linen", "throw": "rust_cloth",
+        "accent": "rust_cloth",
+    },
+    "walnut_blue": {
+        **_BARE, "frame": "walnut", "leg": "walnut", "duvet": "white_cloth", "throw": "blue_cloth",
+        "accent": "blue_cloth",
+    },
+    "white_green": {
+        **_BARE, "frame": "white", "leg": "white", "duvet": "white_cloth", "throw": "green_cloth",
+        "accent": "green_cloth",
+    },
+}  # fmt: skip
+_UPHOLSTERED = {
+    "grey_white": {
+        **_BARE, "frame": "grey_cloth", "leg": "black_stain", "duvet": "white_cloth",
+        "throw": "charcoal_cloth", "accent": "mustard_cloth",
+    },
+    "beige_linen": {
+        **_BARE, "frame": "beige_cloth", "leg": "oak", "duvet": "cream_cloth",
+        "throw": "green_cloth", "accent": "green_cloth",
+    },
+    "teal_grey": {
+        **_BARE, "frame": "teal_cloth", "leg": "walnut", "duvet": "linen", "throw": "teal_cloth",
+        "accent": "pink_cloth",
+    },
+}  # fmt: skip
+
+DESIGNS = (
+    Design("Bed_Single_Slats", "bed", (0.95, 2.0, 0.9), partial(bed, headboard="slats"), _WOODEN),
+    Design("Bed_Small_Double_Panel", "bed", (1.25, 2.05, 0.95), bed, _WOODEN),
+    Design(
+        "Bed_Double_Channels", "bed", (1.55, 2.1, 1.1), partial(bed, headboard="channels"),
+        _UPHOLSTERED,
+    ),
+    Design("Bed_Double_Panel", "bed", (1.7, 2.1, 1.0), partial(bed, throw=False), _WOODEN),
+    Design(
+        "Bed_King_Channels", "bed", (1.95, 2.15, 1.15), partial(bed, headboard="channels"),
+        _UPHOLSTERED,
+    ),
+)  # fmt: skip

@@ -1,0 +1,161 @@
+"""What a joiner repeats: legs, door and drawer fronts, handles, plinths."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from chord_usd.assets.model import Part
+from chord_usd.assets.solids import Solid, bent_path, block, cylinder, joined, lathe, tube
+
+FRONT_M = 0.018
+"""Thickness of a door or drawer front."""
+
+GAP_M = 0.004
+"""Gap between fronts: thin, yet visible as a shadow line."""
+
+HANDLE_M = 0.03
+"""How far a bar handle stands out of its front."""
+
+HandleKind = Literal["bar", "knob", "none"]
+Bodied = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Where one front goes, seen from the front."""
+
+    x_m: float
+    """Centre."""
+    z_m: float
+    """Lower edge."""
+    length_m: float
+    height_m: float
+    column: int
+    row: int
+
+
+def cells(
+    length_m: float, height_m: float, columns: int, rows: Sequence[float] = (1.0,), z_m: float = 0.0
+) -> Iterator[Cell]:
+    """A grid of fronts over a face, gaps taken off; rows are shares of the height, lowest first."""
+    total, low = sum(rows), z_m
+    for row, share in enumerate(rows):
+        high = low + height_m * share / total
+        for column in range(columns):
+            wide = length_m / columns
+            x = -length_m / 2 + wide * (column + 0.5)
+            yield Cell(x, low + GAP_M / 2, wide - GAP_M, high - low - GAP_M, column, row)
+        low = high
+
+
+def front(cell: Cell, y_m: float, *, framed: bool = False) -> Solid:
+    """A door or drawer front whose back lies in the plane y_m; framed gives a shaker door."""
+    size = (cell.length_m, FRONT_M, cell.height_m)
+    at = {"x": cell.x_m, "y": y_m - FRONT_M / 2, "z": cell.z_m}
+    if not framed or min(cell.length_m, cell.height_m) < 0.22:
+        return block(size, 0.0025).moved(**at)
+    rail, sunk = 0.06, 0.006
+    panel = block((cell.length_m - rail, FRONT_M - 2 * sunk, cell.height_m - rail), 0.001)
+    stile = block((rail, FRONT_M, cell.height_m), 0.002)
+    bar = block((cell.length_m - 2 * rail + 0.002, FRONT_M, rail), 0.002)
+    side = (cell.length_m - rail) / 2
+    pieces = [
+        panel.moved(z=rail / 2),
+        stile.moved(x=side),
+        stile.moved(x=-side),
+        bar,
+        bar.moved(z=cell.height_m - rail),
+    ]
+    return joined(pieces).moved(**at)
+
+
+def bar_handle(reach_m: float, *, upright: bool) -> Solid:
+    """A bow handle, its middle at the origin, standing out HANDLE_M towards -y."""
+    out, radius, half = HANDLE_M - 0.005, 0.005, reach_m / 2
+    path = [[-half, 0.004, 0], [-half, -out, 0], [half, -out, 0], [half, 0.004, 0]]
+    bow = tube(bent_path(path, 0.012, 2), radius, 6)
+    return bow.turned("y", 90) if upright else bow
+
+
+def knob() -> Solid:
+    """A turned knob, its foot at the origin, standing out HANDLE_M towards -y."""
+    profile = [(0.006, -0.003), (0.006, 0.012), (0.014, 0.02), (0.012, HANDLE_M)]
+    return lathe(profile, 12).turned("x", 90)
+
+
+def door_handle(cell: Cell, y_m: float, kind: HandleKind, *, low: bool = False) -> Solid:
+    """A handle beside the opening edge: doors open in pairs, the odd one out to the left."""
+    inner = 1.0 if cell.column % 2 == 0 else -1.0
+    x = cell.x_m + inner * (cell.length_m / 2 - 0.035)
+    reach = min(0.16, cell.height_m * 0.6)
+    near = cell.z_m + (cell.height_m - 0.12 - reach / 2 if not low else 0.12 + reach / 2)
+    # Tall doors are opened standing up: about elbow height.
+    z = near if cell.height_m < 1.0 else min(max(1.0, cell.z_m + 0.3), near)
+    made = knob() if kind == "knob" else bar_handle(reach, upright=True)
+    return made.moved(x, y_m - FRONT_M, z)
+
+
+def drawer_handle(cell: Cell, y_m: float, kind: HandleKind) -> Solid:
+    """A handle in the middle of a drawer front."""
+    made = knob() if kind == "knob" else bar_handle(min(0.16, cell.length_m * 0.5), upright=False)
+    return made.moved(cell.x_m, y_m - FRONT_M, cell.z_m + cell.height_m / 2)
+
+
+def doors(
+    face: Sequence[Cell], y_m: float, kind: HandleKind, *, framed: bool = False, low: bool = False
+) -> tuple[Part, ...]:
+    """Doors over these cells, with their handles; the handles touch the plane y_m - FRONT_M."""
+    panels = Part("Doors", joined([front(c, y_m, framed=framed) for c in face]), "front")
+    if kind == "none":
+        return (panels,)
+    grips = joined([door_handle(cell, y_m, kind, low=low) for cell in face])
+    return (panels, Part("Door_Handles", grips, "handle", collider=None))
+
+
+def drawers(
+    face: Sequence[Cell], y_m: float, kind: HandleKind, *, framed: bool = False
+) -> tuple[Part, ...]:
+    """Drawer fronts over these cells, with their handles."""
+    panels = Part("Drawers", joined([front(c, y_m, framed=framed) for c in face]), "front")
+    if kind == "none":
+        return (panels,)
+    grips = joined([drawer_handle(cell, y_m, kind) for cell in face])
+    return (panels, Part("Drawer_Handles", grips, "handle", collider=None))
+
+
+def four_legs(
+    length_m: float,
+    width_m: float,
+    height_m: float,
+    thick_m: float,
+    slot: str = "leg",
+    *,
+    is_round: bool = False,
+    splay_m: float = 0.0,
+) -> tuple[Part, ...]:
+    """Four legs, each a part of its own so that a chair still fits between their colliders.
+
+    length_m and width_m reach over the feet; splay_m is how far the tops stand further in.
+    """
+    parts = []
+    for index, (sx, sy) in enumerate(((-1, 1), (-1, -1), (1, -1), (1, 1)), start=1):
+        foot = sx * (length_m - thick_m) / 2, sy * (width_m - thick_m) / 2
+        if is_round:
+            leg = cylinder(thick_m * 0.35, height_m, 0.002, 12, top_m=thick_m / 2)
+        else:
+            leg = block((thick_m, thick_m, height_m), 0.003)
+        lean = leg.points_m.copy()
+        share = lean[:, 2:3] / height_m
+        lean[:, :2] += (1.0 - share) * [foot[0], foot[1]]
+        lean[:, :2] += share * [foot[0] - sx * splay_m, foot[1] - sy * splay_m]
+        parts.append(Part(f"Leg_{index}", Solid(lean, leg.faces), slot))
+    return tuple(parts)
+
+
+def plinth(size_m: Bodied, height_m: float, inset_m: float = 0.05) -> Part:
+    """A recessed base under a cabinet of this size."""
+    length, width, _ = size_m
+    base = block((length - 0.01, width - inset_m - 0.005, height_m), 0.002)
+    return Part("Plinth", base.moved(y=inset_m / 2), "plinth")

@@ -1,0 +1,67 @@
+"""Normals and texture coordinates of a solid, one per triangle corner."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from chord_usd.assets.solids import Solid
+from chord_usd.types import FloatArray
+
+CREASE_DEG = 38.0
+"""Faces that meet at a sharper angle keep their edge; flatter ones shade as one surface."""
+
+
+def corner_normals(solid: Solid, crease_deg: float = CREASE_DEG) -> FloatArray:
+    """(3 T, 3) unit normals in face order: faces around a corner, weighted by their area.
+
+    The weighting keeps large flat faces flat beside small bevels.
+    """
+    weighted = _face_normals(solid)
+    area = np.linalg.norm(weighted, axis=1, keepdims=True)
+    unit = weighted / np.maximum(area, 1e-18)
+    point_of_corner = solid.faces.reshape(-1)
+    face_of_corner = np.repeat(np.arange(len(solid.faces)), 3)
+    first, second = _pairs_at_a_point(point_of_corner)
+    near = np.sum(unit[face_of_corner[first]] * unit[face_of_corner[second]], axis=1)
+    together = near >= math.cos(math.radians(crease_deg))
+    normals = np.zeros((len(point_of_corner), 3))
+    np.add.at(normals, first[together], weighted[face_of_corner[second[together]]])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.maximum(length, 1e-18)
+
+
+def corner_uvs_m(solid: Solid) -> FloatArray:
+    """(3 T, 2) texture coordinates in metres, projected along the axis each face looks most at.
+
+    Seen from outside, u runs to the right and v up (on tops and undersides: to the back).
+    """
+    normals = _face_normals(solid)
+    axis = np.argmax(np.abs(normals), axis=1)
+    positive = normals[np.arange(len(normals)), axis] >= 0.0
+    corners = solid.points_m[solid.faces]
+    x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
+    sign = np.where(positive, 1.0, -1.0)[:, None]
+    along = axis[:, None]
+    u = np.where(along == 0, sign * y, np.where(along == 1, -sign * x, sign * x))
+    v = np.where(along == 2, y, z)
+    return np.stack([u, v], axis=-1).reshape(-1, 2)
+
+
+def _face_normals(solid: Solid) -> FloatArray:
+    """(T, 3) normals whose length is twice the face's area."""
+    a, b, c = (solid.points_m[solid.faces[:, corner]] for corner in range(3))
+    return np.cross(b - a, c - a)
+
+
+def _pairs_at_a_point(point_of_corner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All ordered pairs of corners (each with itself too) that share a point."""
+    order = np.argsort(point_of_corner, kind="stable")
+    counts = np.bincount(point_of_corner)
+    starts = np.cumsum(counts) - counts
+    fan = counts[point_of_corner[order]]
+    first = np.repeat(order, fan)
+    offsets = np.arange(len(first)) - np.repeat(np.cumsum(fan) - fan, fan)
+    second = order[np.repeat(starts[point_of_corner[order]], fan) + offsets]
+    return first, second
