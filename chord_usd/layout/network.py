@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import torch
@@ -15,18 +14,6 @@ from chord_usd.layout.condition import GRID_PLANES, PIXEL_PLANES
 from chord_usd.layout.config import LayoutConfig
 
 RGB_CHANNELS = 3
-
-
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """What the network says about one noisy batch."""
-
-    sample: Tensor
-    """(B, C, H, W) expectation of the clean state, or the noise for epsilon prediction."""
-    logits: Tensor | None = None
-    """(B, CLASS_COUNT, H, W) category logits (codes only)."""
-    front_logit: Tensor | None = None
-    """(B, H, W) logit of the front mark (codes only)."""
 
 
 class LayoutNetwork(nn.Module):
@@ -63,14 +50,13 @@ class LayoutNetwork(nn.Module):
         self.head = nn.Conv2d(config.feature_channels, _output_channels(config) * fold, 1)
         self.register_buffer("codes", torch.from_numpy(codebook()), persistent=False)
 
-    def forward(
-        self, state: Tensor, time: Tensor, pixels: Tensor, grid: Tensor | None
-    ) -> Prediction:
-        """Predicts the clean state of a noisy batch.
+    def forward(self, state: Tensor, time: Tensor, pixels: Tensor, grid: Tensor | None) -> Tensor:
+        """What the network says of a noisy batch.
 
         state: (B, C, H, W) noisy state; time: (B,) training steps in [0, training_steps);
         pixels: (B, PIXEL_PLANES or 3, H, W) plan; grid: (B, GRID_PLANES, H/patch, W/patch) or None
-        for the RGB condition.
+        for the RGB condition. Returns (B, CLASS_COUNT + 1, H, W): category logits, then the front
+        mark's logit; for the RGB state the predicted noise, (B, 3, H, W).
         """
         patch = self.config.patch_px
         plan = functional.pixel_unshuffle(pixels, patch)
@@ -79,22 +65,23 @@ class LayoutNetwork(nn.Module):
         folded = functional.pixel_unshuffle(state, patch)
         inputs = torch.cat([self.embed_state(folded), self.embed_plan(plan)], dim=1)
         features = functional.silu(self.unet(inputs, time).sample)
-        output = functional.pixel_shuffle(self.head(features), patch)
-        if self.config.state == "rgb":
-            return Prediction(output)
-        return self._expected_code(output)
+        return functional.pixel_shuffle(self.head(features), patch)
 
     def encode(self, labels: Tensor, front: Tensor) -> Tensor:
         """Labels (B, H, W) and front marks (B, H, W) bool to the clean state (B, 17, H, W)."""
         words = functional.embedding(labels.long(), self.codes).permute(0, 3, 1, 2)
         return torch.cat([words, front[:, None].to(words.dtype) * 2.0 - 1.0], dim=1)
 
-    def _expected_code(self, output: Tensor) -> Prediction:
-        logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
-        chances = logits.softmax(dim=1)
-        words = torch.einsum("bkhw,kc->bchw", chances, self.codes.to(chances.dtype))
-        front = torch.sigmoid(front_logit)[:, None] * 2.0 - 1.0
-        return Prediction(torch.cat([words, front], dim=1), logits, front_logit)
+    def expected_state(self, output: Tensor) -> Tensor:
+        """The mean clean state (B, 17, H, W) under forward's logits: what the scheduler steps to.
+
+        A softmax over code words keeps the estimate inside their hull at every noise level
+        (score interpolation, Dieleman et al., 2022), where a regressed sample would leave it.
+        """
+        chances = output[:, :CLASS_COUNT].float().softmax(dim=1)
+        words = torch.einsum("bkhw,kc->bchw", chances, self.codes)
+        front = torch.tanh(output[:, CLASS_COUNT:].float() / 2.0)  # 2 sigmoid(z) - 1
+        return torch.cat([words, front], dim=1)
 
 
 def _state_channels(config: LayoutConfig) -> int:

@@ -117,11 +117,10 @@ class LayoutModel:
         bare = self._bare_floor(state)
         output = state
         for done, time in enumerate(scheduler.timesteps, start=1):
-            prediction = network(state, time.expand(len(state)), plans.pixels, plans.grid)
-            sample = prediction.sample
-            if prediction.logits is not None:
-                output = torch.cat([prediction.logits, prediction.front_logit[:, None]], dim=1)
-                sample = torch.where(plans.inside > 0, sample, bare)
+            output = network(state, time.expand(len(state)), plans.pixels, plans.grid)
+            sample = output
+            if self.config.state == "codes":
+                sample = torch.where(plans.inside > 0, network.expected_state(output), bare)
             state = scheduler.step(sample, time, state).prev_sample
             if progress:
                 progress(done, steps)

@@ -13,8 +13,9 @@ from torch import Tensor
 from torch.nn import functional
 
 from chord_usd.layout.checkpoint import load_checkpoint, save_checkpoint
+from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import LayoutConfig
-from chord_usd.layout.network import LayoutNetwork, Prediction
+from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.training.stream import LayoutStream, Sample, StreamConfig, sample_loader
 from chord_usd.types import Plan
@@ -47,6 +48,8 @@ class TrainingConfig:
     sheet_minutes: float = 15.0
     seed: int = 0
     device: str = "cpu"
+    mixed_precision: bool = True
+    """bfloat16 in the network, float32 in losses and weights."""
     stream: StreamConfig = field(default_factory=StreamConfig)
 
 
@@ -181,17 +184,14 @@ class LayoutTrainer:
         times = torch.randint(0, network.config.training_steps, (len(clean),), device=clean.device)
         noise = torch.randn_like(clean)
         noisy = self.scheduler.add_noise(clean, noise, times)
-        prediction = network(noisy, times, self._plan_pixels(batch), self._plan_grid(batch))
-        if prediction.logits is None:
-            error = functional.mse_loss(prediction.sample.float(), noise)
-            return {"loss": error}
-        return self._category_losses(prediction, batch)
+        output = network(noisy, times, self._plan_pixels(batch), self._plan_grid(batch))
+        if network.config.state == "rgb":
+            return {"loss": functional.mse_loss(output.float(), noise)}
+        return self._category_losses(output, batch)
 
-    def _category_losses(self, prediction: Prediction, batch: Sample) -> dict[str, Tensor]:
+    def _category_losses(self, output: Tensor, batch: Sample) -> dict[str, Tensor]:
         """Means over floor pixels: nothing belongs outside, so nothing is learned there."""
-        logits, front_logit = prediction.logits, prediction.front_logit
-        assert logits is not None
-        assert front_logit is not None
+        logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
         labels = batch["labels"].long()
         inside = (batch["pixels"][:, 3] > 0) | (labels > 0)
         category = functional.cross_entropy(logits.float(), labels, reduction="none")

@@ -94,7 +94,7 @@ def test_noise_to_signal_spans_what_the_configuration_says():
 def test_an_oracle_is_sampled_exactly():
     """With a network that always names the truth, the reverse process ends at the truth."""
     scheduler = sampling_scheduler(PRESETS["default"])
-    scheduler.set_timesteps(7)
+    scheduler.set_timesteps(8)
     truth = torch.sign(torch.randn(1, 17, 8, 8, generator=torch.Generator().manual_seed(0)))
     state = torch.randn(1, 17, 8, 8, generator=torch.Generator().manual_seed(1))
     for time in scheduler.timesteps:
