@@ -1,0 +1,193 @@
+"""Bedrooms: the bed group, a wardrobe, a desk, sometimes a television or an armchair."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from chord_usd.data.furnish import sizes
+from chord_usd.data.furnish.floor import Floor, Size, Spot
+from chord_usd.data.furnish.storage import put_armchair, put_cabinet
+from chord_usd.data.furnish.walls import REACH, SOLID, Wall
+from chord_usd.data.furnish.workplace import put_desk
+
+SIDE_M = 0.5
+"""Room to get into bed."""
+
+FOOT_M = 0.55
+"""Room to walk past the foot of the bed."""
+
+
+EDGES_ONLY_M = -2.0
+"""Height of nothing: lower than every sill, it meets no zone, only the room's outline."""
+
+
+class BedPlace(NamedTuple):
+    """Where the bed may go."""
+
+    score: float
+    wall: Wall
+    s: float
+    left_m: float
+    """Free floor between the bed and what is beside it, towards smaller s."""
+    right_m: float
+
+
+def furnish_bedroom(floor: Floor) -> None:
+    """Furnish in the order of importance; what no longer fits is left out."""
+    dice = floor.dice
+    place = _put_bed(floor)
+    wardrobe = 0.95 if floor.area_m2 > 8.0 else 0.8
+    if dice.random() < wardrobe:
+        put_cabinet(floor, tall=True, longest=_wardrobe_length(floor))
+    if place and floor.area_m2 > 10.0 and dice.random() < 0.35:
+        _put_television(floor, place)
+    if dice.random() < 0.5:
+        put_desk(floor)
+    if floor.area_m2 > 15.0 and dice.random() < 0.4:
+        put_armchair(floor)
+    if floor.area_m2 > 16.0 and dice.random() < 0.3:
+        put_cabinet(floor, tall=False, longest=1.4)
+
+
+def _wardrobe_length(floor: Floor) -> float:
+    usual = 1.0 + 0.1 * floor.area_m2
+    return min(2.8, max(0.8, usual + floor.dice.uniform(-0.4, 0.6)))
+
+
+def _put_bed(floor: Floor) -> BedPlace | None:
+    """The widest bed that suits the room's area and fits; narrower ones after it."""
+    dice = floor.dice
+    for length in sizes.BED_LENGTHS_M:
+        if length > 0.9 and length > 0.75 + 0.085 * floor.area_m2 + dice.uniform(-0.1, 0.25):
+            continue
+        size = sizes.bed(dice, length)
+        has_panel = length >= 1.2 and dice.random() < 0.72
+        panel = sizes.panel(dice, "bed_background", length) if has_panel else None
+        place = _best_place(floor, size, panel[1] if panel else 0.0)
+        if place:
+            _put_bed_group(floor, place, size, panel)
+            return place
+    return None
+
+
+def _best_place(floor: Floor, size: Size, panel_m: float) -> BedPlace | None:
+    """The best place with room to pass the foot of the bed, else the best without."""
+    depth = panel_m + size[1]
+    # A panel hangs higher than any sill.
+    height = 9.0 if panel_m else size[2]
+    for foot in (FOOT_M, 0.0):
+        places = []
+        for wall in floor.walls:
+            if wall.length < size[0]:
+                continue
+            walkable = wall.gaps(depth, EDGES_ONLY_M, foot, size[0])
+            for s_from, s_to in wall.gaps(depth, height, foot, size[0]):
+                low, high = _containing(walkable, s_from, s_to)
+                for s in _positions(Spot(wall, s_from, s_to), size[0], low, high):
+                    left, right = s - size[0] / 2 - low, high - s - size[0] / 2
+                    if max(left, right) >= SIDE_M:
+                        score = _score(floor, wall, s, size, left, right)
+                        places.append(BedPlace(score, wall, s, left, right))
+        if places:
+            return max(places, key=lambda place: place.score)
+    return None
+
+
+def _containing(gaps: list[tuple[float, float]], low: float, high: float) -> tuple[float, float]:
+    """The gap around [low, high]; itself where none is."""
+    for a, b in gaps:
+        if a <= low + 1e-6 and b >= high - 1e-6:
+            return a, b
+    return low, high
+
+
+def _positions(spot: Spot, length: float, low: float, high: float) -> list[float]:
+    """Middles to try: centred on the wall, centred in the span, and close to its ends."""
+    half = length / 2
+    first, last = spot.s_from + half, spot.s_to - half
+    found = [min(max((low + high) / 2, first), last), (first + last) / 2]
+    if length < 1.4:
+        found += [first, last]
+    if last - first > 1.0:
+        found += [first + 0.6, last - 0.6]
+    return found
+
+
+def _score(floor: Floor, wall: Wall, s: float, size: Size, left: float, right: float) -> float:
+    """How well a designer would like the bed here."""
+    score = floor.dice.uniform(0.0, 0.6) + 0.12 * wall.length
+    free = (min(left, 0.7), min(right, 0.7))
+    # A wide bed is entered from both sides, a narrow one may stand along a wall.
+    score += 1.5 * min(free) if size[0] > 1.3 else 0.4 * max(free)
+    score -= 0.15 * abs(left - right)
+    if wall.has_window:
+        score -= 1.2
+    if wall.has_door:
+        score -= 0.5
+    x, y = wall.world(s, size[1] / 2)
+    score += 0.25 * min(3.0, floor.distance_to_door(x, y))
+    return score
+
+
+def _put_bed_group(floor: Floor, place: BedPlace, size: Size, panel: Size | None) -> None:
+    wall, s = place.wall, place.s
+    floor.new_group()
+    back = 0.0
+    if panel:
+        floor.put("bed_background", wall, s, panel)
+        back = panel[1]
+    floor.put("bed", wall, s, size, back=back, core=True)
+    tables = _put_bedside_tables(floor, place, size)
+    _keep_bed_sides(floor, place, size, back, tables)
+
+
+def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool, bool]:
+    """None, one or two of the same kind, beside the headboard, flush with the wall."""
+    dice = floor.dice
+    wanted = dice.choices((0, 1, 2), (0.42, 0.2, 0.38) if size[0] > 1.3 else (0.5, 0.45, 0.05))[0]
+    table = sizes.sampled(dice, "bedside_table", longest=0.55)
+    table = (table[0], min(table[1], table[0]), table[2])
+    gap = dice.choice((0.0, 0.02, 0.05))
+    sides = [-1, 1] if dice.random() < 0.5 else [1, -1]
+    put = {-1: False, 1: False}
+    for side in sides:
+        s = place.s + side * (size[0] / 2 + gap + table[0] / 2)
+        low, high = s - table[0] / 2, s + table[0] / 2
+        if sum(put.values()) < wanted and place.wall.fits(low, high, 0.0, table[1], table[2]):
+            floor.put("bedside_table", place.wall, s, table)
+            put[side] = True
+    return put[-1], put[1]
+
+
+def _keep_bed_sides(
+    floor: Floor, place: BedPlace, size: Size, back: float, tables: tuple[bool, bool]
+) -> None:
+    """Keep the ways into the bed free: both sides of a wide one where there is room."""
+    wall, half = place.wall, size[0] / 2
+    front = back + size[1]
+    sides = (
+        (place.s - half - SIDE_M, place.s - half, place.left_m, tables[0]),
+        (place.s + half, place.s + half + SIDE_M, place.right_m, tables[1]),
+    )
+    for low, high, free, has_table in sides:
+        if free >= SIDE_M - 1e-6:
+            near = 0.55 if has_table else back + 0.4
+            if wall.fits(low, high, near, front, bits=SOLID):
+                floor.keep(wall, low, high, near, front, REACH)
+    if wall.fits(place.s - half, place.s + half, front, front + FOOT_M, bits=SOLID):
+        floor.keep(wall, place.s - half, place.s + half, front, front + FOOT_M, REACH)
+
+
+def _put_television(floor: Floor, place: BedPlace) -> None:
+    """A low cabinet opposite the bed, on its axis."""
+    dice = floor.dice
+    size = sizes.sampled(dice, "tv_cabinet", longest=1.8, deepest=0.4)
+    x, y = place.wall.world(place.s, 0.0)
+    for wall in floor.facing(place.wall):
+        axis, _ = wall.local(x, y)
+        for s_from, s_to in wall.gaps(size[1], size[2], 0.6, size[0]):
+            s = min(max(axis, s_from + size[0] / 2), s_to - size[0] / 2)
+            if abs(s - axis) < 0.4:
+                floor.new_group()
+                floor.put("tv_cabinet", wall, s, size)
+                return

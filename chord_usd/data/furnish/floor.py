@@ -1,0 +1,221 @@
+"""The floor of one room while it is being furnished: its walls, what stands on it, what is kept."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Block, Wall
+from chord_usd.palette import CATEGORIES
+from chord_usd.types import Room, RoomKind
+from chord_usd.units import wrap_deg
+
+Size = tuple[float, float, float]
+"""Length, width (depth), height in metres."""
+
+
+class Placed(NamedTuple):
+    """One piece on the floor. The front points along (uy, -ux), u being its length direction."""
+
+    category: str
+    x: float
+    y: float
+    z: float
+    size: Size
+    yaw_deg: float
+    ux: float
+    uy: float
+    group: int
+    """Pieces of one group go together: a desk and its chair."""
+    core: bool
+    """A room without it would not be that room; never given up for a wider path."""
+
+
+class Spot(NamedTuple):
+    """A free span along a wall."""
+
+    wall: Wall
+    s_from: float
+    s_to: float
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return self.s_to - self.s_from
+
+
+class Door(NamedTuple):
+    """A door or passage, seen from the room."""
+
+    wall: Wall
+    s_from: float
+    s_to: float
+    is_entrance: bool
+
+
+class Floor:
+    """The state of one room. Mutable; lives only while `furnish` runs."""
+
+    def __init__(self, room: Room, kind: RoomKind, dice: random.Random) -> None:
+        self.room = room
+        self.kind: RoomKind = kind
+        self.dice = dice
+        self.corners = straight_corners(room.polygon_m.tolist())
+        self.area_m2 = _area_m2(self.corners)
+        self.walls = [
+            Wall(i, corner, self.corners[(i + 1) % len(self.corners)])
+            for i, corner in enumerate(self.corners)
+        ]
+        for wall in self.walls:
+            wall.see_edges(self.corners)
+        self.doors: list[Door] = []
+        self.windows: list[tuple[Wall, float, float, float]] = []
+        self.placed: list[Placed] = []
+        self._group = 0
+
+    def new_group(self) -> None:
+        """What is put down from now on goes together."""
+        self._group += 1
+
+    def mark(self) -> tuple[int, int]:
+        """A state to come back to with `undo`."""
+        return len(self.placed), len(self.walls[0].blocks)
+
+    def undo(self, mark: tuple[int, int]) -> None:
+        """Take back everything since the mark."""
+        del self.placed[mark[0] :]
+        for wall in self.walls:
+            del wall.blocks[mark[1] :]
+
+    def put(
+        self,
+        category: str,
+        wall: Wall,
+        s: float,
+        size: Size,
+        *,
+        back: float = 0.0,
+        reach: float = 0.0,
+        core: bool = False,
+    ) -> None:
+        """Stand a piece with its back to the wall, centred at s, `back` metres off the wall.
+
+        reach: how far in front of it nothing else may stand.
+        """
+        self.put_turned(category, wall, s, back + size[1] / 2, size, 0, core=core)
+        if reach:
+            front = back + size[1]
+            self.keep(wall, s - size[0] / 2, s + size[0] / 2, front, front + reach, REACH)
+
+    def put_turned(
+        self,
+        category: str,
+        wall: Wall,
+        s: float,
+        t: float,
+        size: Size,
+        quarter_turns: int,
+        *,
+        core: bool = False,
+    ) -> None:
+        """Stand a piece with its centre at (s, t) of the wall's frame.
+
+        quarter_turns: counter-clockwise from facing away from the wall, 0 to 3; 2 faces the wall.
+        """
+        length, width, height = size
+        x, y = wall.world(s, t)
+        base = CATEGORIES[category].mount_height_m
+        # The own x axis of a piece with its back to the wall runs against the wall's direction.
+        ux, uy = -wall.ux, -wall.uy
+        for _ in range(quarter_turns):
+            ux, uy = -uy, ux
+        yaw_deg = wrap_deg(wall.yaw_deg + 90.0 * quarter_turns)
+        self.placed.append(Placed(category, x, y, base, size, yaw_deg, ux, uy, self._group, core))
+        self._block(x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M)
+
+    def keep(
+        self,
+        wall: Wall,
+        s_from: float,
+        s_to: float,
+        t_from: float,
+        t_to: float,
+        bits: int = ZONE,
+        sill: float = NO_SILL_M,
+    ) -> None:
+        """Keep a rectangle of the wall's frame free of things higher than sill."""
+        x, y = wall.world((s_from + s_to) / 2, (t_from + t_to) / 2)
+        half = (s_to - s_from) / 2, (t_to - t_from) / 2
+        self._block(x, y, wall.ux, wall.uy, half[0], half[1], bits, sill)
+
+    def spots(
+        self, depth: float, height: float, reach: float = 0.0, least: float = 0.3
+    ) -> Iterator[Spot]:
+        """Free spans along all walls; see Wall.gaps."""
+        for wall in self.walls:
+            if wall.length >= least:
+                for s_from, s_to in wall.gaps(depth, height, reach, least):
+                    yield Spot(wall, s_from, s_to)
+
+    def facing(self, wall: Wall) -> list[Wall]:
+        """Walls that look at this one, within a degree of parallel."""
+        return [
+            other
+            for other in self.walls
+            if other.ux * wall.ux + other.uy * wall.uy < -0.9998
+            and wall.local(other.x, other.y)[1] > 0.5
+        ]
+
+    def distance_to_door(self, x: float, y: float) -> float:
+        """Metres from a world point to the middle of the nearest door; 9 without doors."""
+        nearest = 9.0
+        for door in self.doors:
+            door_x, door_y = door.wall.world((door.s_from + door.s_to) / 2, 0.0)
+            nearest = min(nearest, math.hypot(door_x - x, door_y - y))
+        return nearest
+
+    def has(self, category: str) -> bool:
+        """Whether a piece of this category stands here."""
+        return any(piece.category == category for piece in self.placed)
+
+    def _block(
+        self,
+        x: float,
+        y: float,
+        ux: float,
+        uy: float,
+        half_length: float,
+        half_width: float,
+        bits: int,
+        sill: float,
+    ) -> None:
+        for wall in self.walls:
+            wx, wy = wall.ux, wall.uy
+            dx, dy = x - wall.x, y - wall.y
+            s, t = dx * wx + dy * wy, dy * wx - dx * wy
+            along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
+            half_s = along * half_length + across * half_width
+            half_t = across * half_length + along * half_width
+            wall.blocks.append(Block(s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
+
+
+def straight_corners(corners: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
+    """The corners at which the outline really turns (more than 0.2 degrees), in order."""
+    kept: list[tuple[float, float]] = []
+    count = len(corners)
+    for i in range(count):
+        (ax, ay), (bx, by), (cx, cy) = corners[i - 1], corners[i], corners[(i + 1) % count]
+        ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
+        turn = abs(ux * vy - uy * vx)
+        if turn > 0.003 * math.hypot(ux, uy) * math.hypot(vx, vy):
+            kept.append((bx, by))
+    return kept
+
+
+def _area_m2(corners: Sequence[tuple[float, float]]) -> float:
+    total = 0.0
+    for i, (x, y) in enumerate(corners):
+        total += corners[i - 1][0] * y - x * corners[i - 1][1]
+    return total / 2

@@ -1,0 +1,141 @@
+"""Filling a stretch of kitchen counter with modules, without a gap."""
+
+from __future__ import annotations
+
+import random
+from typing import NamedTuple
+
+SINGLE = "single_door_floor_cabinet"
+DOUBLE = "double_door_floor_cabinet"
+
+
+class Module(NamedTuple):
+    """One floor cabinet of a run."""
+
+    category: str
+    length_m: float
+
+
+def pack(
+    dice: random.Random,
+    length: float,
+    wanted: set[str],
+    window_m: float | None,
+    blind_start: bool,
+    blind_end: bool,
+    depth: float,
+    blind_m: float,
+) -> list[Module]:
+    """Modules from the run's start to its end that fill `length` metres.
+
+    wanted: categories to place if there is room. window_m: where the sink would like its middle.
+    Blind ends begin with a corner cabinet of blind_m, since the neighbour run hides one depth.
+    """
+    head = [Module(DOUBLE, blind_m)] if blind_start else []
+    tail = [Module(DOUBLE, blind_m)] if blind_end else []
+    free = length - blind_m * (blind_start + blind_end)
+    if free < 0.3:
+        return [*head, *tail]
+    ends: list[Module] = []
+    if "refrigerator" in wanted and free >= 2.2 and not (blind_start and blind_end):
+        ends.append(Module("refrigerator", 0.7 if free > 2.6 else 0.6))
+    if "electrical_floor_cabinet" in wanted and free - _total(ends) >= 2.2:
+        ends.append(Module("electrical_floor_cabinet", 0.6))
+    free -= _total(ends)
+    at_end = blind_start or (not blind_end and dice.random() < 0.5)
+    offset = _total(head) + (0.0 if at_end else _total(ends))
+    middle = _middle(dice, free, wanted, None if window_m is None else window_m - offset)
+    if at_end:
+        return [*head, *middle, *reversed(ends), *tail]
+    return [*head, *ends, *middle, *tail]
+
+
+def _total(modules: list[Module]) -> float:
+    return sum(module.length_m for module in modules)
+
+
+def _middle(
+    dice: random.Random, free: float, wanted: set[str], window_m: float | None
+) -> list[Module]:
+    """Sink, cooker and what fills the rest."""
+    names = [n for n in ("sink_cabinet", "cooker_cabinet") if n in wanted]
+    if not names or free < 0.6:
+        return fill(dice, free)
+    if len(names) == 2 and free < 1.2:
+        names = names[:1]
+    lengths = {"sink_cabinet": 0.8, "cooker_cabinet": 0.75}
+    if free < sum(lengths[n] for n in names) + 0.35:
+        return _tight(names, free)
+    if len(names) == 1:
+        return _around(dice, names[0], lengths[names[0]], free, window_m)
+    return _sink_and_cooker(dice, free, lengths, window_m)
+
+
+def _tight(names: list[str], free: float) -> list[Module]:
+    """The wanted modules alone, stretched or shrunk to fill the run."""
+    most = {"sink_cabinet": 1.1, "cooker_cabinet": 0.95}
+    each = free / len(names)
+    modules = [Module(name, min(each, most[name])) for name in names]
+    rest = free - _total(modules)
+    return modules if rest < 0.3 else [*modules, Module(SINGLE, min(rest, 0.55))]
+
+
+def _around(
+    dice: random.Random, name: str, length: float, free: float, window_m: float | None
+) -> list[Module]:
+    start = (free - length) / 2 if window_m is None else window_m - length / 2
+    start = _fillable(min(max(0.0, start), free - length), free - length)
+    rest = free - length - start
+    return [*fill(dice, start), Module(name, length), *fill(dice, rest)]
+
+
+def _sink_and_cooker(
+    dice: random.Random, free: float, lengths: dict[str, float], window_m: float | None
+) -> list[Module]:
+    """Sink at the window, the cooker on its longer side with counter between them."""
+    sink, cooker = lengths["sink_cabinet"], lengths["cooker_cabinet"]
+    spare = free - sink - cooker
+    middle = free * dice.choice((0.25, 0.75)) if window_m is None else window_m
+    sink_first = middle < free / 2
+    start = middle - sink / 2 if sink_first else free - middle - sink / 2
+    before = _fillable(min(max(0.0, start), spare - 0.3), spare)
+    rest = spare - before
+    after = _fillable(rest / 2 if rest > 1.2 else 0.0, rest)
+    between = rest - after
+    row = [
+        *fill(dice, before),
+        Module("sink_cabinet", sink),
+        *fill(dice, between),
+        Module("cooker_cabinet", cooker),
+        *fill(dice, after),
+    ]
+    return row if sink_first else row[::-1]
+
+
+def _fillable(part: float, whole: float) -> float:
+    """The nearest way to split `whole` such that cabinets fill both parts."""
+    options = [part, 0.0, 0.3, 0.4, 0.5, 0.6, 0.8, whole - 0.3, whole - 0.4, whole - 0.6, whole]
+    good = [o for o in options if _is_fillable(o) and _is_fillable(whole - o)]
+    return min(good, key=lambda o: abs(o - part)) if good else part
+
+
+def _is_fillable(length: float) -> bool:
+    return -1e-9 <= length < 1e-6 or 0.3 - 1e-6 <= length <= 0.55 + 1e-6 or length >= 0.6 - 1e-6
+
+
+def fill(dice: random.Random, length: float) -> list[Module]:
+    """Floor cabinets of usual lengths that fill `length` exactly; [] below 0.3 m."""
+    if length < 0.3 - 1e-6:
+        return []
+    if length <= 0.55 + 1e-6:
+        return [Module(SINGLE, min(length, 0.55))]
+    if length < 0.9 or (length <= 1.1 and dice.random() < 0.5):
+        return [Module(DOUBLE, max(length, 0.6))] if length >= 0.6 - 1e-6 else []
+    if length <= 1.1:
+        return [Module(SINGLE, length / 2), Module(SINGLE, length / 2)]
+    first = dice.choice((0.4, 0.45, 0.5, 0.8, 0.9))
+    rest = length - first
+    if not _is_fillable(rest):
+        first = 0.4 if _is_fillable(length - 0.4) else 0.5
+    modules = [Module(SINGLE if first < 0.6 else DOUBLE, first)]
+    return modules + fill(dice, length - first)

@@ -1,0 +1,128 @@
+"""Which wall of which room each door, passage and window belongs to, and what it keeps free."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from chord_usd.data.furnish.floor import Door, Floor
+from chord_usd.data.furnish.walls import ZONE, Wall
+from chord_usd.types import WALL_THICKNESS_M, Opening
+
+WINDOW_ZONE_M = 0.5
+"""Nothing higher than the sill stands nearer to a window."""
+
+OPEN_SIDE_ZONE_M = 0.6
+"""Kept free along sides where two rooms touch without a wall."""
+
+PARALLEL = 0.1
+"""Largest sine between an opening and the wall it is in."""
+
+_ENTRANCE_KINDS = ("corridor", "living", "unknown", "dining", "kitchen", "store")
+"""Where a door to the outside is the front door, best first."""
+
+
+def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> None:
+    """Tell every floor about its doors and windows and keep the space in front of them free.
+
+    room_ids of an opening are trusted; openings without any are attached by their position.
+    """
+    by_id = {floor.room.id: floor for floor in floors}
+    sides = []
+    for opening in openings:
+        named = [by_id[i] for i in opening.room_ids if i in by_id] or floors
+        found = [(floor, side) for floor in named if (side := _side_of(floor, opening))]
+        sides.append((opening, found))
+    entrance = _entrance(sides)
+    for opening, found in sides:
+        for floor, (wall, s_from, s_to) in found:
+            _open(floor, opening, wall, s_from, s_to, opening is entrance)
+
+
+def attach_open_sides(floors: Sequence[Floor]) -> None:
+    """Treat stretches where two rooms touch like wide passages."""
+    bounds = [_bounds(floor) for floor in floors]
+    for i, floor in enumerate(floors):
+        for j, other in enumerate(floors):
+            if i != j and _near(bounds[i], bounds[j]):
+                _share_sides(floor, other)
+
+
+def _open(
+    floor: Floor, opening: Opening, wall: Wall, s_from: float, s_to: float, is_entrance: bool
+) -> None:
+    if opening.kind == "window":
+        sill = opening.box.center_m[2] + 1e-6
+        floor.windows.append((wall, s_from, s_to, sill))
+        floor.keep(wall, s_from, s_to, 0.0, WINDOW_ZONE_M, ZONE, sill)
+        wall.has_window = True
+        return
+    floor.doors.append(Door(wall, s_from, s_to, is_entrance))
+    floor.keep(wall, s_from, s_to, 0.0, s_to - s_from)
+    wall.has_door = True
+
+
+def _side_of(floor: Floor, opening: Opening) -> tuple[Wall, float, float] | None:
+    """The wall that holds the opening and the opening's span on it."""
+    x, y, _ = opening.box.center_m
+    half = opening.box.size_m[0] / 2
+    yaw = math.radians(opening.box.yaw_deg)
+    ux, uy = math.cos(yaw), math.sin(yaw)
+    farthest = max(WALL_THICKNESS_M, opening.box.size_m[1]) + 0.05
+    best, nearest = None, farthest
+    for wall in floor.walls:
+        if abs(ux * wall.uy - uy * wall.ux) > PARALLEL:
+            continue
+        s, t = wall.local(x, y)
+        if -half < s < wall.length + half and abs(t) < nearest and t < 0.1:
+            best, nearest = (wall, max(0.0, s - half), min(wall.length, s + half)), abs(t)
+    return best
+
+
+def _entrance(
+    sides: Sequence[tuple[Opening, list[tuple[Floor, tuple[Wall, float, float]]]]],
+) -> Opening | None:
+    """The front door: marked as such, else the likeliest door that leads outside."""
+    best, rank = None, 99.0
+    for opening, found in sides:
+        if opening.kind == "window" or len(found) != 1:
+            continue
+        if _marked(opening.extra):
+            return opening
+        kind = found[0][0].kind
+        if opening.kind == "door" and kind in _ENTRANCE_KINDS:
+            own = _ENTRANCE_KINDS.index(kind) - opening.box.size_m[0] / 10
+            if own < rank:
+                best, rank = opening, own
+    return best
+
+
+def _marked(extra: Mapping[str, object]) -> bool:
+    return bool(extra.get("entrance")) or extra.get("role") == "entrance"
+
+
+def _bounds(floor: Floor) -> tuple[float, float, float, float]:
+    xs = [x for x, _ in floor.corners]
+    ys = [y for _, y in floor.corners]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def _near(
+    a: tuple[float, float, float, float], b: tuple[float, float, float, float], gap: float = 0.05
+) -> bool:
+    return a[0] < b[2] + gap and b[0] < a[2] + gap and a[1] < b[3] + gap and b[1] < a[3] + gap
+
+
+def _share_sides(floor: Floor, other: Floor) -> None:
+    for wall in floor.walls:
+        for twin in other.walls:
+            if wall.ux * twin.ux + wall.uy * twin.uy > -0.9998:
+                continue
+            s_end, t = wall.local(twin.x, twin.y)
+            if abs(t) > 0.05:
+                continue
+            s_from, s_to = max(0.0, s_end - twin.length), min(wall.length, s_end)
+            if s_to - s_from > 0.3:
+                floor.keep(wall, s_from, s_to, 0.0, OPEN_SIDE_ZONE_M)
+                floor.doors.append(Door(wall, s_from, s_to, False))
+                wall.has_door = True

@@ -1,0 +1,167 @@
+"""Free spans along a wall: where along it, and how deep, something may stand.
+
+Every question is asked in the wall's own frame: s runs along the wall from its first corner, t
+points into the room, both metres. What stands in a room is known to each of its walls as a block,
+the bounding rectangle of the thing in that wall's frame: exact for parallel and perpendicular
+things, on the safe side for slanted ones.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+SOLID = 1
+"""Blocks that are furniture."""
+ZONE = 2
+"""Blocks that must stay empty: in front of doors and windows, along open sides."""
+REACH = 4
+"""Blocks that people use: in front of a cabinet, beside a bed. Two of these may overlap."""
+ANY = SOLID | ZONE | REACH
+
+NO_SILL_M = -1.0
+"""Sill of a block that keeps out things of every height."""
+
+TOUCH_M = 1e-6
+"""Things nearer than this only touch."""
+
+
+class Block(NamedTuple):
+    """A rectangle of a wall's frame that is taken."""
+
+    s_from: float
+    s_to: float
+    t_from: float
+    t_to: float
+    bits: int
+    sill_m: float
+
+
+class Wall:
+    """One side of a room, seen from inside: corners run counter-clockwise, the room is left."""
+
+    __slots__ = ("blocks", "edges", "has_door", "has_window", "index", "length",
+                 "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
+
+    def __init__(self, index: int, start: Sequence[float], end: Sequence[float]) -> None:
+        """start, end: corners in the world, metres, not equal."""
+        dx, dy = end[0] - start[0], end[1] - start[1]
+        self.index = index
+        self.length = math.hypot(dx, dy)
+        self.x, self.y = start[0], start[1]
+        self.ux, self.uy = dx / self.length, dy / self.length
+        self.yaw_deg = _turned_back_deg(dx, dy)
+        self.blocks: list[Block] = []
+        self.edges: list[tuple[float, float, float, float]] = []
+        self.has_door = False
+        self.has_window = False
+
+    def local(self, x: float, y: float) -> tuple[float, float]:
+        """(s, t) of a world point."""
+        dx, dy = x - self.x, y - self.y
+        return dx * self.ux + dy * self.uy, dy * self.ux - dx * self.uy
+
+    def world(self, s: float, t: float) -> tuple[float, float]:
+        """World point of (s, t)."""
+        return self.x + s * self.ux - t * self.uy, self.y + s * self.uy + t * self.ux
+
+    def see_edges(self, corners: Sequence[Sequence[float]]) -> None:
+        """Learn the other sides of the room, so that spans end where the room does."""
+        points = [self.local(x, y) for x, y in corners]
+        count = len(points)
+        for i in range(count):
+            if i != self.index:
+                (s0, t0), (s1, t1) = points[i], points[(i + 1) % count]
+                if t0 > TOUCH_M or t1 > TOUCH_M:
+                    self.edges.append((s0, t0, s1, t1))
+
+    def gaps(
+        self,
+        depth: float,
+        height: float,
+        reach: float = 0.0,
+        least: float = 0.3,
+        near: float = 0.0,
+    ) -> list[tuple[float, float]]:
+        """Spans [s_from, s_to] in which something may stand, in order.
+
+        The thing takes t in [near, near + depth], is `height` high (its top above the floor), and
+        needs `reach` in front of it free of walls and furniture. Spans shorter than `least` are
+        left out. Everything in a span is seen from the wall, hence inside the room.
+        """
+        cuts = self._cuts(near, near + depth, height, reach)
+        cuts.sort()
+        gaps = []
+        start = 0.0
+        for s_from, s_to in cuts:
+            if s_from - start >= least - TOUCH_M:
+                gaps.append((start, s_from))
+            if s_to > start:
+                start = s_to
+        if self.length - start >= least - TOUCH_M:
+            gaps.append((start, self.length))
+        return gaps
+
+    def fits(
+        self,
+        s_from: float,
+        s_to: float,
+        t_from: float,
+        t_to: float,
+        height: float = 9.0,
+        bits: int = ANY,
+    ) -> bool:
+        """Whether the rectangle is inside the room and meets no block of these bits."""
+        if s_from < -TOUCH_M or s_to > self.length + TOUCH_M:
+            return False
+        low, high = s_from + TOUCH_M, s_to - TOUCH_M
+        for b_from, b_to, b_near, b_far, b_bits, sill in self.blocks:
+            if (
+                b_bits & bits
+                and b_from < high
+                and b_to > low
+                and b_near < t_to - TOUCH_M
+                and b_far > t_from + TOUCH_M
+                and height > sill
+            ):
+                return False
+        return all(b <= low or a >= high for a, b in _edge_cuts(self.edges, t_to))
+
+    def _cuts(
+        self, near: float, far: float, height: float, reach: float
+    ) -> list[tuple[float, float]]:
+        reached = far + reach - TOUCH_M
+        cuts = _edge_cuts(self.edges, far + reach)
+        near, far = near + TOUCH_M, far - TOUCH_M
+        for s_from, s_to, t_from, t_to, bits, sill in self.blocks:
+            if t_to <= near or t_from >= reached:
+                continue
+            if (t_from < far and height > sill) or (bits == SOLID and reach):
+                cuts.append((s_from, s_to))
+        return cuts
+
+
+def _edge_cuts(
+    edges: Iterable[tuple[float, float, float, float]], far: float
+) -> list[tuple[float, float]]:
+    """What the room's other sides cut off from the strip t in [0, far]."""
+    cuts = []
+    far -= TOUCH_M
+    for s0, t0, s1, t1 in edges:
+        if (t0 >= far and t1 >= far) or (t0 <= TOUCH_M and t1 <= TOUCH_M):
+            continue
+        if t0 > far:
+            s0 += (s1 - s0) * (t0 - far) / (t0 - t1)
+        elif t1 > far:
+            s1 += (s0 - s1) * (t1 - far) / (t1 - t0)
+        cuts.append((s0, s1) if s0 < s1 else (s1, s0))
+    return cuts
+
+
+def _turned_back_deg(dx: float, dy: float) -> float:
+    """Yaw of an item with its back to a wall that runs along (dx, dy); exact quarter turns."""
+    yaw_deg = math.degrees(math.atan2(-dy, -dx))
+    quarter = round(yaw_deg / 90.0) * 90.0
+    yaw_deg = quarter if abs(yaw_deg - quarter) < 1e-6 else yaw_deg
+    return 180.0 if yaw_deg == -180.0 else yaw_deg
