@@ -1,0 +1,106 @@
+"""Blender as a process: start it, hand it a job, follow it, end it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TextIO
+
+import chord_usd
+from chord_usd.errors import OutputError, RenderError
+
+EXIT_NO_DEVICE = 3
+EXIT_DISK_FULL = 75
+"""Exit codes of blender_worker, which cannot be imported where there is no bpy."""
+
+STOP_SECONDS = 5.0
+"""How long Blender has to end after SIGTERM."""
+
+_FOREIGN_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "PYTHONSTARTUP", "PXR_PLUGINPATH_NAME")
+"""What could bring another Python's modules, or another USD's plug-ins, into Blender."""
+
+
+def run_blender(job: dict[str, Any], on_message: Callable[[dict[str, Any]], None]) -> None:
+    """Run one job in a Blender of its own; on_message gets each line it reports.
+
+    Leaving early, by Ctrl-C or any other exception, ends the process. Raises RenderError with the
+    last thing Blender said, OutputError for a full disk.
+    """
+    with (
+        tempfile.TemporaryDirectory(prefix="chord-usd-blender-") as home,
+        tempfile.TemporaryFile("w+", dir=home) as said,
+        _started(home, said) as process,
+    ):
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with process.stdin as job_file:
+            job_file.write(json.dumps(job))
+        for line in process.stdout:
+            on_message(json.loads(line))
+        code = process.wait()
+        if code != 0:
+            said.seek(0)
+            raise _failure(code, said.read())
+
+
+@contextmanager
+def _started(home: str, said: TextIO) -> Iterator[subprocess.Popen[str]]:
+    environment = {k: v for k, v in os.environ.items() if k not in _FOREIGN_VARIABLES}
+    environment.update(
+        # The package may have been found by a path that only this process knows.
+        PYTHONPATH=str(Path(chord_usd.__file__).parent.parent),
+        # A file in the working folder must not pass for a module.
+        PYTHONSAFEPATH="1",
+        # Preferences and add-ons of an installed Blender must not change the pictures.
+        BLENDER_USER_RESOURCES=home,
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-m", "chord_usd.image.blender_worker"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=said,
+        env=environment,
+        text=True,
+        # A render ignores the SIGINT of Ctrl-C, which would reach it through the terminal's
+        # group; it stops at SIGTERM, which we send.
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        _end(process)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    if process.poll() is not None:
+        return
+    process.terminate()
+    try:
+        process.wait(STOP_SECONDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _failure(code: int, said: str) -> RenderError | OutputError:
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    last = lines[-1] if lines else "it said nothing"
+    if code == EXIT_DISK_FULL:
+        where = last.split(": the disk is full")[0]
+        return OutputError(
+            "the disk is full", where=where, try_="free some space, or write to another disk"
+        )
+    if code == EXIT_NO_DEVICE:
+        return RenderError(last, where="--device", expected="a device of this machine", try_="cpu")
+    if code < 0:
+        return RenderError(
+            f"Blender was ended by signal {-code}; its last words: {last}",
+            try_="fewer pixels or samples, if memory ran out",
+        )
+    return RenderError(f"Blender could not render: {last}", try_="chord-usd check on the stage")
