@@ -262,10 +262,6 @@ def _set_quality(scene: Any, job: Job) -> None:
     render.image_settings.file_format = "PNG"
     render.image_settings.color_mode = "RGB"
     render.image_settings.color_depth = "8"
-    # Dates and render times in the file would make equal pictures differ.
-    for name in dir(render):
-        if name.startswith("use_stamp"):
-            setattr(render, name, False)
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
 
