@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from shapely.geometry import MultiPolygon, Polygon
@@ -52,6 +52,29 @@ def wall_area(rooms: Iterable[Room], thickness_m: float = WALL_THICKNESS_M) -> B
     """
     floors = unary_union([room_polygon(room) for room in rooms])
     return floors.buffer(thickness_m, join_style="mitre", mitre_limit=3.0).difference(floors)
+
+
+def rooms_beside(box: Box, rooms: Sequence[Room]) -> tuple[str, ...]:
+    """Ids of the rooms that an opening's box joins: the one on its +y side, then on its -y side.
+
+    A side counts for the room that takes most of the strip, one wall thick, beyond the wall's face
+    there; a side where no room does is left out.
+    """
+    reach_m = max(box.size_m[1], WALL_THICKNESS_M) / 2 + WALL_THICKNESS_M
+    floors = [(room.id, room_polygon(room)) for room in rooms]
+    beside: list[str] = []
+    for side in (1.0, -1.0):
+        half_length = box.size_m[0] / 4
+        own = np.array(
+            [[-half_length, 0], [half_length, 0], [half_length, side * reach_m],
+             [-half_length, side * reach_m]]
+        )  # fmt: skip
+        strip = Polygon(own @ rotation_2d(box.yaw_deg).T + np.array(box.center_m[:2]))
+        shares = {room_id: floor.intersection(strip).area for room_id, floor in floors}
+        best = max(shares, key=lambda room_id: shares[room_id], default="")
+        if best and shares[best] > 0.1 * strip.area and best not in beside:
+            beside.append(best)
+    return tuple(beside)
 
 
 def polygons_of(area: BaseGeometry) -> list[Polygon]:

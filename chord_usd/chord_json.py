@@ -1,0 +1,457 @@
+"""CHOrD JSON: the paper's listing, read and written, for plans and for scene graphs.
+
+The file holds `rooms`, `windowsDoors` and `furniture`, lengths in centimetres, angles in degrees.
+Our reading of what the listing leaves open:
+
+- Coordinates are (x, y) with y up. `pos` is the centre of the box in x and y and its underside in
+  z; `length` runs along the box's own x, `width` along its own y, `height` along z.
+- `rotate` is our yaw as it stands: counter-clockwise, the front towards -y at 0.
+- `wallPoints` may run either way round, and may repeat the first point at the end.
+- `roomType` 0 is the outline of the house. It is no room: it travels in `extra["outRooms"]`.
+- Keys not known here travel in `extra` of their element and are written again.
+
+A scene graph adds `id`, `roomId` (`roomIds` for openings), `asset`, `score`, `children` (posed in
+their parent's frame) and `provenance`. Where ids or rooms are missing they are filled in: ids by
+count, rooms by where things stand. Numbers are written to 1e-6 cm, so that writing what was read
+gives the same text again.
+
+read_plan and plan_from_json raise PlanError, read_scene and scene_from_json SceneError; both name
+the file, the element and the key.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+from shapely import LinearRing, LineString, Point, Polygon
+
+from chord_usd import palette
+from chord_usd.errors import ChordError, PlanError, SceneError
+from chord_usd.files import write_atomic
+from chord_usd.geometry import footprint_polygon, room_polygon, rooms_beside
+from chord_usd.json_elements import Element, Names
+from chord_usd.palette import Level
+from chord_usd.room_names import room_kind
+from chord_usd.types import (
+    ROOM_KINDS,
+    WALL_THICKNESS_M,
+    Asset,
+    Box,
+    FloatArray,
+    Item,
+    Opening,
+    OpeningKind,
+    Plan,
+    Provenance,
+    Room,
+    SceneGraph,
+    frozen_array,
+)
+from chord_usd.units import cm_from_m, m_from_cm
+
+OUT_ROOMS = "outRooms"
+"""Key of Plan.extra and SceneGraph.extra: the elements of roomType 0, as they stood in the file."""
+
+SMALLEST_ROOM_M2 = 0.01
+"""A file with smaller ones is not in centimetres, or broken."""
+
+_DEEPEST_OVERLAP_M = WALL_THICKNESS_M
+"""Rooms that lie in each other no deeper than this are sloppy drawing, not an error."""
+
+_CM_DECIMALS = 6
+
+_BOX_KEYS = ("pos", "length", "width", "height", "rotate")
+_ROOM_KEYS = ("roomId", "roomName", "roomType", "roomKind", "wallPoints")
+_OPENING_KEYS = ("type", *_BOX_KEYS, "id", "roomIds")
+_ITEM_KEYS = ("type", *_BOX_KEYS, "id", "roomId", "asset", "score", "children")
+_PROVENANCE_KEYS = ("inputHash", "checkpointHash", "seed", "version", "configuration")
+
+_OPENING_SYNONYMS: dict[str, OpeningKind] = {
+    "opening": "passage", "doorway": "passage", "archway": "passage", "hole": "passage",
+    "single_door": "door", "double_door": "door", "sliding_door": "door", "swing_door": "door",
+    "entrance_door": "door", "front_door": "door",
+    "bay_window": "window", "floor_window": "window", "french_window": "window",
+    "floor_to_ceiling_window": "window",
+}  # fmt: skip
+
+
+# Reading -----------------------------------------------------------------------------------------
+
+
+def read_plan(path: Path) -> Plan:
+    """The plan in a CHOrD JSON file; furniture in it is passed over. Raises PlanError."""
+    return plan_from_json(_load(path, PlanError), str(path))
+
+
+def read_scene(path: Path) -> SceneGraph:
+    """The scene graph in a CHOrD JSON file. Raises SceneError."""
+    return scene_from_json(_load(path, SceneError), str(path))
+
+
+def plan_from_json(data: object, where: str = "plan") -> Plan:
+    """A plan from parsed JSON. where: what error messages call it. Raises PlanError."""
+    house = Element(data, where, PlanError)
+    rooms, openings, extra = _read_shell(house)
+    return Plan(rooms, openings, extra)
+
+
+def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
+    """A scene graph from parsed JSON. where: what error messages call it. Raises SceneError."""
+    house = Element(data, where, SceneError)
+    rooms, openings, extra = _read_shell(house)
+    names = Names("furniture")
+    elements = house.elements("furniture", "furniture")
+    items = tuple(_read_item(element, names, rooms) for element in elements)
+    return SceneGraph(rooms, openings, items, _read_provenance(house), extra)
+
+
+def _load(path: Path, error: type[ChordError]) -> object:
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+        return json.loads(text)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise error(f"cannot be read ({reason})", where=str(path)) from problem
+    except UnicodeDecodeError as problem:
+        raise error("is not text", where=str(path), expected="CHOrD JSON in UTF-8") from problem
+    except json.JSONDecodeError as problem:
+        spot = f"{problem.msg[:1].lower()}{problem.msg[1:]}, line {problem.lineno}"
+        raise error(
+            f"is not JSON ({spot}, column {problem.colno})",
+            where=str(path),
+            expected="plain JSON, without comments",
+        ) from problem
+    except RecursionError as problem:
+        raise error("is nested too deeply", where=str(path), expected="CHOrD JSON") from problem
+
+
+def _read_shell(house: Element) -> tuple[tuple[Room, ...], tuple[Opening, ...], dict[str, Any]]:
+    """Rooms, openings and everything else of the file's top level."""
+    inner: list[Element] = []
+    out_rooms: list[Any] = []
+    for element in house.elements("rooms", "room", name_key="roomId"):
+        if element.whole("roomType") == 0:
+            out_rooms.append(element.raw())
+        else:
+            inner.append(element)
+    if not inner:
+        raise house.error("rooms holds no room", expected="at least one of roomType 1")
+    names = Names("room")
+    rooms = tuple(_read_room(element, names) for element in inner)
+    _refuse_overlaps(rooms, house)
+    names = Names("opening")
+    elements = house.elements("windowsDoors", "opening")
+    openings = tuple(_read_opening(element, names, rooms) for element in elements)
+    extra = house.rest(("rooms", "windowsDoors", "furniture", "provenance"))
+    if out_rooms:
+        extra[OUT_ROOMS] = out_rooms
+    return rooms, openings, extra
+
+
+def _read_room(element: Element, names: Names) -> Room:
+    name = element.text("roomName")
+    kind = room_kind(name)
+    if element.has("roomKind"):
+        kind = element.choice("roomKind", ROOM_KINDS)
+    extra = element.rest(_ROOM_KEYS)
+    if element.whole("roomType") != 1:
+        extra["roomType"] = element.whole("roomType")
+    room_id = names.take(element, element.text("roomId"))
+    polygon = frozen_array(_read_polygon(element))
+    return Room(room_id, kind, polygon, "" if name == kind else name, extra)
+
+
+def _read_polygon(element: Element) -> FloatArray:
+    """(N, 2) corners in metres, counter-clockwise, simple and of some area."""
+    points = np.array([[m_from_cm(value) for value in point] for point in element.points()])
+    keep = np.any(points != np.roll(points, -1, axis=0), axis=1)
+    points = points[keep]
+    if len(points) < 3:
+        raise element.error("wallPoints has fewer than three corners", expected="a polygon")
+    polygon = Polygon(points)
+    if not polygon.is_valid and LinearRing(points).length > 0:
+        corner = _crossing_corner(points)
+        if corner is not None:
+            raise element.error(
+                f"wallPoints cross at corner {corner + 1}",
+                expected="a simple polygon",
+                try_="put the corners in order round the room",
+            )
+    if polygon.area < SMALLEST_ROOM_M2 or not polygon.is_valid:
+        raise element.error(
+            f"the room has an area of {polygon.area:.3g} m2",
+            expected=f"wallPoints in centimetres, round at least {SMALLEST_ROOM_M2} m2",
+        )
+    if not LinearRing(points).is_ccw:
+        points = np.roll(points[::-1], 1, axis=0)
+    return points
+
+
+def _crossing_corner(points: FloatArray) -> int | None:
+    """The first corner whose wall crosses or touches a wall that is not its neighbour."""
+    walls = [LineString([a, b]) for a, b in zip(points, np.roll(points, -1, axis=0), strict=True)]
+    for first in range(len(walls)):
+        last = len(walls) - (first == 0)
+        if any(walls[first].intersects(other) for other in walls[first + 2 : last]):
+            return first
+    return None
+
+
+def _refuse_overlaps(rooms: Sequence[Room], house: Element) -> None:
+    """Refuse rooms that lie in each other by more than rounding and sloppy drawing explain."""
+    polygons = [room_polygon(room) for room in rooms]
+    for index, polygon in enumerate(polygons):
+        for other in range(index):
+            if not polygon.intersects(polygons[other]):
+                continue
+            if not polygon.intersection(polygons[other]).buffer(-_DEEPEST_OVERLAP_M / 2).is_empty:
+                raise house.error(
+                    f"room '{rooms[index].id}' crosses room '{rooms[other].id}'",
+                    expected="rooms side by side",
+                    try_="correct the wallPoints of one of them",
+                )
+
+
+def _read_opening(element: Element, names: Names, rooms: Sequence[Room]) -> Opening:
+    kinds = get_args(OpeningKind)
+    spelled = _spelling(element.text("type"))
+    kind = _OPENING_SYNONYMS.get(spelled, spelled)
+    if kind not in kinds:
+        raise element.error(
+            f"unknown type '{element.text('type')}'", expected=f"one of {', '.join(kinds)}"
+        )
+    box = _read_box(element)
+    if element.has("roomIds"):
+        room_ids = element.texts("roomIds")
+        for room_id in room_ids:
+            _known_room(element, room_id, rooms)
+    else:
+        room_ids = rooms_beside(box, rooms)
+    opening_id = names.take(element, _optional_id(element), default=str(kind))
+    return Opening(opening_id, kind, box, room_ids, element.rest(_OPENING_KEYS))  # type: ignore[arg-type]
+
+
+def _read_item(
+    element: Element, names: Names, rooms: Sequence[Room], parent: Item | None = None
+) -> Item:
+    category = _read_category(element, is_child=parent is not None)
+    box = _read_box(element)
+    if element.has("roomId"):
+        room_id = element.text("roomId")
+        if room_id:
+            _known_room(element, room_id, rooms)
+    else:
+        room_id = _room_under(box, rooms) if parent is None else ""
+    item_id = names.take(element, _optional_id(element), default=category)
+    score = element.number("score") if element.has("score") else 1.0
+    item = Item(item_id, category, box, room_id)
+    children: tuple[Item, ...] = ()
+    if element.has("children"):
+        parts = element.elements("children", "child")
+        children = tuple(_read_item(part, names, rooms, item) for part in parts)
+    asset = _read_asset(element.element("asset")) if element.has("asset") else None
+    extra = element.rest(_ITEM_KEYS)
+    return Item(item_id, category, box, room_id, asset, children, score, extra)
+
+
+def _read_category(element: Element, *, is_child: bool) -> str:
+    given = element.text("type")
+    try:
+        row = palette.category(_spelling(given))
+    except SceneError as problem:
+        raise element.error(
+            f"unknown category '{given}'", expected=problem.expected, try_=problem.try_
+        ) from None
+    if row.level is Level.PLAN:
+        raise element.error(f"'{given}' is no furniture", try_="move it to windowsDoors")
+    if row.level is Level.TABLE and not is_child:
+        raise element.error(
+            f"'{given}' is a tabletop category",
+            expected="a piece that stands in the room",
+            try_="put it into the children of what carries it",
+        )
+    return row.name
+
+
+def _read_box(element: Element) -> Box:
+    x, y, z = (m_from_cm(value) for value in element.numbers("pos", 3))
+    length, width, height = (m_from_cm(element.size(key)) for key in ("length", "width", "height"))
+    return Box((x, y, z), (length, width, height), element.number("rotate"))
+
+
+def _read_asset(element: Element) -> Asset:
+    length, width, height = (m_from_cm(value) for value in element.numbers("size", 3))
+    return Asset(
+        id=element.text("id"),
+        category=element.text("category"),
+        size_m=(length, width, height),
+        usd_path=Path(element.text("usdPath")),
+        licence=element.text("licence") if element.has("licence") else "",
+        author=element.text("author") if element.has("author") else "",
+    )
+
+
+def _read_provenance(house: Element) -> Provenance:
+    if not house.has("provenance"):
+        return Provenance()
+    element = house.element("provenance")
+    for key in element.rest(_PROVENANCE_KEYS):
+        raise element.error(f"unknown key '{key}'", expected=f"{', '.join(_PROVENANCE_KEYS)}")
+    return Provenance(
+        input_hash=element.text("inputHash"),
+        checkpoint_hash=element.text("checkpointHash"),
+        seed=element.whole("seed"),
+        version=element.text("version"),
+        configuration=element.element("configuration").raw(),
+    )
+
+
+def _optional_id(element: Element) -> str | None:
+    return element.text("id") if element.has("id") else None
+
+
+def _known_room(element: Element, room_id: str, rooms: Sequence[Room]) -> None:
+    if all(room.id != room_id for room in rooms):
+        near = get_close_matches(room_id, [room.id for room in rooms], n=1)
+        raise element.error(
+            f"room '{room_id}' does not exist",
+            expected="the roomId of a room",
+            try_=f"'{near[0]}'" if near else "",
+        )
+
+
+def _room_under(box: Box, rooms: Sequence[Room]) -> str:
+    """The room that holds the box's centre, else most of its footprint, else "" for none."""
+    center = Point(box.center_m[:2])
+    for room in rooms:
+        if room_polygon(room).covers(center):
+            return room.id
+    shape = footprint_polygon(box)
+    shared = {room.id: room_polygon(room).intersection(shape).area for room in rooms}
+    best = max(shared, key=lambda room_id: shared[room_id])
+    return best if shared[best] > 0 else ""
+
+
+def _spelling(name: str) -> str:
+    return re.sub(r"[\s_-]+", "_", name.strip().lower())
+
+
+# Writing -----------------------------------------------------------------------------------------
+
+
+def write_plan(plan: Plan, path: Path) -> None:
+    """Write a plan as CHOrD JSON, whole or not at all. Raises OutputError."""
+    write_atomic(path, json_text(plan_to_json(plan)))
+
+
+def write_scene(graph: SceneGraph, path: Path) -> None:
+    """Write a scene graph as CHOrD JSON, whole or not at all. Raises OutputError."""
+    write_atomic(path, json_text(scene_to_json(graph)))
+
+
+def plan_to_json(plan: Plan) -> dict[str, Any]:
+    """The JSON object of a plan; plan_from_json gives it back."""
+    return {**_shell_to_json(plan.rooms, plan.openings, plan.extra), "furniture": []}
+
+
+def scene_to_json(graph: SceneGraph) -> dict[str, Any]:
+    """The JSON object of a scene graph; scene_from_json gives it back."""
+    data = _shell_to_json(graph.rooms, graph.openings, graph.extra)
+    data["furniture"] = [_item_to_json(item) for item in graph.items]
+    if graph.provenance != Provenance():
+        values = asdict(graph.provenance).values()
+        data["provenance"] = dict(zip(_PROVENANCE_KEYS, values, strict=True))
+    return data
+
+
+def json_text(data: Mapping[str, Any]) -> str:
+    """Indented JSON with points on one line; the same data gives the same text."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    # Raw line breaks never occur inside JSON texts, so only lists of numbers can match.
+    return re.sub(r"\[\n\s*([-+.\deE,\s]+?)\s*\]", _on_one_line, text) + "\n"
+
+
+def _on_one_line(match: re.Match[str]) -> str:
+    return "[" + ", ".join(part.strip() for part in match[1].split(",")) + "]"
+
+
+def _shell_to_json(
+    rooms: Sequence[Room], openings: Sequence[Opening], extra: Mapping[str, Any]
+) -> dict[str, Any]:
+    elements = [_room_to_json(room) for room in rooms] + list(extra.get(OUT_ROOMS, ()))
+    return {
+        "rooms": elements,
+        "windowsDoors": [_opening_to_json(opening) for opening in openings],
+        **{key: value for key, value in extra.items() if key != OUT_ROOMS},
+    }
+
+
+def _room_to_json(room: Room) -> dict[str, Any]:
+    name = room.name or room.kind
+    data: dict[str, Any] = {"roomId": room.id, "roomName": name, "roomType": 1}
+    if room_kind(name) != room.kind:
+        data["roomKind"] = room.kind
+    data["wallPoints"] = [[_cm(x), _cm(y)] for x, y in room.polygon_m]
+    return {**data, **room.extra}
+
+
+def _opening_to_json(opening: Opening) -> dict[str, Any]:
+    return {
+        "type": opening.kind,
+        **_box_to_json(opening.box),
+        "id": opening.id,
+        "roomIds": list(opening.room_ids),
+        **opening.extra,
+    }
+
+
+def _item_to_json(item: Item, *, is_child: bool = False) -> dict[str, Any]:
+    data: dict[str, Any] = {"type": item.category, **_box_to_json(item.box), "id": item.id}
+    if item.room_id or not is_child:
+        data["roomId"] = item.room_id
+    if item.score != 1.0:
+        data["score"] = item.score
+    if item.asset is not None:
+        data["asset"] = _asset_to_json(item.asset)
+    if item.children:
+        data["children"] = [_item_to_json(child, is_child=True) for child in item.children]
+    return {**data, **item.extra}
+
+
+def _asset_to_json(asset: Asset) -> dict[str, Any]:
+    return {
+        "id": asset.id,
+        "category": asset.category,
+        "size": [_cm(value) for value in asset.size_m],
+        "usdPath": asset.usd_path.as_posix(),
+        "licence": asset.licence,
+        "author": asset.author,
+    }
+
+
+def _box_to_json(box: Box) -> dict[str, Any]:
+    length, width, height = (_cm(value) for value in box.size_m)
+    return {
+        "pos": [_cm(value) for value in box.center_m],
+        "length": length,
+        "width": width,
+        "height": height,
+        "rotate": _plain(box.yaw_deg),
+    }
+
+
+def _cm(length_m: float) -> float | int:
+    return _plain(cm_from_m(float(length_m)))
+
+
+def _plain(value: float) -> float | int:
+    """The value as it is written: 95, not 95.0 or 95.00000000000001."""
+    rounded = round(float(value), _CM_DECIMALS)
+    return int(rounded) if rounded.is_integer() else rounded
