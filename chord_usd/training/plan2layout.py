@@ -17,6 +17,7 @@ from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
+from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.stream import LayoutStream, Sample, StreamConfig, sample_loader
 from chord_usd.types import Plan
 
@@ -143,6 +144,7 @@ class LayoutTrainer:
     def train(self, real_plans: Sequence[Plan], report: Report) -> None:
         """Runs until the minutes are spent, saving every save_minutes and at the end."""
         config = self.config
+        keep_freed_memory()
         cell_px = self.network.config.patch_px
         stream = LayoutStream(_continued(config.stream, self.step), real_plans, cell_px)
         last_save = last_sheet = self.started = time.monotonic()

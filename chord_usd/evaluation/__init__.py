@@ -1,0 +1,1 @@
+"""Checkpoints and a held-out split -> scores."""
