@@ -1,4 +1,4 @@
-"""Puts the repository's materials/ and checkpoints/ inside the wheel; the rest is pyproject.toml."""
+"""Puts materials/ and checkpoints/ inside the wheel; everything else is in pyproject.toml."""
 
 from setuptools import find_packages, setup
 

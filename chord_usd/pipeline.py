@@ -1,0 +1,113 @@
+"""The straight line of the paper's figure 2: a floor plan becomes a furnished stage.
+
+    plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from chord_usd.files import hash_file
+from chord_usd.locations import checkpoint_folder
+from chord_usd.progress import Stopwatch
+from chord_usd.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a user can choose about a house."""
+
+    seed: int = 0
+    """Same plan, same seed, same settings: same bytes."""
+    steps: int | None = None
+    """Sampler steps; None takes what the checkpoint was tuned for."""
+    m_per_px: float | None = None
+    """Scale of a plan picture; None measures it from the walls."""
+    device: str = "auto"
+    """auto, cpu or cuda."""
+    asset_folders: tuple[Path, ...] = ()
+    """Folders of further meshes, tried beside the shipped ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class House:
+    """Every artefact of one run."""
+
+    plan: Plan
+    plan_image: PlanImage
+    layout: LayoutImage
+    graph: SceneGraph
+    stage: StageFile
+
+
+def generate(
+    plan_file: Path,
+    stage_path: Path,
+    settings: Settings | None = None,
+    stopwatch: Stopwatch | None = None,
+) -> House:
+    """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
+
+    The stopwatch times load, plan, layout, graph and stage. Raises ChordError.
+    """
+    settings = settings or Settings()
+    watch = stopwatch or Stopwatch()
+    # The plan is read before torch is imported: a wrong picture is told within a second.
+    plan = read_plan(plan_file, settings, watch)
+    plan_image = draw_plan(plan, watch)
+    layout = draw_layout(plan_image, settings, watch)
+    graph = read_graph(layout, plan, settings, watch)
+    stage = write_stage(graph, stage_path, settings, watch)
+    return House(plan, plan_image, layout, graph, stage)
+
+
+def read_plan(plan_file: Path, settings: Settings, watch: Stopwatch) -> Plan:
+    """Plan file, a picture or CHOrD JSON -> Plan."""
+    with watch.step("plan"):
+        from chord_usd.plan.read import read_plan_file
+
+        return read_plan_file(plan_file, settings.m_per_px)
+
+
+def draw_plan(plan: Plan, watch: Stopwatch) -> PlanImage:
+    """Plan -> PlanImage."""
+    with watch.step("plan"):
+        from chord_usd import raster
+
+        return raster.draw_plan(plan)
+
+
+def draw_layout(plan_image: PlanImage, settings: Settings, watch: Stopwatch) -> LayoutImage:
+    """PlanImage -> LayoutImage, by the diffusion model."""
+    with watch.step("load"):
+        from chord_usd.layout.sample import LayoutModel
+
+        model = LayoutModel.load(checkpoint_folder("plan2layout"), settings.device)
+    with watch.step("layout") as progress:
+        return model.sample(
+            plan_image, seed=settings.seed, steps=settings.steps, progress=progress
+        )
+
+
+def read_graph(
+    layout: LayoutImage, plan: Plan | None, settings: Settings, watch: Stopwatch
+) -> SceneGraph:
+    """LayoutImage -> SceneGraph with meshes; without a plan, rooms are read from the layout."""
+    with watch.step("load"):
+        from chord_usd.assets.database import load_database
+        from chord_usd.graph.extract import extract_graph
+
+        database = load_database(settings.asset_folders)
+    with watch.step("graph"):
+        return extract_graph(layout, plan, database)
+
+
+def write_stage(
+    graph: SceneGraph, stage_path: Path, settings: Settings, watch: Stopwatch
+) -> StageFile:
+    """SceneGraph -> StageFile."""
+    with watch.step("load"):
+        from chord_usd.stage.author import author_stage
+    with watch.step("stage"):
+        return author_stage(graph, stage_path, seed=settings.seed)

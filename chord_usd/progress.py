@@ -1,0 +1,145 @@
+"""Progress of long steps, told on stderr: a bar, a line per step, or JSON.
+
+Steps take a plain callable `progress(done, total)`; a Reporter makes one for each step.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Literal, Protocol
+
+Progress = Callable[[int, int], None]
+"""Called with how many of how many parts are done."""
+
+ProgressStyle = Literal["auto", "bar", "lines", "json", "none"]
+PROGRESS_STYLES: tuple[ProgressStyle, ...] = ProgressStyle.__args__  # type: ignore[attr-defined]
+
+
+class Reporter(Protocol):
+    """Tells a user where the work stands."""
+
+    def step(self, name: str) -> Progress:
+        """Begin a step; the callable takes its progress."""
+
+    def finish(self, name: str, seconds: float) -> None:
+        """The step is done."""
+
+    def stop(self) -> None:
+        """The step broke off; leave the terminal in order."""
+
+
+class Stopwatch:
+    """Times the steps of a job and reports each."""
+
+    def __init__(self, reporter: Reporter | None = None) -> None:
+        self.seconds: dict[str, float] = {}
+        """Seconds per step; a step that ran twice counts both."""
+        self._reporter = reporter or SilentReporter()
+
+    @contextmanager
+    def step(self, name: str) -> Iterator[Progress]:
+        """Time a block; yields the progress callable to hand to whatever does the work."""
+        started = time.perf_counter()
+        try:
+            yield self._reporter.step(name)
+        except BaseException:
+            self._reporter.stop()
+            raise
+        elapsed = time.perf_counter() - started
+        self.seconds[name] = round(self.seconds.get(name, 0.0) + elapsed, 3)
+        self._reporter.finish(name, elapsed)
+
+
+class SilentReporter:
+    """Says nothing."""
+
+    def step(self, name: str) -> Progress:
+        return _ignore
+
+    def finish(self, name: str, seconds: float) -> None:
+        pass
+
+    def stop(self) -> None:
+        pass
+
+
+class JsonReporter(SilentReporter):
+    """One JSON object per line, such as {"step": "layout", "done": 3, "total": 20}."""
+
+    def __init__(self) -> None:
+        self._done, self._total = 0, 1
+
+    def step(self, name: str) -> Progress:
+        self._done, self._total = 0, 1
+
+        def progress(done: int, total: int) -> None:
+            self._done, self._total = done, total
+            _say(json.dumps({"step": name, "done": done, "total": total}))
+
+        return progress
+
+    def finish(self, name: str, seconds: float) -> None:
+        # Steps that are one piece of work still end with done == total.
+        if self._done != self._total:
+            _say(json.dumps({"step": name, "done": self._total, "total": self._total}))
+
+
+class LineReporter(SilentReporter):
+    """One line per finished step."""
+
+    def finish(self, name: str, seconds: float) -> None:
+        _say(f"{name}: {seconds:.1f} s")
+
+
+class BarReporter(SilentReporter):
+    """A progress bar per step, for terminals."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+
+    def step(self, name: str) -> Progress:
+        from tqdm import tqdm
+
+        self._bar = bar = tqdm(total=1, desc=name, leave=True, file=sys.stderr, bar_format=_BAR)
+
+        def progress(done: int, total: int) -> None:
+            bar.total, bar.n = total, done
+            bar.refresh()
+
+        return progress
+
+    def finish(self, name: str, seconds: float) -> None:
+        self._bar.n = self._bar.total
+        self._bar.close()
+
+    def stop(self) -> None:
+        self._bar.close()
+
+
+_BAR = "{desc:>8} {percentage:3.0f}% |{bar:30}| {n_fmt}/{total_fmt} {elapsed}"
+
+
+def make_reporter(style: ProgressStyle) -> Reporter:
+    """The reporter of a style; auto is a bar on a terminal and a line per step otherwise."""
+    if style == "auto":
+        style = "bar" if sys.stderr.isatty() else "lines"
+    reporters: dict[str, type[Any]] = {
+        "bar": BarReporter,
+        "lines": LineReporter,
+        "json": JsonReporter,
+        "none": SilentReporter,
+    }
+    return reporters[style]()
+
+
+def _ignore(done: int, total: int) -> None:
+    pass
+
+
+def _say(line: str) -> None:
+    sys.stderr.write(line + "\n")
+    sys.stderr.flush()
