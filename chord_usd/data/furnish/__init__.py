@@ -40,8 +40,8 @@ def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
     """
     dice = random.Random(int(rng.integers(1 << 62)))
     floors = [Floor(room, room.kind, dice) for room in plan.rooms]
-    attach_openings(floors, plan.openings)
     attach_open_sides(floors)
+    attach_openings(floors, plan.openings)
     guess_kinds(floors)
     laundry = _laundry_balcony(floors, dice)
     for floor in floors:

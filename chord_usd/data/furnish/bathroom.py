@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
-from chord_usd.data.furnish.floor import Floor, Size, Spot
-from chord_usd.data.furnish.storage import anchored
+from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.walls import REACH, Wall
 
 REACH_M = {"toilet": 0.5, "washbasin": 0.55, "shower": 0.45, "bathtub": 0.5, "washing_machine": 0.6}
 """Free floor in front of each."""
 
 TOILET_SLOT_M = 0.7
 """Width that a toilet needs between its neighbours."""
+
+NICHE_M = 0.3
+"""A shower or bathtub that leaves less than this beside it fills the whole niche."""
+
+MOST_TRIES = 24
+"""Placements tried for one list of fittings before smaller ones are taken."""
 
 
 class Fitting(NamedTuple):
@@ -23,16 +30,24 @@ class Fitting(NamedTuple):
     slot_m: float
 
 
+class Place(NamedTuple):
+    """A fitting at a wall."""
+
+    score: float
+    wall: Wall
+    s: float
+    size: Size
+
+
 def furnish_bathroom(floor: Floor) -> None:
-    """The fullest of a few tries, from generous sizes to the smallest."""
+    """The fullest programme that fits, from generous sizes to the smallest."""
     wanted = _programme(floor)
-    for generous in (1.0, 0.6, 0.3, 0.0, 0.0):
-        mark = floor.mark()
-        missing = [name for name in wanted if not _put(floor, _fitting(floor, name, generous))]
-        if not missing:
+    for generous in (1.0, 0.4, 0.0):
+        if _place_all(floor, [_fitting(floor, name, generous) for name in wanted]):
             return
-        floor.undo(mark)
-    _put_most_important(floor, wanted)
+    for names in _fewer(wanted):
+        if _place_all(floor, [_fitting(floor, name, 0.0) for name in names]):
+            return
 
 
 def _programme(floor: Floor) -> list[str]:
@@ -40,32 +55,24 @@ def _programme(floor: Floor) -> list[str]:
     dice = floor.dice
     if floor.area_m2 < 1.9:
         return ["toilet", "washbasin"] if floor.area_m2 > 1.1 else ["toilet"]
-    bathing = "bathtub" if floor.area_m2 > 4.2 and dice.random() < 0.25 else "shower"
-    wanted = [bathing, "toilet", "washbasin"] if dice.random() < 0.5 else [
-        bathing, "washbasin", "toilet"
-    ]  # fmt: skip
-    if floor.area_m2 > 8.0 and bathing == "bathtub":
-        wanted.append("shower")
-    if floor.area_m2 > 5.0 and dice.random() < 0.1:
+    bathing = "bathtub" if floor.area_m2 > 4.0 and dice.random() < 0.22 else "shower"
+    wanted = [bathing, "toilet", "washbasin"]
+    if floor.area_m2 > 7.0 and bathing == "bathtub":
+        wanted.insert(1, "shower")
+    if floor.area_m2 > 5.0 and dice.random() < 0.08:
         wanted.append("washing_machine")
     return wanted
 
 
-def _put_most_important(floor: Floor, wanted: list[str]) -> None:
-    """Too small for the whole programme: toilet first, then what else fits."""
-    order = ["toilet", "washbasin", *(name for name in wanted if name not in _DRY)]
-    best: tuple[int, list[str]] = (-1, order)
-    for names in (order, [order[-1], *order[:-1]], ["washbasin", "toilet"]):
-        mark = floor.mark()
-        count = sum(_put(floor, _fitting(floor, name, 0.0)) for name in names)
-        if count > best[0]:
-            best = (count, names)
-        floor.undo(mark)
-    for name in best[1]:
-        _put(floor, _fitting(floor, name, 0.0))
-
-
-_DRY = ("toilet", "washbasin")
+def _fewer(wanted: list[str]) -> list[list[str]]:
+    """Programmes for rooms too small for the one wanted, fullest first."""
+    if len(wanted) < 3:
+        return [["toilet"], ["washbasin"]]
+    usual = [["shower", "toilet", "washbasin"]]
+    # A bathtub is lower than the sill and may stand at a window, where no shower can.
+    if wanted[0] == "shower":
+        usual.append(["bathtub", "toilet", "washbasin"])
+    return [*usual, ["toilet", "washbasin"], ["shower", "toilet"], ["toilet"], ["washbasin"]]
 
 
 def _fitting(floor: Floor, category: str, generous: float) -> Fitting:
@@ -82,48 +89,68 @@ def _fitting(floor: Floor, category: str, generous: float) -> Fitting:
         depth = min(length, sizes.between(dice, 0.75, 0.8 + 0.3 * roomy))
         size = (length, depth, 2.0)
     elif category == "bathtub":
-        length = sizes.between(dice, 1.4, 1.4 + 0.4 * roomy)
+        length = sizes.between(dice, 1.4, 1.5 + 0.3 * roomy)
         size = (length, sizes.between(dice, 0.7, 0.7 + 0.15 * roomy), 0.55)
     else:
         size = (0.6, sizes.between(dice, 0.55, 0.65), 0.85)
     return Fitting(category, size, size[0])
 
 
-def _put(floor: Floor, fitting: Fitting) -> bool:
-    category, size, slot = fitting
-    best: tuple[float, Spot, float] | None = None
-    for spot in floor.spots(size[1], size[2], REACH_M[category], slot):
-        width = slot
-        if category in ("shower", "bathtub") and spot.length - slot < 0.25:
-            width = min(spot.length, _longest(category))
-        s = anchored(floor, spot, width)
-        score = _score(floor, category, spot, s, size) + floor.dice.uniform(0.0, 0.5)
-        if best is None or score > best[0]:
-            best = (score, spot, s)
-            grown = (width if category != "toilet" else size[0], size[1], size[2])
-            chosen = grown
-    if best is None:
+def _place_all(floor: Floor, fittings: Sequence[Fitting]) -> bool:
+    """Place every fitting, going back on earlier ones where later ones do not fit."""
+    tries = [MOST_TRIES]
+
+    def place(rest: Sequence[Fitting]) -> bool:
+        if not rest:
+            return True
+        for found in _places(floor, rest[0])[:6]:
+            if tries[0] == 0:
+                return False
+            tries[0] -= 1
+            mark = floor.mark()
+            _put(floor, rest[0], found)
+            if place(rest[1:]):
+                return True
+            floor.undo(mark)
         return False
+
+    return place(fittings)
+
+
+def _put(floor: Floor, fitting: Fitting, place: Place) -> None:
     floor.new_group()
-    floor.put(
-        category, best[1].wall, best[2], chosen, reach=REACH_M[category],
-        core=category == "toilet",
-    )  # fmt: skip
-    return True
+    category, wall, s, depth = fitting.category, place.wall, place.s, place.size[1]
+    floor.put(category, wall, s, place.size, core=category in ("toilet", "washbasin"))
+    half = max(fitting.slot_m, place.size[0]) / 2
+    floor.keep(wall, s - half, s + half, 0.0, depth + REACH_M[category], REACH)
 
 
-def _longest(category: str) -> float:
-    return 1.4 if category == "shower" else 1.8
+def _places(floor: Floor, fitting: Fitting) -> list[Place]:
+    """Both ends of every free span, best first."""
+    category, size, slot = fitting
+    found = []
+    for spot in floor.spots(size[1], size[2], REACH_M[category], slot):
+        fills = category in _BATHING and spot.length - slot < NICHE_M
+        length = min(spot.length, _LONGEST_M[category]) if fills else size[0]
+        width = max(slot, length)
+        for s in dict.fromkeys((spot.s_from + width / 2, spot.s_to - width / 2)):
+            corners = (s - width / 2 < 1e-6) + (s + width / 2 > spot.wall.length - 1e-6)
+            score = _score(floor, category, spot.wall, s, corners)
+            grown = (length, size[1], size[2])
+            found.append(Place(score + floor.dice.random() * 0.5, spot.wall, s, grown))
+    found.sort(key=lambda place: place.score, reverse=True)
+    return found
 
 
-def _score(floor: Floor, category: str, spot: Spot, s: float, size: Size) -> float:
-    """Wet pieces in the far corner, the basin near the door, the toilet not facing the door."""
-    away = floor.distance_to_door(*spot.wall.world(s, size[1] / 2))
-    corner = spot.s_from < 1e-6 or spot.s_to > spot.wall.length - 1e-6
-    if category in ("shower", "bathtub"):
-        ends = (spot.s_from < 1e-6) + (spot.s_to > spot.wall.length - 1e-6)
-        filled = spot.length - size[0] < 0.25
-        return 1.2 * min(away, 3.0) + 0.6 * ends + 0.8 * filled - 0.4 * spot.wall.has_window
+_BATHING = ("shower", "bathtub")
+_LONGEST_M = {"shower": 1.4, "bathtub": 1.8}
+
+
+def _score(floor: Floor, category: str, wall: Wall, s: float, corners: int) -> float:
+    """Wet pieces in the far corner, the basin near the door, the toilet between them."""
+    away = floor.distance_to_door(*wall.world(s, 0.3))
+    if category in _BATHING:
+        return 1.2 * min(away, 3.0) + 0.7 * corners
     if category == "washbasin":
-        return 0.5 * corner - 0.3 * abs(away - 1.2)
-    return 0.5 * corner + 0.3 * min(away, 2.0)
+        return 0.3 * corners - 0.3 * abs(away - 1.2) - 0.2 * wall.has_window
+    return 0.4 * corners + 0.3 * min(away, 2.0)

@@ -71,6 +71,7 @@ class Floor:
         for wall in self.walls:
             wall.see_edges(self.corners)
         self.doors: list[Door] = []
+        self.touching: list[Floor] = []
         self.windows: list[tuple[Wall, float, float, float]] = []
         self.placed: list[Placed] = []
         self._group = 0
@@ -124,7 +125,7 @@ class Floor:
 
         quarter_turns: counter-clockwise from facing away from the wall, 0 to 3; 2 faces the wall.
         """
-        length, width, height = size
+        length, width, _ = size
         x, y = wall.world(s, t)
         base = CATEGORIES[category].mount_height_m
         # The own x axis of a piece with its back to the wall runs against the wall's direction.

@@ -12,14 +12,29 @@ from chord_usd.types import WALL_THICKNESS_M, Opening
 WINDOW_ZONE_M = 0.5
 """Nothing higher than the sill stands nearer to a window."""
 
-OPEN_SIDE_ZONE_M = 0.6
-"""Kept free along sides where two rooms touch without a wall."""
+DEEPEST_DOOR_ZONE_M = 0.9
+"""A door keeps its own width free in front of it, wide ones no more than a leaf's."""
+
+OPEN_SIDE_M = 0.02
+"""Along sides where two rooms touch there is no wall to stand against."""
 
 PARALLEL = 0.1
 """Largest sine between an opening and the wall it is in."""
 
 _ENTRANCE_KINDS = ("corridor", "living", "unknown", "dining", "kitchen", "store")
 """Where a door to the outside is the front door, best first."""
+
+
+def attach_open_sides(floors: Sequence[Floor]) -> None:
+    """Find where rooms touch. One walks through there, and nothing stands with its back to it.
+
+    To be called before attach_openings: what a door keeps free reaches into touching rooms.
+    """
+    bounds = [_bounds(floor) for floor in floors]
+    for i, floor in enumerate(floors):
+        for j, other in enumerate(floors):
+            if i != j and _near(bounds[i], bounds[j]):
+                _share_sides(floor, other)
 
 
 def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> None:
@@ -39,26 +54,20 @@ def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> Non
             _open(floor, opening, wall, s_from, s_to, opening is entrance)
 
 
-def attach_open_sides(floors: Sequence[Floor]) -> None:
-    """Treat stretches where two rooms touch like wide passages."""
-    bounds = [_bounds(floor) for floor in floors]
-    for i, floor in enumerate(floors):
-        for j, other in enumerate(floors):
-            if i != j and _near(bounds[i], bounds[j]):
-                _share_sides(floor, other)
-
-
 def _open(
     floor: Floor, opening: Opening, wall: Wall, s_from: float, s_to: float, is_entrance: bool
 ) -> None:
     if opening.kind == "window":
         sill = opening.box.center_m[2] + 1e-6
         floor.windows.append((wall, s_from, s_to, sill))
-        floor.keep(wall, s_from, s_to, 0.0, WINDOW_ZONE_M, ZONE, sill)
+        for part in (floor, *floor.touching):
+            part.keep(wall, s_from, s_to, 0.0, WINDOW_ZONE_M, ZONE, sill)
         wall.has_window = True
         return
     floor.doors.append(Door(wall, s_from, s_to, is_entrance))
-    floor.keep(wall, s_from, s_to, 0.0, s_to - s_from)
+    deep = min(s_to - s_from, DEEPEST_DOOR_ZONE_M)
+    for part in (floor, *floor.touching):
+        part.keep(wall, s_from, s_to, 0.0, deep)
     wall.has_door = True
 
 
@@ -123,6 +132,8 @@ def _share_sides(floor: Floor, other: Floor) -> None:
                 continue
             s_from, s_to = max(0.0, s_end - twin.length), min(wall.length, s_end)
             if s_to - s_from > 0.3:
-                floor.keep(wall, s_from, s_to, 0.0, OPEN_SIDE_ZONE_M)
+                floor.keep(wall, s_from, s_to, 0.0, OPEN_SIDE_M)
+                if other not in floor.touching:
+                    floor.touching.append(other)
                 floor.doors.append(Door(wall, s_from, s_to, False))
                 wall.has_door = True

@@ -95,6 +95,8 @@ class Wall:
         gaps = []
         start = 0.0
         for s_from, s_to in cuts:
+            if s_from >= self.length:
+                break
             if s_from - start >= least - TOUCH_M:
                 gaps.append((start, s_from))
             if s_to > start:
