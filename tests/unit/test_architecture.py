@@ -1,0 +1,154 @@
+"""The shape of the code, kept by a machine: who may import whom, and what."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "chord_usd"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+CODE = sorted(
+    file
+    for folder in ("chord_usd", "tests", "benchmarks", "examples", "blender_addon")
+    for file in (ROOT / folder).rglob("*.py")
+)
+
+STEPS = ("plan", "layout", "graph", "stage", "image")
+WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
+LINE = ("cli", "commands", "pipeline")
+
+ALLOWED: dict[str, set[str]] = {
+    **{step: set() for step in STEPS},
+    "assets": set(),
+    "metrics": set(),
+    "data": {"metrics"},
+    "training": {"layout", "graph", "data"},
+    "evaluation": {"layout", "graph", "data", "metrics"},
+    "pipeline": {*STEPS, "assets"},
+    "commands": {"pipeline", *STEPS, *WORKSHOP},
+    "cli": {"commands"},
+}
+"""What a part may import besides itself and the base modules."""
+
+HEAVY = {
+    "torch": ("layout", "graph", "training", "evaluation"),
+    "diffusers": ("layout", "training"),
+    "ultralytics": ("graph", "training"),
+    "pxr": ("stage", "assets", "image"),
+    "bpy": ("image",),
+    "transformers": (),
+}
+"""Which parts may import a heavy library at all."""
+
+LONGEST_FILE_LINES = 500
+
+
+def name_of(file: Path) -> str:
+    return str(file.relative_to(ROOT))
+
+
+def part_of(file: Path) -> str:
+    """The step, workshop part or base module a file belongs to."""
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports_of(node: ast.AST) -> Iterator[tuple[str, ast.stmt]]:
+    """Full names of everything imported in a tree."""
+    for child in ast.walk(node):
+        if isinstance(child, ast.Import):
+            for alias in child.names:
+                yield alias.name, child
+        elif isinstance(child, ast.ImportFrom):
+            assert child.level == 0, "relative import"
+            for alias in child.names:
+                yield f"{child.module}.{alias.name}", child
+
+
+def parts_imported(file: Path) -> set[str]:
+    names = (name.split(".") for name, _ in imports_of(ast.parse(file.read_text())))
+    own = {name[1] for name in names if name[0] == "chord_usd" and len(name) > 1}
+    return {part for part in own if part in ALLOWED}
+
+
+def only_for_types(tree: ast.Module) -> set[ast.stmt]:
+    """Imports under `if TYPE_CHECKING`, which never run."""
+    return {
+        statement
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        for statement in node.body
+    }
+
+
+@pytest.mark.parametrize("file", MODULES, ids=name_of)
+def test_imports_point_one_way(file: Path) -> None:
+    part = part_of(file)
+    foreign = parts_imported(file) - {part}
+    allowed = ALLOWED.get(part, set())
+    assert foreign <= allowed, f"{part} imports {foreign - allowed}"
+
+
+@pytest.mark.parametrize("file", MODULES, ids=name_of)
+def test_heavy_libraries_stay_in_their_step(file: Path) -> None:
+    part = part_of(file)
+    tree = ast.parse(file.read_text())
+    heavy = {name.split(".")[0] for name, _ in imports_of(tree)} & set(HEAVY)
+    wrong = {library for library in heavy if part not in HEAVY[library]}
+    assert not wrong, f"{part} imports {wrong}"
+
+
+@pytest.mark.parametrize(
+    "file", [f for f in MODULES if part_of(f) not in (*STEPS, *WORKSHOP)], ids=name_of
+)
+def test_the_line_and_the_base_import_steps_only_inside_functions(file: Path) -> None:
+    """So that `chord-usd --help` does not wait for numpy, let alone torch."""
+    tree = ast.parse(file.read_text())
+    skipped = only_for_types(tree)
+    line = part_of(file) in LINE
+    for statement in tree.body:
+        if statement in skipped or not isinstance(statement, ast.Import | ast.ImportFrom):
+            continue
+        for name, _ in imports_of(statement):
+            parts = name.split(".")
+            assert parts[0] not in HEAVY, name
+            if parts[0] == "chord_usd" and len(parts) > 1:
+                assert parts[1] not in (*STEPS, *WORKSHOP), name
+            assert not (line and parts[0] in ("numpy", "PIL", "cv2", "shapely")), name
+
+
+@pytest.mark.parametrize("file", CODE, ids=name_of)
+def test_files_are_short_enough_to_read(file: Path) -> None:
+    assert len(file.read_text().splitlines()) < LONGEST_FILE_LINES
+
+
+@pytest.mark.parametrize(
+    "file",
+    [
+        *CODE,
+        *(ROOT / f for f in ("Makefile", "pyproject.toml", "constraints.txt", "README.md")),
+        *(ROOT / "checkpoints").rglob("*.json"),
+        *(ROOT / "checkpoints").rglob("*.yaml"),
+        *(ROOT / "materials").rglob("*.usda"),
+    ],
+    ids=name_of,
+)
+def test_no_absolute_paths(file: Path) -> None:
+    """A path of one machine is wrong on every other."""
+    personal = re.compile(r"""/(?:home|root|Users|work|mnt|opt|workspace)/|[A-Z]:\\\\Users""")
+    if file == Path(__file__):
+        return
+    found = [line for line in file.read_text().splitlines() if personal.search(line)]
+    assert not found
+
+
+def test_every_palette_colour_is_written_once() -> None:
+    """One table per fact: no other module holds the paper's colours."""
+    code = re.compile(r"""["']#?[0-9A-F]{6}["']""")
+    assert code.search((PACKAGE / "palette.py").read_text())
+    others = [f for f in MODULES if f.name != "palette.py" and code.search(f.read_text())]
+    assert [name_of(f) for f in others] == []
