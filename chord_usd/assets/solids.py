@@ -214,7 +214,7 @@ def cushion(
     rings = []
     for angle in np.radians((0.0, 30.0, 60.0, 90.0)):
         inset, rise = rim * (1.0 - math.sin(angle)), rim * (1.0 - math.cos(angle))
-        rings.append(ring(length - 2 * inset, width - 2 * inset, corner_m - inset, rise, 5))
+        rings.append(ring(length - 2 * inset, width - 2 * inset, corner_m - inset, rise, 4))
     rings += [flat * [1.0, 1.0, -1.0] + [0.0, 0.0, edge] for flat in reversed(list(rings))]
     last = rings[-1]
     for share in (0.8, 0.55, 0.3, 0.0):
@@ -223,7 +223,7 @@ def cushion(
     return loft(rings)
 
 
-def pillow(size_m: Size, steps: int = 9) -> Solid:
+def pillow(size_m: Size, steps: int = 5) -> Solid:
     """A stuffed pillow: thin pointed rim, full middle, sides drawn in."""
     length, width, height = size_m
     rim = ring(length, width, 0.18 * min(length, width), 0.0, steps)
@@ -231,7 +231,7 @@ def pillow(size_m: Size, steps: int = 9) -> Solid:
     drawn = 1.0 - 0.05 * np.cos(np.pi * np.clip(2 * np.abs(rim) / [length, width, 1.0], 0, 1))
     rim = rim * np.stack([drawn[:, 1], drawn[:, 0], np.ones(len(rim))], axis=-1)
     rim *= [length / np.ptp(rim[:, 0]), width / np.ptp(rim[:, 1]), 1.0]
-    shares = np.array([0.0, 0.25, 0.5, 0.7, 0.85, 0.95])
+    shares = np.array([0.0, 0.35, 0.63, 0.83, 0.95])
     swell = height / 2 * np.sqrt(1.0 - shares**2.2) * (1.0 - 0.12 * shares)
     below = [
         rim * [s, s, 0] + [0, 0, height / 2 - z] for s, z in zip(shares, swell, strict=True)

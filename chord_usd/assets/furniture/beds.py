@@ -54,7 +54,7 @@ def _headboard(
         count = max(round(length / 0.2), 4)
         wide = length / count
         pads = [
-            soft_block((wide, thick, rise), 0.04, (2, 1, 4)).moved(
+            rounded_slab((wide, thick, rise), 0.045, 0.015, 3).moved(
                 -length / 2 + wide * (i + 0.5), y, 0.1
             )
             for i in range(count)
@@ -81,13 +81,13 @@ def _bedding(length: float, lying: float, y: float, *, throw: bool) -> tuple[Par
     """Duvet over the lower two thirds, its upper edge turned back, perhaps a throw at the foot."""
     reach = lying * 0.64
     foot = y - lying / 2
-    duvet = soft_block((length - 0.03, reach, 0.225), 0.055, (14, 14, 3))
+    duvet = soft_block((length - 0.03, reach, 0.225), 0.055, (9, 8, 1))
     duvet = creased(duvet, 0.008, 0.62).moved(y=foot + 0.012 + reach / 2, z=_RAIL_TOP_M + 0.015)
-    turned = soft_block((length - 0.018, 0.24, 0.222), 0.045, (14, 3, 3))
+    turned = soft_block((length - 0.018, 0.24, 0.222), 0.045, (9, 1, 1))
     turned = creased(turned, 0.006, 0.62).moved(y=foot + reach - 0.07, z=_RAIL_TOP_M + 0.03)
     parts = [Part("Duvet", duvet, "duvet"), Part("Turned_Sheet", turned, "sheet", collider=None)]
     if throw:
-        blanket = soft_block((length - 0.012, 0.46, 0.222), 0.05, (14, 4, 3))
+        blanket = soft_block((length - 0.012, 0.46, 0.222), 0.05, (9, 2, 1))
         blanket = creased(blanket, 0.006, 0.5).moved(y=foot + 0.42, z=_RAIL_TOP_M + 0.025)
         parts.append(Part("Throw", blanket, "throw", collider=None))
     return tuple(parts)

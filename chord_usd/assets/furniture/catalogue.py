@@ -1,0 +1,22 @@
+"""Every design of the embedded database, in a fixed order."""
+
+from __future__ import annotations
+
+from chord_usd.assets.furniture import (
+    bathroom,
+    beds,
+    kitchen,
+    laundry,
+    panels,
+    seating,
+    storage,
+    tables,
+)
+from chord_usd.assets.model import Design
+
+
+def designs() -> tuple[Design, ...]:
+    """All designs, sorted by category and id."""
+    modules = (beds, seating, tables, storage, kitchen, bathroom, laundry, panels)
+    found = [design for module in modules for design in module.DESIGNS]
+    return tuple(sorted(found, key=lambda design: (design.category, design.id)))

@@ -1,0 +1,231 @@
+"""Washing machines and laundry units."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth
+from chord_usd.assets.furniture.kitchen import _bowl, _swan_neck
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    block,
+    box,
+    circle,
+    cylinder,
+    extruded,
+    joined,
+    lathe,
+    ring,
+)
+
+_DOOR_OUT_M = 0.035
+
+
+def washing_machine(size_m: Size) -> tuple[Part, ...]:
+    """A front loader: casing with a round opening, bulging glass door, drawer, dial, display."""
+    length, width, height = size_m
+    casing, trim = _machine(length, width - _DOOR_OUT_M, height, drum=min(0.175, length * 0.3))
+    return _machine_parts(casing, trim, y=_DOOR_OUT_M / 2)
+
+
+def _machine(
+    length: float, width: float, height: float, drum: float
+) -> tuple[dict[str, Solid], dict[str, Solid]]:
+    """Casing and trim of one machine, its own front at y = -width / 2."""
+    y = -width / 2
+    front_m, feet = 0.03, 0.02
+    centre_z = height * 0.47
+    sheet = ring(length, height - feet, 0.012, 0.0, 2)[:, :2] + [0.0, feet + (height - feet) / 2]
+    hole = circle(drum, 0.0, 36)[:, :2] + [0.0, centre_z]
+    # Drawn lying, raised about x: the plate's underside becomes the front.
+    face = extruded(sheet, front_m, [hole]).turned("x", 90).moved(y=y + front_m)
+    body = block((length, width - front_m + 0.002, height - feet), 0.006)
+    body = body.moved(y=front_m / 2, z=feet)
+    foot = [
+        cylinder(0.022, feet + 0.002, 0, 12).moved(sx * (length / 2 - 0.06), sy * (width / 2 - 0.07))
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
+    hoop = lathe(
+        [(drum - 0.012, -0.006), (drum + 0.035, -0.002), (drum + 0.04, 0.008),
+         (drum + 0.03, 0.022), (drum, 0.026), (drum - 0.018, 0.018)], 40,
+    )  # fmt: skip
+    lens = lathe([(drum - 0.006, 0.0), (drum - 0.012, 0.016), (drum * 0.6, 0.028), (0, 0.033)], 36)
+    door_at = {"y": y, "z": centre_z}
+    panel_z = height - 0.115
+    drawer = block((length * 0.3, 0.012, 0.085), 0.004).moved(-length * 0.31, y, panel_z)
+    dial = cylinder(0.032, 0.024, 0.005, 24).turned("x", 90).moved(0.02, y, panel_z + 0.043)
+    display = block((length * 0.24, 0.008, 0.06), 0.002).moved(length * 0.3, y, panel_z + 0.013)
+    flap = block((0.11, 0.008, 0.06), 0.003).moved(length * 0.33, y, feet + 0.03)
+    grip = block((0.02, 0.03, 0.09), 0.006).moved(drum + 0.012, y - 0.015, centre_z - 0.045)
+    casing = {"Casing": body + face, "Feet": joined(foot), "Drawer": drawer + flap}
+    trim = {
+        "Hoop": hoop.turned("x", 90).moved(**door_at) + grip,
+        "Door_Glass": lens.turned("x", 90).moved(**door_at),
+        "Dial": dial,
+        "Display": display,
+    }
+    return casing, trim
+
+
+_MACHINE_SLOTS = {
+    "Casing": "machine", "Feet": "rubber", "Drawer": "trim", "Hoop": "hoop",
+    "Door_Glass": "dark_glass", "Dial": "hoop", "Display": "dark_glass",
+}  # fmt: skip
+
+
+def _machine_parts(
+    casing: dict[str, Solid],
+    trim: dict[str, Solid],
+    *,
+    x: float = 0.0,
+    y: float = 0.0,
+    z: float = 0.0,
+    prefix: str = "",
+) -> tuple[Part, ...]:
+    return tuple(
+        Part(
+            prefix + name,
+            solid.moved(x, y, z),
+            _MACHINE_SLOTS[name],
+            collider="boundingCube" if name == "Casing" else None,
+        )
+        for name, solid in {**casing, **trim}.items()
+    )
+
+
+def laundry_counter(size_m: Size, *, has_dryer: bool = False) -> tuple[Part, ...]:
+    """A worktop over a washing machine and, beside it, a sink cabinet or a second machine."""
+    length, width, height = size_m
+    top = 0.036
+    tall = height - top - 0.012
+    machine_l = min(0.6, length * 0.52) if not has_dryer else min(0.6, length / 2 - 0.02)
+    machine_w = width - _DOOR_OUT_M
+    casing, trim = _machine(machine_l, machine_w, tall, drum=min(0.175, machine_l * 0.3))
+    x = -(length - machine_l) / 2 + 0.012
+    parts = [*_machine_parts(casing, trim, x=x, y=_DOOR_OUT_M / 2, prefix="Washer_")]
+    if has_dryer:
+        parts += _machine_parts(casing, trim, x=-x, y=_DOOR_OUT_M / 2, prefix="Dryer_")
+        parts.append(Part("Worktop", _plate(length, width, top, height), "worktop"))
+        return tuple(parts)
+    case_l = length - machine_l - 0.024
+    parts += _sink_side(case_l, (length - case_l) / 2, size_m, top)
+    return tuple(parts)
+
+
+def _plate(length: float, width: float, top: float, height: float) -> Solid:
+    return block((length, width - 0.01, top), 0.003).moved(y=0.005, z=height - top)
+
+
+def _sink_side(case_l: float, x: float, size_m: Size, top: float) -> list[Part]:
+    """The cabinet with a laundry sink, and the worktop with its hole."""
+    length, width, height = size_m
+    y, base = -width / 2 + HANDLE_M + FRONT_M, 0.08
+    depth = width / 2 - y
+    low = height - top - base - 0.24
+    case = block((case_l, depth, low)).moved(x, y + depth / 2, base)
+    rims = [
+        box((0.018, depth, 0.242)).moved(x + s * (case_l - 0.018) / 2, y + depth / 2, base + low)
+        for s in (-1, 1)
+    ]
+    back = box((case_l - 0.02, 0.014, 0.242)).moved(x, y + 0.008, base + low)
+    face = [
+        _at(cell, x) for cell in cells(case_l, height - top - base - 0.004, 1, z_m=base + 0.002)
+    ]
+    bowl_l, bowl_w = min(0.46, case_l - 0.09), width - 0.24
+    hole = ring(bowl_l, bowl_w, 0.06, 0.0, 5)[:, :2] + [x, -0.02]
+    outline = ring(length, width - 0.01, 0.0, 0.0, 0)[:, :2] + [0.0, 0.005]
+    plate = extruded(outline, top, [hole]).moved(z=height - top)
+    base_part = plinth((case_l, width, height), base, inset_m=0.09)
+    tap = _swan_neck().scaled(0.9, 0.9, 0.9).moved(x, -0.02 + bowl_w / 2 + 0.05, height - 0.002)
+    return [
+        Part("Plinth", base_part.solid.moved(x=x), "plinth"),
+        Part("Sink_Body", case, "body"),
+        Part("Sink_Upper_Body", joined([*rims, back]), "body", collider=None),
+        *doors(face, y, "bar"),
+        Part("Worktop", plate, "worktop", collider="none"),
+        Part("Bowl", _bowl(bowl_l, bowl_w, 0.2).moved(x, -0.02, height), "ceramic", collider=None,
+             above=True),
+        Part("Tap", tap, "tap", collider=None, above=True),
+    ]  # fmt: skip
+
+
+def _at(cell, x: float):  # noqa: ANN001, ANN202
+    from dataclasses import replace
+
+    return replace(cell, x_m=cell.x_m + x)
+
+
+def laundry_tower(size_m: Size) -> tuple[Part, ...]:
+    """A washer with a dryer on top, between a tall cabinet and a frame."""
+    length, width, height = size_m
+    machine_l = 0.6
+    machine_h = 0.84
+    casing, trim = _machine(machine_l, width - _DOOR_OUT_M, machine_h, drum=0.175)
+    x = -(length - machine_l) / 2 + 0.025
+    case_l = length - machine_l - 0.05
+    case_x = (length - case_l) / 2
+    y, base = -width / 2 + HANDLE_M + FRONT_M, 0.08
+    depth = width / 2 - y
+    case = block((case_l, depth, height - base)).moved(case_x, y + depth / 2, base)
+    upper_z = 2 * machine_h + 0.05
+    upper = block((machine_l + 0.05, depth, height - upper_z))
+    upper = upper.moved(x, y + depth / 2, upper_z)
+    cheek = block((0.02, width - 0.06, height)).moved(-(length - 0.02) / 2, 0.03)
+    columns = 2 if case_l > 0.55 else 1
+    face = [_at(c, case_x) for c in cells(case_l, height - base - 0.004, columns, (1.2, 1.0),
+                                          base + 0.002)]
+    face += [_at(c, x) for c in cells(machine_l + 0.03, height - upper_z - 0.004, 2,
+                                      z_m=upper_z + 0.002)]
+    base_part = plinth((case_l, width, height), base, inset_m=0.09)
+    shift = {"x": x, "y": _DOOR_OUT_M / 2}
+    return (
+        *_machine_parts(casing, trim, **shift, prefix="Washer_"),
+        *_machine_parts(casing, trim, **shift, z=machine_h + 0.012, prefix="Dryer_"),
+        Part("Plinth", base_part.solid.moved(x=case_x), "plinth"),
+        Part("Tall_Body", case, "body"),
+        Part("Upper_Body", upper, "body"),
+        Part("Cheek", cheek, "body"),
+        *doors(face, y, "bar"),
+    )  # fmt: skip
+
+
+def _machine_look(machine: str, hoop: str) -> dict[str, str]:
+    return {
+        "machine": machine, "trim": machine, "hoop": hoop, "dark_glass": "black_glass",
+        "rubber": "rubber",
+    }  # fmt: skip
+
+
+def _set_look(body: str, worktop: str, metal: str, machine: str, hoop: str) -> dict[str, str]:
+    return {
+        **_machine_look(machine, hoop), "body": body, "front": body, "worktop": worktop,
+        "handle": metal, "tap": "chrome", "ceramic": "ceramic", "plinth": "graphite",
+    }  # fmt: skip
+
+
+_MACHINE = {
+    "white": _machine_look("white", "steel"),
+    "graphite": _machine_look("graphite", "chrome"),
+    "black_ring": _machine_look("white", "black"),
+}
+_SET = {
+    "oak": _set_look("oak", "quartz", "black_metal", "white", "steel"),
+    "white": _set_look("white", "oak", "steel", "white", "steel"),
+    "graphite": _set_look("graphite", "walnut", "brass", "graphite", "chrome"),
+}
+
+DESIGNS = (
+    Design("Washing_Machine_Slim", "washing_machine", (0.58, 0.54, 0.85), washing_machine,
+           _MACHINE),
+    Design("Washing_Machine_Full", "washing_machine", (0.61, 0.64, 0.86), washing_machine,
+           _MACHINE),
+    Design("Washing_Machine_Large", "washing_machine", (0.67, 0.67, 0.93), washing_machine,
+           _MACHINE),
+    Design("Laundry_Sink", "washing_set", (1.1, 0.6, 0.9), laundry_counter, _SET),
+    Design("Laundry_Pair", "washing_set", (1.28, 0.64, 0.9),
+           partial(laundry_counter, has_dryer=True), _SET),
+    Design("Laundry_Tower", "washing_set", (1.55, 0.64, 2.15), laundry_tower, _SET),
+)  # fmt: skip

@@ -1,0 +1,157 @@
+"""Panels on the wall behind a bed or a sofa, and pictures. Their back is against the wall (+y)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import Size, Solid, block, box, joined, lathe, rounded_slab
+
+
+def padded_panel(size_m: Size, *, rows: int = 1, pitch_m: float = 0.2) -> tuple[Part, ...]:
+    """Upholstered pads on a board: upright channels (one row) or tiles."""
+    length, width, height = size_m
+    board_m = 0.015
+    board = block((length, board_m, height), 0.003).moved(y=width / 2 - board_m / 2)
+    columns = max(2, round(length / pitch_m))
+    wide, tall = length / columns, height / rows
+    deep = width - 0.004
+    pad = rounded_slab((wide - 0.002, tall - 0.002, deep), 0.02, min(0.03, deep * 0.45), 2, 3)
+    pad = pad.turned("x", 90).moved(y=width / 2 - 0.004)
+    pads = [
+        pad.moved(x=-length / 2 + wide * (c + 0.5), z=tall * (r + 0.5))
+        for c in range(columns)
+        for r in range(rows)
+    ]
+    return (Part("Board", board, "board"), Part("Pads", joined(pads), "cloth", collider=None))
+
+
+def slatted_panel(size_m: Size, *, has_shelf: bool = False) -> tuple[Part, ...]:
+    """Upright wooden slats on a dark backing; perhaps a ledge with a vase and books."""
+    length, width, height = size_m
+    back_m = 0.014
+    backing = box((length - 0.004, back_m, height - 0.004)).moved(y=width / 2 - back_m / 2, z=0.002)
+    count = round(length / 0.05)
+    step = length / count
+    deep = min(0.03, width - back_m) if has_shelf else width - back_m + 0.002
+    slat = block((step * 0.6, deep, height), 0.003)
+    y = width / 2 - back_m - deep / 2 + 0.002
+    slats = [slat.moved(-length / 2 + step * (i + 0.5), y) for i in range(count)]
+    edge = [block((0.02, width if not has_shelf else back_m + deep, height)) for _ in range(2)]
+    edges = [
+        e.moved(s * (length - 0.02) / 2, width / 2 - (width if not has_shelf else back_m + deep) / 2)
+        for e, s in zip(edge, (-1, 1), strict=True)
+    ]
+    parts = [
+        Part("Backing", backing, "board"),
+        Part("Slats", joined([*slats, *edges]), "wood", collider=None),
+    ]
+    return (*parts, *_ledge(length, width, height)) if has_shelf else tuple(parts)
+
+
+def _ledge(length: float, width: float, height: float) -> tuple[Part, ...]:
+    ledge_l, z = length * 0.7, height * 0.42
+    ledge = block((ledge_l, width, 0.025), 0.003).moved(z=z)
+    r = min(0.042, width / 2 - 0.008)
+    vase = lathe(
+        [(r * 0.6, 0), (r, 0.06), (r * 0.9, 0.12), (r * 0.35, 0.17), (r * 0.5, 0.2), (0, 0.2)], 24
+    ).moved(-ledge_l * 0.35, -0.002, z + 0.024)
+    books = [
+        box((0.024, width * 0.8, 0.15 + 0.012 * (i % 3))).moved(
+            ledge_l * 0.3 + 0.027 * i, 0.0, z + 0.024
+        )
+        for i in range(5)
+    ]
+    return (
+        Part("Ledge", ledge, "wood"),
+        Part("Vase", vase, "vase", collider=None),
+        Part("Books", joined(books), "books", collider=None),
+    )
+
+
+def pictures(size_m: Size, *, count: int = 3) -> tuple[Part, ...]:
+    """Framed abstract prints in a row, all of one height."""
+    length, width, height = size_m
+    gap = 0.06
+    wide = (length - gap * (count - 1)) / count
+    frames, mats = [], []
+    fields: dict[str, list[Solid]] = {"art_a": [], "art_b": [], "art_c": []}
+    for index in range(count):
+        x = -length / 2 + wide / 2 + (wide + gap) * index
+        frames.append(_frame(wide, width, height).moved(x))
+        mats.append(box((wide - 0.03, 0.01, height - 0.03)).moved(x, width / 2 - 0.012, 0.015))
+        for slot, piece in _abstract(wide - 0.2, height - 0.2, index):
+            fields[slot].append(piece.moved(x, width / 2 - 0.02, 0.1))
+    art = [Part(f"Print_{s[-1].upper()}", joined(p), s, collider=None) for s, p in fields.items()]
+    return (
+        Part("Frames", joined(frames), "wood"),
+        Part("Mats", joined(mats), "paper", collider=None),
+        *art,
+    )
+
+
+def _frame(length: float, width: float, height: float) -> Solid:
+    rail = 0.028
+    deep = width
+    stile = block((rail, deep, height), 0.003)
+    bar = block((length - 2 * rail + 0.004, deep - 0.002, rail), 0.003)
+    side = (length - rail) / 2
+    return joined([stile.moved(-side), stile.moved(side), bar, bar.moved(z=height - rail)])
+
+
+def _abstract(length: float, height: float, index: int) -> list[tuple[str, Solid]]:
+    """A few flat fields on the mat: bands of land, a disc for a sun; each print arranged anew."""
+    low, disc = (0.3, 0.38, 0.24)[index % 3], (0.25, -0.2, 0.1)[index % 3]
+    ground = box((length, 0.004, height * low))
+    hill = box((length * 0.62, 0.007, height * 0.2))
+    shift = (0.19, -0.19, 0.1)[index % 3] * length
+    radius = min(length, height) * 0.17
+    sun = lathe([(radius, 0), (radius, 0.004), (0, 0.004)], 28).turned("x", 90)
+    return [
+        ("art_a", ground),
+        ("art_b", hill.moved(shift, 0.0, height * low - 0.01)),
+        ("art_c", sun.moved(disc * length, 0.002, height * 0.74)),
+    ]
+
+
+def _padding(cloth: str) -> dict[str, str]:
+    return {"cloth": cloth, "board": "graphite"}
+
+
+def _slats(wood: str, vase: str = "terracotta") -> dict[str, str]:
+    return {"wood": wood, "board": "black", "vase": vase, "books": "paper"}
+
+
+def _prints(frame: str, ground: str, hill: str, sun: str) -> dict[str, str]:
+    return {"wood": frame, "paper": "paper", "art_a": ground, "art_b": hill, "art_c": sun}
+
+
+_PADS = {
+    "grey": _padding("grey_cloth"),
+    "beige": _padding("beige_cloth"),
+    "green": _padding("green_cloth"),
+}
+_SLATS = {
+    "oak": _slats("oak"),
+    "walnut": _slats("walnut", "ceramic"),
+    "white": _slats("warm_white"),
+}
+_PRINTS = {
+    "desert": _prints("oak", "terracotta", "sand", "yellow_cover"),
+    "sea": _prints("black_stain", "navy", "teal_cloth", "blush"),
+    "forest": _prints("walnut", "forest", "sage", "mustard_cloth"),
+}
+
+DESIGNS = (
+    Design("Bed_Panel_Channels", "bed_background", (1.5, 0.08, 0.9), padded_panel, _PADS),
+    Design("Bed_Panel_Tiles", "bed_background", (1.9, 0.08, 1.0),
+           partial(padded_panel, rows=3, pitch_m=0.38), _PADS),
+    Design("Bed_Panel_Slats", "bed_background", (2.4, 0.06, 1.2), slatted_panel, _SLATS),
+    Design("Bed_Panel_Channels_Wide", "bed_background", (3.0, 0.1, 1.1), padded_panel, _PADS),
+    Design("Sofa_Prints_Two", "sofa_background", (1.4, 0.05, 0.8), partial(pictures, count=2),
+           _PRINTS),
+    Design("Sofa_Prints_Three", "sofa_background", (2.1, 0.05, 0.85), pictures, _PRINTS),
+    Design("Sofa_Slats_Ledge", "sofa_background", (2.6, 0.12, 1.1),
+           partial(slatted_panel, has_shelf=True), _SLATS),
+    Design("Sofa_Slats_Wide", "sofa_background", (3.3, 0.06, 1.2), slatted_panel, _SLATS),
+)  # fmt: skip

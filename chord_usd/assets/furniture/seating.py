@@ -1,0 +1,314 @@
+"""Sofas, armchairs, lounge chairs and chairs."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Literal
+
+import numpy as np
+
+from chord_usd.assets.furniture.joinery import four_legs
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    bent_path,
+    block,
+    cushion,
+    cylinder,
+    joined,
+    lathe,
+    loft,
+    mirrored_pair,
+    pillow,
+    ring,
+    rounded_slab,
+    soft_block,
+    tube,
+)
+
+ArmKind = Literal["track", "soft", "slim"]
+
+_ARM_M = {"track": 0.15, "soft": 0.21, "slim": 0.09}
+_SEAT_TOP_M = 0.43
+_BASE_TOP_M = 0.27
+
+
+def sofa(
+    size_m: Size, *, seats: int = 2, arm: ArmKind = "track", pillows: bool = True
+) -> tuple[Part, ...]:
+    """A sofa or armchair: base on legs, two arms, a back, loose seat and back cushions."""
+    length, width, height = size_m
+    arm_m, leg_m = _ARM_M[arm], 0.11
+    inner = length - 2 * arm_m
+    back_m = 0.16
+    y_back = width / 2 - back_m / 2
+    base = rounded_slab((length - 0.02, width - 0.03, _BASE_TOP_M - leg_m), 0.03, 0.015, 4, 2)
+    back = soft_block((inner + 0.06, back_m, height - 0.06 - leg_m), 0.045, (1, 1, 1))
+    parts = [
+        *four_legs(length - 0.06, width - 0.08, leg_m + 0.03, 0.05, is_round=True, splay_m=0.015),
+        Part("Base", base.moved(z=leg_m), "cloth"),
+        Part("Back", back.moved(y=y_back, z=leg_m), "cloth"),
+        *_arms(arm, length, width, height, leg_m),
+        *_seats(inner, width, height, back_m, seats),
+    ]
+    if pillows:
+        throw = pillow((0.44, 0.44, 0.16)).turned("x", 68).turned("z", 14)
+        lift = _SEAT_TOP_M - 0.01 - float(throw.bounds_m()[0, 2])
+        y = width / 2 - back_m - 0.33
+        throws = mirrored_pair(throw.moved(-inner / 2 + 0.27, y, lift))
+        parts.append(Part("Pillows", throws, "accent", collider=None))
+    return tuple(parts)
+
+
+def _arms(
+    kind: ArmKind, length: float, width: float, height: float, leg: float
+) -> tuple[Part, ...]:
+    wide = _ARM_M[kind]
+    top = min(0.62, height - 0.1) if kind != "slim" else min(0.58, height - 0.1)
+    radius = {"track": 0.025, "soft": 0.095, "slim": 0.03}[kind]
+    arm = soft_block((wide, width, top - leg + 0.01), radius, (1, 2, 1))
+    at = (length - wide) / 2
+    return tuple(
+        Part(f"Arm_{side}", arm.moved(x=sign * at, z=leg - 0.01), "cloth")
+        for side, sign in (("Left", -1.0), ("Right", 1.0))
+    )
+
+
+def _seats(
+    inner: float, width: float, height: float, back: float, seats: int
+) -> tuple[Part, ...]:
+    """Seat and back cushions; a hand's breadth of seat shows in front of the arms' line."""
+    wide = inner / seats - 0.008
+    deep = width - back - 0.015
+    seat = cushion((wide, deep, _SEAT_TOP_M - _BASE_TOP_M + 0.03), 0.05, 0.045, 0.03)
+    rest_height = height - _SEAT_TOP_M + 0.05
+    rest = cushion((wide - 0.01, rest_height, 0.19), 0.09, 0.07, 0.05).turned("x", 78)
+    low, high = rest.bounds_m()
+    rest = rest.moved(0.0, width / 2 - back + 0.03 - float(high[1]), height - float(high[2]))
+    places = [(i - (seats - 1) / 2) * inner / seats for i in range(seats)]
+    y = -width / 2 + 0.005 + deep / 2
+    return (
+        Part("Seat", joined([seat.moved(x, y, _BASE_TOP_M - 0.015) for x in places]), "cushion"),
+        Part("Back_Cushions", joined([rest.moved(x) for x in places]), "cushion", collider=None),
+    )
+
+
+def wing_chair(size_m: Size) -> tuple[Part, ...]:
+    """A high-backed armchair with wings."""
+    length, width, height = size_m
+    plain = sofa((length, width, height - 0.0), seats=1, arm="soft", pillows=False)
+    wing = soft_block((0.09, 0.3, height - 0.5), 0.035, (1, 2, 2))
+    wings = mirrored_pair(wing.moved((length - 0.2) / 2, width / 2 - 0.17, 0.46))
+    return (*plain, Part("Wings", wings, "cloth"))
+
+
+def barrel_chair(size_m: Size) -> tuple[Part, ...]:
+    """A tub chair: one curved shell that is back and arms, on a turned foot."""
+    length, width, height = size_m
+    shell = _curved_shell(length, width, 0.09, height - 0.1, 0.58 - 0.1)
+    seat = cushion((length - 0.2, width - 0.15, 0.2), 0.3, 0.06, 0.03)
+    foot = lathe([(0.2, 0.0), (0.22, 0.015), (0.2, 0.03), (0.06, 0.05), (0.06, 0.13)], 28)
+    base = rounded_slab((length - 0.14, width - 0.14, 0.16), 0.35, 0.02, 6, 2)
+    return (
+        Part("Foot", foot, "leg"),
+        Part("Base", base.moved(y=-0.02, z=0.12), "cloth"),
+        Part("Shell", shell.moved(z=0.1), "cloth", collider="none"),
+        Part("Seat", seat.moved(y=-0.06, z=0.25), "cushion"),
+    )
+
+
+def _curved_shell(
+    length: float, width: float, thick: float, back_height: float, arm_height: float
+) -> Solid:
+    """A wall in a horseshoe, open to the front, highest at the back."""
+    rings = []
+    angles = np.radians(np.linspace(-38.0, 218.0, 33))
+    for angle in angles:
+        along = math.sin(angle)
+        share = min(max((along + 0.2) / 1.1, 0.0), 1.0)
+        tall = arm_height + (back_height - arm_height) * (share**2 * (3 - 2 * share))
+        section = ring(thick, tall, thick * 0.48, 0.0, 4)
+        across, up = section[:, 0], section[:, 1] + tall / 2
+        x = math.cos(angle) * (length / 2 - thick / 2 + across)
+        y = math.sin(angle) * (width / 2 - thick / 2 + across)
+        rings.append(np.stack([x, y, up], axis=-1))
+    return loft(rings[::-1])
+
+
+def lounge_chair(size_m: Size) -> tuple[Part, ...]:
+    """A wooden frame with sloping seat and back cushions."""
+    length, width, height = size_m
+    half, front_y, back_y = length / 2 - 0.02, -width / 2 + 0.03, width / 2 - 0.05
+    arm_z = 0.56
+    side = joined(
+        [
+            tube([[half, front_y + 0.06, 0.0], [half, front_y + 0.02, arm_z - 0.02]], 0.02, 10),
+            tube([[half, back_y - 0.2, 0.0], [half, back_y - 0.16, arm_z - 0.02]], 0.02, 10),
+            tube([[half, front_y + 0.04, 0.3], [half, back_y - 0.17, 0.24]], 0.016, 10),
+            rounded_slab((0.07, width - 0.2, 0.03), 0.03, 0.008).moved(
+                half - 0.015, -0.1, arm_z - 0.03
+            ),
+        ]
+    )
+    inner = length - 0.13
+    seat = cushion((inner, width - 0.24, 0.13), 0.05, 0.045, 0.02).turned("x", -7)
+    back = cushion((inner, height - 0.28, 0.13), 0.06, 0.045, 0.03).turned("x", 66)
+    low, high = back.bounds_m()
+    back = back.moved(0.0, width / 2 - float(high[1]), height - float(high[2]))
+    bars = [
+        tube([[-half, y, z], [half, y, z]], 0.016, 10)
+        for y, z in ((front_y + 0.07, 0.3), (back_y - 0.19, 0.25))
+    ]
+    return (
+        Part("Frame", mirrored_pair(side) + joined(bars), "frame", collider="convexHull"),
+        Part("Seat", seat.moved(y=-0.1, z=0.31), "cushion"),
+        Part("Back", back, "cushion"),
+    )
+
+
+def chair(size_m: Size, *, back: Literal["slats", "board", "padded"] = "slats") -> tuple[Part, ...]:
+    """A dining chair: seat at 0.45 m, rear legs that run up into the back."""
+    length, width, height = size_m
+    seat_z, thick = 0.44, 0.036
+    seat_depth = width - 0.05
+    legs = [
+        tube(
+            [[s * (length / 2 - 0.025), -width / 2 + 0.025, 0],
+             [s * (length / 2 - 0.035), -width / 2 + 0.05, seat_z]], thick / 2, 8,
+        )
+        for s in (-1, 1)
+    ]  # fmt: skip
+    legs += [tube(_rear_post(s, length, width, height, seat_z), thick / 2, 8) for s in (-1, 1)]
+    names = ("Front_Left", "Front_Right", "Rear_Left", "Rear_Right")
+    rails = [
+        block((length - 0.08, 0.02, 0.05)).moved(y=y, z=seat_z - 0.055)
+        for y in (-width / 2 + 0.05, width / 2 - 0.09)
+    ]
+    rails.append(block((0.02, width - 0.14, 0.05)).moved(length / 2 - 0.04, -0.02, seat_z - 0.055))
+    rails.append(rails[-1].scaled(x=-1.0))
+    seat = cushion((length - 0.01, seat_depth, 0.045), 0.06, 0.02, 0.012)
+    return (
+        *(Part(f"Leg_{name}", leg, "frame") for name, leg in zip(names, legs, strict=True)),
+        Part("Rails", joined(rails), "frame", collider=None),
+        Part("Seat", seat.moved(y=-width / 2 + seat_depth / 2 + 0.002, z=seat_z - 0.01), "seat"),
+        _chair_back(back, length, width, height),
+    )
+
+
+def _rear_post(side: int, length: float, width: float, height: float, seat_z: float) -> np.ndarray:
+    x, back = side * (length / 2 - 0.03), width / 2
+    corners = [[x, back - 0.03, 0], [x, back - 0.075, seat_z], [x, back - 0.02, height]]
+    return bent_path(corners, 0.1, 4)
+
+
+def _chair_back(kind: str, length: float, width: float, height: float) -> Part:
+    y, inner = width / 2 - 0.035, length - 0.08
+    if kind == "slats":
+        rails = [
+            block((inner + 0.02, 0.02, 0.055), 0.006).moved(y=y + dy, z=height - drop)
+            for drop, dy in ((0.075, 0.006), (0.185, -0.006), (0.295, -0.018))
+        ]
+        return Part("Back", joined(rails), "frame")
+    if kind == "board":
+        plate = rounded_slab((length - 0.02, 0.2, 0.02), 0.04, 0.006).turned("x", 83)
+        low, high = plate.bounds_m()
+        at = (0.0, y + 0.01 - float(low[1] + high[1]) / 2, height - 0.012 - float(high[2]))
+        return Part("Back", plate.moved(*at), "frame")
+    pad = cushion((length - 0.03, height - 0.51, 0.055), 0.06, 0.02, 0.012).turned("x", 83)
+    low, high = pad.bounds_m()
+    at = (0.0, y + 0.012 - float(low[1] + high[1]) / 2, height - 0.005 - float(high[2]))
+    return Part("Back", pad.moved(*at), "seat")
+
+
+def office_chair(size_m: Size) -> tuple[Part, ...]:
+    """A swivel chair: five-star foot on castors, gas lift, padded seat and back, arm rests."""
+    length, width, height = size_m
+    reach = min(length, width) / 2 - 0.03
+    spokes, castors = [], []
+    for index in range(5):
+        turn = -90.0 + 72.0 * index
+        spoke = tube([[0.02, 0, 0.11], [reach - 0.005, 0, 0.075]], 0.018, 8)
+        spokes.append(spoke.turned("z", turn))
+        wheel = cylinder(0.028, 0.035, 0.006, 14).moved(z=-0.0175).turned("x", 90)
+        castors.append(wheel.moved(reach, 0, 0.028).turned("z", turn))
+    stem = cylinder(0.03, 0.12, 0, 14).moved(z=0.09) + cylinder(0.018, 0.2, 0, 12).moved(z=0.2)
+    seat = cushion((length - 0.1, width - 0.12, 0.09), 0.11, 0.04, 0.02)
+    back = cushion((length - 0.14, height - 0.52, 0.09), 0.09, 0.035, 0.03).turned("x", 80)
+    high = back.bounds_m()[1]
+    back = back.moved(0.0, width / 2 - 0.01 - float(high[1]), height - float(high[2]))
+    spine = bent_path(
+        [[0, 0.06, 0.39], [0, width / 2 - 0.03, 0.39], [0, width / 2 - 0.01, 0.7]], 0.08
+    )
+    arm = [[0, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.63]]
+    rest = rounded_slab((0.05, 0.24, 0.025), 0.025, 0.008).moved(length / 2 - 0.025, 0.02, 0.63)
+    return (
+        Part("Foot", joined(spokes), "metal", collider="convexHull"),
+        Part("Castors", joined(castors), "rubber", collider=None),
+        Part("Lift", stem, "metal"),
+        Part("Seat", seat.moved(y=-0.04, z=0.395), "seat"),
+        Part("Back", back, "seat"),
+        Part("Spine", tube(spine, 0.018, 8), "rubber", collider=None),
+        Part("Arm_Rests", mirrored_pair(tube(bent_path(arm, 0.05), 0.013, 8) + rest), "rubber",
+             collider=None),
+    )  # fmt: skip
+
+
+def _cloth(cloth: str, accent: str, leg: str) -> dict[str, str]:
+    return {"cloth": cloth, "cushion": cloth, "accent": accent, "leg": leg, "frame": leg}
+
+
+_SOFA = {
+    "grey": _cloth("grey_cloth", "mustard_cloth", "black_stain"),
+    "beige": _cloth("beige_cloth", "rust_cloth", "oak"),
+    "teal": _cloth("teal_cloth", "linen", "walnut"),
+}
+_LEATHER = {
+    "tan": _cloth("tan_leather", "cream_cloth", "walnut"),
+    "black": _cloth("black_leather", "grey_cloth", "black_metal"),
+    "cream": _cloth("cream_cloth", "green_cloth", "oak"),
+}
+_ARMCHAIR = {
+    "green": _cloth("green_cloth", "linen", "walnut"),
+    "rust": _cloth("rust_cloth", "cream_cloth", "oak"),
+    "grey": _cloth("charcoal_cloth", "mustard_cloth", "black_metal"),
+}
+_CHAIR = {
+    "oak": {"frame": "oak", "seat": "linen"},
+    "walnut": {"frame": "walnut", "seat": "charcoal_cloth"},
+    "white": {"frame": "white", "seat": "grey_cloth"},
+}
+_OFFICE = {
+    "black": {"metal": "steel", "rubber": "rubber", "seat": "charcoal_cloth"},
+    "blue": {"metal": "steel", "rubber": "rubber", "seat": "blue_cloth"},
+}
+
+DESIGNS = (
+    Design("Sofa_Two_Seat_Track", "sofa", (1.55, 0.85, 0.82), sofa, _SOFA),
+    Design("Sofa_Two_Seat_Soft", "sofa", (1.85, 0.9, 0.82), partial(sofa, arm="soft"), _LEATHER),
+    Design("Sofa_Three_Seat_Track", "sofa", (2.15, 0.92, 0.84), partial(sofa, seats=3), _SOFA),
+    Design(
+        "Sofa_Three_Seat_Slim", "sofa", (2.45, 0.95, 0.82), partial(sofa, seats=3, arm="slim"),
+        _LEATHER,
+    ),
+    Design(
+        "Sofa_Four_Seat_Soft", "sofa", (3.0, 1.02, 0.85), partial(sofa, seats=4, arm="soft"), _SOFA
+    ),
+    Design(
+        "Armchair_Track", "single_sofa", (0.8, 0.8, 0.8),
+        partial(sofa, seats=1, pillows=False), _ARMCHAIR,
+    ),
+    Design(
+        "Armchair_Soft", "single_sofa", (0.95, 0.9, 0.84),
+        partial(sofa, seats=1, arm="soft", pillows=False), _LEATHER,
+    ),
+    Design("Armchair_Wing", "single_sofa", (0.86, 0.86, 0.98), wing_chair, _ARMCHAIR),
+    Design("Lounge_Chair_Wood", "leisure_sofa", (0.68, 0.8, 0.82), lounge_chair, _ARMCHAIR),
+    Design("Lounge_Chair_Barrel", "leisure_sofa", (0.8, 0.76, 0.76), barrel_chair, _ARMCHAIR),
+    Design("Lounge_Chair_Wide", "leisure_sofa", (0.9, 0.95, 0.86), lounge_chair, _LEATHER),
+    Design("Chair_Slats", "chair", (0.43, 0.48, 0.86), chair, _CHAIR),
+    Design("Chair_Board", "chair", (0.46, 0.52, 0.8), partial(chair, back="board"), _CHAIR),
+    Design("Chair_Padded", "chair", (0.47, 0.55, 0.92), partial(chair, back="padded"), _CHAIR),
+    Design("Chair_Office", "chair", (0.57, 0.58, 0.98), office_chair, _OFFICE),
+)  # fmt: skip

@@ -1,0 +1,228 @@
+"""Desks, dining tables, coffee tables, side tables."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Literal
+
+from chord_usd.assets.furniture.joinery import HANDLE_M, cells, drawers, four_legs
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import (
+    Size,
+    block,
+    cylinder,
+    joined,
+    lathe,
+    mirrored_pair,
+    rounded_slab,
+)
+
+_TOP_M = 0.03
+
+
+def legged_table(
+    size_m: Size, *, leg_m: float = 0.05, top_m: float = _TOP_M, is_round: bool = False
+) -> tuple[Part, ...]:
+    """A top on four legs with an apron; is_round gives turned, splayed legs."""
+    length, width, height = size_m
+    corner = 0.03 if not is_round else 0.12
+    top = rounded_slab((length, width, top_m), corner, 0.006, 6, 2)
+    apron_m = min(0.08, height * 0.16)
+    reach = 0.02 if not is_round else 0.06
+    rails = joined(
+        [
+            mirrored_pair(
+                block((0.022, width - 0.16, apron_m)).moved(length / 2 - reach - leg_m / 2)
+            ),
+            block((length - 0.16, 0.022, apron_m)).moved(y=-width / 2 + reach + leg_m / 2),
+            block((length - 0.16, 0.022, apron_m)).moved(y=width / 2 - reach - leg_m / 2),
+        ]
+    )
+    return (
+        Part("Top", top.moved(z=height - top_m), "top"),
+        Part("Apron", rails.moved(z=height - top_m - apron_m + 0.002), "leg", collider=None),
+        *four_legs(
+            length - reach, width - reach, height - top_m + 0.002, leg_m,
+            is_round=is_round, splay_m=0.05 if is_round else 0.0,
+        ),
+    )  # fmt: skip
+
+
+def trestle_table(size_m: Size) -> tuple[Part, ...]:
+    """A thick top on two metal portal frames."""
+    length, width, height = size_m
+    bar, top_m = 0.045, 0.038
+    tall = height - top_m
+    upright = block((bar, bar, tall + 0.001)).moved(y=width / 2 - 0.07)
+    cross = block((bar, width - 0.14, bar))
+    portal = joined([upright, upright.scaled(y=-1.0), cross, cross.moved(z=tall - bar)])
+    at = length / 2 - min(0.16, length * 0.12)
+    top = rounded_slab((length, width, top_m), 0.012, 0.005, 3, 1)
+    beam = block((2 * at, 0.04, 0.03)).moved(z=tall - 0.032)
+    return (
+        Part("Top", top.moved(z=tall), "top"),
+        Part("Frame_Left", portal.moved(x=-at), "leg"),
+        Part("Frame_Right", portal.moved(x=at), "leg"),
+        Part("Beam", beam, "leg", collider=None),
+    )
+
+
+def pedestal_table(size_m: Size, *, foot_m: float = 0.28) -> tuple[Part, ...]:
+    """A round or oval top on one turned column."""
+    length, width, height = size_m
+    top = rounded_slab((length, width, 0.03), max(length, width), 0.01, 12, 3)
+    foot = min(foot_m, min(length, width) * 0.38)
+    column = [
+        (foot, 0.0), (foot, 0.012), (foot * 0.9, 0.022), (0.06, 0.06), (0.04, 0.14),
+        (0.04, height - 0.12), (0.09, height - 0.03), (0.09, height - 0.028),
+    ]  # fmt: skip
+    return (
+        Part("Top", top.moved(z=height - 0.03), "top"),
+        Part("Column", lathe(column, 28), "leg", collider="convexHull"),
+    )
+
+
+def drawer_desk(size_m: Size, *, side: Literal["left", "right"] = "right") -> tuple[Part, ...]:
+    """A desk with a pedestal of three drawers on one side and a leg panel on the other."""
+    length, width, height = size_m
+    sign = 1.0 if side == "right" else -1.0
+    wide, top_m = 0.4, 0.03
+    tall = height - top_m
+    top = block((length, width, top_m), 0.004).moved(z=tall)
+    box_depth = width - HANDLE_M - 0.018 - 0.02
+    x = sign * (length / 2 - wide / 2 - 0.005)
+    y_face = -width / 2 + HANDLE_M + 0.018
+    pedestal = block((wide, box_depth, tall - 0.05)).moved(x, y_face + box_depth / 2, 0.05)
+    fronts = drawers(list(cells(wide, tall - 0.055, 1, (2, 1, 1), 0.052)), y_face, "bar")
+    panel = block((0.03, width - 0.06, tall + 0.001)).moved(-sign * (length / 2 - 0.035))
+    modesty = block((length - wide - 0.06, 0.018, 0.35))
+    feet = block((wide - 0.04, box_depth - 0.06, 0.052)).moved(x, y_face + box_depth / 2)
+    return (
+        Part("Top", top, "top"),
+        Part("Pedestal", pedestal, "body"),
+        Part("Pedestal_Feet", feet, "leg", collider=None),
+        *(Part(p.name, p.solid.moved(x=x), p.slot, p.collider) for p in fronts),
+        Part("Side_Panel", panel, "body"),
+        Part("Modesty_Panel", modesty.moved(-sign * wide / 2, width / 2 - 0.08, tall - 0.35),
+             "body"),
+    )  # fmt: skip
+
+
+def shelf_coffee_table(size_m: Size) -> tuple[Part, ...]:
+    """A coffee table with a lower shelf between square legs."""
+    length, width, height = size_m
+    top = rounded_slab((length, width, 0.035), 0.03, 0.008, 4, 2).moved(z=height - 0.035)
+    shelf = block((length - 0.08, width - 0.08, 0.02)).moved(z=0.12)
+    return (
+        Part("Top", top, "top"),
+        Part("Shelf", shelf, "top"),
+        *four_legs(length - 0.04, width - 0.04, height - 0.033, 0.055),
+    )
+
+
+def nest_of_drums(size_m: Size) -> tuple[Part, ...]:
+    """A large low drum with a smaller, higher one at its side."""
+    length, width, height = size_m
+    big, small = width / 2, min(length - width, width) / 2 + 0.04
+    low = lathe([(big - 0.03, 0), (big, 0.03), (big, height - 0.1), (big - 0.015, height - 0.09)], 40)
+    tall = cylinder(small, height - 0.001, 0.012, 32)
+    return (
+        Part("Low_Table", low.moved(x=-length / 2 + big), "top", collider="convexHull"),
+        Part("High_Table", tall.moved(length / 2 - small, -(big - small)), "leg",
+             collider="convexHull"),
+    )  # fmt: skip
+
+
+def tray_table(size_m: Size) -> tuple[Part, ...]:
+    """A round tray with a raised rim on three splayed legs."""
+    length, width, height = size_m
+    radius = 0.5
+    tray = lathe(
+        [(radius - 0.02, 0), (radius, 0.008), (radius, 0.04), (radius - 0.015, 0.04),
+         (radius - 0.02, 0.014), (0.0, 0.014)], 36,
+    ).scaled(x=length, y=width)  # fmt: skip
+    reach = min(length, width) / 2
+    legs = []
+    for index in range(3):
+        leg = cylinder(0.011, height - 0.03, 0.002, 10, top_m=0.016)
+        points = leg.points_m.copy()
+        points[:, 0] += reach * (0.85 - 0.35 * points[:, 2] / height)
+        legs.append(type(leg)(points, leg.faces).turned("z", 90 + 120 * index))
+    return (
+        Part("Tray", tray.moved(z=height - 0.04), "top"),
+        *(Part(f"Leg_{i}", leg, "leg") for i, leg in enumerate(legs, start=1)),
+    )
+
+
+def cube_table(size_m: Size) -> tuple[Part, ...]:
+    """An open wooden cube with a shelf: top, bottom, two sides, back."""
+    length, width, height = size_m
+    board = 0.022
+    side = block((board, width - 0.004, height - 2 * board + 0.002))
+    return (
+        Part("Top", rounded_slab((length, width, board), 0.01, 0.004).moved(z=height - board),
+             "top"),
+        Part("Bottom", block((length - 0.002, width - 0.002, board)), "leg"),
+        Part("Sides", mirrored_pair(side.moved((length - board) / 2 - 0.002, 0, board - 0.001)),
+             "leg", collider="none"),
+        Part("Shelf", block((length - 2 * board, width - 0.03, 0.018)).moved(z=height * 0.45),
+             "leg"),
+        Part("Back", block((length - 2 * board, 0.012, height - 2 * board)).moved(
+            y=width / 2 - 0.02, z=board), "leg"),
+    )  # fmt: skip
+
+
+def _pair(top: str, leg: str, handle: str = "black_metal") -> dict[str, str]:
+    return {"top": top, "leg": leg, "body": top, "front": top, "handle": handle}
+
+
+_WOOD = {
+    "oak": _pair("oak", "oak"),
+    "walnut": _pair("walnut", "walnut", "brass"),
+    "white": _pair("pale_oak", "white", "steel"),
+}
+_METAL = {
+    "oak_black": _pair("oak", "black_metal"),
+    "walnut_brass": _pair("walnut", "brass", "brass"),
+    "white_steel": _pair("white", "steel", "steel"),
+}
+_STONE = {
+    "marble": _pair("marble", "brass"),
+    "dark_stone": _pair("dark_stone", "black_metal"),
+    "concrete": _pair("concrete", "oak"),
+}
+_DESK = {
+    "oak_white": {**_pair("oak", "black_metal"), "body": "white", "front": "white"},
+    "walnut": _pair("walnut", "black_metal", "brass"),
+    "sage": {**_pair("pale_oak", "black_metal"), "body": "sage", "front": "sage"},
+}
+
+DESIGNS = (
+    Design("Desk_Plain", "table", (0.95, 0.5, 0.74), partial(legged_table, leg_m=0.045), _WOOD),
+    Design("Desk_Drawers", "table", (1.25, 0.6, 0.75), drawer_desk, _DESK),
+    Design("Desk_Portal", "table", (1.45, 0.7, 0.75), trestle_table, _METAL),
+    Design("Desk_Wide_Drawers", "table", (1.7, 0.75, 0.75), drawer_desk, _DESK),
+    Design(
+        "Dining_Table_Round", "dining_table", (0.95, 0.95, 0.75),
+        partial(pedestal_table, foot_m=0.3), _STONE,
+    ),
+    Design(
+        "Dining_Table_Four", "dining_table", (1.25, 0.8, 0.75), partial(legged_table, leg_m=0.06),
+        _WOOD,
+    ),
+    Design(
+        "Dining_Table_Six", "dining_table", (1.6, 0.88, 0.75),
+        partial(legged_table, leg_m=0.07, top_m=0.035, is_round=True), _WOOD,
+    ),
+    Design("Dining_Table_Eight", "dining_table", (2.0, 1.0, 0.76), trestle_table, _METAL),
+    Design("Coffee_Table_Drums", "coffee_table", (0.85, 0.55, 0.44), nest_of_drums, _STONE),
+    Design("Coffee_Table_Shelf", "coffee_table", (1.1, 0.6, 0.42), shelf_coffee_table, _WOOD),
+    Design(
+        "Coffee_Table_Splayed", "coffee_table", (1.3, 0.7, 0.42),
+        partial(legged_table, leg_m=0.05, is_round=True), _WOOD,
+    ),
+    Design("Coffee_Table_Round", "coffee_table", (0.8, 0.8, 0.4), pedestal_table, _STONE),
+    Design("Side_Table_Tray", "side_coffee_table", (0.42, 0.42, 0.52), tray_table, _METAL),
+    Design("Side_Table_Cube", "side_coffee_table", (0.5, 0.45, 0.5), cube_table, _WOOD),
+    Design("Side_Table_Pedestal", "side_coffee_table", (0.55, 0.55, 0.55), pedestal_table, _STONE),
+)  # fmt: skip
