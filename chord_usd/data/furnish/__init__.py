@@ -16,7 +16,7 @@ from chord_usd.data.furnish.guess import guess_kinds
 from chord_usd.data.furnish.kitchen import furnish_kitchen
 from chord_usd.data.furnish.living import furnish_living
 from chord_usd.data.furnish.openings import attach_open_sides, attach_openings
-from chord_usd.data.furnish.paths import unreachable
+from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.small import (
     furnish_balcony,
     furnish_corridor,
@@ -27,8 +27,11 @@ from chord_usd.types import Box, Item, Plan, SceneGraph
 
 __all__ = ["furnish"]
 
+ATTEMPTS = 2
+"""Times a room is furnished anew for the sake of free paths before groups are given up."""
+
 MOST_REPAIRS = 4
-"""Groups given up at most for the sake of free paths."""
+"""Groups given up at most."""
 
 
 def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
@@ -46,10 +49,26 @@ def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
     laundry = _laundry_balcony(floors, dice)
     for floor in floors:
         if len(floor.corners) >= 3:
-            _furnish_room(floor, floors, floor is laundry)
-            _clear_paths(floor)
+            _furnish_well(floor, floors, floor is laundry)
     items = tuple(item for floor in floors for item in _items(floor))
     return SceneGraph(rooms=plan.rooms, openings=plan.openings, items=items, extra=plan.extra)
+
+
+def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:
+    """The first of a few attempts that leaves the paths free, else the best one repaired."""
+    empty = floor.mark()
+    best: tuple[int, list[Placed]] | None = None
+    for _ in range(ATTEMPTS):
+        _furnish_room(floor, floors, is_laundry)
+        faults = path_faults(floor) if floor.placed else 0
+        if not faults:
+            return
+        if best is None or faults < best[0]:
+            best = faults, floor.placed[:]
+        floor.undo(empty)
+    if best:
+        floor.placed = best[1]
+        _repair(floor)
 
 
 def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:
@@ -82,22 +101,24 @@ def _laundry_balcony(floors: Sequence[Floor], dice: random.Random) -> Floor | No
     return dice.choice(balconies)
 
 
-def _clear_paths(floor: Floor) -> None:
-    """Give up groups, the least important first, until people can walk through the room."""
+def _repair(floor: Floor) -> None:
+    """Give up groups until people can walk through the room, as few as possible."""
+    faults = path_faults(floor)
     for _ in range(MOST_REPAIRS):
-        if not floor.placed:
+        kept = floor.placed
+        core = {piece.group for piece in kept if piece.core}
+        groups = dict.fromkeys(piece.group for piece in reversed(kept) if piece.group not in core)
+        best = None
+        for group in groups:
+            floor.placed = [piece for piece in kept if piece.group != group]
+            left = path_faults(floor)
+            if left < faults:
+                faults, best = left, floor.placed
+            if not left:
+                break
+        floor.placed = best or kept
+        if best is None or not faults:
             return
-        connected, lost = unreachable(floor)
-        if connected and not lost:
-            return
-        doomed = [p for p in lost if not p.core]
-        if connected and not doomed:
-            return
-        last = [p for p in floor.placed if not p.core]
-        if not doomed and not last:
-            return
-        group = doomed[-1].group if doomed else last[-1].group
-        floor.placed = [p for p in floor.placed if p.core or p.group != group]
 
 
 def _items(floor: Floor) -> list[Item]:

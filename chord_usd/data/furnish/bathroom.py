@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.walls import REACH, Wall
 
 REACH_M = {"toilet": 0.5, "washbasin": 0.55, "shower": 0.45, "bathtub": 0.5, "washing_machine": 0.6}
@@ -18,8 +19,11 @@ TOILET_SLOT_M = 0.7
 NICHE_M = 0.3
 """A shower or bathtub that leaves less than this beside it fills the whole niche."""
 
-MOST_TRIES = 24
-"""Placements tried for one list of fittings before smaller ones are taken."""
+NARROW_ROOM_M = 1.9
+"""Between walls nearer than this there is a way past fittings on one side only."""
+
+FEW_TRIES, MOST_TRIES = 7, 24
+"""Placements tried for one list of fittings: before smaller ones are taken, for the smallest."""
 
 
 class Fitting(NamedTuple):
@@ -43,10 +47,11 @@ def furnish_bathroom(floor: Floor) -> None:
     """The fullest programme that fits, from generous sizes to the smallest."""
     wanted = _programme(floor)
     for generous in (1.0, 0.4, 0.0):
-        if _place_all(floor, [_fitting(floor, name, generous) for name in wanted]):
+        tries = FEW_TRIES if generous else MOST_TRIES
+        if _place_all(floor, [_fitting(floor, name, generous) for name in wanted], tries):
             return
     for names in _fewer(wanted):
-        if _place_all(floor, [_fitting(floor, name, 0.0) for name in names]):
+        if _place_all(floor, [_fitting(floor, name, 0.0) for name in names], MOST_TRIES):
             return
 
 
@@ -96,21 +101,24 @@ def _fitting(floor: Floor, category: str, generous: float) -> Fitting:
     return Fitting(category, size, size[0])
 
 
-def _place_all(floor: Floor, fittings: Sequence[Fitting]) -> bool:
-    """Place every fitting, going back on earlier ones where later ones do not fit."""
-    tries = [MOST_TRIES]
+def _place_all(floor: Floor, fittings: Sequence[Fitting], most: int) -> bool:
+    """Place every fitting, going back on earlier ones where later ones or the paths fail."""
+    tries = [most]
+    used: list[Wall] = []
 
     def place(rest: Sequence[Fitting]) -> bool:
         if not rest:
-            return True
-        for found in _places(floor, rest[0])[:6]:
+            return path_faults(floor) == 0
+        for found in _places(floor, rest[0], used)[:6]:
             if tries[0] == 0:
                 return False
             tries[0] -= 1
             mark = floor.mark()
             _put(floor, rest[0], found)
+            used.append(found.wall)
             if place(rest[1:]):
                 return True
+            used.pop()
             floor.undo(mark)
         return False
 
@@ -125,10 +133,11 @@ def _put(floor: Floor, fitting: Fitting, place: Place) -> None:
     floor.keep(wall, s - half, s + half, 0.0, depth + REACH_M[category], REACH)
 
 
-def _places(floor: Floor, fitting: Fitting) -> list[Place]:
+def _places(floor: Floor, fitting: Fitting, used: Sequence[Wall]) -> list[Place]:
     """Both ends of every free span, best first."""
     category, size, slot = fitting
     found = []
+    liking = {wall.index: _together(wall, used) for wall in floor.walls} if used else {}
     for spot in floor.spots(size[1], size[2], REACH_M[category], slot):
         fills = category in _BATHING and spot.length - slot < NICHE_M
         length = min(spot.length, _LONGEST_M[category]) if fills else size[0]
@@ -136,10 +145,25 @@ def _places(floor: Floor, fitting: Fitting) -> list[Place]:
         for s in dict.fromkeys((spot.s_from + width / 2, spot.s_to - width / 2)):
             corners = (s - width / 2 < 1e-6) + (s + width / 2 > spot.wall.length - 1e-6)
             score = _score(floor, category, spot.wall, s, corners)
+            score += liking.get(spot.wall.index, 0.0)
             grown = (length, size[1], size[2])
             found.append(Place(score + floor.dice.random() * 0.5, spot.wall, s, grown))
     found.sort(key=lambda place: place.score, reverse=True)
     return found
+
+
+def _together(wall: Wall, used: Sequence[Wall]) -> float:
+    """Fittings share a wall; on both sides of a narrow room they would close the way."""
+    liking = 0.0
+    for other in used:
+        if other is wall:
+            liking += 0.4
+        elif (
+            wall.ux * other.ux + wall.uy * other.uy < -0.99
+            and wall.local(other.x, other.y)[1] < NARROW_ROOM_M
+        ):
+            liking -= 1.0
+    return liking
 
 
 _BATHING = ("shower", "bathtub")

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
+from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_armchair, put_cabinet
 from chord_usd.data.furnish.walls import REACH, SOLID, Wall
 from chord_usd.data.furnish.workplace import put_desk
@@ -19,6 +20,10 @@ FOOT_M = 0.55
 
 EDGES_ONLY_M = -2.0
 """Height of nothing: lower than every sill, it meets no zone, only the room's outline."""
+
+
+MOST_PLACES = 4
+"""Places tried for one bed before a narrower one is taken."""
 
 
 class BedPlace(NamedTuple):
@@ -57,21 +62,33 @@ def _wardrobe_length(floor: Floor) -> float:
 def _put_bed(floor: Floor) -> BedPlace | None:
     """The widest bed that suits the room's area and fits; narrower ones after it."""
     dice = floor.dice
+    spare: tuple[BedPlace, Size, Size | None] | None = None
     for length in sizes.BED_LENGTHS_M:
         if length > 0.9 and length > 0.75 + 0.085 * floor.area_m2 + dice.uniform(-0.1, 0.25):
             continue
         size = sizes.bed(dice, length)
         has_panel = length >= 1.2 and dice.random() < 0.72
         panel = sizes.panel(dice, "bed_background", length) if has_panel else None
-        place = _best_place(floor, size, panel[1] if panel else 0.0)
-        if place:
+        for place in _places(floor, size, panel[1] if panel else 0.0)[:MOST_PLACES]:
+            mark = floor.mark()
             _put_bed_group(floor, place, size, panel)
-            return place
+            if not _is_tricky(floor) or not path_faults(floor):
+                return place
+            floor.undo(mark)
+            spare = spare or (place, size, panel)
+    if spare:
+        _put_bed_group(floor, *spare)
+        return spare[0]
     return None
 
 
-def _best_place(floor: Floor, size: Size, panel_m: float) -> BedPlace | None:
-    """The best place with room to pass the foot of the bed, else the best without."""
+def _is_tricky(floor: Floor) -> bool:
+    """Whether a bed may cut this room in two, as it cannot in a plain one."""
+    return len(floor.corners) > 4 or len(floor.doors) > 1
+
+
+def _places(floor: Floor, size: Size, panel_m: float) -> list[BedPlace]:
+    """Places for the bed, best first; those with room to pass its foot, if there are any."""
     depth = panel_m + size[1]
     # A panel hangs higher than any sill.
     height = 9.0 if panel_m else size[2]
@@ -80,8 +97,9 @@ def _best_place(floor: Floor, size: Size, panel_m: float) -> BedPlace | None:
         for wall in floor.walls:
             if wall.length < size[0]:
                 continue
-            walkable = wall.gaps(depth, EDGES_ONLY_M, foot, size[0])
-            for s_from, s_to in wall.gaps(depth, height, foot, size[0]):
+            spans = wall.gaps(depth, height, foot, size[0])
+            walkable = wall.gaps(depth, EDGES_ONLY_M, foot, size[0]) if spans else []
+            for s_from, s_to in spans:
                 low, high = _containing(walkable, s_from, s_to)
                 for s in _positions(Spot(wall, s_from, s_to), size[0], low, high):
                     left, right = s - size[0] / 2 - low, high - s - size[0] / 2
@@ -89,8 +107,9 @@ def _best_place(floor: Floor, size: Size, panel_m: float) -> BedPlace | None:
                         score = _score(floor, wall, s, size, left, right)
                         places.append(BedPlace(score, wall, s, left, right))
         if places:
-            return max(places, key=lambda place: place.score)
-    return None
+            places.sort(key=lambda place: place.score, reverse=True)
+            return places
+    return []
 
 
 def _containing(gaps: list[tuple[float, float]], low: float, high: float) -> tuple[float, float]:
@@ -119,7 +138,7 @@ def _score(floor: Floor, wall: Wall, s: float, size: Size, left: float, right: f
     free = (min(left, 0.7), min(right, 0.7))
     # A wide bed is entered from both sides, a narrow one may stand along a wall.
     score += 1.5 * min(free) if size[0] > 1.3 else 0.4 * max(free)
-    score -= 0.15 * abs(left - right)
+    score -= 0.3 * min(abs(left - right), 2.0)
     if wall.has_window:
         score -= 1.2
     if wall.has_door:
@@ -154,6 +173,7 @@ def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool
         s = place.s + side * (size[0] / 2 + gap + table[0] / 2)
         low, high = s - table[0] / 2, s + table[0] / 2
         if sum(put.values()) < wanted and place.wall.fits(low, high, 0.0, table[1], table[2]):
+            floor.new_group()
             floor.put("bedside_table", place.wall, s, table)
             put[side] = True
     return put[-1], put[1]

@@ -27,10 +27,7 @@ def put_dining_table(floor: Floor, *, core: bool = False) -> bool:
         wanted = dice.choices((8, 6, 4), (0.2, 0.5, 0.3))[0]
     else:
         wanted = 6 if floor.area_m2 > 9.0 and dice.random() < 0.5 else 4
-    for seats in (8, 6, 4, 2):
-        if seats <= wanted and _put_group(floor, seats, core):
-            return True
-    return False
+    return any(_put_group(floor, seats, core) for seats in (8, 6, 4, 2) if seats <= wanted)
 
 
 def _put_group(floor: Floor, seats: int, core: bool) -> bool:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Block, Wall
+from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import Room, RoomKind
 from chord_usd.units import wrap_deg
@@ -64,8 +64,9 @@ class Floor:
         self.dice = dice
         self.corners = straight_corners(room.polygon_m.tolist())
         self.area_m2 = _area_m2(self.corners)
+        self._things: list[Thing] = []
         self.walls = [
-            Wall(i, corner, self.corners[(i + 1) % len(self.corners)])
+            Wall(i, corner, self.corners[(i + 1) % len(self.corners)], self._things)
             for i, corner in enumerate(self.corners)
         ]
         for wall in self.walls:
@@ -74,6 +75,8 @@ class Floor:
         self.touching: list[Floor] = []
         self.windows: list[tuple[Wall, float, float, float]] = []
         self.placed: list[Placed] = []
+        self.cells: Any = None
+        """What chord_usd.data.furnish.paths knows about the empty room."""
         self._group = 0
 
     def new_group(self) -> None:
@@ -82,13 +85,14 @@ class Floor:
 
     def mark(self) -> tuple[int, int]:
         """A state to come back to with `undo`."""
-        return len(self.placed), len(self.walls[0].blocks)
+        return len(self.placed), len(self._things)
 
     def undo(self, mark: tuple[int, int]) -> None:
         """Take back everything since the mark."""
         del self.placed[mark[0] :]
+        del self._things[mark[1] :]
         for wall in self.walls:
-            del wall.blocks[mark[1] :]
+            wall.forget(mark[1])
 
     def put(
         self,
@@ -134,7 +138,7 @@ class Floor:
             ux, uy = -uy, ux
         yaw_deg = wrap_deg(wall.yaw_deg + 90.0 * quarter_turns)
         self.placed.append(Placed(category, x, y, base, size, yaw_deg, ux, uy, self._group, core))
-        self._block(x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M)
+        self._things.append(Thing(x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M))
 
     def keep(
         self,
@@ -148,8 +152,8 @@ class Floor:
     ) -> None:
         """Keep a rectangle of the wall's frame free of things higher than sill."""
         x, y = wall.world((s_from + s_to) / 2, (t_from + t_to) / 2)
-        half = (s_to - s_from) / 2, (t_to - t_from) / 2
-        self._block(x, y, wall.ux, wall.uy, half[0], half[1], bits, sill)
+        half_s, half_t = (s_to - s_from) / 2, (t_to - t_from) / 2
+        self._things.append(Thing(x, y, wall.ux, wall.uy, half_s, half_t, bits, sill))
 
     def spots(
         self, depth: float, height: float, reach: float = 0.0, least: float = 0.3
@@ -180,26 +184,6 @@ class Floor:
     def has(self, category: str) -> bool:
         """Whether a piece of this category stands here."""
         return any(piece.category == category for piece in self.placed)
-
-    def _block(
-        self,
-        x: float,
-        y: float,
-        ux: float,
-        uy: float,
-        half_length: float,
-        half_width: float,
-        bits: int,
-        sill: float,
-    ) -> None:
-        for wall in self.walls:
-            wx, wy = wall.ux, wall.uy
-            dx, dy = x - wall.x, y - wall.y
-            s, t = dx * wx + dy * wy, dy * wx - dx * wy
-            along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
-            half_s = along * half_length + across * half_width
-            half_t = across * half_length + along * half_width
-            wall.blocks.append(Block(s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
 
 
 def straight_corners(corners: Sequence[Sequence[float]]) -> list[tuple[float, float]]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from chord_usd.data.furnish.floor import Door, Floor
-from chord_usd.data.furnish.walls import ZONE, Wall
+from chord_usd.data.furnish.walls import REACH, ZONE, Wall
 from chord_usd.types import WALL_THICKNESS_M, Opening
 
 WINDOW_ZONE_M = 0.5
@@ -15,11 +15,16 @@ WINDOW_ZONE_M = 0.5
 DEEPEST_DOOR_ZONE_M = 0.9
 """A door keeps its own width free in front of it, wide ones no more than a leaf's."""
 
+WAY_IN_M = 0.6
+"""Beyond that the way into larger rooms stays open, or one would walk into a bed."""
+
 OPEN_SIDE_M = 0.02
 """Along sides where two rooms touch there is no wall to stand against."""
 
 PARALLEL = 0.1
 """Largest sine between an opening and the wall it is in."""
+
+_SMALL_KINDS = ("bathroom", "kitchen", "store", "balcony", "corridor")
 
 _ENTRANCE_KINDS = ("corridor", "living", "unknown", "dining", "kitchen", "store")
 """Where a door to the outside is the front door, best first."""
@@ -69,6 +74,8 @@ def _open(
     for part in (floor, *floor.touching):
         part.keep(wall, s_from, s_to, 0.0, deep)
     wall.has_door = True
+    if floor.kind not in _SMALL_KINDS:
+        floor.keep(wall, s_from, s_to, deep, deep + WAY_IN_M, REACH)
 
 
 def _side_of(floor: Floor, opening: Opening) -> tuple[Wall, float, float] | None:

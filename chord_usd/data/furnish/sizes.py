@@ -16,7 +16,7 @@ COUNTER_DEPTH_M = 0.6
 def between(dice: random.Random, low: float, high: float, step: float = 0.05) -> float:
     """A multiple of step, uniform over [low, high]; low where no multiple fits."""
     steps = int((high - low) / step + 1e-6)
-    return round(low + step * dice.randint(0, steps), 3) if steps > 0 else low
+    return round(low + step * int(dice.random() * (steps + 1)), 3) if steps > 0 else low
 
 
 def sampled(

@@ -27,32 +27,43 @@ TOUCH_M = 1e-6
 """Things nearer than this only touch."""
 
 
-class Block(NamedTuple):
-    """A rectangle of a wall's frame that is taken."""
+class Thing(NamedTuple):
+    """An oriented rectangle of the floor that is taken, in the world."""
 
-    s_from: float
-    s_to: float
-    t_from: float
-    t_to: float
+    x: float
+    y: float
+    ux: float
+    uy: float
+    half_length: float
+    """Along (ux, uy)."""
+    half_width: float
     bits: int
     sill_m: float
+    """Only what is higher than this meets it."""
+
+
+Block = tuple[float, float, float, float, int, float]
+"""A thing as a wall sees it: s from and to, t from and to, bits, sill."""
 
 
 class Wall:
     """One side of a room, seen from inside: corners run counter-clockwise, the room is left."""
 
-    __slots__ = ("blocks", "edges", "has_door", "has_window", "index", "length",
+    __slots__ = ("_blocks", "_things", "edges", "has_door", "has_window", "index", "length",
                  "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
 
-    def __init__(self, index: int, start: Sequence[float], end: Sequence[float]) -> None:
-        """start, end: corners in the world, metres, not equal."""
+    def __init__(
+        self, index: int, start: Sequence[float], end: Sequence[float], things: list[Thing]
+    ) -> None:
+        """start, end: corners in the world, metres, not equal. things: shared by the room."""
         dx, dy = end[0] - start[0], end[1] - start[1]
         self.index = index
         self.length = math.hypot(dx, dy)
         self.x, self.y = start[0], start[1]
         self.ux, self.uy = dx / self.length, dy / self.length
         self.yaw_deg = _turned_back_deg(dx, dy)
-        self.blocks: list[Block] = []
+        self._things = things
+        self._blocks: list[Block] = []
         self.edges: list[tuple[float, float, float, float]] = []
         self.has_door = False
         self.has_window = False
@@ -75,6 +86,10 @@ class Wall:
                 (s0, t0), (s1, t1) = points[i], points[(i + 1) % count]
                 if t0 > TOUCH_M or t1 > TOUCH_M:
                     self.edges.append((s0, t0, s1, t1))
+
+    def forget(self, count: int) -> None:
+        """Keep the first `count` things only; the room has taken the others back."""
+        del self._blocks[count:]
 
     def gaps(
         self,
@@ -118,7 +133,7 @@ class Wall:
         if s_from < -TOUCH_M or s_to > self.length + TOUCH_M:
             return False
         low, high = s_from + TOUCH_M, s_to - TOUCH_M
-        for b_from, b_to, b_near, b_far, b_bits, sill in self.blocks:
+        for b_from, b_to, b_near, b_far, b_bits, sill in self._seen():
             if (
                 b_bits & bits
                 and b_from < high
@@ -130,13 +145,27 @@ class Wall:
                 return False
         return all(b <= low or a >= high for a, b in _edge_cuts(self.edges, t_to))
 
+    def _seen(self) -> list[Block]:
+        """All things of the room as blocks of this wall; new ones are looked at when asked for."""
+        blocks = self._blocks
+        if len(blocks) < len(self._things):
+            wx, wy, x0, y0 = self.ux, self.uy, self.x, self.y
+            for x, y, ux, uy, half_length, half_width, bits, sill in self._things[len(blocks) :]:
+                dx, dy = x - x0, y - y0
+                s, t = dx * wx + dy * wy, dy * wx - dx * wy
+                along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
+                half_s = along * half_length + across * half_width
+                half_t = across * half_length + along * half_width
+                blocks.append((s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
+        return blocks
+
     def _cuts(
         self, near: float, far: float, height: float, reach: float
     ) -> list[tuple[float, float]]:
         reached = far + reach - TOUCH_M
         cuts = _edge_cuts(self.edges, far + reach)
         near, far = near + TOUCH_M, far - TOUCH_M
-        for s_from, s_to, t_from, t_to, bits, sill in self.blocks:
+        for s_from, s_to, t_from, t_to, bits, sill in self._seen():
             if t_to <= near or t_from >= reached:
                 continue
             if (t_from < far and height > sill) or (bits == SOLID and reach):
