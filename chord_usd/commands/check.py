@@ -1,0 +1,41 @@
+"""check: stage -> report, exit code 0 only if the certificate holds."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "check", run, "certify a stage: valid, walkable, free of collisions")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.stage.check import check_stage
+
+    with stopwatch(options).step("check"):
+        report = check_stage(existing_file(options.stage))
+    data = report.as_json()
+    return Outcome(_text(options.stage, data), data, holds=data["valid"])
+
+
+def _text(stage: Path, data: dict[str, Any]) -> str:
+    lines = [f"{stage}: the certificate {'holds' if data['valid'] else 'does not hold'}"]
+    lines += [f"  {e['rule']}: {e['path']}: {e['message']}" for e in data["errors"]]
+    lines += [
+        f"  collision {c['depth_m'] * 100:.1f} cm: {c['a']} and {c['b']}"
+        for c in data["collisions"]
+    ]
+    for key in ("out_of_room", "blocked_openings", "unsupported", "empty_rooms"):
+        lines += [f"  {key.replace('_', ' ')}: {path}" for path in data[key]]
+    lines.append(
+        f"  walkable {data['walkable']:.0%}, reachable rooms {data['reachable_rooms']:.0%}, "
+        f"POR {data['por']:.4f} and PIoU {data['piou']:.4f} over {data['pairs']} pairs"
+    )
+    return "\n".join(lines)

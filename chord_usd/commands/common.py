@@ -1,0 +1,162 @@
+"""What the verbs share: option types, the common options and the outcome of a verb."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NoReturn
+
+from chord_usd.errors import ChordError
+from chord_usd.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a verb has to say."""
+
+    text: str
+    """For people; one or more lines."""
+    data: dict[str, Any] = field(default_factory=dict)
+    """For --json."""
+    holds: bool = True
+    """False where a check did not hold: exit code 1."""
+
+
+Run = Callable[[argparse.Namespace], Outcome]
+Verbs = Any
+"""What ArgumentParser.add_subparsers returns; argparse keeps the class private."""
+
+
+class UsageError(ChordError):
+    """The command line cannot be understood."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose mistakes are errors of one line."""
+
+    def __init__(self, **options: Any) -> None:
+        # An abbreviated option that works today is ambiguous the day a new option arrives.
+        options.setdefault("allow_abbrev", False)
+        super().__init__(**options)
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(message.replace("\n", " "), try_=f"{self.prog} --help")
+
+
+def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) -> Parser:
+    """A verb with the options that all verbs have."""
+    parser: Parser = verbs.add_parser(
+        name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.", **options
+    )
+    parser.set_defaults(run=run)
+    common = parser.add_argument_group("reporting")
+    common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    common.add_argument(
+        "--progress", choices=PROGRESS_STYLES, default="auto", help="how progress is told on stderr"
+    )
+    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
+    """A verb that has verbs of its own."""
+    parser = verbs.add_parser(name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.")
+    return parser.add_subparsers(metavar="VERB", required=True, dest=f"{name}_verb")
+
+
+def add_output(parser: Parser, summary: str, **options: Any) -> None:
+    """The option -o."""
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="PATH", help=summary, **options
+    )
+
+
+def add_seed(parser: Parser) -> None:
+    """The option --seed."""
+    parser.add_argument(
+        "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same house (0)"
+    )
+
+
+def add_device(parser: Parser) -> None:
+    """The option --device."""
+    parser.add_argument(
+        "--device", choices=("auto", "cpu", "cuda"), default="auto", help="where the networks run"
+    )
+
+
+def add_assets(parser: Parser) -> None:
+    """The option --assets."""
+    parser.add_argument(
+        "--assets",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="a folder of further meshes; may be given several times",
+    )
+
+
+def stopwatch(options: argparse.Namespace) -> Stopwatch:
+    """A stopwatch that reports as --progress asks."""
+    return Stopwatch(make_reporter(options.progress))
+
+
+def existing_file(path: Path) -> Path:
+    """The path, if there is a file. Raises UsageError."""
+    if path.is_dir():
+        raise UsageError("is a folder", where=str(path), expected="a file")
+    if not path.exists():
+        raise UsageError("no such file", where=str(path), try_="check the path")
+    return path
+
+
+def whole_number(least: int) -> Callable[[str], int]:
+    """An option type: an integer from least on."""
+
+    def parse(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{text} is less than {least}")
+        return value
+
+    return parse
+
+
+def positive(text: str) -> float:
+    """An option type: a finite number above zero."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not math.isfinite(value) or value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text} is not above zero")
+    return value
+
+
+def resolution(text: str) -> tuple[int, int]:
+    """An option type: WIDTHxHEIGHT in pixels."""
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if not match or "0" in match.groups():
+        raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, such as 1280x720")
+    return int(match[1]), int(match[2])
+
+
+def tile(text: str) -> tuple[int, int]:
+    """An option type: I/N, the I-th of N, counted from 0."""
+    match = re.fullmatch(r"(\d{1,5})/(\d{1,5})", text)
+    if not match or int(match[1]) >= int(match[2]):
+        raise argparse.ArgumentTypeError(f"{text!r} is not I/N with I from 0 to N-1, such as 0/4")
+    return int(match[1]), int(match[2])
+
+
+def names(text: str) -> tuple[str, ...]:
+    """An option type: names with commas between them."""
+    return tuple(name for name in text.split(",") if name)

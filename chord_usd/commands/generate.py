@@ -1,0 +1,122 @@
+"""generate: plan -> furnished stage, the whole line."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_assets,
+    add_device,
+    add_output,
+    add_seed,
+    add_verb,
+    existing_file,
+    positive,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.files import deliver
+
+if TYPE_CHECKING:
+    from chord_usd.pipeline import House
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
+    parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
+    add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
+    add_seed(parser)
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    parser.add_argument(
+        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+    )
+    add_assets(parser)
+    add_device(parser)
+    parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
+    parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
+    parser.add_argument(
+        "--preview", type=Path, metavar="PNG", help="also draw the house from above, labelled"
+    )
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb. All outputs appear together, at the end."""
+    from chord_usd.pipeline import Settings, generate
+
+    settings = Settings(
+        seed=options.seed,
+        steps=options.steps,
+        m_per_px=options.scale,
+        device=options.device,
+        asset_folders=tuple(options.assets),
+    )
+    plan_file = existing_file(options.plan)
+    watch = stopwatch(options)
+    with deliver() as delivery:
+        stage_path = delivery.place(options.output)
+        extras = {
+            kind: delivery.place(path)
+            for kind, path in (
+                ("layout", options.layout_out),
+                ("graph", options.graph_out),
+                ("preview", options.preview),
+            )
+            if path
+        }
+        house = generate(plan_file, stage_path, settings, watch)
+        _write_extras(house, extras)
+        with watch.step("check"):
+            from chord_usd.stage.check import check_stage
+
+            certificate = check_stage(stage_path)
+    data = _summary(house, options.output, watch.seconds, certificate.as_json())
+    return Outcome(_text(data), data)
+
+
+def _write_extras(house: House, paths: dict[str, Path]) -> None:
+    if "layout" in paths:
+        from chord_usd.raster_files import write_raster
+
+        write_raster(house.layout, paths["layout"])
+    if "graph" in paths:
+        from chord_usd.chord_json import write_scene
+
+        write_scene(house.graph, paths["graph"])
+    if "preview" in paths:
+        from chord_usd.image.preview import draw_preview
+
+        draw_preview(house.graph, paths["preview"])
+
+
+def _summary(
+    house: House, stage: Path, seconds: dict[str, float], certificate: dict[str, Any]
+) -> dict[str, Any]:
+    furniture = len(house.graph.items)
+    tabletop = sum(len(item.children) for item in house.graph.items)
+    return {
+        "stage": str(stage),
+        "rooms": len(house.graph.rooms),
+        "furniture": furniture,
+        "items": furniture + tabletop,
+        "openings": len(house.graph.openings),
+        "seconds": seconds,
+        "m_per_px": house.plan_image.frame.m_per_px,
+        "certificate": certificate,
+    }
+
+
+def _text(data: dict[str, Any]) -> str:
+    total = sum(data["seconds"].values())
+    holds = "holds" if data["certificate"]["valid"] else "does not hold: chord-usd check says why"
+    return (
+        f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture, "
+        f"{data['openings']} doors, windows and passages, in {total:.1f} s\n"
+        f"certificate {holds}"
+    )

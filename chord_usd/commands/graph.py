@@ -1,0 +1,55 @@
+"""graph: layout raster -> scene graph, the detector."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_assets,
+    add_output,
+    add_verb,
+    existing_file,
+    positive,
+    stopwatch,
+)
+from chord_usd.files import deliver
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "graph", run, "read a layout raster into a scene graph (CHOrD JSON)")
+    parser.add_argument("layout", type=Path, metavar="LAYOUT", help="layout raster, layout.png")
+    add_output(parser, "the scene graph, scene.json")
+    parser.add_argument(
+        "--scale", type=positive, metavar="M_PER_PX", help="for pictures that do not say it"
+    )
+    add_assets(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.chord_json import write_scene
+    from chord_usd.pipeline import Settings, read_graph
+    from chord_usd.raster_files import read_layout
+
+    watch = stopwatch(options)
+    layout = read_layout(existing_file(options.layout), options.scale)
+    with deliver() as delivery:
+        target = delivery.place(options.output)
+        graph = read_graph(layout, None, Settings(asset_folders=tuple(options.assets)), watch)
+        write_scene(graph, target)
+    data = {
+        "graph": str(options.output),
+        "rooms": len(graph.rooms),
+        "furniture": len(graph.items),
+        "openings": len(graph.openings),
+        "seconds": watch.seconds,
+    }
+    return Outcome(
+        f"{options.output}: {data['rooms']} rooms, {data['furniture']} pieces of furniture, "
+        f"{data['openings']} doors, windows and passages",
+        data,
+    )

@@ -1,0 +1,57 @@
+"""layout: plan raster -> layout raster, the diffusion model alone."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_device,
+    add_output,
+    add_seed,
+    add_verb,
+    existing_file,
+    positive,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.files import deliver
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(
+        verbs, "layout", run, "furnish a plan as a picture: the diffusion model alone"
+    )
+    parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
+    add_output(parser, "the layout raster, layout.png")
+    add_seed(parser)
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    parser.add_argument(
+        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+    )
+    add_device(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.pipeline import Settings, draw_layout, draw_plan, read_plan
+    from chord_usd.raster_files import write_raster
+
+    settings = Settings(
+        seed=options.seed, steps=options.steps, m_per_px=options.scale, device=options.device
+    )
+    watch = stopwatch(options)
+    plan_file = existing_file(options.plan)
+    with deliver() as delivery:
+        target = delivery.place(options.output)
+        plan_image = draw_plan(read_plan(plan_file, settings, watch), watch)
+        layout = draw_layout(plan_image, plan_file, settings, watch)
+        write_raster(layout, target)
+    m_per_px = layout.frame.m_per_px
+    data = {"layout": str(options.output), "m_per_px": m_per_px, "seconds": watch.seconds}
+    return Outcome(f"{options.output}: {m_per_px * 100:.1f} cm per pixel", data)

@@ -1,0 +1,84 @@
+"""plan: drawings and vector plans into one another."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_group,
+    add_output,
+    add_verb,
+    existing_file,
+    positive,
+    stopwatch,
+)
+from chord_usd.files import deliver
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verbs."""
+    group = add_group(verbs, "plan", "read and draw floor plans")
+    read = add_verb(group, "read", run_read, "turn a drawing into a vector plan (CHOrD JSON)")
+    read.add_argument("image", type=Path, metavar="IMAGE", help="drawing of a floor plan")
+    add_output(read, "the vector plan, plan.json")
+    read.add_argument(
+        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of the drawing"
+    )
+    read.add_argument(
+        "--overlay", type=Path, metavar="PNG", help="also draw what was read over the drawing"
+    )
+    draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
+    draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
+    add_output(draw, "the plan raster, plan.png")
+
+
+def run_read(options: argparse.Namespace) -> Outcome:
+    """Runs plan read."""
+    from chord_usd.chord_json import write_plan
+    from chord_usd.plan.read import read_plan_file
+
+    image = existing_file(options.image)
+    with deliver() as delivery:
+        target = delivery.place(options.output)
+        overlay = delivery.place(options.overlay) if options.overlay else None
+        with stopwatch(options).step("plan"):
+            plan = read_plan_file(image, options.scale)
+            write_plan(plan, target)
+        if overlay:
+            from chord_usd.plan.overlay import draw_overlay
+
+            draw_overlay(plan, image, overlay)
+    kinds = [opening.kind for opening in plan.openings]
+    data = {
+        "plan": str(options.output),
+        "rooms": len(plan.rooms),
+        "openings": len(kinds),
+        "doors": kinds.count("door"),
+        "windows": kinds.count("window"),
+        "passages": kinds.count("passage"),
+    }
+    return Outcome(
+        f"{data['plan']}: {data['rooms']} rooms, {data['doors']} doors, "
+        f"{data['windows']} windows, {data['passages']} passages",
+        data,
+    )
+
+
+def run_draw(options: argparse.Namespace) -> Outcome:
+    """Runs plan draw."""
+    from chord_usd.chord_json import read_plan
+    from chord_usd.raster import draw_plan
+    from chord_usd.raster_files import write_raster
+
+    plan_file = existing_file(options.plan)
+    with stopwatch(options).step("plan"):
+        image = draw_plan(read_plan(plan_file))
+        write_raster(image, options.output)
+    m_per_px = image.frame.m_per_px
+    return Outcome(
+        f"{options.output}: {m_per_px * 100:.1f} cm per pixel",
+        {"plan": str(options.output), "m_per_px": m_per_px},
+    )

@@ -1,0 +1,48 @@
+"""stage: scene graph -> USD stage."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_assets,
+    add_output,
+    add_seed,
+    add_verb,
+    existing_file,
+    stopwatch,
+)
+from chord_usd.files import deliver
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "stage", run, "write a scene graph as a USD stage")
+    parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
+    add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
+    add_seed(parser)
+    add_assets(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.pipeline import Settings, read_scene_file, write_stage
+
+    settings = Settings(seed=options.seed, asset_folders=tuple(options.assets))
+    watch = stopwatch(options)
+    graph = read_scene_file(existing_file(options.scene), settings, watch)
+    with deliver() as delivery:
+        stage = write_stage(graph, delivery.place(options.output), settings, watch)
+    data = {
+        "stage": str(options.output),
+        "rooms": len(graph.rooms),
+        "furniture": len(graph.items),
+        "content_hash": stage.content_hash,
+        "seconds": watch.seconds,
+    }
+    return Outcome(
+        f"{options.output}: {data['rooms']} rooms, {data['furniture']} pieces of furniture", data
+    )

@@ -1,0 +1,95 @@
+"""train: data -> checkpoint; every run takes up where it stopped."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Outcome,
+    Parser,
+    UsageError,
+    Verbs,
+    add_group,
+    add_output,
+    add_seed,
+    add_verb,
+    positive,
+    stopwatch,
+    whole_number,
+)
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verbs."""
+    group = add_group(verbs, "train", "train the networks; a run in the same folder is resumed")
+    layout = add_verb(group, "plan2layout", run_plan2layout, "train the layout model")
+    _add_training_options(layout, minutes=60.0, batch=8)
+    layout.add_argument(
+        "--preset", default="default", metavar="NAME", help="default, large or paper (default)"
+    )
+    layout.add_argument(
+        "--flats", type=Path, metavar="JSONL", help="real floor plans to furnish beside our own"
+    )
+    detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
+    _add_training_options(detector, minutes=60.0, batch=16)
+
+
+def _add_training_options(parser: Parser, *, minutes: float, batch: int) -> None:
+    add_output(parser, "folder of the run; the checkpoint comes to lie in it")
+    parser.add_argument(
+        "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
+    )
+    parser.add_argument(
+        "--batch", type=whole_number(1), default=batch, metavar="N", help=f"({batch})"
+    )
+    parser.add_argument(
+        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
+    )
+    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu or cuda (cpu)")
+    add_seed(parser)
+
+
+def run_plan2layout(options: argparse.Namespace) -> Outcome:
+    """Runs train plan2layout."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.layout.config import PRESETS
+    from chord_usd.training.plan2layout import LayoutTrainer, TrainingConfig
+    from chord_usd.training.stream import StreamConfig
+
+    if options.preset not in PRESETS:
+        raise UsageError(
+            f"unknown preset {options.preset!r}",
+            where="--preset",
+            expected=f"one of {', '.join(PRESETS)}",
+        )
+    config = TrainingConfig(
+        minutes=options.minutes,
+        batch=options.batch,
+        workers=options.workers,
+        seed=options.seed,
+        device=options.device,
+        stream=StreamConfig(seed=options.seed),
+    )
+    flats = [flat.plan for flat in read_flats(options.flats)] if options.flats else []
+    trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
+    resumed = trainer.resume()
+    watch = stopwatch(options)
+    with watch.step("train") as progress:
+        trainer.train(
+            flats, lambda row: progress(round(trainer.minutes * 60), round(options.minutes * 60))
+        )
+    record = {"checkpoint": str(options.output / "checkpoint"), "resumed": resumed}
+    data = {**record, **trainer.training_record()}
+    return Outcome(f"{data['checkpoint']}: {trainer.step} steps", data)
+
+
+def run_detector(options: argparse.Namespace) -> Outcome:
+    """Runs train detector."""
+    from chord_usd.training.detector import DetectorConfig, train_detector
+
+    config = DetectorConfig(minutes=options.minutes, batch=options.batch, seed=options.seed)
+    watch = stopwatch(options)
+    with watch.step("train") as progress:
+        checkpoint = train_detector(config, options.output, progress)
+    return Outcome(str(checkpoint), {"checkpoint": str(checkpoint), "seconds": watch.seconds})
