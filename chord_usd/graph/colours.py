@@ -1,0 +1,232 @@
+"""Layout raster -> what every pixel shows: structure, floor shade, item category, front mark.
+
+An item's colour depends on the floor it is painted over, so the shades are read first: one room
+region (pixels enclosed by walls, doors and windows) has one shade, an open-plan region several.
+Rasters whose colours are not exactly those of the palette (JPEG, noise) are smoothed within their
+flat areas before they are read.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from chord_usd.errors import SceneError
+from chord_usd.palette import (
+    FRONT_MARK_OPACITY,
+    HOUSE_CATEGORIES,
+    PLAN_CATEGORIES,
+    ROOM_SHADES,
+    painted,
+)
+from chord_usd.types import BoolArray, ByteArray
+
+LabelArray = npt.NDArray[np.int16]
+
+CLEAR = -1
+"""Structure label of pixels that are neither wall, door nor window."""
+
+NO_ITEM = -1
+"""Item label of bare floor, of structure and of everything outside the house."""
+
+SHADE_KINDS = tuple(ROOM_SHADES)
+"""Room kind of each shade label."""
+
+_SHADE_LEVELS = np.array([rgb[0] for rgb in ROOM_SHADES.values()], dtype=np.float32)
+_STRUCTURE_REACH = 48
+"""Greatest channel difference to a structure colour; the darkest item pixel is 84 levels away."""
+_GREY_REACH = 13
+"""Greatest spread of the channels of a floor pixel under noise of 8 levels, smoothed."""
+_FAR_SHADE_COST = 20.0
+"""Squared levels that speak against a shade other than that of the nearest bare floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class LayoutPixels:
+    """What each pixel of a layout raster shows. All arrays are (H, W)."""
+
+    structure: LabelArray
+    """detector_class of a PLAN category (0 wall, 1 door, 2 window), or CLEAR."""
+    shade: LabelArray
+    """Index into SHADE_KINDS of the floor here, under items too; 0 (white) elsewhere."""
+    item: LabelArray
+    """detector_class of a HOUSE category, or NO_ITEM."""
+    front: BoolArray
+    """Whether the pixel belongs to a front mark."""
+
+
+def read_pixels(rgb: ByteArray) -> LayoutPixels:
+    """Decode a layout raster, (H, W, 3) uint8; tolerates noise of about 8 levels.
+
+    Raises SceneError when the array is not an RGB raster.
+    """
+    if rgb.ndim != 3 or rgb.shape[2] != 3 or rgb.dtype != np.uint8:
+        raise SceneError(
+            f"layout raster of shape {rgb.shape} and type {rgb.dtype}",
+            expected="(height, width, 3) uint8",
+        )
+    clean = _is_clean(rgb)
+    smooth = rgb if clean else cv2.bilateralFilter(rgb, 5, 25.0, 2.0)
+    structure = _read_structure(smooth)
+    _, regions = cv2.connectedComponents((structure == CLEAR).astype(np.uint8), connectivity=4)
+    shade, allowed = _read_shades(smooth, regions)
+    item, front, shade = _read_items(smooth, regions, shade, allowed)
+    if not clean:
+        item, front = _settle(item, front, structure)
+    return LayoutPixels(structure, shade, item, front)
+
+
+def _item_table() -> npt.NDArray[np.float32]:
+    """(shade, 2 * category + marked or bare floor last, 3) colours."""
+    rows = []
+    for shade_rgb in ROOM_SHADES.values():
+        colours = []
+        for row in HOUSE_CATEGORIES:
+            body = painted(shade_rgb, row.rgb)
+            colours += [body, painted(body, (0, 0, 0), FRONT_MARK_OPACITY)]
+        rows.append([*colours, shade_rgb])
+    return np.array(rows, dtype=np.float32)
+
+
+_TABLE = _item_table()
+_FLOOR = _TABLE.shape[1] - 1
+_STRUCTURE_RGB = np.array([row.rgb for row in PLAN_CATEGORIES], dtype=np.int16)
+
+
+def _packed(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
+    wide = rgb.astype(np.uint32)
+    return (wide[..., 0] << 16) | (wide[..., 1] << 8) | wide[..., 2]
+
+
+_EXACT = np.unique(
+    np.concatenate(
+        [_packed(_TABLE.reshape(-1, 3).astype(np.uint8)), _packed(_STRUCTURE_RGB.astype(np.uint8))]
+    )
+)
+
+
+def _is_clean(rgb: ByteArray) -> bool:
+    """Whether nearly every pixel has exactly a colour of the palette."""
+    codes, counts = np.unique(_packed(rgb), return_counts=True)
+    return bool(counts[np.isin(codes, _EXACT)].sum() >= 0.995 * counts.sum())
+
+
+def _read_structure(rgb: ByteArray) -> LabelArray:
+    spread = np.abs(rgb[:, :, None, :].astype(np.int16) - _STRUCTURE_RGB).max(axis=-1)
+    nearest = spread.argmin(axis=-1).astype(np.int16)
+    nearest[spread.min(axis=-1) > _STRUCTURE_REACH] = CLEAR
+    return nearest
+
+
+def _read_shades(
+    rgb: ByteArray, regions: npt.NDArray[np.int32]
+) -> tuple[LabelArray, dict[int, list[int]]]:
+    """Shade of the nearest bare floor in each pixel's region, and the shades each region has."""
+    level = rgb.astype(np.float32).mean(axis=-1)
+    spread = rgb.max(axis=-1).astype(np.int16) - rgb.min(axis=-1)
+    bare = (spread <= _GREY_REACH) & (level >= _SHADE_LEVELS.min() - 8) & (regions > 0)
+    nearest = np.abs(level[..., None] - _SHADE_LEVELS).argmin(axis=-1).astype(np.int16)
+    shade = np.zeros(regions.shape, dtype=np.int16)
+    allowed: dict[int, list[int]] = {}
+    flat = bare & (cv2.boxFilter(bare.astype(np.float32), -1, (3, 3)) > 0.6)
+    for region in range(1, int(regions.max()) + 1):
+        inside = regions == region
+        allowed[region] = _shades_of(nearest[inside & flat], nearest[inside & bare])
+        floor = bare & inside & np.isin(nearest, allowed[region])
+        if len(allowed[region]) == 1:
+            shade[inside] = allowed[region][0]
+        elif floor.any():
+            shade[inside] = _spread_nearest(nearest, floor)[inside]
+    return shade, allowed
+
+
+def _shades_of(flat: LabelArray, bare: LabelArray) -> list[int]:
+    """Shades that cover a real part of a region; all of them where no floor is left to see."""
+    for votes in (flat, bare):
+        counts = np.bincount(votes, minlength=len(SHADE_KINDS))
+        large = np.flatnonzero(counts >= max(12, 0.03 * counts.sum()))
+        if len(large):
+            return [int(index) for index in large]
+    if len(bare):
+        return [int(np.bincount(bare).argmax())]
+    return list(range(len(SHADE_KINDS)))
+
+
+def _spread_nearest(labels: LabelArray, known: BoolArray) -> LabelArray:
+    """labels where known; elsewhere the label of the nearest known pixel."""
+    _, index = cv2.distanceTransformWithLabels(
+        (~known).astype(np.uint8), cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    of_index = np.zeros(int(index.max()) + 1, dtype=np.int16)
+    of_index[index[known]] = labels[known]
+    return of_index[index]
+
+
+def _read_items(
+    rgb: ByteArray,
+    regions: npt.NDArray[np.int32],
+    shade: LabelArray,
+    allowed: dict[int, list[int]],
+) -> tuple[LabelArray, BoolArray, LabelArray]:
+    """Item and mark of each pixel, and the shade it was read with."""
+    item = np.full(regions.shape, NO_ITEM, dtype=np.int16)
+    front = np.zeros(regions.shape, dtype=bool)
+    shade = shade.copy()
+    floor_level = _SHADE_LEVELS[shade]
+    off_floor = np.abs(rgb.astype(np.float32) - floor_level[..., None]).max(axis=-1) > 2
+    rows, columns = np.nonzero(off_floor & (regions > 0))
+    of_pixel = regions[rows, columns]
+    for region in np.unique(of_pixel):
+        chosen = of_pixel == region
+        at = (rows[chosen], columns[chosen])
+        code, under = _nearest_colours(rgb[at], shade[at], allowed[int(region)])
+        item[at] = np.where(code == _FLOOR, NO_ITEM, code // 2)
+        front[at] = (code != _FLOOR) & (code % 2 == 1)
+        shade[at] = under
+    return item, front, shade
+
+
+def _nearest_colours(
+    rgb: npt.NDArray[np.uint8], prior: LabelArray, shades: list[int]
+) -> tuple[npt.NDArray[np.int64], LabelArray]:
+    """Best (row of the item table, shade) for each of (N, 3) colours."""
+    colours, back = np.unique(_packed(rgb), return_inverse=True)
+    distinct = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=-1)
+    cost = np.empty((len(shades), len(rgb)), dtype=np.float32)
+    code = np.empty((len(shades), len(rgb)), dtype=np.int64)
+    for position, shade in enumerate(shades):
+        gap = ((distinct[:, None, :].astype(np.float32) - _TABLE[shade]) ** 2).sum(axis=-1)
+        best = gap.argmin(axis=1)
+        code[position] = best[back]
+        cost[position] = gap[np.arange(len(best)), best][back]
+        cost[position] += np.where(prior == shade, 0.0, _FAR_SHADE_COST)
+    winner = cost.argmin(axis=0)
+    each = np.arange(len(rgb))
+    return code[winner, each], np.array(shades, dtype=np.int16)[winner]
+
+
+def _settle(
+    item: LabelArray, front: BoolArray, structure: LabelArray
+) -> tuple[LabelArray, BoolArray]:
+    """Let lone pixels follow the majority around them: rings and specks that noise leaves."""
+    code = np.where(item == NO_ITEM, 0, 1 + 2 * item + front).astype(np.int16)
+    clear = structure == CLEAR
+    for _ in range(2):
+        present = np.unique(code)
+        votes = np.stack(
+            [
+                cv2.boxFilter(
+                    ((code == label) & clear).astype(np.float32), -1, (3, 3), normalize=False
+                )
+                for label in present
+            ]
+        )
+        own = np.take_along_axis(votes, np.searchsorted(present, code)[None], axis=0)[0]
+        lone = clear & (own <= 2) & (votes.max(axis=0) >= 5)
+        code = np.where(lone, present[votes.argmax(axis=0)], code)
+    return np.where(code == 0, NO_ITEM, (code - 1) // 2).astype(np.int16), (code > 0) & (
+        (code - 1) % 2 == 1
+    )

@@ -1,0 +1,223 @@
+"""Train the detector: oriented boxes of items, masks of rooms, from procedural houses.
+
+The networks and losses are ultralytics' YOLOv8; the loop is ours, because samples are drawn as
+they are needed and the budget is minutes, not epochs.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from chord_usd import __version__
+from chord_usd.errors import CheckpointError
+from chord_usd.graph.detect import (
+    CONFIG_FILE,
+    WEIGHTS_FILE,
+    Kind,
+    build_model,
+    load_weights,
+    save_model,
+)
+from chord_usd.training.detector_card import write_card
+from chord_usd.training.detector_data import HELD_OUT_SEEDS, Sample, Spoiling, stream
+from chord_usd.training.detector_scores import Scores, score_checkpoint
+from chord_usd.types import CANVAS_PX
+
+SPOILING: dict[Kind, Spoiling] = {
+    "items": Spoiling(),
+    # Segmentation also reads bare plans, and plans are seldom frayed.
+    "rooms": Spoiling(unfurnished=0.15, frayed=0.3, noisy=0.3),
+}
+
+_EMA_LAG_STEPS = 300.0
+"""The running mean of the weights reaches its full memory after about this many steps."""
+
+
+@dataclass(frozen=True)
+class DetectorTraining:
+    """Settings of one training run."""
+
+    minutes: float = 15.0
+    """Wall-clock budget, scoring not included."""
+    batch: int = 16
+    learning_rate: float = 2e-3
+    weight_decay: float = 5e-4
+    warmup_steps: int = 60
+    ema_decay: float = 0.998
+    device: str = "cpu"
+    threads: int = 1
+    seed: int = 0
+    save_minutes: float = 2.0
+    score_houses: int = 200
+    """Held-out houses to score the result on."""
+    facts: dict[str, Any] = field(default_factory=dict)
+    """Further lines of the model card."""
+
+
+def train_detector(
+    kind: Kind,
+    out: Path,
+    config: DetectorTraining | None = None,
+    resume: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Scores:
+    """Train one network for config.minutes and leave weights, config and model card in out.
+
+    resume: start from the weights in out (their running mean; the optimiser starts anew). The
+    checkpoint is whole at any time: it is rewritten every save_minutes. progress is told seconds
+    done and in all. Returns the scores on held-out houses. Raises CheckpointError when there is
+    nothing to resume from.
+    """
+    config = config or DetectorTraining()
+    torch.set_num_threads(config.threads)
+    torch.manual_seed(config.seed)
+    run = _Run(kind, out, config, resume)
+    run.train(progress or (lambda done, total: None))
+    scores = score_checkpoint(kind, out, config.score_houses)
+    facts = {**run.facts(), "scores": scores.as_dict(), **config.facts}
+    run.save(facts)
+    write_card(kind, out, facts)
+    return scores
+
+
+class _Run:
+    """The state of a training run."""
+
+    def __init__(self, kind: Kind, out: Path, config: DetectorTraining, resume: bool) -> None:
+        self.kind, self.out, self.config = kind, out, config
+        self.images, self.minutes_before = 0, 0.0
+        self.minutes, self.step, self.loss = 0.0, 0, math.nan
+        self.model = build_model(kind)
+        if resume:
+            self._resume()
+        self.model = self.model.to(config.device, memory_format=torch.channels_last).train()
+        self.ema = {name: value.detach().clone() for name, value in self._floats()}
+        self.optimizer = self._optimizer()
+        # The stream goes on behind what was seen before the resumption.
+        rng = np.random.default_rng((config.seed, self.images))
+        self.samples = stream(rng, SPOILING[kind])
+
+    def train(self, progress: Callable[[int, int], None]) -> None:
+        total = self.config.minutes * 60.0
+        started = saved = time.monotonic()
+        elapsed = 0.0
+        while elapsed < total:
+            self._set_learning_rate(elapsed / total)
+            self._update(_batch(self.kind, self.samples, self.config))
+            now = time.monotonic()
+            elapsed = now - started
+            self.minutes = elapsed / 60.0
+            if now - saved > self.config.save_minutes * 60.0:
+                self.save(self.facts())
+                saved = now
+            progress(round(min(elapsed, total)), round(total))
+        self.save(self.facts())
+
+    def save(self, facts: dict[str, Any]) -> None:
+        """Write the running mean of the weights."""
+        current = {name: value.clone() for name, value in self._floats()}
+        self.model.load_state_dict(self.ema, strict=False)
+        save_model(self.kind, self.model, self.out, facts)
+        self.model.load_state_dict(current, strict=False)
+
+    def facts(self) -> dict[str, Any]:
+        """What the model card tells of the run so far."""
+        return {
+            "version": __version__,
+            "images": self.images,
+            "minutes": round(self.minutes_before + self.minutes, 1),
+            "batch": self.config.batch,
+            "seed": self.config.seed,
+            "device": self.config.device,
+            "threads": self.config.threads,
+            "loss": round(self.loss, 4),
+            "held_out_seeds": [HELD_OUT_SEEDS.start, HELD_OUT_SEEDS.stop],
+        }
+
+    def _resume(self) -> None:
+        if not (self.out / WEIGHTS_FILE).is_file():
+            raise CheckpointError(
+                "there is nothing to resume from",
+                where=str(self.out),
+                expected=f"a folder with {WEIGHTS_FILE}",
+                try_="train without resuming",
+            )
+        load_weights(self.kind, self.model, self.out)
+        before = json.loads((self.out / CONFIG_FILE).read_text(encoding="utf-8"))
+        self.images = int(before.get("images", 0))
+        self.minutes_before = float(before.get("minutes", 0.0))
+
+    def _floats(self) -> Iterator[tuple[str, Tensor]]:
+        return (
+            (name, value)
+            for name, value in self.model.state_dict().items()
+            if value.is_floating_point()
+        )
+
+    def _optimizer(self) -> torch.optim.Optimizer:
+        decayed = [p for p in self.model.parameters() if p.requires_grad and p.ndim > 1]
+        free = [p for p in self.model.parameters() if p.requires_grad and p.ndim <= 1]
+        groups = [
+            {"params": decayed, "weight_decay": self.config.weight_decay},
+            {"params": free, "weight_decay": 0.0},
+        ]
+        return torch.optim.AdamW(groups, lr=self.config.learning_rate, betas=(0.9, 0.99))
+
+    def _set_learning_rate(self, share_done: float) -> None:
+        """Warm up, hold, and fall along a cosine to a hundredth."""
+        warm = min(1.0, (self.step + 1) / self.config.warmup_steps)
+        fall = 0.01 + 0.99 * (1 + math.cos(math.pi * min(share_done, 1.0))) / 2
+        for group in self.optimizer.param_groups:
+            group["lr"] = self.config.learning_rate * warm * fall
+
+    def _update(self, batch: dict[str, Tensor]) -> None:
+        losses, _ = self.model.loss(batch)  # type: ignore[operator]
+        loss = losses.sum()
+        self.optimizer.zero_grad(set_to_none=True)
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 10.0)
+        self.optimizer.step()
+        self.step += 1
+        self.images += len(batch["img"])
+        self.loss = float(loss.detach()) / len(batch["img"])
+        decay = self.config.ema_decay * (1 - math.exp(-self.step / _EMA_LAG_STEPS))
+        for name, value in self._floats():
+            self.ema[name].lerp_(value.detach(), 1 - decay)
+
+
+def _batch(kind: Kind, samples: Iterator[Sample], config: DetectorTraining) -> dict[str, Tensor]:
+    """A batch in the form ultralytics' losses take; lengths relative to the canvas."""
+    chosen = list(islice(samples, config.batch))
+    images = np.stack([sample.rgb for sample in chosen]).transpose(0, 3, 1, 2)
+    rgb = torch.from_numpy(np.ascontiguousarray(images)).to(config.device).float() / 255.0
+    if kind == "items":
+        classes = [sample.boxes[:, 0] for sample in chosen]
+        scale = np.array([1.0 / CANVAS_PX] * 4 + [1.0])
+        boxes = [sample.boxes[:, 1:] * scale for sample in chosen]
+    else:
+        classes = [sample.room_classes for sample in chosen]
+        boxes = [sample.room_boxes / CANVAS_PX for sample in chosen]
+    batch = {
+        "img": rgb.contiguous(memory_format=torch.channels_last),
+        "batch_idx": _joined([np.full(len(rows), i) for i, rows in enumerate(classes)]),
+        "cls": _joined(classes),
+        "bboxes": _joined(boxes),
+    }
+    if kind == "rooms":
+        batch["masks"] = torch.from_numpy(np.stack([sample.room_map for sample in chosen])).float()
+    return {name: value.to(config.device) for name, value in batch.items()}
+
+
+def _joined(parts: list[np.ndarray]) -> Tensor:
+    return torch.from_numpy(np.concatenate(parts).astype(np.float32))
