@@ -28,7 +28,7 @@ LICENCE = "CC0-1.0"
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
 
-_INPUTS = ("baseColor", "roughness", "metallic", "opacity", "emissiveColor")
+_INPUTS = ("diffuseColor", "roughness", "metallic", "opacity", "emissiveColor")
 
 
 @dataclass(frozen=True)
@@ -141,27 +141,25 @@ def material_path(root: str, slot: str) -> str:
 
 
 def _define_material(stage: Usd.Stage, path: str, finish: Finish) -> None:
-    """A UsdPreviewSurface whose every value is an input of the material, for overrides."""
+    """A UsdPreviewSurface of constants; Blender does not follow inputs of the material itself."""
     from pxr import Sdf, UsdShade
 
     material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, f"{path}/Surface")
+    shader = UsdShade.Shader.Define(stage, _surface_path(path))
     shader.CreateIdAttr("UsdPreviewSurface")
-    shader_names = {"baseColor": "diffuseColor"}
     for name, (type_name, value) in _values(finish).items():
-        public = material.CreateInput(name, getattr(Sdf.ValueTypeNames, type_name))
-        public.Set(value)
-        inner = shader.CreateInput(
-            shader_names.get(name, name), getattr(Sdf.ValueTypeNames, type_name)
-        )
-        inner.ConnectToSource(public)
+        shader.CreateInput(name, getattr(Sdf.ValueTypeNames, type_name)).Set(value)
     shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.5)
     surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface)
 
 
+def _surface_path(material: str) -> str:
+    return f"{material}/Surface"
+
+
 def _values(finish: Finish) -> dict[str, tuple[str, Any]]:
-    """Material input name to (USD type, value) of a finish."""
+    """UsdPreviewSurface input to (USD type, value) of a finish."""
     from pxr import Gf
 
     colour = Gf.Vec3f(*finish.linear_rgb())
@@ -235,7 +233,7 @@ def _bounds(parts: Iterable[Part]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _add_colourways(stage: Usd.Stage, design: Design, slots: tuple[str, ...]) -> None:
-    """The variant set: colourways override the material inputs in which they differ."""
+    """The variant set: colourways override the shader inputs in which they differ."""
     root = stage.GetDefaultPrim()
     variants = root.GetVariantSets().AddVariantSet(COLOUR_VARIANT_SET)
     first = {slot: _values(finish) for slot, finish in _worn(design, slots, 0)}
@@ -252,7 +250,7 @@ def _add_colourways(stage: Usd.Stage, design: Design, slots: tuple[str, ...]) ->
         with variants.GetVariantEditContext():
             for slot, finish in _worn(design, slots, index):
                 values = {n: v for n, v in _values(finish).items() if (slot, n) in varying}
-                _override_material(stage, material_path(design.id, slot), values)
+                _override_inputs(stage, _surface_path(material_path(design.id, slot)), values)
     variants.SetVariantSelection(next(iter(design.colourways)))
 
 
@@ -262,9 +260,7 @@ def _worn(design: Design, slots: tuple[str, ...], index: int) -> list[tuple[str,
     return [(slot, FINISHES[looks[slot]]) for slot in slots]
 
 
-def _override_material(
-    stage: Usd.Stage, path: str, values: Mapping[str, tuple[str, Any]]
-) -> None:
+def _override_inputs(stage: Usd.Stage, path: str, values: Mapping[str, tuple[str, Any]]) -> None:
     from pxr import Sdf
 
     for name, (type_name, value) in values.items():

@@ -73,6 +73,4 @@ def fitted(
             expected=f"{list(size_m)} m",
         )
     base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    return tuple(
-        replace(part, solid=part.solid.moved(*(-base)).scaled(*factor)) for part in parts
-    )
+    return tuple(replace(part, solid=part.solid.moved(*(-base)).scaled(*factor)) for part in parts)

@@ -214,16 +214,37 @@ def cushion(
     rings = []
     for angle in np.radians((0.0, 30.0, 60.0, 90.0)):
         inset, rise = rim * (1.0 - math.sin(angle)), rim * (1.0 - math.cos(angle))
-        rings.append(ring(length - 2 * inset, width - 2 * inset, corner_m - inset, rise, 4))
+        flat = ring(length - 2 * inset, width - 2 * inset, corner_m - inset, rise, 3)
+        rings.append(_with_edge_points(flat, 4))
     rings += [flat * [1.0, 1.0, -1.0] + [0.0, 0.0, edge] for flat in reversed(list(rings))]
     last = rings[-1]
-    for share in (0.8, 0.55, 0.3, 0.0):
-        lift = crown_m * (1.0 - share**2)
-        rings.append(last * [share, share, 1.0] + [0.0, 0.0, lift])
+    half = np.abs(last[:, :2]).max(axis=0)
+    for share in (0.75, 0.4, 0.0):
+        inner = last * [share, share, 1.0]
+        # A product of two parabolas has no ridge along the diagonals, as a pyramid would.
+        inner[:, 2] += crown_m * np.prod(1.0 - (inner[:, :2] / half) ** 2, axis=1)
+        rings.append(inner)
     return loft(rings)
 
 
-def pillow(size_m: Size, steps: int = 5) -> Solid:
+def _with_edge_points(outline: FloatArray, corner_points: int) -> FloatArray:
+    """A ring of ring() with two more points on each straight side."""
+    sides = outline.reshape(4, corner_points, 3)
+    following = np.roll(sides, -1, axis=0)[:, 0]
+    extra = [sides[:, -1] + (following - sides[:, -1]) * share for share in (1 / 3, 2 / 3)]
+    return np.concatenate([sides, np.stack(extra, axis=1)], axis=1).reshape(-1, 3)
+
+
+def bevelled_plate(outline_m: npt.ArrayLike, thick_m: float, bevel_m: float) -> Solid:
+    """A plate over a star-shaped outline (N, 2), counter-clockwise, with chamfered rims."""
+    outline = np.asarray(outline_m, dtype=np.float64)
+    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
+    inner = middle + (outline - middle) * (1.0 - 2 * bevel_m / np.ptp(outline, axis=0))
+    levels = ((inner, 0.0), (outline, bevel_m), (outline, thick_m - bevel_m), (inner, thick_m))
+    return loft([np.column_stack([flat, np.full(len(flat), z)]) for flat, z in levels])
+
+
+def pillow(size_m: Size, steps: int = 4) -> Solid:
     """A stuffed pillow: thin pointed rim, full middle, sides drawn in."""
     length, width, height = size_m
     rim = ring(length, width, 0.18 * min(length, width), 0.0, steps)
@@ -233,12 +254,8 @@ def pillow(size_m: Size, steps: int = 5) -> Solid:
     rim *= [length / np.ptp(rim[:, 0]), width / np.ptp(rim[:, 1]), 1.0]
     shares = np.array([0.0, 0.35, 0.63, 0.83, 0.95])
     swell = height / 2 * np.sqrt(1.0 - shares**2.2) * (1.0 - 0.12 * shares)
-    below = [
-        rim * [s, s, 0] + [0, 0, height / 2 - z] for s, z in zip(shares, swell, strict=True)
-    ]
-    above = [
-        rim * [s, s, 0] + [0, 0, height / 2 + z] for s, z in zip(shares, swell, strict=True)
-    ]
+    below = [rim * [s, s, 0] + [0, 0, height / 2 - z] for s, z in zip(shares, swell, strict=True)]
+    above = [rim * [s, s, 0] + [0, 0, height / 2 + z] for s, z in zip(shares, swell, strict=True)]
     return loft([*below, rim + [0.0, 0.0, height / 2], *reversed(above)])
 
 

@@ -89,8 +89,12 @@ def _lidded(length: float, width: float, z: float, thick: float, back: float) ->
     """A seat or lid: the egg with soft edges."""
     soft = 0.007
     inner, rings = (length - 2 * soft, width - 2 * soft, back - soft), []
-    for size, level in ((inner, 0.0), ((length, width, back), soft),
-                        ((length, width, back), thick - soft), (inner, thick)):
+    for size, level in (
+        (inner, 0.0),
+        ((length, width, back), soft),
+        ((length, width, back), thick - soft),
+        (inner, thick),
+    ):
         rings.append(_egg(size[0], size[1], z + level, size[2]))
     return loft(rings)  # fmt: skip
 
@@ -108,7 +112,7 @@ def washbasin(
         return _vessel_basin(size_m)
     length, width, height = size_m
     y = -width / 2 + 0.012 + FRONT_M
-    base, slab = 0.3, 0.09
+    base, slab = 0.14, 0.11
     depth = width / 2 - y
     tall = height - base - slab
     case = block((length - 0.02, depth, tall + 0.002)).moved(y=y + depth / 2, z=base)
@@ -132,7 +136,7 @@ def washbasin(
         Part("Grips", joined(grips), "metal", collider=None),
         *_basin_slab(length, width, height, slab, bowl_l, bowl_w, places),
         Part("Tap", taps, "metal", collider=None, above=True),
-        plinth((length - 0.1, width - 0.1, base), base + 0.002, inset_m=0.1),
+        plinth(size_m, base + 0.002, inset_m=0.12),
     )
 
 
@@ -150,10 +154,10 @@ def _basin_slab(
     outline = ring(length, width, 0.02, 0.0, 3)[:, :2]
     holes = [ring(bowl_l, bowl_w, 0.09, 0.0, 6)[:, :2] + [x, at_y] for x in places]
     plate = extruded(outline, slab, holes).moved(z=height - slab)
-    bowls = [_sunk_bowl(bowl_l, bowl_w, slab + 0.02).moved(x, at_y, height) for x in places]
+    bowls = [_sunk_bowl(bowl_l, bowl_w, slab - 0.004).moved(x, at_y, height) for x in places]
     drains = [
         lathe([(0.022, 0), (0.022, 0.006), (0.016, 0.006), (0, 0.004)], 20).moved(
-            x, at_y, height - slab - 0.012
+            x, at_y, height - slab + 0.014
         )
         for x in places
     ]
@@ -181,7 +185,8 @@ def _basin_tap(rise: float) -> Solid:
     """A single-lever mixer, spout to the front."""
     body = cylinder(0.022, rise, 0.004, 18)
     spout = tube(
-        bent_path([[0, 0, rise * 0.7], [0, -0.11, rise * 0.72], [0, -0.12, rise * 0.6]], 0.02), 0.011
+        bent_path([[0, 0, rise * 0.7], [0, -0.11, rise * 0.72], [0, -0.12, rise * 0.6]], 0.02),
+        0.011,
     )
     lever = block((0.018, 0.08, 0.008), 0.003).turned("x", -14).moved(y=0.015, z=rise + 0.008)
     return body + spout + lever + cylinder(0.018, 0.02, 0.003, 16).moved(z=rise - 0.004)
@@ -234,8 +239,10 @@ def _pedestal_basin(size_m: Size) -> tuple[Part, ...]:
         ring(length * s, (width - 0.11) * s, 0.11 * s, height + z, 6) - [0.0, 0.03, 0.0]
         for s, z in ((0.9, 0.0), (0.86, -0.012), (0.74, -0.09), (0.45, -0.13), (0.15, -0.14))
     ]
-    body = [r + [0.0, (1.0 - s) * width * 0.3, 0.0] for r, s in
-            zip(body, (0.45, 0.62, 0.9, 0.985, 1.0, 0.99), strict=True)]
+    body = [
+        r + [0.0, (1.0 - s) * width * 0.3, 0.0]
+        for r, s in zip(body, (0.45, 0.62, 0.9, 0.985, 1.0, 0.99), strict=True)
+    ]
     column = [
         ring(l, w, 0.09, z, 6) + [0.0, width * 0.15, 0.0]
         for l, w, z in ((0.22, 0.2, 0.0), (0.2, 0.18, 0.02), (0.15, 0.14, 0.2),
@@ -326,8 +333,9 @@ def _walk_in(length: float, width: float, height: float) -> tuple[Solid, Solid]:
     """One fixed screen over two thirds of the front and one along the right side."""
     wide, y = length * 0.62, -width / 2 + 0.025
     front_x, side_x = (length - wide) / 2 - 0.02, length / 2 - 0.025
-    panes = _pane(wide, front_x, y, height) + _pane(width - 0.05, side_x, 0.0, height,
-                                                    sideways=True)
+    panes = _pane(wide, front_x, y, height) + _pane(
+        width - 0.05, side_x, 0.0, height, sideways=True
+    )
     post = block((0.02, 0.02, height + 0.004), 0.002)
     posts = [
         post.moved(side_x, y, _TRAY_M - 0.004),
@@ -363,9 +371,7 @@ def _cabin(length: float, width: float, height: float) -> tuple[Solid, Solid]:
         frame.append(
             mirrored_pair(block((0.026, width - 0.06, 0.028), 0.003).moved(side_x, 0, z + 0.001))
         )
-    grip = bent_path(
-        [[0, 0, 0.85], [0, -0.022, 0.85], [0, -0.022, 1.25], [0, 0, 1.25]], 0.02, 2
-    )
+    grip = bent_path([[0, 0, 0.85], [0, -0.022, 0.85], [0, -0.022, 1.25], [0, 0, 1.25]], 0.02, 2)
     frame.append(tube(grip, 0.006, 8).moved(0.02, y - 0.002))
     return joined(panes), joined(frame)
 

@@ -81,16 +81,21 @@ def _bedding(length: float, lying: float, y: float, *, throw: bool) -> tuple[Par
     """Duvet over the lower two thirds, its upper edge turned back, perhaps a throw at the foot."""
     reach = lying * 0.64
     foot = y - lying / 2
-    duvet = soft_block((length - 0.03, reach, 0.225), 0.055, (9, 8, 1))
-    duvet = creased(duvet, 0.008, 0.62).moved(y=foot + 0.012 + reach / 2, z=_RAIL_TOP_M + 0.015)
-    turned = soft_block((length - 0.018, 0.24, 0.222), 0.045, (9, 1, 1))
-    turned = creased(turned, 0.006, 0.62).moved(y=foot + reach - 0.07, z=_RAIL_TOP_M + 0.03)
+    duvet = soft_block((length - 0.045, reach, 0.23), 0.075, (8, 7, 1))
+    duvet = _folded(duvet.moved(y=foot + 0.015 + reach / 2, z=_RAIL_TOP_M + 0.012))
+    turned = soft_block((length - 0.03, 0.26, 0.225), 0.06, (8, 1, 1))
+    turned = _folded(turned.moved(y=foot + reach - 0.08, z=_RAIL_TOP_M + 0.032))
     parts = [Part("Duvet", duvet, "duvet"), Part("Turned_Sheet", turned, "sheet", collider=None)]
     if throw:
-        blanket = soft_block((length - 0.012, 0.46, 0.222), 0.05, (9, 2, 1))
-        blanket = creased(blanket, 0.006, 0.5).moved(y=foot + 0.42, z=_RAIL_TOP_M + 0.025)
+        blanket = soft_block((length - 0.028, 0.48, 0.222), 0.07, (8, 2, 1))
+        blanket = _folded(blanket.moved(y=foot + 0.42, z=_RAIL_TOP_M + 0.034))
         parts.append(Part("Throw", blanket, "throw", collider=None))
     return tuple(parts)
+
+
+def _folded(cloth: Solid) -> Solid:
+    """The same folds at the same place on the bed, so that layers of cloth follow each other."""
+    return creased(cloth, 0.009, 0.55)
 
 
 def _pillows(length: float, head_y: float) -> tuple[Part, ...]:

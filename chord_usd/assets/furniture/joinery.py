@@ -89,7 +89,7 @@ def door_handle(cell: Cell, y_m: float, kind: HandleKind, *, low: bool = False) 
     """A handle beside the opening edge: doors open in pairs, the odd one out to the left."""
     inner = 1.0 if cell.column % 2 == 0 else -1.0
     x = cell.x_m + inner * (cell.length_m / 2 - 0.035)
-    reach = min(0.16, cell.height_m * 0.6)
+    reach = min(0.16 if cell.height_m < 1.0 else 0.32, cell.height_m * 0.6)
     near = cell.z_m + (cell.height_m - 0.12 - reach / 2 if not low else 0.12 + reach / 2)
     # Tall doors are opened standing up: about elbow height.
     z = near if cell.height_m < 1.0 else min(max(1.0, cell.z_m + 0.3), near)

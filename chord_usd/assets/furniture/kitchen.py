@@ -93,8 +93,12 @@ def cooker_cabinet(size_m: Size, *, gas: bool = True) -> tuple[Part, ...]:
     side = (length - oven_length) / 2
     parts = [*_body(size_m), *oven, _worktop(size_m), *_hob(length, width, height, gas=gas)]
     if side > 0.1:
-        fillers = [block((side - 0.006, FRONT_M, tall - 0.004)).moved(
-            sign * (length - side) / 2, y - FRONT_M / 2, PLINTH_M + 0.004) for sign in (-1, 1)]
+        fillers = [
+            block((side - 0.006, FRONT_M, tall - 0.004)).moved(
+                sign * (length - side) / 2, y - FRONT_M / 2, PLINTH_M + 0.004
+            )
+            for sign in (-1, 1)
+        ]
         parts.append(Part("Side_Fronts", joined(fillers), "front"))
     return tuple(parts)  # fmt: skip
 
@@ -150,9 +154,7 @@ def _hob(length: float, width: float, height: float, *, gas: bool) -> tuple[Part
                 at = (0.09 * sx, 0.0) if sx == sy else (0.0, 0.09 * sy)
                 grates.append(foot.moved(x + at[0], y + at[1], height + 0.005))
     dials = [
-        cylinder(0.017, 0.02, 0.004, 14).moved(
-            (i - 1.5) * 0.07, -deep / 2 + 0.035, height + 0.005
-        )
+        cylinder(0.017, 0.02, 0.004, 14).moved((i - 1.5) * 0.07, -deep / 2 + 0.035, height + 0.005)
         for i in range(4)
     ]
     return (
@@ -302,8 +304,7 @@ def refrigerator(size_m: Size, *, doors_across: int = 1) -> tuple[Part, ...]:
     rows = (0.62, 1.0) if doors_across == 1 else (1.0,)
     face = list(cells(length + 0.002, height - base, doors_across, rows, base))
     leaves = [
-        block((c.length_m, door, c.height_m), 0.012).moved(c.x_m, y + door / 2, c.z_m)
-        for c in face
+        block((c.length_m, door, c.height_m), 0.012).moved(c.x_m, y + door / 2, c.z_m) for c in face
     ]
     grips = []
     for cell in face:

@@ -44,7 +44,9 @@ def _machine(
     body = block((length, width - front_m + 0.002, height - feet), 0.006)
     body = body.moved(y=front_m / 2, z=feet)
     foot = [
-        cylinder(0.022, feet + 0.002, 0, 12).moved(sx * (length / 2 - 0.06), sy * (width / 2 - 0.07))
+        cylinder(0.022, feet + 0.002, 0, 12).moved(
+            sx * (length / 2 - 0.06), sy * (width / 2 - 0.07)
+        )
         for sx in (-1, 1)
         for sy in (-1, 1)
     ]
@@ -175,10 +177,13 @@ def laundry_tower(size_m: Size) -> tuple[Part, ...]:
     upper = upper.moved(x, y + depth / 2, upper_z)
     cheek = block((0.02, width - 0.06, height)).moved(-(length - 0.02) / 2, 0.03)
     columns = 2 if case_l > 0.55 else 1
-    face = [_at(c, case_x) for c in cells(case_l, height - base - 0.004, columns, (1.2, 1.0),
-                                          base + 0.002)]
-    face += [_at(c, x) for c in cells(machine_l + 0.03, height - upper_z - 0.004, 2,
-                                      z_m=upper_z + 0.002)]
+    face = [
+        _at(c, case_x)
+        for c in cells(case_l, height - base - 0.004, columns, (1.2, 1.0), base + 0.002)
+    ]
+    face += [
+        _at(c, x) for c in cells(machine_l + 0.03, height - upper_z - 0.004, 2, z_m=upper_z + 0.002)
+    ]
     base_part = plinth((case_l, width, height), base, inset_m=0.09)
     shift = {"x": x, "y": _DOOR_OUT_M / 2}
     return (

@@ -39,7 +39,9 @@ def slatted_panel(size_m: Size, *, has_shelf: bool = False) -> tuple[Part, ...]:
     slats = [slat.moved(-length / 2 + step * (i + 0.5), y) for i in range(count)]
     edge = [block((0.02, width if not has_shelf else back_m + deep, height)) for _ in range(2)]
     edges = [
-        e.moved(s * (length - 0.02) / 2, width / 2 - (width if not has_shelf else back_m + deep) / 2)
+        e.moved(
+            s * (length - 0.02) / 2, width / 2 - (width if not has_shelf else back_m + deep) / 2
+        )
         for e, s in zip(edge, (-1, 1), strict=True)
     ]
     parts = [

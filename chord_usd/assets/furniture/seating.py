@@ -14,6 +14,7 @@ from chord_usd.assets.solids import (
     Size,
     Solid,
     bent_path,
+    bevelled_plate,
     block,
     cushion,
     cylinder,
@@ -44,10 +45,12 @@ def sofa(
     inner = length - 2 * arm_m
     back_m = 0.16
     y_back = width / 2 - back_m / 2
-    base = rounded_slab((length - 0.02, width - 0.03, _BASE_TOP_M - leg_m), 0.03, 0.015, 4, 2)
+    base = rounded_slab((length - arm_m, width - 0.03, _BASE_TOP_M - leg_m), 0.03, 0.015, 4, 2)
     back = soft_block((inner + 0.06, back_m, height - 0.06 - leg_m), 0.045, (1, 1, 1))
     parts = [
-        *four_legs(length - 0.06, width - 0.08, leg_m + 0.03, 0.05, is_round=True, splay_m=0.015),
+        *four_legs(
+            length - arm_m + 0.05, width - 0.1, leg_m + 0.04, 0.05, is_round=True, splay_m=0.015
+        ),
         Part("Base", base.moved(z=leg_m), "cloth"),
         Part("Back", back.moved(y=y_back, z=leg_m), "cloth"),
         *_arms(arm, length, width, height, leg_m),
@@ -76,9 +79,7 @@ def _arms(
     )
 
 
-def _seats(
-    inner: float, width: float, height: float, back: float, seats: int
-) -> tuple[Part, ...]:
+def _seats(inner: float, width: float, height: float, back: float, seats: int) -> tuple[Part, ...]:
     """Seat and back cushions; a hand's breadth of seat shows in front of the arms' line."""
     wide = inner / seats - 0.008
     deep = width - back - 0.015
@@ -98,10 +99,21 @@ def _seats(
 def wing_chair(size_m: Size) -> tuple[Part, ...]:
     """A high-backed armchair with wings."""
     length, width, height = size_m
-    plain = sofa((length, width, height - 0.0), seats=1, arm="soft", pillows=False)
-    wing = soft_block((0.09, 0.3, height - 0.5), 0.035, (1, 2, 2))
-    wings = mirrored_pair(wing.moved((length - 0.2) / 2, width / 2 - 0.17, 0.46))
-    return (*plain, Part("Wings", wings, "cloth"))
+    plain = sofa(size_m, seats=1, arm="soft", pillows=False)
+    thick, low, reach = 0.075, 0.5, 0.36
+    # Side view, front to the left: up the front edge, over the round top, down the back.
+    curve = np.radians(np.linspace(0.0, 90.0, 6))
+    top = height - 0.005
+    outline = [
+        [0.005, low], [reach, low], [reach, top - 0.03], [reach - 0.03, top],
+        *([reach - 0.1 - 0.2 * math.sin(a), top - 0.2 + 0.2 * math.cos(a)] for a in curve),
+        [0.03, low + 0.16],
+    ]  # fmt: skip
+    plate = bevelled_plate(outline, thick, 0.016).turned("x", 90).turned("z", 90)
+    at_x = (length - 2 * _ARM_M["soft"]) / 2 + 0.06
+    low_x = float(plate.bounds_m()[0, 0])
+    wing = plate.moved(x=at_x - thick / 2 - low_x, y=width / 2 - reach)
+    return (*plain, Part("Wings", mirrored_pair(wing), "cloth"))
 
 
 def barrel_chair(size_m: Size) -> tuple[Part, ...]:

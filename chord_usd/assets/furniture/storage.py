@@ -14,6 +14,7 @@ from chord_usd.assets.furniture.joinery import (
     drawers,
     four_legs,
     front,
+    knob,
     plinth,
 )
 from chord_usd.assets.model import Design, Part
@@ -289,9 +290,7 @@ def _louvres(cell, y: float) -> Solid:  # noqa: ANN001
     step = (cell.height_m - 0.12) / count
     slat = block((cell.length_m - 0.11, 0.008, step * 0.95), 0.002).turned("x", -16)
     low = cell.z_m + 0.06
-    return joined(
-        [slat.moved(cell.x_m, y - FRONT_M - 0.002, low + step * i) for i in range(count)]
-    )
+    return joined([slat.moved(cell.x_m, y - FRONT_M - 0.002, low + step * i) for i in range(count)])
 
 
 def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
@@ -312,7 +311,9 @@ def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
         for i in range(3)
     ]
     face = [
-        *_shifted(cells(tower - 0.006, height - base - 0.006, 1, (1.3, 1.0), base + 0.003), x_tower),
+        *_shifted(
+            cells(tower - 0.006, height - base - 0.006, 1, (1.3, 1.0), base + 0.003), x_tower
+        ),
         *_shifted(cells(bench - 0.006, 0.31, 2, z_m=base + 0.004), x_bench),
         *_shifted(cells(bench - 0.006, 0.44, 2, z_m=upper + 0.004), x_bench),
     ]
@@ -366,20 +367,23 @@ def bedside_table(
 
 
 def _drum_stand(size_m: Size) -> tuple[Part, ...]:
-    """A round stand with a drawer front let into its drum."""
+    """A round stand: an open-looking drum below, a drawer drum with a knob above."""
     length, width, height = size_m
-    drum = rounded_slab((length - 0.02, width - 0.02, height - 0.15), length, 0.01, 10, 2)
-    top = rounded_slab((length, width, 0.022), length, 0.008, 10, 2)
-    face = next(cells(length * 0.52, 0.16, 1, z_m=height - 0.22))
-    y = -width / 2 + 0.045
-    knobs = drawers([face], y, "knob")[1]
-    panel = block((face.length_m, 0.06, face.height_m)).moved(face.x_m, y + 0.012, face.z_m)
+    out = HANDLE_M - 0.012
+    deep = width - out
+    low = rounded_slab((length - 0.02, deep - 0.02, height - 0.33), length, 0.008, 10, 2)
+    high = rounded_slab((length - 0.02, deep - 0.02, 0.165), length, 0.008, 10, 2)
+    waist = rounded_slab((length - 0.05, deep - 0.05, 0.03), length, 0.002, 10)
+    top = rounded_slab((length, deep, 0.022), length, 0.008, 10, 2)
+    y = out / 2
+    grip = knob().moved(y=y - deep / 2 + 0.022, z=height - 0.105)
     return (
         *four_legs(length * 0.7, width * 0.7, 0.135, 0.03, is_round=True),
-        Part("Drum", drum.moved(z=0.13), "body"),
-        Part("Drawer", panel, "front"),
-        Part("Knob", knobs.solid.moved(y=0.0), "handle", collider=None),
-        Part("Top", top.moved(z=height - 0.022), "top"),
+        Part("Drum", low.moved(y=y, z=0.13), "body"),
+        Part("Waist", waist.moved(y=y, z=height - 0.208), "plinth", collider=None),
+        Part("Drawer", high.moved(y=y, z=height - 0.186), "front"),
+        Part("Knob", grip, "handle", collider=None),
+        Part("Top", top.moved(y=y, z=height - 0.022), "top"),
     )
 
 
