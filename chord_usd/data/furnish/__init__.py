@@ -30,6 +30,12 @@ __all__ = ["furnish"]
 ATTEMPTS = 2
 """Times a room is furnished anew for the sake of free paths before groups are given up."""
 
+CORE_MISSING = 15
+"""Worse than a door that does not connect: a bedroom without a bed."""
+
+HAS_CORE = ("bedroom", "living", "dining", "kitchen", "bathroom", "study")
+"""Kinds of room with a piece they are there for."""
+
 MOST_REPAIRS = 4
 """Groups given up at most."""
 
@@ -58,9 +64,12 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     """The first of a few attempts that leaves the paths free, else the best one repaired."""
     empty = floor.mark()
     best: tuple[int, list[Placed]] | None = None
-    for _ in range(ATTEMPTS):
+    for attempt in range(ATTEMPTS):
+        floor.is_tight = attempt > 0
         _furnish_room(floor, floors, is_laundry)
         faults = path_faults(floor) if floor.placed else 0
+        if floor.kind in HAS_CORE and not any(piece.core for piece in floor.placed):
+            faults += CORE_MISSING
         if not faults:
             return
         if best is None or faults < best[0]:
@@ -96,7 +105,7 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
 def _laundry_balcony(floors: Sequence[Floor], dice: random.Random) -> Floor | None:
     """The balcony with the washing machine, if the house has its laundry on a balcony."""
     balconies = [floor for floor in floors if floor.kind == "balcony"]
-    if not balconies or dice.random() > 0.65:
+    if not balconies or dice.random() > 0.85:
         return None
     return dice.choice(balconies)
 

@@ -41,7 +41,7 @@ def furnish_bedroom(floor: Floor) -> None:
     """Furnish in the order of importance; what no longer fits is left out."""
     dice = floor.dice
     place = _put_bed(floor)
-    wardrobe = 0.95 if floor.area_m2 > 8.0 else 0.8
+    wardrobe = 0.9 if floor.area_m2 > 8.0 else 0.75
     if dice.random() < wardrobe:
         put_cabinet(floor, tall=True, longest=_wardrobe_length(floor))
     if place and floor.area_m2 > 10.0 and dice.random() < 0.35:
@@ -50,7 +50,7 @@ def furnish_bedroom(floor: Floor) -> None:
         put_desk(floor)
     if floor.area_m2 > 15.0 and dice.random() < 0.4:
         put_armchair(floor)
-    if floor.area_m2 > 16.0 and dice.random() < 0.3:
+    if floor.area_m2 > 16.0 and dice.random() < 0.15:
         put_cabinet(floor, tall=False, longest=1.4)
 
 
@@ -163,7 +163,7 @@ def _put_bed_group(floor: Floor, place: BedPlace, size: Size, panel: Size | None
 def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool, bool]:
     """None, one or two of the same kind, beside the headboard, flush with the wall."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.42, 0.2, 0.38) if size[0] > 1.3 else (0.5, 0.45, 0.05))[0]
+    wanted = dice.choices((0, 1, 2), (0.46, 0.18, 0.36) if size[0] > 1.3 else (0.5, 0.45, 0.05))[0]
     table = sizes.sampled(dice, "bedside_table", longest=0.55)
     table = (table[0], min(table[1], table[0]), table[2])
     gap = dice.choice((0.0, 0.02, 0.05))

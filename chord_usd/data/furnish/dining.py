@@ -1,131 +1,169 @@
-"""The dining group: a table with chairs on two or four sides, and a dining cabinet."""
+"""The dining group: a table with chairs around it, and a dining cabinet."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from chord_usd.data.furnish import sizes
-from chord_usd.data.furnish.floor import Floor
+from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_cabinet
 from chord_usd.data.furnish.walls import REACH, Wall
 
 PULL_OUT_M = 0.3
 """Free floor behind the chairs, to pull them out."""
 
+ELBOW_M = 0.1
+"""Free floor beside the table where nobody sits."""
+
+MOST_PLACES = 4
+"""Places tried for one group before a smaller one is taken."""
+
+_TABLE_M = {8: (2.0, 1.0), 6: (1.6, 0.85), 4: (1.2, 0.8), 3: (1.0, 0.75), 2: (0.8, 0.75)}
+"""Least length and width of a table by its seats."""
+
+
+class Group(NamedTuple):
+    """A table with its chairs, in the table's frame: along it, and across it away from the wall."""
+
+    table: Size
+    chair: Size
+    chairs: tuple[tuple[float, float, int], ...]
+    """Along, across, and the way each chair faces as quarter turns from looking off the wall."""
+    length_m: float
+    """Of the whole group."""
+    deep_m: float
+    at_wall: bool
+    """The table's back touches the wall and nobody sits there."""
+
+
+class Place(NamedTuple):
+    """Where the group may go: the middle of its rectangle."""
+
+    score: float
+    wall: Wall
+    s: float
+    t: float
+    turned: bool
+    """The table stands across the wall."""
+
 
 def furnish_dining(floor: Floor) -> None:
     """The table in the middle of the room, a cabinet at a wall."""
     put_dining_table(floor, core=True)
     if floor.dice.random() < 0.6:
-        put_cabinet(
-            floor, tall=False, longest=floor.dice.uniform(1.2, 2.0), category="dining_cabinet"
-        )
+        longest = floor.dice.uniform(1.2, 2.0)
+        put_cabinet(floor, tall=False, longest=longest, category="dining_cabinet")
 
 
 def put_dining_table(floor: Floor, *, core: bool = False) -> bool:
-    """The largest group that fits: 6-8 chairs, 4, or 2. Returns whether one was put."""
+    """The largest group that fits, of 8 seats down to 2. Returns whether one was put."""
     dice = floor.dice
     if floor.area_m2 > 16.0:
         wanted = dice.choices((8, 6, 4), (0.2, 0.5, 0.3))[0]
     else:
         wanted = 6 if floor.area_m2 > 9.0 and dice.random() < 0.5 else 4
-    return any(_put_group(floor, seats, core) for seats in (8, 6, 4, 2) if seats <= wanted)
+    free = [_group(floor, seats, at_wall=False) for seats in (8, 6, 4) if seats <= wanted]
+    at_wall = [_group(floor, seats, at_wall=True) for seats in (4, 3, 2)]
+    groups = [*free, *at_wall[:2], _group(floor, 2, at_wall=False), at_wall[2]]
+    return any(_put_group(floor, group, core) for group in groups)
 
 
-def _put_group(floor: Floor, seats: int, core: bool) -> bool:
+def _group(floor: Floor, seats: int, *, at_wall: bool) -> Group:
     dice = floor.dice
-    length, width = {8: (2.0, 1.0), 6: (1.6, 0.85), 4: (1.2, 0.8), 2: (0.8, 0.75)}[seats]
+    length, width = _TABLE_M[max(seats, 3) if at_wall else seats]
     table = (
         length + sizes.between(dice, 0.0, 0.2),
-        width + sizes.between(dice, 0.0, 0.1 if seats > 2 else 0.0),
+        width + sizes.between(dice, 0.0, 0.1 if seats > 3 else 0.0),
         sizes.between(dice, 0.72, 0.78, 0.01),
     )
     chair = (
-        sizes.between(dice, 0.42, 0.5, 0.02),
-        sizes.between(dice, 0.45, 0.55, 0.02),
-        sizes.between(dice, 0.8, 1.0),
+        sizes.between(dice, 0.42, 0.48, 0.02),
+        sizes.between(dice, 0.45, 0.53, 0.02),
+        sizes.between(dice, 0.8, 0.9),
     )
-    at_ends = seats == 8 or (seats == 6 and table[0] < 1.55)
-    gap = sizes.between(dice, 0.0, 0.05, 0.01)
-    sides = gap + chair[1] + PULL_OUT_M
-    deep = table[1] + 2 * sides
-    wide = table[0] + (2 * sides if at_ends else 0.2)
-    for size, turned in _turns(floor, wide, deep):
-        spot = _free_place(floor, *size)
-        if spot:
-            _stand(floor, spot, table, chair, seats, gap, at_ends, turned, core)
-            _keep_group(floor, spot, size)
+    off = sizes.between(dice, 0.0, 0.05, 0.01) + chair[1] / 2
+    ends = 2 if seats == 8 or (at_wall and seats == 4) else int(at_wall and seats == 3)
+    sides = (1,) if at_wall else (-1, 1)
+    chairs = [
+        (along, side * (table[1] / 2 + off), 2 if side > 0 else 0)
+        for side in sides
+        for along in _seats_along(table[0], (seats - ends) // len(sides))
+    ]
+    chairs += [(-table[0] / 2 - off, 0.0, 3), (table[0] / 2 + off, 0.0, 1)][:ends]
+    seat_m = off + chair[1] / 2
+    # One chair at an end takes its room on both, which keeps the table in the middle.
+    length_m = table[0] + 2 * (seat_m if ends else ELBOW_M)
+    return Group(table, chair, tuple(chairs), length_m, table[1] + len(sides) * seat_m, at_wall)
+
+
+def _seats_along(length: float, seats: int) -> list[float]:
+    return [(i + 0.5) * length / seats - length / 2 for i in range(seats)]
+
+
+def _put_group(floor: Floor, group: Group, core: bool) -> bool:
+    """Put it where it leaves the ways through the room free."""
+    for place in _places(floor, group)[:MOST_PLACES]:
+        mark = floor.mark()
+        _stand(floor, place, group, core)
+        if not path_faults(floor):
             return True
+        floor.undo(mark)
     return False
 
 
-def _turns(floor: Floor, wide: float, deep: float) -> list[tuple[tuple[float, float], bool]]:
-    """Along and across the wall, in random order."""
-    turns = [((wide, deep), False), ((deep, wide), True)]
-    if floor.dice.random() < 0.5:
-        turns.reverse()
-    return turns
-
-
-def _free_place(floor: Floor, wide: float, deep: float) -> tuple[Wall, float, float] | None:
-    """(wall, s, t) of the middle of a free rectangle, as central in its free space as possible."""
-    best, best_score = None, -1.0
+def _places(floor: Floor, group: Group) -> list[Place]:
+    """Best first: as central in the free floor as possible."""
+    places = []
     for wall in floor.walls:
-        if wall.length < wide:
+        if group.at_wall:
+            places += _places_at(floor, wall, group.length_m, group.deep_m, 0.0, False)
             continue
-        across = _depth_of(floor, wall)
-        for near in {0.0, max(0.0, (across - deep) / 2)}:
-            for s_from, s_to in wall.gaps(deep, 9.0, 0.0, wide, near):
-                s = (s_from + s_to) / 2
-                if s_to - s_from > wide + 2.0:
-                    s = s_from + wide / 2 + 0.5
-                score = floor.dice.uniform(0.0, 0.8) + min(s_to - s_from - wide, 1.0)
-                score += min(near, 0.8)
-                if score > best_score:
-                    best, best_score = (wall, s, near + deep / 2), score
-    return best
+        across = _across(floor, wall)
+        for turned in (False, True):
+            wide, deep = group.length_m, group.deep_m
+            if turned:
+                wide, deep = group.deep_m + 2 * PULL_OUT_M, group.length_m
+            near = ELBOW_M if turned else PULL_OUT_M
+            for off_wall in dict.fromkeys((near, max(near, (across - deep) / 2))):
+                places += _places_at(floor, wall, wide, deep, off_wall, turned)
+    places.sort(key=lambda place: place.score, reverse=True)
+    return places
 
 
-def _depth_of(floor: Floor, wall: Wall) -> float:
+def _places_at(
+    floor: Floor, wall: Wall, wide: float, deep: float, near: float, turned: bool
+) -> list[Place]:
+    places = []
+    reach = ELBOW_M if turned else PULL_OUT_M
+    for s_from, s_to in wall.gaps(deep, 9.0, reach, wide, near):
+        s = (s_from + s_to) / 2
+        if s_to - s_from > wide + 2.0:
+            s = s_from + wide / 2 + 0.5
+        score = floor.dice.random() * 0.8 + min(s_to - s_from - wide, 1.0) + min(near, 0.8)
+        places.append(Place(score, wall, s, near + deep / 2, turned))
+    return places
+
+
+def _across(floor: Floor, wall: Wall) -> float:
     """Distance to the nearest wall that faces this one; 0 where none does."""
     depths = [wall.local(other.x, other.y)[1] for other in floor.facing(wall)]
     return min(depths, default=0.0)
 
 
-def _stand(
-    floor: Floor,
-    spot: tuple[Wall, float, float],
-    table: sizes.Size,
-    chair: sizes.Size,
-    seats: int,
-    gap: float,
-    at_ends: bool,
-    turned: bool,
-    core: bool,
-) -> None:
-    """Put the table at the spot and the chairs around it, all facing it."""
-    wall, s, t = spot
+def _stand(floor: Floor, place: Place, group: Group, core: bool) -> None:
+    """Put the table and its chairs, and keep the floor they take."""
+    _, wall, s, t, turned = place
     floor.new_group()
+    table_t = group.table[1] / 2 if group.at_wall else t
     quarter = 1 if turned else 0
-    floor.put_turned("dining_table", wall, s, t, table, quarter, core=core)
-    off = gap + chair[1] / 2
-    places = [
-        (along, side * (table[1] / 2 + off), 2 if side > 0 else 0)
-        for side in (-1, 1)
-        for along in _seats_along(table[0], seats - 2 * at_ends)
-    ]
-    # Quarter turns of chairs: 0 looks away from the wall (+t), 2 towards it, 1 to -s, 3 to +s.
-    if at_ends:
-        places += [(-table[0] / 2 - off, 0.0, 3), (table[0] / 2 + off, 0.0, 1)]
-    for along, across, facing in places:
+    floor.put_turned("dining_table", wall, s, table_t, group.table, quarter, core=core)
+    for along, across, facing in group.chairs:
         if turned:
             along, across = -across, along
-        floor.put_turned("chair", wall, s + along, t + across, chair, (facing + quarter) % 4)
-
-
-def _seats_along(length: float, seats: int) -> list[float]:
-    per_side = max(1, seats // 2)
-    return [(i + 0.5) * length / per_side - length / 2 for i in range(per_side)]
-
-
-def _keep_group(floor: Floor, spot: tuple[Wall, float, float], size: tuple[float, float]) -> None:
-    wall, s, t = spot
-    floor.keep(wall, s - size[0] / 2, s + size[0] / 2, t - size[1] / 2, t + size[1] / 2, REACH)
+        facing = (facing + quarter) % 4
+        floor.put_turned("chair", wall, s + along, table_t + across, group.chair, facing, core=core)
+    half_s, half_t = group.length_m / 2, group.deep_m / 2
+    if turned:
+        half_s, half_t = half_t, half_s
+    floor.keep(wall, s - half_s, s + half_s, t - half_t, t + half_t, REACH)

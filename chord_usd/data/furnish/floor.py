@@ -75,6 +75,8 @@ class Floor:
         self.touching: list[Floor] = []
         self.windows: list[tuple[Wall, float, float, float]] = []
         self.placed: list[Placed] = []
+        self.is_tight = False
+        """Whether narrow paths have to do."""
         self.cells: Any = None
         """What chord_usd.data.furnish.paths knows about the empty room."""
         self._group = 0

@@ -59,7 +59,7 @@ def put_sofa_group(floor: Floor) -> None:
             return
     sofa = _sofa(floor, 1.5)
     for least in (sofa, (1.4, 0.8, 0.75)):
-        if put_cabinet_like_sofa(floor, least):
+        if _put_lone_sofa(floor, least):
             return
     put_armchair(floor)
 
@@ -70,7 +70,7 @@ def _sofa(floor: Floor, length: float) -> Size:
     return length, sizes.between(dice, 0.85, 1.0), sizes.between(dice, 0.7, 0.9)
 
 
-def put_cabinet_like_sofa(floor: Floor, sofa: Size) -> bool:
+def _put_lone_sofa(floor: Floor, sofa: Size) -> bool:
     """A sofa against the longest free wall, without a television."""
     spots = list(floor.spots(sofa[1], sofa[2], 0.5, sofa[0]))
     if not spots:
@@ -78,7 +78,10 @@ def put_cabinet_like_sofa(floor: Floor, sofa: Size) -> bool:
     spot = max(spots, key=lambda spot: spot.length)
     floor.new_group()
     s = (spot.s_from + spot.s_to) / 2
-    floor.put("sofa", spot.wall, s, sofa, reach=0.5, core=True)
+    floor.put("sofa", spot.wall, s, sofa, core=True)
+    front = _put_coffee_table(floor, spot.wall, s, sofa[1], 2.0, sofa[0])
+    _put_side_table(floor, spot.wall, s, sofa[0])
+    floor.keep(spot.wall, s - sofa[0] / 2, s + sofa[0] / 2, sofa[1], front + 0.4, REACH)
     return True
 
 
@@ -195,13 +198,15 @@ def _put_side_table(floor: Floor, wall: Wall, s: float, sofa_length: float) -> N
 def _put_single_sofas(floor: Floor, axis: Axis, sofa: Size, back: float) -> None:
     """At the sides of the coffee table, facing it."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.62, 0.26, 0.12))[0]
+    wanted = dice.choices((0, 1, 2), (0.4, 0.38, 0.22))[0]
     size = sizes.sampled(dice, "single_sofa", longest=0.95, deepest=0.95)
     wall, front = axis.sofa_wall, back + sofa[1]
     for side in dice.sample((-1, 1), 2)[:wanted]:
-        s = axis.sofa_s + side * (sofa[0] / 2 + size[1] / 2 + 0.1)
-        t = front + 0.25 + size[0] / 2
-        half = size[1] / 2, size[0] / 2
-        if wall.fits(s - half[0], s + half[0], t - half[1], t + half[1], size[2]):
-            floor.new_group()
-            floor.put_turned("single_sofa", wall, s, t, size, 1 if side > 0 else 3)
+        for aside, ahead in ((0.1, 0.3), (0.1, 0.05), (-0.35, 0.6)):
+            s = axis.sofa_s + side * (sofa[0] / 2 + size[1] / 2 + aside)
+            t = front + ahead + size[0] / 2
+            half = size[1] / 2, size[0] / 2
+            if wall.fits(s - half[0], s + half[0], t - half[1], t + half[1], size[2]):
+                floor.new_group()
+                floor.put_turned("single_sofa", wall, s, t, size, 1 if side > 0 else 3)
+                break

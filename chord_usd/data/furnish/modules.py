@@ -37,9 +37,9 @@ def pack(
     if free < 0.3:
         return [*head, *tail]
     ends: list[Module] = []
-    if "refrigerator" in wanted and free >= 2.2 and not (blind_start and blind_end):
-        ends.append(Module("refrigerator", 0.7 if free > 2.6 else 0.6))
-    if "electrical_floor_cabinet" in wanted and free - _total(ends) >= 2.2:
+    if "refrigerator" in wanted and free >= 1.9 and not (blind_start and blind_end):
+        ends.append(Module("refrigerator", 0.7 if free > 2.4 else 0.6))
+    if "electrical_floor_cabinet" in wanted and free - _total(ends) >= 1.9:
         ends.append(Module("electrical_floor_cabinet", 0.6))
     free -= _total(ends)
     at_end = blind_start or (not blind_end and dice.random() < 0.5)
@@ -58,7 +58,7 @@ def _middle(
     dice: random.Random, free: float, wanted: set[str], window_m: float | None
 ) -> list[Module]:
     """Sink, cooker and what fills the rest."""
-    names = [n for n in ("sink_cabinet", "cooker_cabinet") if n in wanted]
+    names: list[str] = [n for n in ("sink_cabinet", "cooker_cabinet") if n in wanted]
     if not names or free < 0.6:
         return fill(dice, free)
     if len(names) == 2 and free < 1.2:

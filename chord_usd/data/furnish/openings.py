@@ -24,7 +24,7 @@ OPEN_SIDE_M = 0.02
 PARALLEL = 0.1
 """Largest sine between an opening and the wall it is in."""
 
-_SMALL_KINDS = ("bathroom", "kitchen", "store", "balcony", "corridor")
+_ROOMY_KINDS = ("living", "bedroom", "study")
 
 _ENTRANCE_KINDS = ("corridor", "living", "unknown", "dining", "kitchen", "store")
 """Where a door to the outside is the front door, best first."""
@@ -74,7 +74,7 @@ def _open(
     for part in (floor, *floor.touching):
         part.keep(wall, s_from, s_to, 0.0, deep)
     wall.has_door = True
-    if floor.kind not in _SMALL_KINDS:
+    if floor.kind in _ROOMY_KINDS:
         floor.keep(wall, s_from, s_to, deep, deep + WAY_IN_M, REACH)
 
 

@@ -19,7 +19,8 @@ PATH_CELLS = 6
 """A path is free where a square of this many cells a side is: 0.6 m, 0.5 m at worst."""
 
 NARROW_PATH_CELLS = 5
-"""The same in bathrooms, where one passes a toilet or basin with half a metre."""
+"""The same in bathrooms, where one passes a toilet or basin with half a metre, and wherever
+wider paths leave no room for what the room is there for."""
 
 STAND_M = 0.55
 """Somebody who uses a piece stands within this distance of it."""
@@ -85,7 +86,8 @@ def path_faults(floor: Floor) -> int:
     for piece in floor.placed:
         if not piece.category.endswith("_background"):
             free &= ~_under(grid, piece)
-    cells = NARROW_PATH_CELLS if floor.kind == "bathroom" else PATH_CELLS
+    narrow = floor.is_tight or floor.kind == "bathroom"
+    cells = NARROW_PATH_CELLS if narrow else PATH_CELLS
     standing = _eroded(free, grid.stride, cells)
     doors = [grid.inside(_door_bounds(door)) for door in floor.doors]
     seed = next((door & standing for door in doors if door & standing), standing & -standing)
