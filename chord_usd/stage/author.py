@@ -1,0 +1,184 @@
+"""SceneGraph -> StageFile: the house as a USD stage (design: House > Rooms > items)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from pxr import Gf, Sdf, UsdUtils
+
+from chord_usd import __version__
+from chord_usd.errors import OutputError
+from chord_usd.files import deliver
+from chord_usd.stage.cameras import set_cameras
+from chord_usd.stage.furniture import extent_of, place_furniture
+from chord_usd.stage.lights import hang_light
+from chord_usd.stage.looks import wear_looks
+from chord_usd.stage.names import NamedRoom, name_rooms
+from chord_usd.stage.packages import Packages
+from chord_usd.stage.prims import (
+    Types,
+    apply_schema,
+    attribute,
+    define,
+    define_class,
+    dictionary,
+    hint_extent,
+    identify,
+    inherit,
+    label,
+    new_layer,
+    note,
+    relate,
+)
+from chord_usd.stage.shell import draw_shell
+from chord_usd.stage.walls import build_walls
+from chord_usd.types import FloatArray, SceneGraph, StageFile
+
+SCHEMA = 1
+"""Version of the structure and the `chord:` attributes; readers refuse a newer one."""
+
+SUFFIXES = (".usda", ".usd", ".usdc", ".usdz")
+_RESOLUTION_PX = (1280, 720)
+
+
+def author_stage(graph: SceneGraph, path: Path, *, seed: int = 0) -> StageFile:
+    """Write a house as a USD stage, with everything it points to beside it.
+
+    Beside `house.usda` appear `house_architecture/`, `assets/` and `materials/`; houses of one
+    folder share the latter two. `.usdz` packs all of it into one file. seed chooses the looks of
+    walls and floors. Same graph, same seed: same bytes. Nothing is left behind on failure.
+
+    Raises SceneError for a graph without rooms or with an unknown category, AssetError for a
+    missing mesh, OutputError for a target that cannot be written.
+    """
+    path = Path(path)
+    if path.suffix not in SUFFIXES:
+        raise OutputError(
+            f"{path.suffix or 'no suffix'} is no kind of stage",
+            where=str(path),
+            expected=f"one of {', '.join(SUFFIXES)}",
+        )
+    rooms = name_rooms(graph)
+    with deliver() as delivery:
+        target = delivery.place(path)
+        if path.suffix == ".usdz":
+            content_hash = _pack(graph, rooms, target, seed)
+        else:
+            content_hash = _write_house(graph, rooms, target, path.absolute().parent, seed)
+    return StageFile(path, content_hash, graph.provenance)
+
+
+def _write_house(
+    graph: SceneGraph, rooms: Sequence[NamedRoom], target: Path, final: Path, seed: int
+) -> str:
+    """Write the stage to target, which will end up in final; returns the content hash."""
+    layer = _open_house(graph, target, seed)
+    walls = build_walls(graph.plan)
+    architecture = target.parent / f"{target.stem}_architecture"
+    assets = Packages(target.parent, final, "assets")
+    with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
+        for room in rooms:
+            _open_room(layer, room)
+        extent = draw_shell(layer, rooms, walls, architecture)
+        for room in rooms:
+            place_furniture(layer, room, assets, Path(scratch))
+            hang_light(layer, room, walls.floors_m[room.index])
+            wear_looks(layer, room)
+    set_cameras(layer, rooms, walls)
+    _set_render(layer, rooms)
+    _hint_house(layer, extent, graph)
+    layer.Save()
+    return _hash([target, *sorted(architecture.iterdir())])
+
+
+def _open_house(graph: SceneGraph, target: Path, seed: int) -> Sdf.Layer:
+    """The layer with its metadata, the house and its groups."""
+    layer = new_layer(target, "House")
+    layer.pseudoRoot.SetInfo("renderSettingsPrimPath", "/House/Render/Settings")
+    made = graph.provenance
+    layer.customLayerData = {
+        "chord": dictionary(
+            {
+                "seed": seed,
+                "generator": f"chord-usd {__version__}",
+                "schema": SCHEMA,
+                "provenance": {
+                    "inputHash": made.input_hash,
+                    "checkpointHash": made.checkpoint_hash,
+                    "seed": made.seed,
+                    "version": made.version,
+                    "configuration": json.dumps(
+                        dict(made.configuration), sort_keys=True, default=str
+                    ),
+                },
+            }
+        )
+    }
+    house = define(layer, "/House", "Xform", kind="assembly")
+    identify(house, "House", f"./{target.name}")
+    inherit(house, define_class(layer, "House"))
+    define(layer, "/House/PhysicsScene", "PhysicsScene")
+    define(layer, "/House/Rooms", "Xform", kind="group")
+    return layer
+
+
+def _open_room(layer: Sdf.Layer, room: NamedRoom) -> None:
+    prim = define(
+        layer, f"/House/Rooms/{room.name}", "Xform", kind="group", name=room.room.name or room.name
+    )
+    inherit(prim, define_class(layer, "Room"))
+    label(prim, "room", room.room.kind)
+    note(prim, node_id=room.room.id, kind=room.room.kind, polygon_m=room.room.polygon_m)
+
+
+def _set_render(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
+    """Settings that a renderer finds through the layer's renderSettingsPrimPath."""
+    define(layer, "/House/Render", "Scope")
+    settings = define(layer, "/House/Render/Settings", "RenderSettings")
+    attribute(settings, "resolution", Types.Int2, Gf.Vec2i(*_RESOLUTION_PX), uniform=True)
+    relate(settings, "camera", [f"/House/Cameras/{rooms[0].name}"])
+    relate(settings, "products", ["/House/Render/Product"])
+    product = define(layer, "/House/Render/Product", "RenderProduct")
+    attribute(product, "productName", Types.Token, "house.png")
+    relate(product, "orderedVars", ["/House/Render/Product/Color"])
+    color = define(layer, "/House/Render/Product/Color", "RenderVar")
+    attribute(color, "dataType", Types.Token, "color3f", uniform=True)
+    attribute(color, "sourceName", Types.String, "color", uniform=True)
+
+
+def _hint_house(layer: Sdf.Layer, shell_m: FloatArray, graph: SceneGraph) -> None:
+    """Bounds and the furniture collection, once everything is in place."""
+    house = layer.GetPrimAtPath("/House")
+    extents = np.array([shell_m, extent_of(graph.items)] if graph.items else [shell_m])
+    hint_extent(house, np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)]))
+    apply_schema(house, "CollectionAPI:furniture")
+    rooms = layer.GetPrimAtPath("/House/Rooms").nameChildren
+    relate(
+        house,
+        "collection:furniture:includes",
+        [room.path.AppendChild("Furniture") for room in rooms],
+    )
+
+
+def _pack(graph: SceneGraph, rooms: Sequence[NamedRoom], target: Path, seed: int) -> str:
+    """Write the stage into a folder of its own and pack that into target."""
+    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+        house = Path(folder) / f"{target.stem}.usda"
+        content_hash = _write_house(graph, rooms, house, Path(folder), seed)
+        UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(house)), str(target))
+        shutil.rmtree(folder, ignore_errors=True)
+    return content_hash
+
+
+def _hash(files: Sequence[Path]) -> str:
+    """SHA-256 over the bytes of the layers that make up the house."""
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,132 @@
+"""Furniture and what stands on it: placed references to components.
+
+A component may not contain a component, so a piece that carries others becomes a group: the group
+holds the placement, beside the piece itself stand its Items. Everything else is one reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from pxr import Sdf
+
+from chord_usd.geometry import footprint
+from chord_usd.palette import category
+from chord_usd.stage.mesh import cuboid, mesh_of
+from chord_usd.stage.names import NamedItem, NamedRoom
+from chord_usd.stage.packages import Packages
+from chord_usd.stage.prims import (
+    bind,
+    collide,
+    define,
+    define_class,
+    hint_extent,
+    identify,
+    inherit,
+    label,
+    new_layer,
+    note,
+    note_size,
+    place,
+    write_mesh,
+)
+from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
+from chord_usd.types import Asset, Box, FloatArray, Item
+
+PLACEHOLDER = "Placeholder"
+"""Name of the plain box that stands in for an item without a mesh."""
+
+
+def place_furniture(layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path) -> None:
+    """Write the Furniture group of a room.
+
+    scratch: a folder that is thrown away later, where a placeholder can be drawn.
+    """
+    furniture = define(layer, f"/House/Rooms/{room.name}/Furniture", "Xform", kind="group")
+    for named in room.items:
+        _place(layer, furniture.path, named, assets, scratch)
+
+
+def extent_of(items: Iterable[Item]) -> FloatArray:
+    """(2, 3) bounds of items of a room, in the world; what stands on them is left out."""
+    corners = [
+        [*corner, z]
+        for item in items
+        for corner in footprint(item.box)
+        for z in (item.box.center_m[2], item.box.center_m[2] + item.box.size_m[2])
+    ]
+    return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
+
+
+def _place(
+    layer: Sdf.Layer, parent: Sdf.Path, named: NamedItem, assets: Packages, scratch: Path
+) -> None:
+    path = parent.AppendChild(named.name)
+    if not named.children:
+        _refer(layer, path, named, assets, scratch, placed=True)
+        return
+    group = define(layer, path, "Xform", kind="group")
+    place(group, at_m=named.item.box.center_m, yaw_deg=named.item.box.yaw_deg)
+    _refer(layer, path.AppendChild(named.label), named, assets, scratch, placed=False)
+    items = define(layer, path.AppendChild("Items"), "Xform", kind="group")
+    for child in named.children:
+        _place(layer, items.path, child, assets, scratch)
+
+
+def _refer(
+    layer: Sdf.Layer,
+    path: Sdf.Path,
+    named: NamedItem,
+    assets: Packages,
+    scratch: Path,
+    *,
+    placed: bool,
+) -> None:
+    """An instance of the item's asset, scaled so that it fills the item's box exactly."""
+    item = named.item
+    asset = item.asset or _placeholder(scratch)
+    prim = define(layer, path, "Xform", kind="component", name=category(item.category).label)
+    prim.referenceList.prependedItems.append(Sdf.Reference(assets.add(asset.usd_path)))
+    prim.instanceable = True
+    box: Box = item.box
+    scale = np.array(box.size_m) / np.array(asset.size_m)
+    if placed:
+        place(prim, at_m=box.center_m, yaw_deg=box.yaw_deg, scale=scale)
+    else:
+        place(prim, scale=scale)
+    label(prim, "category", item.category)
+    note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
+    note_size(prim, box.size_m)
+
+
+def _placeholder(scratch: Path) -> Asset:
+    """A component that is a box of one metre; drawn on first use."""
+    interface = scratch / PLACEHOLDER / f"{PLACEHOLDER}.usda"
+    if not interface.exists():
+        interface.parent.mkdir(parents=True)
+        _draw_placeholder(interface)
+    return Asset(PLACEHOLDER, "", (1.0, 1.0, 1.0), interface)
+
+
+def _draw_placeholder(interface: Path) -> None:
+    root = Sdf.Path.absoluteRootPath.AppendChild(PLACEHOLDER)
+    mesh = mesh_of(cuboid((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)))
+    payload = new_layer(interface.with_name("payload.usdc"), PLACEHOLDER)
+    define(payload, root, "Xform")
+    define(payload, root.AppendChild("Geometry"), "Scope")
+    define(payload, root.AppendChild("Materials"), "Scope")
+    material = root.AppendPath(f"Materials/{PLACEHOLDER}")
+    write_surface(payload, material, PLAIN_SURFACES[PLACEHOLDER])
+    prim = write_mesh(payload, root.AppendPath("Geometry/Box"), mesh)
+    bind(prim, material)
+    collide(prim)
+    payload.Save()
+    layer = new_layer(interface, PLACEHOLDER)
+    component = define(layer, root, "Xform", kind="component")
+    identify(component, PLACEHOLDER, f"./{interface.name}")
+    inherit(component, define_class(layer, PLACEHOLDER))
+    hint_extent(component, mesh.extent_m())
+    component.payloadList.prependedItems.append(Sdf.Payload("./payload.usdc"))
+    layer.Save()

@@ -1,0 +1,147 @@
+"""Faces and meshes of the shell: upright sheets, flat sheets, prisms. Numpy and shapely only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import mapbox_earcut
+import numpy as np
+import numpy.typing as npt
+from shapely.geometry import Polygon
+from shapely.geometry.polygon import orient
+
+from chord_usd.types import FloatArray
+
+IntArray = npt.NDArray[np.int32]
+
+_SAME_POINT_DECIMALS = 6
+"""Corners closer than a micrometre are one point of the mesh."""
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A planar convex polygon, counter-clockwise seen from the side it faces."""
+
+    corners_m: FloatArray
+    """(K, 3)."""
+    uvs_m: FloatArray
+    """(K, 2) texture coordinates, in metres on the surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Faces with shared points, ready to be written."""
+
+    points_m: FloatArray
+    """(N, 3)."""
+    counts: IntArray
+    """(F,) corners of each face."""
+    indices: IntArray
+    """(C,) point of each corner, C being the sum of counts."""
+    uvs_m: FloatArray
+    """(C, 2), one per corner."""
+
+    def extent_m(self) -> FloatArray:
+        """(2, 3) lowest and highest corner of the bounds."""
+        return np.array([self.points_m.min(axis=0), self.points_m.max(axis=0)])
+
+
+def mesh_of(faces: Sequence[Face]) -> Mesh:
+    """One mesh of these faces; equal corners become one point. At least one face."""
+    corners = np.concatenate([face.corners_m for face in faces])
+    points, indices = np.unique(
+        np.round(corners, _SAME_POINT_DECIMALS), axis=0, return_inverse=True
+    )
+    return Mesh(
+        points_m=points + 0.0,  # turns -0.0 into 0.0, so that files do not differ by a sign
+        counts=np.array([len(face.corners_m) for face in faces], dtype=np.int32),
+        indices=indices.reshape(-1).astype(np.int32),
+        uvs_m=np.round(np.concatenate([face.uvs_m for face in faces]), _SAME_POINT_DECIMALS) + 0.0,
+    )
+
+
+def upright(
+    start_m: FloatArray, end_m: FloatArray, low_m: float, high_m: float, *, along_m: float = 0.0
+) -> Face:
+    """A vertical quad over a ground line; it faces the right-hand side of start to end.
+
+    start_m, end_m: (2,). along_m: texture coordinate u at start_m; v is the height.
+    """
+    length = float(np.hypot(*(np.asarray(end_m) - start_m)))
+    corners = np.array(
+        [[*start_m, low_m], [*end_m, low_m], [*end_m, high_m], [*start_m, high_m]], dtype=float
+    )
+    u = (along_m, along_m + length)
+    uvs = np.array([[u[0], low_m], [u[1], low_m], [u[1], high_m], [u[0], high_m]])
+    return Face(corners, uvs)
+
+
+def flat(area: Polygon, height_m: float, *, up: bool) -> list[Face]:
+    """A horizontal sheet that faces up or down; u, v are world x, y. Holes are cut out.
+
+    Convex areas stay one polygon, others become triangles.
+    """
+    area = orient(area)
+    ring = np.asarray(area.exterior.coords)[:-1, :2]
+    pieces = [ring] if not area.interiors and _is_convex(ring) else list(_triangles(area))
+    return [_flat_face(piece if up else piece[::-1], height_m) for piece in pieces]
+
+
+def prism(area: Polygon, low_m: float, high_m: float) -> list[Face]:
+    """A closed solid: an area of the ground plane raised from low_m to high_m."""
+    area = orient(area)
+    faces = flat(area, high_m, up=True) + flat(area, low_m, up=False)
+    for ring in (area.exterior, *area.interiors):
+        corners = np.asarray(ring.coords)[:, :2]
+        along = 0.0
+        for start, end in pairwise(corners):
+            faces.append(upright(start, end, low_m, high_m, along_m=along))
+            along += float(np.hypot(*(end - start)))
+    return faces
+
+
+def cuboid(low_m: Sequence[float], high_m: Sequence[float]) -> list[Face]:
+    """A closed axis-aligned box between two corners (x, y, z)."""
+    (x0, y0, z0), (x1, y1, z1) = low_m, high_m
+    return prism(Polygon([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]), z0, z1)
+
+
+def standing(faces: Iterable[Face]) -> list[Face]:
+    """Faces drawn in the ground plane, stood up: y becomes the height, the prism's axis -y.
+
+    A profile drawn with prism(profile, low, high) then reaches from y = -high to y = -low.
+    """
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    return [Face(face.corners_m @ turn.T, face.uvs_m) for face in faces]
+
+
+def moved(
+    faces: Iterable[Face], rotation: FloatArray, offset_m: FloatArray | Sequence[float]
+) -> list[Face]:
+    """Faces turned about the vertical by a (2, 2) rotation, then shifted by (x, y, z)."""
+    turn = np.eye(3)
+    turn[:2, :2] = rotation
+    return [Face(face.corners_m @ turn.T + np.asarray(offset_m), face.uvs_m) for face in faces]
+
+
+def _flat_face(ring: FloatArray, height_m: float) -> Face:
+    return Face(np.column_stack([ring, np.full(len(ring), height_m)]), ring)
+
+
+def _is_convex(ring: FloatArray) -> bool:
+    to_next = np.roll(ring, -1, axis=0) - ring
+    following = np.roll(to_next, -1, axis=0)
+    turns = to_next[:, 0] * following[:, 1] - to_next[:, 1] * following[:, 0]
+    return bool(np.all(turns >= 0.0))
+
+
+def _triangles(area: Polygon) -> Iterable[FloatArray]:
+    rings = [np.asarray(ring.coords)[:-1, :2] for ring in (area.exterior, *area.interiors)]
+    points = np.concatenate(rings)
+    ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
+    for triangle in mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3):
+        a, b, c = points[triangle]
+        turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        yield np.array([a, b, c] if turn >= 0.0 else [a, c, b])

@@ -1,0 +1,122 @@
+"""What every prim of a house is called: readable, valid, and the same for the same scene graph."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from shapely.geometry import Point
+
+from chord_usd.errors import SceneError
+from chord_usd.geometry import room_polygon
+from chord_usd.palette import category
+from chord_usd.types import Item, Opening, Room, RoomKind, SceneGraph
+
+ROOM_LABELS: dict[RoomKind, str] = {
+    "living": "LivingRoom",
+    "dining": "DiningRoom",
+    "bedroom": "Bedroom",
+    "kitchen": "Kitchen",
+    "bathroom": "Bathroom",
+    "balcony": "Balcony",
+    "corridor": "Corridor",
+    "study": "Study",
+    "store": "Storeroom",
+    "unknown": "Room",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class NamedItem:
+    """An item and its prims: `Desk_0`, a group around `Desk` where it carries children."""
+
+    name: str
+    label: str
+    item: Item
+    children: tuple[NamedItem, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class NamedOpening:
+    """An opening, named after its kind: `Door_0`."""
+
+    name: str
+    opening: Opening
+
+
+@dataclass(frozen=True, eq=False)
+class NamedRoom:
+    """A room with what stands in it and the openings whose frames and linings it owns."""
+
+    index: int
+    """Position in the scene graph."""
+    name: str
+    room: Room
+    items: tuple[NamedItem, ...]
+    openings: tuple[NamedOpening, ...]
+
+
+def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
+    """Every room, item and opening of a house under its name, in the graph's order.
+
+    An opening belongs to the first room it joins; what names no room of the house belongs to the
+    nearest one. Raises SceneError for a house without rooms.
+    """
+    if not graph.rooms:
+        raise SceneError(
+            "the scene graph holds no room",
+            expected="at least one closed room",
+            try_="chord-usd plan read PLAN -o plan.json --overlay look.png shows what was read",
+        )
+    names = _numbered([ROOM_LABELS[room.kind] for room in graph.rooms])
+    items: list[list[Item]] = [[] for _ in graph.rooms]
+    for item in graph.items:
+        items[_owner(graph.rooms, (item.room_id,), item.box.center_m)].append(item)
+    openings: list[list[Opening]] = [[] for _ in graph.rooms]
+    for opening in graph.openings:
+        openings[_owner(graph.rooms, opening.room_ids, opening.box.center_m)].append(opening)
+    return tuple(
+        NamedRoom(index, names[index], room, name_items(items[index]), _openings(openings[index]))
+        for index, room in enumerate(graph.rooms)
+    )
+
+
+def name_items(items: Sequence[Item]) -> tuple[NamedItem, ...]:
+    """Items under their category's label, numbered in their order: Desk_0, Chair_0, Chair_1."""
+    labels = [identifier(category(item.category).label) for item in items]
+    return tuple(
+        NamedItem(name, label, item, name_items(item.children))
+        for name, label, item in zip(_numbered(labels), labels, items, strict=True)
+    )
+
+
+def identifier(text: str) -> str:
+    """Text as a prim name: "All-in-one Computer" becomes AllInOneComputer."""
+    words = [word for word in re.split(r"[^0-9A-Za-z]+", text) if word]
+    joined = "".join(word[0].upper() + word[1:] for word in words)
+    return joined if joined and not joined[0].isdigit() else f"_{joined}"
+
+
+def _openings(openings: Sequence[Opening]) -> tuple[NamedOpening, ...]:
+    names = _numbered([opening.kind.capitalize() for opening in openings])
+    return tuple(map(NamedOpening, names, openings))
+
+
+def _numbered(labels: Iterable[str]) -> list[str]:
+    seen: Counter[str] = Counter()
+    names = []
+    for label in labels:
+        names.append(f"{label}_{seen[label]}")
+        seen[label] += 1
+    return names
+
+
+def _owner(rooms: Sequence[Room], room_ids: Sequence[str], at_m: tuple[float, float, float]) -> int:
+    for room_id in room_ids:
+        for index, room in enumerate(rooms):
+            if room.id == room_id:
+                return index
+    distances = [room_polygon(room).distance(Point(at_m[:2])) for room in rooms]
+    return distances.index(min(distances))

@@ -1,0 +1,298 @@
+"""Floors, walls, ceilings, doors and windows: one component per room, one for the outside.
+
+The meshes of a component lie in a layer of their own behind a payload, so that a house opens
+without them. Every face exists once (see walls.py): a room owns the faces that look into it and
+the doors and windows named after it; the facade and the tops of the walls are the Exterior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import shapely
+from pxr import Sdf
+from shapely.geometry import LineString, Polygon
+from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
+
+from chord_usd.geometry import footprint_polygon, polygons_of
+from chord_usd.stage.mesh import Face, flat, mesh_of, upright
+from chord_usd.stage.names import NamedOpening, NamedRoom
+from chord_usd.stage.openings import (
+    CASING_WIDTH_M,
+    Part,
+    fixed_parts,
+    leaf_parts,
+    leaves_of,
+    side_of,
+)
+from chord_usd.stage.prims import (
+    bind,
+    collide,
+    define,
+    define_class,
+    hint_extent,
+    identify,
+    inherit,
+    label,
+    new_layer,
+    note,
+    note_size,
+    place,
+    write_mesh,
+)
+from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
+from chord_usd.stage.walls import (
+    ROOM_HEIGHT_M,
+    Tunnel,
+    WallLine,
+    Walls,
+    free_stretches,
+    top_faces,
+    wall_faces,
+)
+from chord_usd.types import FloatArray, Opening
+from chord_usd.units import rotation_2d
+
+_SKIRTING_M = (0.004, 0.07)
+"""Depth and height. Thin, so that furniture set against the wall does not collide with it."""
+
+_GLASS_DOOR_FROM_M = 1.5
+"""Outer doors this wide are glass doors, whatever they lead to."""
+
+
+def draw_shell(
+    layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls, folder: Path
+) -> FloatArray:
+    """Write Architecture of every room and the Exterior; returns the bounds, (2, 3) metres.
+
+    folder: where the payload layers go, beside the layer's own file.
+    """
+    folder.mkdir()
+    extents = []
+    for room in rooms:
+        extents.append(_draw_room(layer, room, walls, rooms, folder))
+    extents.append(_draw_exterior(layer, walls, folder))
+    bounds = np.array(extents)
+    return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
+
+
+def floor_material(room: NamedRoom) -> str:
+    """Name of the room's floor material; unique in the house, since Blender merges by name."""
+    return f"{room.name}_Floor"
+
+
+def wall_material(room: NamedRoom) -> str:
+    """Name of the room's wall material."""
+    return f"{room.name}_Wall"
+
+
+class _Component:
+    """A payload layer being written: meshes under Geometry, materials under Materials."""
+
+    def __init__(self, path: Path, name: str) -> None:
+        self.file = f"./{path.parent.name}/{path.name}"
+        """The layer's path as the house writes it."""
+        self.extents_m: list[FloatArray] = []
+        """(2, 3) world bounds of each mesh."""
+        self._layer = new_layer(path, name)
+        self._root = Sdf.Path.absoluteRootPath.AppendChild(name)
+        define(self._layer, self._root, "Xform", kind="component")
+        define(self._layer, self._root.AppendChild("Geometry"), "Scope")
+        define(self._layer, self._root.AppendChild("Materials"), "Scope")
+
+    def group(self, name: str) -> Sdf.PrimSpec:
+        """An Xform under Geometry."""
+        return define(self._layer, self._root.AppendPath(f"Geometry/{name}"), "Xform")
+
+    def mesh(
+        self, name: str, faces: Sequence[Face], material: str, frame: _Frame | None = None
+    ) -> Sdf.PrimSpec:
+        """A mesh under Geometry that wears a material of this component.
+
+        frame: where the groups above it stand, if it is not drawn in the world.
+        """
+        mesh = mesh_of(faces)
+        prim = write_mesh(self._layer, self._root.AppendPath(f"Geometry/{name}"), mesh)
+        bind(prim, self._material(material))
+        points = frame.in_world(mesh.points_m) if frame else mesh.points_m
+        self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
+        return prim
+
+    def _material(self, name: str) -> Sdf.Path:
+        path = self._root.AppendPath(f"Materials/{name}")
+        if not self._layer.GetPrimAtPath(path):
+            if name in PLAIN_SURFACES:
+                write_surface(self._layer, path, PLAIN_SURFACES[name])
+            else:  # the room's variant sets say what it looks like
+                define(self._layer, path, "Material")
+        return path
+
+    def save(self) -> None:
+        """Write the layer's file."""
+        self._layer.Save()
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """Where an opening, or a leaf in it, stands in the world."""
+
+    yaw_deg: float
+    origin_m: tuple[float, float, float]
+
+    def in_world(self, points_m: FloatArray) -> FloatArray:
+        """(N, 3) points of this frame in the world."""
+        turned = points_m.copy()
+        turned[:, :2] = points_m[:, :2] @ rotation_2d(self.yaw_deg).T
+        return turned + np.array(self.origin_m)
+
+    def inner(self, origin_m: tuple[float, float, float]) -> _Frame:
+        """A frame of the same yaw with its origin at this point of the frame."""
+        x, y, z = self.in_world(np.array([origin_m]))[0]
+        return _Frame(self.yaw_deg, (float(x), float(y), float(z)))
+
+
+def _draw_room(
+    layer: Sdf.Layer, room: NamedRoom, walls: Walls, rooms: Sequence[NamedRoom], folder: Path
+) -> FloatArray:
+    component = _Component(folder / f"{room.name}.usdc", "Architecture")
+    floor = walls.floors_m[room.index]
+    lines = [line for line in walls.lines if line.room == room.index]
+    _draw_floor_and_ceiling(component, room, floor)
+    for edge in sorted({line.edge for line in lines}):
+        faces = [
+            face
+            for line in lines
+            if line.edge == edge
+            for face in wall_faces(line, walls.tunnels.values())
+        ]
+        if faces:
+            wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
+            label(wall, "category", "wall")
+            collide(wall)
+    skirting = _skirting(floor, lines, walls.tunnels.values())
+    if skirting:
+        component.mesh("Skirting", skirting, "Trim")
+    for opening in room.openings:
+        _draw_opening(component, opening, room, walls, rooms)
+    component.save()
+    return _refer(layer, f"/House/Rooms/{room.name}/Architecture", component)
+
+
+def _draw_floor_and_ceiling(component: _Component, room: NamedRoom, floor: Polygon) -> None:
+    sheet = component.mesh("Floor", flat(floor, 0.0, up=True), floor_material(room))
+    label(sheet, "category", "floor")
+    collide(sheet)
+    ceiling = component.mesh("Ceiling", flat(floor, ROOM_HEIGHT_M, up=False), "Ceiling")
+    label(ceiling, "category", "ceiling")
+
+
+def _draw_opening(
+    component: _Component,
+    named: NamedOpening,
+    room: NamedRoom,
+    walls: Walls,
+    rooms: Sequence[NamedRoom],
+) -> None:
+    opening = named.opening
+    tunnel = walls.tunnels.get(opening.id)
+    sill_m = tunnel.low_m if tunnel else opening.box.center_m[2]
+    frame = _Frame(opening.box.yaw_deg, (*opening.box.center_m[:2], sill_m))
+    group = component.group(named.name)
+    place(group, at_m=frame.origin_m, yaw_deg=frame.yaw_deg)
+    label(group, "category", opening.kind)
+    note(group, node_id=opening.id, category=opening.kind, rooms=opening.room_ids)
+    note_size(group, opening.box.size_m)
+    if tunnel is None:  # rooms that touch have no wall to cut
+        return
+    indoors = walls.floors_m[room.index].representative_point().coords[0]
+    for part in fixed_parts(tunnel, inside=side_of(indoors, tunnel)):
+        _draw_part(component, named.name, part, room, frame)
+    glazed = _is_glazed(opening, rooms)
+    for index, leaf in enumerate(leaves_of(tunnel)):
+        name = f"{named.name}/Leaf_{index}"
+        place(component.group(name), at_m=leaf.hinge_m, yaw_deg=0.0)
+        for part in leaf_parts(leaf, glazed=glazed):
+            _draw_part(component, name, part, room, frame.inner(leaf.hinge_m))
+
+
+def _draw_part(
+    component: _Component, parent: str, part: Part, room: NamedRoom, frame: _Frame
+) -> None:
+    looks = {"Wall": wall_material(room), "Floor": floor_material(room)}
+    material = looks.get(part.surface, part.surface)
+    mesh = component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
+    if part.surface == "Floor":  # one walks over thresholds
+        collide(mesh)
+
+
+def _is_glazed(opening: Opening, rooms: Sequence[NamedRoom]) -> bool:
+    """Doors to balconies are glass doors, and so are wide ones that lead outside."""
+    kinds = {named.room.kind for named in rooms if named.room.id in opening.room_ids}
+    leads_out = len(opening.room_ids) < 2
+    return "balcony" in kinds or (leads_out and opening.box.size_m[0] >= _GLASS_DOOR_FROM_M)
+
+
+def _skirting(floor: Polygon, lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> list[Face]:
+    """A board along the foot of every wall, left out at doors and where there is no wall."""
+    depth, height = _SKIRTING_M
+    ring = floor.difference(floor.buffer(-depth, join_style="mitre"))
+    backed = [
+        LineString(stretch).buffer(2 * depth, cap_style="square")
+        for line in lines
+        for stretch in free_stretches(line, tunnels, below_m=height)
+    ]
+    frames = [
+        footprint_polygon(tunnel.opening.box).buffer(CASING_WIDTH_M, join_style="mitre")
+        for tunnel in tunnels
+        if tunnel.low_m < height
+    ]
+    boards = ring.intersection(unary_union(backed)).difference(unary_union(frames))
+    faces: list[Face] = []
+    for board in map(orient, polygons_of(boards)):
+        faces += flat(board, height, up=True) + _fronts(board, floor, height)
+    return faces
+
+
+def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
+    """The sides of a board that do not lie against the wall."""
+    faces = []
+    for ring in (board.exterior, *board.interiors):
+        corners = np.asarray(ring.coords)
+        middles = shapely.points((corners[:-1] + corners[1:]) / 2)
+        exposed = shapely.distance(middles, floor.exterior) > _SKIRTING_M[0] / 4
+        for start, end, shown in zip(corners[:-1], corners[1:], exposed, strict=True):
+            if shown:
+                faces.append(upright(start, end, 0.0, height))
+    return faces
+
+
+def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path) -> FloatArray:
+    """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
+    component = _Component(folder / "Exterior.usdc", "Exterior")
+    facade = [
+        face
+        for line in walls.lines
+        if line.room is None
+        for face in wall_faces(line, walls.tunnels.values())
+    ]
+    if facade:
+        component.mesh("Facade", facade, "Facade")
+        component.mesh("WallTop", top_faces(walls), "WallTop")
+    component.save()
+    return _refer(layer, "/House/Exterior", component)
+
+
+def _refer(layer: Sdf.Layer, path: str, component: _Component) -> FloatArray:
+    """The component's interface in the house: kind, bounds, payload. Returns the bounds."""
+    prim = define(layer, path, "Xform", kind="component")
+    identify(prim, prim.name, component.file)
+    inherit(prim, define_class(layer, prim.name))
+    prim.payloadList.prependedItems.append(Sdf.Payload(component.file))
+    extents = np.array(component.extents_m)
+    extent = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
+    hint_extent(prim, extent)
+    return extent

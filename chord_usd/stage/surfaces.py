@@ -1,0 +1,61 @@
+"""Plain materials: the one table of the shell's own surfaces, written as UsdPreviewSurface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pxr import Gf, Sdf
+
+from chord_usd.stage.prims import Types, attribute, define
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A surface without textures."""
+
+    rgb: tuple[int, int, int]
+    """sRGB, 0 to 255."""
+    roughness: float
+    metallic: float = 0.0
+    opacity: float = 1.0
+
+
+PLAIN_SURFACES: dict[str, Surface] = {
+    "Ceiling": Surface((243, 242, 239), 0.9),
+    "Trim": Surface((240, 239, 235), 0.35),
+    "WindowFrame": Surface((226, 226, 224), 0.3),
+    "Metal": Surface((176, 174, 170), 0.28, metallic=1.0),
+    "Glass": Surface((244, 250, 249), 0.02, opacity=0.12),
+    "Facade": Surface((222, 217, 208), 0.9),
+    "WallTop": Surface((58, 58, 60), 0.9),
+    "PlainFloor": Surface((182, 152, 118), 0.5),
+    "PlainWall": Surface((236, 233, 226), 0.85),
+    "Placeholder": Surface((178, 178, 182), 0.6),
+}
+
+
+def write_surface(layer: Sdf.Layer, path: Sdf.Path, surface: Surface) -> None:
+    """A material that looks like this surface."""
+    material = define(layer, path, "Material")
+    shade(layer, material, surface)
+
+
+def shade(layer: Sdf.Layer, material: Sdf.PrimSpec, surface: Surface) -> None:
+    """Give a material the shader of this surface."""
+    shader = define(layer, material.path.AppendChild("PreviewSurface"), "Shader")
+    attribute(shader, "info:id", Types.Token, "UsdPreviewSurface", uniform=True)
+    color = Gf.Vec3f(*(linear_from_srgb(value) for value in surface.rgb))
+    attribute(shader, "inputs:diffuseColor", Types.Color3f, color)
+    attribute(shader, "inputs:roughness", Types.Float, surface.roughness)
+    attribute(shader, "inputs:metallic", Types.Float, surface.metallic)
+    attribute(shader, "inputs:opacity", Types.Float, surface.opacity)
+    Sdf.AttributeSpec(shader, "outputs:surface", Types.Token)
+    output = Sdf.AttributeSpec(material, "outputs:surface", Types.Token)
+    source = shader.path.StripAllVariantSelections().AppendProperty("outputs:surface")
+    output.connectionPathList.explicitItems.append(source)
+
+
+def linear_from_srgb(level: int) -> float:
+    """sRGB level 0 to 255 to linear light 0 to 1, which USD colours hold (IEC 61966-2-1)."""
+    value = level / 255.0
+    return value / 12.92 if value <= 0.04045 else float(((value + 0.055) / 1.055) ** 2.4)

@@ -1,0 +1,329 @@
+"""The walls of a house as one solid, and whose each of its faces is. Shapely only.
+
+Two boxes in the same place have coincident faces, which render black. So the walls are one solid
+seen from above (geometry.wall_area); openings are tunnels cut through it, and every face of what
+is left belongs to exactly one owner: the room it looks into, the opening whose lining it is, or
+the outside. Together the faces enclose the solid exactly once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, MultiPolygon, Polygon, box
+from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
+
+from chord_usd.geometry import polygons_of, room_polygon, wall_area
+from chord_usd.stage.mesh import Face, flat, upright
+from chord_usd.types import WALL_THICKNESS_M, FloatArray, Opening, Plan, Room
+from chord_usd.units import rotation_2d
+
+ROOM_HEIGHT_M = 2.7
+"""Floor to ceiling, everywhere."""
+
+LINTEL_M = 0.1
+"""Least height of wall left over an opening, so that the solid stays one."""
+
+_GRID_M = 1e-4
+"""Corners are rounded to this, which makes the boolean operations exact and repeatable."""
+
+_ON_LINE_M = 2e-3
+"""Points nearer to a line than this lie on it."""
+
+_SLIT_M = 0.02
+"""Walls thinner than this are gaps between rooms that should touch, not walls."""
+
+_SHAFT_M2 = 0.5
+"""Voids between walls smaller than this are filled."""
+
+_REACH_M = 0.15
+"""How far beyond its own depth an opening looks for the two faces of its wall."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tunnel:
+    """The hole that one opening cuts through the walls."""
+
+    opening: Opening
+    area_m: Polygon
+    """Seen from above; counter-clockwise. Its open ends lie on the boundary of the walls."""
+    low_m: float
+    high_m: float
+    is_end: tuple[bool, ...]
+    """Of each edge of area_m: whether one passes through it (True) or it is a jamb (False)."""
+
+    def edges_m(self) -> list[tuple[FloatArray, FloatArray]]:
+        """(start, end) of each edge of area_m, in order."""
+        ring = np.asarray(self.area_m.exterior.coords)
+        return list(pairwise(ring))
+
+    def ends_m(self) -> list[tuple[FloatArray, FloatArray]]:
+        """The edges that one passes through."""
+        return [edge for edge, end in zip(self.edges_m(), self.is_end, strict=True) if end]
+
+
+@dataclass(frozen=True, eq=False)
+class WallLine:
+    """A straight piece of the boundary of the walls, seen from above; it faces its right side."""
+
+    start_m: FloatArray
+    end_m: FloatArray
+    room: int | None
+    """Index of the room it looks into; None outside."""
+    edge: int
+    """Which edge of that room's polygon it lies on; outside, a running number."""
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """The walls of a house."""
+
+    rooms: tuple[Room, ...]
+    floors_m: tuple[Polygon, ...]
+    """One per room; where rooms overlap the earlier one keeps the floor."""
+    solid_m: MultiPolygon
+    """Where walls stand, before openings are cut."""
+    lines: tuple[WallLine, ...]
+    tunnels: dict[str, Tunnel]
+    """By opening id; openings that meet no wall are absent."""
+
+
+def build_walls(plan: Plan) -> Walls:
+    """Solid, boundary and tunnels of a plan's walls."""
+    rooms = tuple(
+        Room(room.id, room.kind, np.round(room.polygon_m / _GRID_M) * _GRID_M, room.name)
+        for room in plan.rooms
+    )
+    solid = _solid(rooms)
+    tunnels = {}
+    for opening in plan.openings:
+        tunnel = _tunnel(opening, solid)
+        if tunnel is not None:
+            tunnels[opening.id] = tunnel
+    return Walls(rooms, tuple(_floors(rooms)), solid, tuple(_lines(rooms, solid)), tunnels)
+
+
+def wall_faces(line: WallLine, tunnels: Iterable[Tunnel]) -> list[Face]:
+    """The faces of one line from floor to ceiling, less the holes of the tunnels that end on it."""
+    faces = []
+    for start, end, holes in _columns(line, tunnels):
+        along = float(np.hypot(*(start - line.start_m)))
+        for low, high in _free_heights(holes):
+            faces.append(upright(start, end, low, high, along_m=along))
+    return faces
+
+
+def lining_faces(tunnel: Tunnel) -> list[Face]:
+    """Jambs and head of a tunnel, facing into it."""
+    jambs = [
+        upright(end, start, tunnel.low_m, tunnel.high_m)
+        for (start, end), is_end in zip(tunnel.edges_m(), tunnel.is_end, strict=True)
+        if not is_end
+    ]
+    return jambs + flat(tunnel.area_m, tunnel.high_m, up=False)
+
+
+def sill_faces(tunnel: Tunnel) -> list[Face]:
+    """Bottom of a tunnel, facing up: the threshold of a door, the sill of a window."""
+    return flat(tunnel.area_m, tunnel.low_m, up=True)
+
+
+def top_faces(walls: Walls) -> list[Face]:
+    """The tops of all walls: what a picture from above shows once the ceilings are hidden."""
+    return [face for part in walls.solid_m.geoms for face in flat(part, ROOM_HEIGHT_M, up=True)]
+
+
+def free_stretches(
+    line: WallLine, tunnels: Iterable[Tunnel], below_m: float
+) -> list[tuple[FloatArray, FloatArray]]:
+    """(start, end) of the parts of a line with wall behind them, from the floor up to below_m."""
+    return [
+        (start, end)
+        for start, end, holes in _columns(line, tunnels)
+        if all(low >= below_m for low, _ in holes)
+    ]
+
+
+def _solid(rooms: Sequence[Room]) -> MultiPolygon:
+    if not rooms:
+        return MultiPolygon()
+    area = wall_area(rooms)
+    half = _SLIT_M / 2
+    area = area.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
+    floors = unary_union([room_polygon(room) for room in rooms])
+    whole = unary_union([area, floors])
+    shafts = [
+        Polygon(ring)
+        for part in polygons_of(whole)
+        for ring in part.interiors
+        if _SLIT_M**2 < Polygon(ring).area < _SHAFT_M2
+    ]
+    solid = shapely.set_precision(unary_union([area, *shafts]).difference(floors), _GRID_M)
+    return MultiPolygon([orient(part) for part in polygons_of(solid) if part.area > _GRID_M])
+
+
+def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:
+    taken: BaseGeometry = Polygon()
+    for room in rooms:
+        own = room_polygon(room)
+        free = own.difference(taken) if own.intersection(taken).area > _GRID_M else own
+        yield max(polygons_of(free), key=lambda part: part.area, default=own)
+        taken = taken.union(own)
+
+
+def _tunnel(opening: Opening, solid: BaseGeometry) -> Tunnel | None:
+    """What the opening takes out of its wall, straight through along its own y."""
+    length, width, height = opening.box.size_m
+    reach = max(width, WALL_THICKNESS_M) / 2 + _REACH_M
+    strip = _in_world(box(-length / 2, -reach, length / 2, reach), opening)
+    parts = polygons_of(shapely.set_precision(strip.intersection(solid), _GRID_M))
+    if not parts:
+        return None
+    clear = [strip.difference(_blocked(opening, solid, reach, side)) for side in (-1.0, 1.0)]
+    through = shapely.intersection_all([*clear, solid])
+    parts = [p for p in polygons_of(through) if p.area > 0.2 * length * _SLIT_M] or parts
+    centre = shapely.Point(opening.box.center_m[:2])
+    best = min(parts, key=lambda part: (round(part.distance(centre), 3), -part.area))
+    area = orient(shapely.set_precision(best, _GRID_M))
+    low = max(0.0, opening.box.center_m[2])
+    high = min(low + height, ROOM_HEIGHT_M - LINTEL_M)
+    if not isinstance(area, Polygon) or area.is_empty or high <= low:
+        return None
+    boundary = solid.boundary
+    ring = np.asarray(area.exterior.coords)
+    middles = shapely.points((ring[:-1] + ring[1:]) / 2)
+    is_end = tuple(bool(near) for near in shapely.distance(middles, boundary) < _ON_LINE_M)
+    return Tunnel(opening, area, low, high, is_end)
+
+
+def _blocked(opening: Opening, solid: BaseGeometry, reach: float, side: float) -> BaseGeometry:
+    """The part of the opening's strip whose far side (own y = side * reach) is still wall.
+
+    There a wall runs crosswise; digging on would only scratch it.
+    """
+    half = opening.box.size_m[0] / 2
+    far = _in_world(LineString([(-half, side * reach), (half, side * reach)]), opening)
+    turn = rotation_2d(opening.box.yaw_deg)
+    centre = np.array(opening.box.center_m[:2])
+    blocked = []
+    for piece in shapely.get_parts(far.intersection(solid)):
+        if piece.is_empty:
+            continue
+        along = (np.asarray(piece.coords) - centre) @ turn[:, 0]
+        blocked.append(_in_world(box(along.min(), -reach, along.max(), reach), opening))
+    return unary_union(blocked)
+
+
+def _in_world(shape: BaseGeometry, opening: Opening) -> BaseGeometry:
+    turn = rotation_2d(opening.box.yaw_deg)
+    centre = np.array(opening.box.center_m[:2])
+    return shapely.transform(shape, lambda points: points @ turn.T + centre)
+
+
+def _lines(rooms: Sequence[Room], solid: MultiPolygon) -> Iterator[WallLine]:
+    """The boundary of the solid, cut where the rooms it looks into change."""
+    starts, ends, room_of, edge_of = _room_edges(rooms)
+    outside = 0
+    for part in solid.geoms:
+        for ring in (part.exterior, *part.interiors):
+            corners = np.asarray(ring.coords)
+            for a, b in pairwise(corners):
+                for start, end in _split(a, b, starts):
+                    nearest = _nearest_edge((start + end) / 2, starts, ends)
+                    if nearest is None:
+                        yield WallLine(start, end, None, outside)
+                        outside += 1
+                    else:
+                        yield WallLine(start, end, room_of[nearest], edge_of[nearest])
+
+
+def _room_edges(rooms: Sequence[Room]) -> tuple[FloatArray, FloatArray, list[int], list[int]]:
+    starts = np.concatenate([room.polygon_m for room in rooms] or [np.empty((0, 2))])
+    ends = np.concatenate(
+        [np.roll(room.polygon_m, -1, axis=0) for room in rooms] or [np.empty((0, 2))]
+    )
+    room_of = [index for index, room in enumerate(rooms) for _ in room.polygon_m]
+    edge_of = [edge for room in rooms for edge in range(len(room.polygon_m))]
+    return starts, ends, room_of, edge_of
+
+
+def _split(a: FloatArray, b: FloatArray, points: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+    """The segment a to b, cut at those of the points that lie on it."""
+    length = float(np.hypot(*(b - a)))
+    along, off = _along_and_off(a, b, points)
+    inner = (off < _ON_LINE_M) & (along > _ON_LINE_M) & (along < length - _ON_LINE_M)
+    stops = [0.0, *_distinct(np.sort(along[inner])), length]
+    corners = [a + (b - a) * (stop / length) for stop in stops]
+    return list(pairwise(corners))
+
+
+def _along_and_off(
+    a: FloatArray, b: FloatArray, points: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    direction = (b - a) / np.hypot(*(b - a))
+    offset = points - a
+    across = offset[..., 0] * direction[1] - offset[..., 1] * direction[0]
+    return offset @ direction, np.abs(across)
+
+
+def _distinct(values: FloatArray) -> list[float]:
+    kept: list[float] = []
+    for value in values:
+        if not kept or value - kept[-1] > _ON_LINE_M:
+            kept.append(float(value))
+    return kept
+
+
+def _nearest_edge(point: FloatArray, starts: FloatArray, ends: FloatArray) -> int | None:
+    direction = ends - starts
+    share = np.sum((point - starts) * direction, axis=1) / np.sum(direction**2, axis=1)
+    nearest = starts + np.clip(share, 0.0, 1.0)[:, None] * direction
+    distance = np.hypot(*(point - nearest).T)
+    best = int(np.argmin(distance))
+    return best if distance[best] < _ON_LINE_M else None
+
+
+def _columns(
+    line: WallLine, tunnels: Iterable[Tunnel]
+) -> Iterator[tuple[FloatArray, FloatArray, list[tuple[float, float]]]]:
+    """(start, end, [(low, high) of each hole]) from one end of the line to the other."""
+    length = float(np.hypot(*(line.end_m - line.start_m)))
+    spans = [
+        (max(span[0], 0.0), min(span[1], length), tunnel)
+        for tunnel in tunnels
+        for end in tunnel.ends_m()
+        if (span := _span_on(line, end, length)) is not None
+    ]
+    stops = np.sort(np.array([0.0, length, *[s for span in spans for s in span[:2]]]))
+    stops = np.array(_distinct(stops))
+    stops[-1] = length
+    unit = (line.end_m - line.start_m) / length
+    for low, high in pairwise(stops):
+        middle = (low + high) / 2
+        holes = [(t.low_m, t.high_m) for first, last, t in spans if first < middle < last]
+        yield line.start_m + unit * low, line.start_m + unit * high, holes
+
+
+def _span_on(
+    line: WallLine, end: tuple[FloatArray, FloatArray], length: float
+) -> tuple[float, float] | None:
+    along, off = _along_and_off(line.start_m, line.end_m, np.array(end))
+    low, high = float(along.min()), float(along.max())
+    on_line = float(off.max()) < _ON_LINE_M and high > _ON_LINE_M and low < length - _ON_LINE_M
+    return (low, high) if on_line else None
+
+
+def _free_heights(holes: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """What is left of floor to ceiling between the holes."""
+    free, height = [], 0.0
+    for low, high in sorted(holes):
+        if low > height:
+            free.append((height, low))
+        height = max(height, high)
+    return [*free, (height, ROOM_HEIGHT_M)]
