@@ -1,6 +1,6 @@
 """The straight line of the paper's figure 2: a floor plan becomes a furnished stage.
 
-    plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
+plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def generate(
     # The plan is read before torch is imported: a wrong picture is told within a second.
     plan = read_plan(plan_file, settings, watch)
     plan_image = draw_plan(plan, watch)
-    layout = draw_layout(plan_image, settings, watch)
+    layout = draw_layout(plan_image, plan_file, settings, watch)
     graph = read_graph(layout, plan, settings, watch)
     stage = write_stage(graph, stage_path, settings, watch)
     return House(plan, plan_image, layout, graph, stage)
@@ -78,16 +78,20 @@ def draw_plan(plan: Plan, watch: Stopwatch) -> PlanImage:
         return raster.draw_plan(plan)
 
 
-def draw_layout(plan_image: PlanImage, settings: Settings, watch: Stopwatch) -> LayoutImage:
-    """PlanImage -> LayoutImage, by the diffusion model."""
+def draw_layout(
+    plan_image: PlanImage, plan_file: Path, settings: Settings, watch: Stopwatch
+) -> LayoutImage:
+    """PlanImage -> LayoutImage, by the diffusion model; its provenance names the plan file."""
     with watch.step("load"):
         from chord_usd.layout.sample import LayoutModel
 
         model = LayoutModel.load(checkpoint_folder("plan2layout"), settings.device)
     with watch.step("layout") as progress:
-        return model.sample(
+        layout = model.sample(
             plan_image, seed=settings.seed, steps=settings.steps, progress=progress
         )
+    provenance = replace(layout.provenance, input_hash=hash_file(plan_file)[:16])
+    return replace(layout, provenance=provenance)
 
 
 def read_graph(
@@ -111,3 +115,15 @@ def write_stage(
         from chord_usd.stage.author import author_stage
     with watch.step("stage"):
         return author_stage(graph, stage_path, seed=settings.seed)
+
+
+def read_scene_file(scene_file: Path, settings: Settings, watch: Stopwatch) -> SceneGraph:
+    """Scene graph file -> SceneGraph; items without a mesh get the nearest one."""
+    with watch.step("load"):
+        from chord_usd.assets.database import load_database
+        from chord_usd.chord_json import read_scene
+        from chord_usd.graph.match import match_assets
+
+        database = load_database(settings.asset_folders)
+    with watch.step("graph"):
+        return match_assets(read_scene(scene_file), database)

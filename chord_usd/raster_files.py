@@ -85,9 +85,7 @@ def _open(path: Path) -> tuple[np.ndarray[Any, Any], dict[str, Any] | None]:
         ) from error
 
 
-def _frame_and_provenance(
-    described: dict[str, Any], path: Path
-) -> tuple[PixelFrame, Provenance]:
+def _frame_and_provenance(described: dict[str, Any], path: Path) -> tuple[PixelFrame, Provenance]:
     try:
         frame = described["frame"]
         x_m, y_m = frame["origin_m"]

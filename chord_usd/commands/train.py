@@ -29,10 +29,19 @@ def add(verbs: Verbs) -> None:
         "--preset", default="default", metavar="NAME", help="default, large or paper (default)"
     )
     layout.add_argument(
+        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
+    )
+    layout.add_argument(
         "--flats", type=Path, metavar="JSONL", help="real floor plans to furnish beside our own"
     )
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
-    _add_training_options(detector, minutes=60.0, batch=16)
+    _add_training_options(detector, minutes=15.0, batch=16)
+    detector.add_argument(
+        "--kind",
+        choices=("items", "rooms"),
+        default="items",
+        help="oriented boxes of items, or masks of rooms (items)",
+    )
 
 
 def _add_training_options(parser: Parser, *, minutes: float, batch: int) -> None:
@@ -42,9 +51,6 @@ def _add_training_options(parser: Parser, *, minutes: float, batch: int) -> None
     )
     parser.add_argument(
         "--batch", type=whole_number(1), default=batch, metavar="N", help=f"({batch})"
-    )
-    parser.add_argument(
-        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
     )
     parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu or cuda (cpu)")
     add_seed(parser)
@@ -86,10 +92,16 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
 
 def run_detector(options: argparse.Namespace) -> Outcome:
     """Runs train detector."""
-    from chord_usd.training.detector import DetectorConfig, train_detector
+    from chord_usd.graph.detect import WEIGHTS_FILE
+    from chord_usd.training.detector import DetectorTraining, train_detector
 
-    config = DetectorConfig(minutes=options.minutes, batch=options.batch, seed=options.seed)
+    config = DetectorTraining(
+        minutes=options.minutes, batch=options.batch, seed=options.seed, device=options.device
+    )
+    resumed = (options.output / WEIGHTS_FILE).exists()
     watch = stopwatch(options)
     with watch.step("train") as progress:
-        checkpoint = train_detector(config, options.output, progress)
-    return Outcome(str(checkpoint), {"checkpoint": str(checkpoint), "seconds": watch.seconds})
+        scores = train_detector(options.kind, options.output, config, resumed, progress)
+    data = {"checkpoint": str(options.output), "resumed": resumed, "scores": scores.as_dict()}
+    told = ", ".join(f"{name} {value}" for name, value in scores.as_dict().items())
+    return Outcome(f"{options.output}: {told}", data)

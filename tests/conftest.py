@@ -1,0 +1,51 @@
+"""What the tests share: the command line as a user runs it, and a house to work on."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from chord_usd.types import SceneGraph
+
+RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
+
+TIMEOUT_S = 300
+
+
+@pytest.fixture(scope="session")
+def run_cli() -> RunCli:
+    """Runs `chord-usd ARGUMENTS` in a process of its own and returns what it did."""
+
+    def run(
+        *arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None
+    ) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "chord_usd.cli", *map(str, arguments)],
+            cwd=cwd,
+            env={**os.environ, **(env or {})},
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT_S,
+            check=False,
+        )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def furnished_house() -> SceneGraph:
+    """A procedural house of seven rooms."""
+    import numpy as np
+
+    from chord_usd.data.furnish import furnish
+    from chord_usd.data.houses import random_plan
+
+    rng = np.random.default_rng(11)
+    return furnish(random_plan(rng, 7), rng)

@@ -1,0 +1,174 @@
+"""The command line: quick to answer, one line per error, exit codes as documented."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from chord_usd import cli
+from chord_usd.cli import build_parser, main
+from chord_usd.commands.common import Outcome
+from chord_usd.errors import ChordError
+
+ROOT = Path(__file__).parents[2]
+HELP_SECONDS = 0.3
+
+
+def leaves(parser: argparse.ArgumentParser, words: tuple[str, ...] = ()) -> list[str]:
+    """Every verb, as a user types it."""
+    groups = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
+    if not groups:
+        return [" ".join(words)]
+    children = groups[0].choices.items()
+    return [verb for name, child in children for verb in leaves(child, (*words, name))]
+
+
+VERBS = leaves(build_parser())
+
+
+def test_the_verbs_of_the_readme_are_the_verbs_of_the_program() -> None:
+    readme = (ROOT / "README.md").read_text()
+    table = readme.split("<!-- verbs", 1)[1].split("<!-- end of verbs -->")[0]
+    rows = re.findall(r"^\| `chord-usd ([a-z0-9 -]+?)(?: [A-Z-].*?)?`", table, re.MULTILINE)
+    assert [row.split(" -o")[0] for row in rows] == VERBS
+
+
+def test_every_option_of_the_readme_exists() -> None:
+    """Each command of the README parses."""
+    text = (ROOT / "README.md").read_text()
+    lines = re.findall(r"^chord-usd .+$", text, re.MULTILINE)
+    assert len(lines) > 5
+    for line in lines:
+        build_parser().parse_args(line.split()[1:])
+
+
+@pytest.mark.parametrize("verb", ["", *VERBS])
+def test_help_answers_at_once(verb: str) -> None:
+    """Processor seconds, the best of three: the machine may be busy with other things."""
+    seconds = min(_help_seconds(verb.split()) for _ in range(3))
+    assert seconds < HELP_SECONDS
+
+
+def _help_seconds(words: list[str]) -> float:
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(
+        [sys.executable, "-m", "chord_usd.cli", *words, "--help"], capture_output=True, check=True
+    )
+    assert done.stdout.startswith(b"usage: chord-usd")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
+def test_the_parser_imports_nothing_heavy() -> None:
+    code = (
+        "import sys, chord_usd.cli; chord_usd.cli.build_parser();"
+        "print([m for m in ('numpy', 'PIL', 'cv2', 'torch', 'pxr', 'shapely') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [],
+        ["fly"],
+        ["generate"],
+        ["generate", "plan.png"],
+        ["generate", "plan.png", "-o", "h.usda", "--seed", "-1"],
+        ["generate", "plan.png", "-o", "h.usda", "--seed", "x"],
+        ["generate", "plan.png", "-o", "h.usda", "--scale", "nan"],
+        ["generate", "plan.png", "-o", "h.usda", "--steps", "0"],
+        ["generate", "plan.png", "-o", "h.usda", "--layout", "l.png"],
+        ["render", "h.usda", "-o", "x", "--resolution", "0x10"],
+        ["render", "h.usda", "-o", "x", "--resolution", "wide"],
+        ["render", "h.usda", "-o", "x", "--tile", "4/4"],
+        ["plan", "read"],
+        ["plan", "draw", "missing.json", "-o", "x.png"],
+        ["stage", "missing.json", "-o", "x.usda"],
+        ["generate", "missing.png", "-o", "x.usda"],
+    ],
+    ids=" ".join,
+)
+def test_an_unusable_command_line_is_one_error_line(
+    words: list[str],
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == cli.UNUSABLE
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert re.fullmatch(r"error: .+\n", told.err)
+    assert "unexpected" not in told.err
+    assert list(tmp_path.iterdir()) == []
+
+
+class TestOutcomes:
+    """main around a verb that does what the test says."""
+
+    @pytest.fixture
+    def run_verb(self, monkeypatch: pytest.MonkeyPatch):
+        def run(behaviour, *words: str) -> int:
+            monkeypatch.setattr(cli.check, "run", lambda options: behaviour())
+            return main(["check", "house.usda", *words])
+
+        return run
+
+    def test_done(self, run_verb, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run_verb(lambda: Outcome("all well", {"valid": True})) == cli.DONE
+        assert capsys.readouterr().out == "all well\n"
+
+    def test_a_check_that_does_not_hold(self, run_verb) -> None:
+        assert run_verb(lambda: Outcome("no", holds=False)) == cli.NOT_HELD
+
+    def test_json_is_one_object_even_if_a_library_prints(
+        self, run_verb, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        def chatty() -> Outcome:
+            sys.stdout.write("a library says hello\n")
+            return Outcome("text", {"valid": True})
+
+        run_verb(chatty, "--json")
+        assert json.loads(capsys.readouterr().out) == {"valid": True}
+
+    def test_an_interrupt(self, run_verb, capsys: pytest.CaptureFixture[str]) -> None:
+        def interrupted() -> Outcome:
+            raise KeyboardInterrupt
+
+        assert run_verb(interrupted) == cli.INTERRUPTED
+        assert "Traceback" not in capsys.readouterr().err
+
+    @pytest.mark.parametrize(
+        "error",
+        [
+            ChordError("is broken", where="a.png", expected="a plan", try_="another"),
+            FileNotFoundError(2, "No such file", "a.png"),
+            MemoryError(),
+            ZeroDivisionError("two\nlines"),
+        ],
+        ids=lambda error: type(error).__name__,
+    )
+    def test_errors_are_one_line(
+        self, run_verb, error: Exception, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        def failing() -> Outcome:
+            raise error
+
+        assert run_verb(failing) == cli.UNUSABLE
+        assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
+
+    def test_debug_shows_the_traceback(self, run_verb, capsys: pytest.CaptureFixture[str]) -> None:
+        def failing() -> Outcome:
+            raise ChordError("is broken")
+
+        assert run_verb(failing, "--debug") == cli.UNUSABLE
+        assert "Traceback" in capsys.readouterr().err
