@@ -43,8 +43,15 @@ FIREFLY_WHITE = 10.0
 """Indirect light is clamped at this many times white. An absolute limit would take the bounced
 light out of a stage whose lamps are given in large numbers."""
 
+CEILING = "Ceiling"
+"""Names of ceilings start so."""
+
 SKY_RGB = (0.62, 0.77, 1.0)
-SKY_STRENGTH = 1.0
+SKY_STRENGTH = 4.0
+"""Radiance outside, for stages without a sky of their own: a few times that of a lit wall."""
+
+BACKDROP_RGB = (240, 241, 243)
+"""8-bit paper on which a house seen from above lies, instead of in the sky."""
 
 _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
 
@@ -66,8 +73,8 @@ class Shot:
     focus_m: float
     """Distance that is sharp; used where f_stop > 0."""
     f_stop: float
-    hidden: tuple[str, ...]
-    """Objects whose names start with one of these are left out (ceilings seen from above)."""
+    from_above: bool
+    """Ceilings are left out, and the house lies on a plain backdrop."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +161,7 @@ def _render_job(job: Job, report: Callable[[dict[str, Any]], None]) -> None:
     scene.camera = camera
     for shot in job.shots:
         _aim(camera, shot)
-        _hide(shot.hidden)
+        _open_roof(scene, shot.from_above)
         _expose(
             scene, _metered_exposure_ev(scene, job) if job.exposure_ev is None else job.exposure_ev
         )
@@ -177,6 +184,10 @@ def _import_stage(job: Job) -> Any:
         import_textures_mode="IMPORT_NONE",
         mtl_name_collision_mode="MAKE_UNIQUE",
     )
+    for mesh in bpy.data.meshes:
+        # USD draws faces without normals flat, Blender's importer makes them smooth.
+        if not mesh.has_custom_normals:
+            mesh.shade_flat()
     if not job.has_dome:
         sky = scene.world.node_tree.nodes["Background"]
         sky.inputs["Color"].default_value = (*SKY_RGB, 1.0)
@@ -202,10 +213,13 @@ def _aim(camera: Any, shot: Shot) -> None:
         lens.dof.focus_distance = shot.focus_m
 
 
-def _hide(prefixes: tuple[str, ...]) -> None:
+def _open_roof(scene: Any, is_open: bool) -> None:
+    """Leave ceilings out and make the sky see-through, or put both back."""
     for thing in bpy.data.objects:
-        if thing.type == "MESH":
-            thing.hide_render = thing.name.startswith(tuple(prefixes))
+        if thing.type == "MESH" and thing.name.startswith(CEILING):
+            thing.hide_render = is_open
+    scene.render.film_transparent = is_open
+    scene.render.image_settings.color_mode = "RGBA" if is_open else "RGB"
 
 
 # --- Cycles -------------------------------------------------------------------------------------
@@ -260,7 +274,6 @@ def _set_quality(scene: Any, job: Job) -> None:
     render.resolution_x, render.resolution_y = job.width_px, job.height_px
     render.resolution_percentage = 100
     render.image_settings.file_format = "PNG"
-    render.image_settings.color_mode = "RGB"
     render.image_settings.color_depth = "8"
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
@@ -334,6 +347,9 @@ def _take(scene: Any, job: Job, shot: Shot, report: Callable[[dict[str, Any]], N
     try:
         bpy.ops.render.render(write_still=True)
         _check_whole(part, size_px)
+        if shot.from_above:
+            _lay_on_backdrop(part)
+            _check_whole(part, size_px)
         part.replace(final)
     finally:
         bpy.app.handlers.render_stats.remove(on_stats)
@@ -355,6 +371,15 @@ def _frame_tile(scene: Any, job: Job) -> tuple[int, int]:
     render.border_min_y = (job.height_px - bottom + 0.25) / job.height_px
     render.border_max_y = (job.height_px - top + 0.25) / job.height_px
     return job.width_px, bottom - top
+
+
+def _lay_on_backdrop(path: Path) -> None:
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        backdrop = Image.new("RGBA", picture.size, (*BACKDROP_RGB, 255))
+        backdrop.alpha_composite(picture.convert("RGBA"))
+    backdrop.convert("RGB").save(path, format="PNG")
 
 
 def _check_whole(path: Path, size_px: tuple[int, int]) -> None:

@@ -250,7 +250,7 @@ def _job(
                 "clip_m": camera.clip_m,
                 "focus_m": camera.focus_m,
                 "f_stop": camera.f_stop,
-                "hidden": ("Ceiling",) if camera.from_above else (),
+                "from_above": camera.from_above,
             }
             for camera in cameras
         ],

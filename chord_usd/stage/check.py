@@ -1,0 +1,133 @@
+"""StageFile -> Report: what `chord-usd check` says about a house (SceneEval, PhyScene, CHOrD).
+
+Every figure is measured on the stage itself: rules on its prims, contact on its meshes, the rest
+by chord_usd.metrics on the scene that is read back from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import shapely
+from pxr import Tf, Usd, UsdUtils
+
+from chord_usd.errors import StageError
+from chord_usd.geometry import room_polygon
+from chord_usd.metrics import score_scene
+from chord_usd.palette import CATEGORIES, Mount
+from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
+from chord_usd.stage.check_rules import Finding, broken_rules
+from chord_usd.stage.check_scene import StageScene, read_scene
+from chord_usd.types import Item
+
+WALL_GAP_M = 0.01
+"""A panel no further than this from its wall hangs on it."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is wrong with a stage, and how good it is. Paths are prim paths."""
+
+    errors: tuple[Finding, ...]
+    collisions: tuple[Collision, ...]
+    out_of_room: tuple[str, ...]
+    blocked_openings: tuple[str, ...]
+    unsupported: tuple[str, ...]
+    empty_rooms: tuple[str, ...]
+    walkable: float
+    reachable_rooms: float
+    por: float
+    piou: float
+    pairs: int
+
+    @property
+    def valid(self) -> bool:
+        """Whether the stage breaks no rule of USD or of its structure."""
+        return not self.errors
+
+    @property
+    def holds(self) -> bool:
+        """Whether the certificate holds: a valid stage of a house in which nothing is amiss.
+
+        walkable, reachable_rooms, por and piou are scores, not conditions: they also judge the
+        plan, which is given.
+        """
+        faults = (
+            self.collisions,
+            self.out_of_room,
+            self.blocked_openings,
+            self.unsupported,
+            self.empty_rooms,
+        )
+        return self.valid and not any(faults)
+
+
+def check_stage(path: Path) -> Report:
+    """Check a stage. Raises StageError for a file that cannot be opened."""
+    stage = _open(path)
+    # USD tells unresolved files on standard error as well; they are in the report.
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()
+    errors = broken_rules(stage)
+    scene = read_scene(stage)
+    quiet.TakeUncoalescedDiagnostics()
+    if not scene.graph.rooms:
+        errors.append(Finding("CHORD015", "/", "has no room with a floor below its Rooms"))
+    scores = score_scene(scene.graph)
+    return Report(
+        errors=tuple(errors),
+        collisions=tuple(collisions(scene.items, scene.walls)),
+        out_of_room=scores.out_of_room,
+        blocked_openings=scores.blocked_openings,
+        unsupported=tuple(unsupported(scene.items, scene.ground, _Hangs(scene))),
+        empty_rooms=scores.empty_rooms,
+        walkable=scores.walk.walkable,
+        reachable_rooms=scores.walk.reachable_rooms,
+        por=scores.overlap.por,
+        piou=scores.overlap.piou,
+        pairs=scores.overlap.pairs,
+    )
+
+
+def certificate(report: Report) -> dict[str, Any]:
+    """The report as `--json` gives it."""
+    fields = asdict(report)
+    return {
+        "valid": report.valid,
+        **{
+            key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()
+        },
+    }
+
+
+def _open(path: Path) -> Usd.Stage:
+    try:
+        if path.is_file():
+            return Usd.Stage.Open(str(path))
+        what = "there is no such file"
+    except Tf.ErrorException:
+        what = "cannot be opened as a stage"
+    raise StageError(
+        what,
+        where=str(path),
+        expected="a .usda, .usdc or .usdz stage",
+        try_=f"chord-usd generate plan.png -o {path.name}",
+    )
+
+
+class _Hangs:
+    """Whether a body is a panel that hangs on the wall of its room."""
+
+    def __init__(self, scene: StageScene) -> None:
+        self._items: dict[str, Item] = {item.id: item for item in scene.graph.items}
+        self._floors = {room.id: room_polygon(room) for room in scene.graph.rooms}
+
+    def __call__(self, body: Body) -> bool:
+        item = self._items.get(body.path)
+        row = CATEGORIES.get(item.category) if item else None
+        floor = self._floors.get(item.room_id) if item else None
+        if row is None or row.mount is not Mount.WALL or floor is None:
+            return False
+        outline = shapely.convex_hull(shapely.multipoints(body.vertices_m[:, :2]))
+        return bool(floor.exterior.distance(outline) <= WALL_GAP_M) or not floor.contains(outline)

@@ -1,0 +1,230 @@
+"""Reads the house back from its stage: rooms, openings, items, and their meshes in the world.
+
+What is read is what is there: floors and footprints come from meshes and transforms, not from
+notes the author left. Only what no mesh can say is taken from attributes: categories, kinds of
+rooms, and which prim is an item. Prim paths serve as ids.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+import trimesh
+from pxr import Usd, UsdGeom
+
+from chord_usd.geometry import polygons_of
+from chord_usd.stage.check_contact import Body, Solid
+from chord_usd.stage.check_rules import NODE_ID
+from chord_usd.types import (
+    ROOM_KINDS,
+    Box,
+    FloatArray,
+    Item,
+    Opening,
+    OpeningKind,
+    Room,
+    RoomKind,
+    SceneGraph,
+    frozen_array,
+)
+from chord_usd.units import wrap_deg
+
+CATEGORY = "chord:category"
+SIZE = "chord:size_m"
+"""Attributes of the prims of items and openings."""
+
+_KINDS: dict[str, OpeningKind] = {"door": "door", "window": "window", "passage": "passage"}
+_PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+_SNAP_M = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class StageScene:
+    """A house as it stands on its stage."""
+
+    graph: SceneGraph
+    """Ids are prim paths; items have no assets."""
+    items: tuple[Body, ...]
+    """One per item, tabletop items included; path is the item's id."""
+    walls: tuple[Body, ...]
+    ground: tuple[Body, ...]
+    """Floors and thresholds."""
+
+
+def read_scene(stage: Usd.Stage) -> StageScene:
+    """The rooms below `<default prim>/Rooms` and what is in them. Payloads must be loaded."""
+    reader = _Reader(stage)
+    for prim in _children(stage.GetDefaultPrim(), "Rooms"):
+        reader.read_room(prim)
+    return StageScene(
+        graph=SceneGraph(tuple(reader.rooms), tuple(reader.openings), tuple(reader.items)),
+        items=tuple(reader.bodies),
+        walls=tuple(reader.walls),
+        ground=tuple(reader.ground),
+    )
+
+
+class _Reader:
+    """Collects a house room by room."""
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self.rooms: list[Room] = []
+        self.openings: list[Opening] = []
+        self.items: list[Item] = []
+        self.bodies: list[Body] = []
+        self.walls: list[Body] = []
+        self.ground: list[Body] = []
+        self._transforms = UsdGeom.XformCache()
+
+    def read_room(self, prim: Usd.Prim) -> None:
+        path = str(prim.GetPath())
+        floors = []
+        for part in _children(prim.GetChild("Architecture"), "Geometry"):
+            name = part.GetName()
+            if name == "Floor" or name.startswith("Floor_"):
+                floors.append(self._body(part))
+            elif name.startswith("Wall"):
+                self.walls.append(self._body(part))
+            elif _text(part, CATEGORY) in _KINDS:
+                self._read_opening(part)
+        self.ground += floors
+        polygon = _outline(floors)
+        if polygon is not None:
+            self.rooms.append(Room(path, _room_kind(prim), polygon, name=prim.GetName()))
+        for part in _children(prim, "Furniture"):
+            item = self._read_item(part, path, carrier=None)
+            if item is not None:
+                self.items.append(item)
+
+    def _read_opening(self, prim: Usd.Prim) -> None:
+        kind = _KINDS[_text(prim, CATEGORY)]
+        size = prim.GetAttribute(SIZE).Get()
+        matrix = self._matrix(prim)
+        self.openings.append(
+            Opening(
+                id=str(prim.GetPath()),
+                kind=kind,
+                box=Box(_place_m(matrix), (size[0], size[1], size[2]), _yaw_deg(matrix)),
+            )
+        )
+        if kind != "window":
+            self.ground.append(self._body(prim))
+
+    def _read_item(self, prim: Usd.Prim, room: str, carrier: Body | None) -> Item | None:
+        """An item and, where its prim is a group, what stands on it. None for other prims."""
+        piece = prim
+        carried: list[Usd.Prim] = []
+        if not prim.HasAttribute(NODE_ID):
+            pieces = [child for child in prim.GetChildren() if child.HasAttribute(NODE_ID)]
+            if not pieces:
+                return None
+            piece, carried = pieces[0], _children(prim, "Items")
+        body = self._body(piece, parent=carrier.path if carrier else "")
+        if not body.solids:
+            return None
+        self.bodies.append(body)
+        children = (self._read_item(child, room, body) for child in carried)
+        # Overlap is compared among what stands on one table, so the world's frame serves as well.
+        return Item(
+            id=body.path,
+            category=_text(piece, CATEGORY),
+            box=_own_box(body, self._matrix(piece)),
+            room_id=room,
+            children=tuple(child for child in children if child is not None),
+        )
+
+    def _matrix(self, prim: Usd.Prim) -> FloatArray:
+        """(4, 4) local to world, column vectors."""
+        return np.array(self._transforms.GetLocalToWorldTransform(prim)).T
+
+    def _body(self, prim: Usd.Prim, parent: str = "") -> Body:
+        solids = tuple(
+            Solid(str(mesh.GetPath()), _trimesh(mesh, self._matrix(mesh)))
+            for mesh in _shown_meshes(prim)
+        )
+        return Body(str(prim.GetPath()), solids, parent)
+
+
+def _children(prim: Usd.Prim, name: str) -> list[Usd.Prim]:
+    child = prim.GetChild(name) if prim else None
+    return list(child.GetFilteredChildren(_PROXIES)) if child else []
+
+
+def _text(prim: Usd.Prim, name: str) -> str:
+    value = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
+    return value if isinstance(value, str) else ""
+
+
+def _room_kind(prim: Usd.Prim) -> RoomKind:
+    """From the room's semantic label."""
+    labels = prim.GetAttribute("semantics:labels:room").Get() or ()
+    return next((kind for kind in ROOM_KINDS if kind in labels), "unknown")
+
+
+def _shown_meshes(prim: Usd.Prim) -> Iterator[Usd.Prim]:
+    """Meshes at or below a prim that are rendered; those inside instances too."""
+    for below in Usd.PrimRange(prim, _PROXIES):
+        if below.IsA(UsdGeom.Mesh):
+            shape = UsdGeom.Imageable(below)
+            is_guide = shape.ComputePurpose() == UsdGeom.Tokens.guide
+            if not is_guide and shape.ComputeVisibility() != UsdGeom.Tokens.invisible:
+                yield below
+
+
+def _trimesh(prim: Usd.Prim, matrix: FloatArray) -> trimesh.Trimesh:
+    """A mesh prim in the world, its faces cut into triangles."""
+    mesh = UsdGeom.Mesh(prim)
+    points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64).reshape(-1, 3)
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int64)
+    world = points @ matrix[:3, :3].T + matrix[:3, 3]
+    return trimesh.Trimesh(world, _fans(counts, corners), process=False)
+
+
+def _fans(counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(T, 3) triangles of convex faces: a fan from the first corner of each."""
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    faces = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
+    first = starts[faces]
+    step = np.arange(len(faces)) - np.searchsorted(faces, faces) + 1
+    return np.stack([corners[first], corners[first + step], corners[first + step + 1]], axis=1)
+
+
+def _outline(floors: list[Body]) -> FloatArray | None:
+    """(N, 2) outline of a floor's triangles seen from above; None where there is no floor."""
+    triangles = [body.triangles_m[:, :, :2] for body in floors if body.solids]
+    if not triangles:
+        return None
+    pieces = shapely.polygons(np.concatenate(triangles))
+    floor = shapely.union_all(shapely.set_precision(pieces[shapely.area(pieces) > 0], _SNAP_M))
+    parts = polygons_of(floor)
+    if not parts:
+        return None
+    outline = shapely.geometry.polygon.orient(max(parts, key=lambda part: part.area))
+    return frozen_array(np.array(outline.exterior.simplify(_SNAP_M).coords)[:-1])
+
+
+def _place_m(matrix: FloatArray) -> tuple[float, float, float]:
+    return float(matrix[0, 3]), float(matrix[1, 3]), float(matrix[2, 3])
+
+
+def _yaw_deg(matrix: FloatArray) -> float:
+    return wrap_deg(math.degrees(math.atan2(matrix[1, 0], matrix[0, 0])))
+
+
+def _own_box(body: Body, matrix: FloatArray) -> Box:
+    """The bounds of the meshes in the item's own frame, as a box in the world."""
+    turn = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
+    own = body.vertices_m @ turn
+    low, high = own.min(axis=0), own.max(axis=0)
+    middle = turn @ np.array([*(low[:2] + high[:2]) / 2, low[2]])
+    size_m = np.maximum(high - low, _SNAP_M)
+    return Box(
+        center_m=(float(middle[0]), float(middle[1]), float(middle[2])),
+        size_m=(float(size_m[0]), float(size_m[1]), float(size_m[2])),
+        yaw_deg=_yaw_deg(matrix),
+    )
