@@ -21,7 +21,7 @@ from chord_usd.assets.model import Design, Part
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
 
 if TYPE_CHECKING:
-    from pxr import Usd
+    from pxr import Sdf, Usd
 
 AUTHOR = "CHOrD USD"
 LICENCE = "CC0-1.0"

@@ -36,6 +36,10 @@ class Part:
     """Stands on top and rises above the nominal height (a tap, a television)."""
 
 
+Draw = Callable[[tuple[float, float, float]], tuple[Part, ...]]
+"""Makes the parts for a size; own frame: underside centred on the origin, front to -y."""
+
+
 @dataclass(frozen=True)
 class Design:
     """A parametric model with its parameters: one asset of the database."""
@@ -45,8 +49,7 @@ class Design:
     category: str
     size_m: tuple[float, float, float]
     """Nominal length, width (depth) and height: the bounds of all parts that are not `above`."""
-    draw: Callable[[tuple[float, float, float]], tuple[Part, ...]]
-    """Makes the parts for a size; own frame: underside centred on the origin, front to -y."""
+    draw: Draw
     colourways: Mapping[str, Mapping[str, str]]
     """Colourway name to (slot to finish name); the first one is the default."""
 

@@ -168,7 +168,7 @@ def box(size_m: Size) -> Solid:
     """A plain box, twelve triangles; for what is never seen from near."""
     length, width, height = size_m
     corners = ring(length, width, 0.0, 0.0, steps=0)
-    points = np.concatenate([corners, corners + [0.0, 0.0, height]])
+    points = np.concatenate([corners, corners + np.array([0.0, 0.0, height])])
     faces = [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]]
     for i in range(4):
         j = (i + 1) % 4
@@ -256,7 +256,7 @@ def pillow(size_m: Size, steps: int = 4) -> Solid:
     swell = height / 2 * np.sqrt(1.0 - shares**2.2) * (1.0 - 0.12 * shares)
     below = [rim * [s, s, 0] + [0, 0, height / 2 - z] for s, z in zip(shares, swell, strict=True)]
     above = [rim * [s, s, 0] + [0, 0, height / 2 + z] for s, z in zip(shares, swell, strict=True)]
-    return loft([*below, rim + [0.0, 0.0, height / 2], *reversed(above)])
+    return loft([*below, rim + np.array([0.0, 0.0, height / 2]), *reversed(above)])
 
 
 def soft_block(size_m: Size, radius_m: float, cells: tuple[int, int, int]) -> Solid:
@@ -346,7 +346,8 @@ def extruded(
         start += len(loop)
     low_points = np.column_stack([flat, np.zeros(count)])
     return welded(
-        np.concatenate([low_points, low_points + [0.0, 0.0, height_m]]), np.concatenate(faces)
+        np.concatenate([low_points, low_points + np.array([0.0, 0.0, height_m])]),
+        np.concatenate(faces),
     )
 
 

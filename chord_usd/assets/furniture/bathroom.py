@@ -1,4 +1,4 @@
-"""Toilets, washbasins, showers, bathtubs."""
+"""Toilets, washbasins, bathtubs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from chord_usd.assets.solids import (
     Solid,
     bent_path,
     block,
-    box,
     cylinder,
     extruded,
     joined,
@@ -184,10 +183,8 @@ def _sunk_bowl(length: float, width: float, deep: float) -> Solid:
 def _basin_tap(rise: float) -> Solid:
     """A single-lever mixer, spout to the front."""
     body = cylinder(0.022, rise, 0.004, 18)
-    spout = tube(
-        bent_path([[0, 0, rise * 0.7], [0, -0.11, rise * 0.72], [0, -0.12, rise * 0.6]], 0.02),
-        0.011,
-    )
+    reach = [[0, 0, rise * 0.7], [0, -0.11, rise * 0.72], [0, -0.12, rise * 0.6]]
+    spout = tube(bent_path(reach, 0.02), 0.011)
     lever = block((0.018, 0.08, 0.008), 0.003).turned("x", -14).moved(y=0.015, z=rise + 0.008)
     return body + spout + lever + cylinder(0.018, 0.02, 0.003, 16).moved(z=rise - 0.004)
 
@@ -222,7 +219,9 @@ def _vessel_basin(size_m: Size) -> tuple[Part, ...]:
 
 
 def _tall_tap(rise: float) -> Solid:
-    neck = bent_path([[0, 0, 0.0], [0, 0, rise], [0, -0.14, rise], [0, -0.14, rise - 0.05]], 0.05)
+    neck = bent_path(
+        [[0.0, 0.0, 0.0], [0.0, 0.0, rise], [0.0, -0.14, rise], [0.0, -0.14, rise - 0.05]], 0.05
+    )
     foot = lathe([(0.024, 0), (0.024, 0.006), (0.016, 0.012), (0, 0.012)], 18)
     lever = tube([[0.0, 0, 0.08], [0.055, 0, 0.095]], 0.006, 8)
     return tube(neck, 0.012, 12) + foot + lever
@@ -231,23 +230,22 @@ def _tall_tap(rise: float) -> Solid:
 def _pedestal_basin(size_m: Size) -> tuple[Part, ...]:
     """A ceramic basin on a tapering column."""
     length, width, height = size_m
+    back = np.array([0.0, width, 0.0])
+    outside = ((0.45, 0.0), (0.62, 0.02), (0.9, 0.1), (0.985, 0.15), (1.0, 0.18), (0.99, 0.2))
     body = [
-        ring(length * s, width * s, 0.12 * s, height - 0.2 + z, 6)
-        for s, z in ((0.45, 0.0), (0.62, 0.02), (0.9, 0.1), (0.985, 0.15), (1.0, 0.18), (0.99, 0.2))
+        ring(length * s, width * s, 0.12 * s, height - 0.2 + z, 6) + back * (1.0 - s) * 0.3
+        for s, z in outside
     ]
+    inside = ((0.9, 0.0), (0.86, -0.012), (0.74, -0.09), (0.45, -0.13), (0.15, -0.14))
     inner = [
         ring(length * s, (width - 0.11) * s, 0.11 * s, height + z, 6) - [0.0, 0.03, 0.0]
-        for s, z in ((0.9, 0.0), (0.86, -0.012), (0.74, -0.09), (0.45, -0.13), (0.15, -0.14))
+        for s, z in inside
     ]
-    body = [
-        r + [0.0, (1.0 - s) * width * 0.3, 0.0]
-        for r, s in zip(body, (0.45, 0.62, 0.9, 0.985, 1.0, 0.99), strict=True)
-    ]
+    foot = ((0.22, 0.2, 0.0), (0.2, 0.18, 0.02), (0.15, 0.14, 0.2), (0.15, 0.14, 0.5))
     column = [
-        ring(l, w, 0.09, z, 6) + [0.0, width * 0.15, 0.0]
-        for l, w, z in ((0.22, 0.2, 0.0), (0.2, 0.18, 0.02), (0.15, 0.14, 0.2),
-                        (0.15, 0.14, 0.5), (0.2, 0.18, height - 0.17))
-    ]  # fmt: skip
+        ring(long, deep, 0.09, z, 6) + back * 0.15
+        for long, deep, z in (*foot, (0.2, 0.18, height - 0.17))
+    ]
     drain = lathe([(0.022, 0), (0.022, 0.005), (0, 0.004)], 20).moved(y=-0.03, z=height - 0.141)
     return (
         Part("Basin", loft([*body, *inner]), "ceramic", collider="none"),
@@ -255,171 +253,6 @@ def _pedestal_basin(size_m: Size) -> tuple[Part, ...]:
         Part("Drain", drain, "metal", collider=None),
         Part("Tap", _basin_tap(0.12).moved(y=width / 2 - 0.06, z=height - 0.004), "metal",
              collider=None, above=True),
-    )  # fmt: skip
-
-
-def shower(
-    size_m: Size, *, kind: Literal["walk_in", "cabin", "corner"] = "walk_in"
-) -> tuple[Part, ...]:
-    """A shower: tray with drain, glass in metal profiles, riser rail with head at the back wall."""
-    length, width, height = size_m
-    corner = 0.01 if kind != "corner" else 0.0
-    tray = _tray(length, width, corner) if kind != "corner" else _quadrant_tray(length, width)
-    glass_h = min(2.0, height - 0.06)
-    if kind == "walk_in":
-        screens, frame = _walk_in(length, width, glass_h)
-    elif kind == "cabin":
-        screens, frame = _cabin(length, width, glass_h)
-    else:
-        screens, frame = _quadrant(length, width, glass_h)
-    drain = lathe([(0.05, 0), (0.05, 0.006), (0.04, 0.008), (0, 0.008)], 24)
-    x = -length * 0.18 if kind == "corner" else 0.0
-    drain_y = 0.12 if kind == "corner" else -0.05
-    return (
-        Part("Tray", tray, "ceramic", collider="none"),
-        Part("Drain", drain.moved(x, drain_y, 0.022), "metal", collider=None),
-        Part("Glass", screens, "glass", collider="none"),
-        Part("Profiles", frame, "metal", collider=None),
-        *_riser(x, width / 2, height),
-    )
-
-
-_TRAY_M = 0.07
-
-
-def _tray(length: float, width: float, corner: float) -> Solid:
-    rim = 0.05
-    return loft(
-        [
-            ring(length, width, corner + 0.02, 0.0, 3),
-            ring(length, width, corner + 0.02, _TRAY_M - 0.006, 3),
-            ring(length - 0.012, width - 0.012, corner + 0.015, _TRAY_M, 3),
-            ring(length - 2 * rim, width - 2 * rim, 0.04, _TRAY_M, 3),
-            ring(length - 2 * rim - 0.03, width - 2 * rim - 0.03, 0.035, 0.03, 3),
-            ring(0.1, 0.1, 0.03, 0.022, 3) - [0.0, 0.05, 0.0],
-        ]
-    )
-
-
-def _quadrant_line(length: float, width: float, inset: float) -> FloatArray:
-    """(N, 2) counter-clockwise: square at the back left, a quarter round at the front right."""
-    half_l, half_w = length / 2 - inset, width / 2 - inset
-    radius = 0.62 * min(length, width) - inset
-    angles = np.radians(np.linspace(-90.0, 0.0, 11))
-    arc = np.stack(
-        [half_l - radius + radius * np.cos(angles), -half_w + radius + radius * np.sin(angles)], -1
-    )
-    return np.concatenate([[[-half_l, half_w], [-half_l, -half_w]], arc, [[half_l, half_w]]])
-
-
-def _quadrant_tray(length: float, width: float) -> Solid:
-    levels = ((0.0, 0.0), (0.0, _TRAY_M - 0.006), (0.006, _TRAY_M), (0.05, _TRAY_M), (0.065, 0.03))
-    rings = [
-        np.column_stack([line, np.full(len(line), z)])
-        for inset, z in levels
-        for line in [_quadrant_line(length, width, inset)]
-    ]
-    middle = rings[-1].mean(axis=0)
-    rings.append((rings[-1] - middle) * [0.1, 0.1, 1.0] + middle - [0.0, 0.0, 0.006])
-    return loft(rings)
-
-
-def _pane(length: float, x: float, y: float, height: float, *, sideways: bool = False) -> Solid:
-    size = (0.008, length, height) if sideways else (length, 0.008, height)
-    return box(size).moved(x, y, _TRAY_M - 0.004)
-
-
-def _walk_in(length: float, width: float, height: float) -> tuple[Solid, Solid]:
-    """One fixed screen over two thirds of the front and one along the right side."""
-    wide, y = length * 0.62, -width / 2 + 0.025
-    front_x, side_x = (length - wide) / 2 - 0.02, length / 2 - 0.025
-    panes = _pane(wide, front_x, y, height) + _pane(
-        width - 0.05, side_x, 0.0, height, sideways=True
-    )
-    post = block((0.02, 0.02, height + 0.004), 0.002)
-    posts = [
-        post.moved(side_x, y, _TRAY_M - 0.004),
-        post.moved(side_x, width / 2 - 0.012, _TRAY_M - 0.004),
-        post.moved(front_x - wide / 2, y, _TRAY_M - 0.004),
-    ]
-    z = _TRAY_M + height - 0.02
-    left = front_x - wide / 2
-    posts += [
-        tube([[left, y, z], [left, width / 2 - 0.002, z]], 0.009, 8),
-        block((wide, 0.016, 0.016), 0.002).moved(front_x, y, _TRAY_M - 0.006),
-        block((0.016, width - 0.05, 0.016), 0.002).moved(side_x, 0.0, _TRAY_M - 0.006),
-    ]
-    return panes, joined(posts)  # fmt: skip
-
-
-def _cabin(length: float, width: float, height: float) -> tuple[Solid, Solid]:
-    """Glass on the front and both sides, a sliding door with a grip, rails top and bottom."""
-    y, side_x = -width / 2 + 0.025, length / 2 - 0.025
-    half = (length - 0.05) / 2
-    panes = [
-        _pane(half + 0.02, -half / 2, y, height),
-        _pane(half + 0.02, half / 2, y + 0.02, height),
-        _pane(width - 0.05, side_x, 0.0, height, sideways=True),
-        _pane(width - 0.05, -side_x, 0.0, height, sideways=True),
-    ]
-    post = block((0.028, 0.028, height + 0.01), 0.003)
-    frame = [
-        mirrored_pair(post.moved(side_x, at, _TRAY_M - 0.005)) for at in (y, width / 2 - 0.016)
-    ]
-    for z in (_TRAY_M - 0.006, _TRAY_M + height - 0.025):
-        frame.append(block((length - 0.05, 0.045, 0.03), 0.003).moved(y=y + 0.01, z=z))
-        frame.append(
-            mirrored_pair(block((0.026, width - 0.06, 0.028), 0.003).moved(side_x, 0, z + 0.001))
-        )
-    grip = bent_path([[0, 0, 0.85], [0, -0.022, 0.85], [0, -0.022, 1.25], [0, 0, 1.25]], 0.02, 2)
-    frame.append(tube(grip, 0.006, 8).moved(0.02, y - 0.002))
-    return joined(panes), joined(frame)
-
-
-def _quadrant(length: float, width: float, height: float) -> tuple[Solid, Solid]:
-    """Curved glass over the round corner."""
-    line = _quadrant_line(length, width, 0.025)[1:]
-    inner = _quadrant_line(length, width, 0.033)[1:]
-    glass = extruded(np.concatenate([line, inner[::-1]]), height).moved(z=_TRAY_M - 0.004)
-    outer, inmost = (
-        _quadrant_line(length, width, 0.014)[1:],
-        _quadrant_line(length, width, 0.044)[1:],
-    )
-    strip = extruded(np.concatenate([outer, inmost[::-1]]), 0.028)
-    post = block((0.026, 0.026, height), 0.003)
-    frame = [
-        strip.moved(z=_TRAY_M - 0.006),
-        strip.moved(z=_TRAY_M + height - 0.026),
-        post.moved(*line[0], _TRAY_M),
-        post.moved(line[-1, 0], line[-1, 1] + 0.012, _TRAY_M),
-    ]
-    middle = line[6] * 1.02
-    grip = tube([[*middle, 0.85], [*middle, 1.25]], 0.008, 8)
-    return glass, joined([*frame, grip])
-
-
-def _riser(x: float, back: float, height: float) -> tuple[Part, ...]:
-    """Mixer, riser and a large overhead rose, fixed to the back wall."""
-    y = back - 0.05
-    riser = bent_path([[x, y, 1.05], [x, y, height - 0.06], [x, y - 0.3, height - 0.06]], 0.06, 5)
-    arm_end = y - 0.3
-    rose = lathe([(0.11, 0), (0.115, 0.006), (0.11, 0.012), (0.02, 0.02), (0.012, 0.05)], 32)
-    mixer = cylinder(0.022, 0.26, 0.004, 16).turned("y", 90).moved(x - 0.13, y, 1.05)
-    holds = [
-        cylinder(0.012, 0.05, 0, 12).turned("x", -90).moved(x + dx, y, z)
-        for dx, z in ((-0.075, 1.05), (0.075, 1.05), (0.0, 1.75))
-    ]
-    hand = tube([[x + 0.07, y - 0.02, 1.35], [x + 0.07, y - 0.06, 1.58]], 0.013, 10)
-    hose = bent_path(
-        [[x + 0.07, y - 0.02, 1.36], [x + 0.15, y, 0.75], [x - 0.02, y, 0.72], [x, y, 1.04]], 0.12
-    )
-    crown = cylinder(0.012, 0.02, 0, 12).moved(x, arm_end, height - 0.066)
-    return (
-        Part("Riser", tube(riser, 0.011, 10) + joined(holds), "metal", collider=None),
-        Part("Rose", rose.moved(x, arm_end, height - 0.115) + crown.moved(z=0.066 - 0.02), "metal",
-             collider=None),
-        Part("Mixer", mixer, "metal", collider=None),
-        Part("Hand_Shower", hand + tube(hose, 0.006, 8), "metal", collider=None),
     )  # fmt: skip
 
 
@@ -464,7 +297,9 @@ def bathtub(size_m: Size, *, freestanding: bool = False) -> tuple[Part, ...]:
 def _bath_tap() -> Solid:
     """A spout between two cross handles on the rim at the back."""
     spout = tube(
-        bent_path([[0, 0, 0], [0, 0, 0.14], [0, -0.15, 0.14], [0, -0.15, 0.1]], 0.04), 0.014, 12
+        bent_path([[0.0, 0, 0], [0.0, 0, 0.14], [0.0, -0.15, 0.14], [0.0, -0.15, 0.1]], 0.04),
+        0.014,
+        12,
     )
     grip = cylinder(0.018, 0.05, 0.003, 16) + block((0.07, 0.012, 0.012), 0.003).moved(z=0.045)
     return spout + mirrored_pair(grip.moved(0.1))
@@ -489,12 +324,6 @@ _VANITY = {
     "white": _vanity("white", "walnut", "black_metal"),
     "forest": _vanity("forest", "marble", "brass"),
 }
-_SHOWER = {
-    "chrome": {"ceramic": "ceramic", "glass": "glass", "metal": "chrome"},
-    "black": {"ceramic": "ceramic", "glass": "glass", "metal": "black_metal"},
-    "brass": {"ceramic": "ceramic_grey", "glass": "glass", "metal": "brass"},
-}
-
 DESIGNS = (
     Design("Toilet_Compact", "toilet", (0.37, 0.64, 0.78), toilet, _CERAMIC),
     Design("Toilet_Classic", "toilet", (0.41, 0.7, 0.8), toilet, _CERAMIC),
@@ -506,10 +335,6 @@ DESIGNS = (
     Design("Washbasin_Vessel", "washbasin", (0.95, 0.5, 0.92), partial(washbasin, kind="vessel"),
            _VANITY),
     Design("Washbasin_Double", "washbasin", (1.2, 0.52, 0.86), washbasin, _VANITY),
-    Design("Shower_Quadrant", "shower", (0.85, 0.85, 2.15), partial(shower, kind="corner"),
-           _SHOWER),
-    Design("Shower_Cabin", "shower", (0.95, 0.9, 2.15), partial(shower, kind="cabin"), _SHOWER),
-    Design("Shower_Walk_In", "shower", (1.25, 0.95, 2.15), shower, _SHOWER),
     Design("Bathtub_Short", "bathtub", (1.4, 0.7, 0.55), bathtub, _CERAMIC),
     Design("Bathtub_Built_In", "bathtub", (1.65, 0.75, 0.56), bathtub, _CERAMIC),
     Design("Bathtub_Oval", "bathtub", (1.75, 0.85, 0.58), partial(bathtub, freestanding=True),

@@ -9,6 +9,8 @@ from chord_usd.assets.furniture import (
     laundry,
     panels,
     seating,
+    showers,
+    sideboards,
     storage,
     tables,
 )
@@ -17,6 +19,7 @@ from chord_usd.assets.model import Design
 
 def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
-    modules = (beds, seating, tables, storage, kitchen, bathroom, laundry, panels)
-    found = [design for module in modules for design in module.DESIGNS]
+    living = (beds, seating, tables, storage, sideboards, panels)
+    wet = (kitchen, bathroom, showers, laundry)
+    found = [design for module in (*living, *wet) for design in module.DESIGNS]
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))

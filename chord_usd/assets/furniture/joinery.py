@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from chord_usd.assets.model import Part
-from chord_usd.assets.solids import Solid, bent_path, block, cylinder, joined, lathe, tube
+from chord_usd.assets.solids import Size, Solid, bent_path, block, cylinder, joined, lathe, tube
 
 FRONT_M = 0.018
 """Thickness of a door or drawer front."""
@@ -19,7 +19,6 @@ HANDLE_M = 0.03
 """How far a bar handle stands out of its front."""
 
 HandleKind = Literal["bar", "knob", "none"]
-Bodied = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -48,6 +47,11 @@ def cells(
             x = -length_m / 2 + wide * (column + 0.5)
             yield Cell(x, low + GAP_M / 2, wide - GAP_M, high - low - GAP_M, column, row)
         low = high
+
+
+def shifted(face: Iterable[Cell], x_m: float) -> list[Cell]:
+    """The same fronts, moved along the face."""
+    return [replace(cell, x_m=cell.x_m + x_m) for cell in face]
 
 
 def front(cell: Cell, y_m: float, *, framed: bool = False) -> Solid:
@@ -154,7 +158,7 @@ def four_legs(
     return tuple(parts)
 
 
-def plinth(size_m: Bodied, height_m: float, inset_m: float = 0.05) -> Part:
+def plinth(size_m: Size, height_m: float, inset_m: float = 0.05) -> Part:
     """A recessed base under a cabinet of this size."""
     length, width, _ = size_m
     base = block((length - 0.01, width - inset_m - 0.005, height_m), 0.002)

@@ -16,7 +16,7 @@ from chord_usd.assets.furniture.joinery import (
     drawers,
     plinth,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Design, Draw, Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -182,9 +182,9 @@ def sink_cabinet(size_m: Size, *, has_drainer: bool = False) -> tuple[Part, ...]
         *_sink_body(size_m),
         *doors(face, y, "bar"),
         Part("Worktop", plate, "worktop", collider="none"),
-        Part("Bowl", _bowl(bowl_l, bowl_w, 0.17).moved(x, at_y, height), "steel", collider=None,
+        Part("Bowl", sink_bowl(bowl_l, bowl_w, 0.17).moved(x, at_y, height), "steel", collider=None,
              above=True),
-        Part("Tap", _swan_neck().moved(x, at_y + bowl_w / 2 + 0.045, height - 0.002), "tap",
+        Part("Tap", swan_neck().moved(x, at_y + bowl_w / 2 + 0.045, height - 0.002), "tap",
              collider=None, above=True),
     ]  # fmt: skip
     if has_drainer:
@@ -221,7 +221,7 @@ def _sink_body(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def _bowl(length: float, width: float, deep: float) -> Solid:
+def sink_bowl(length: float, width: float, deep: float) -> Solid:
     """A pressed steel bowl hanging from z = 0, with a rim that laps over the worktop."""
     rim, wall = 0.012, 0.002
     outline = [
@@ -237,7 +237,7 @@ def _bowl(length: float, width: float, deep: float) -> Solid:
     return loft(rings) + drain.moved(z=-deep + 0.003)
 
 
-def _swan_neck() -> Solid:
+def swan_neck() -> Solid:
     """A mixer tap: foot, bent neck reaching 0.17 m to the front, lever."""
     neck = bent_path([[0, 0, 0.03], [0, 0, 0.28], [0, -0.17, 0.28], [0, -0.17, 0.2]], 0.085, 6)
     foot = lathe([(0.026, 0), (0.026, 0.006), (0.02, 0.012), (0.018, 0.05), (0, 0.05)], 20)
@@ -357,7 +357,7 @@ _FRIDGE = {
 }  # fmt: skip
 
 
-def _base(name: str, category: str, length: float, draw, width: float = 0.6) -> Design:  # noqa: ANN001
+def _base(name: str, category: str, length: float, draw: Draw, width: float = 0.6) -> Design:
     return Design(name, category, (length, width, HEIGHT_M), draw, LOOKS)
 
 

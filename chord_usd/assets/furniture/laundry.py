@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth
-from chord_usd.assets.furniture.kitchen import _bowl, _swan_neck
+from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth, shifted
+from chord_usd.assets.furniture.kitchen import sink_bowl, swan_neck
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import (
     Size,
@@ -43,10 +43,9 @@ def _machine(
     face = extruded(sheet, front_m, [hole]).turned("x", 90).moved(y=y + front_m)
     body = block((length, width - front_m + 0.002, height - feet), 0.006)
     body = body.moved(y=front_m / 2, z=feet)
+    foot_x, foot_y = length / 2 - 0.06, width / 2 - 0.07
     foot = [
-        cylinder(0.022, feet + 0.002, 0, 12).moved(
-            sx * (length / 2 - 0.06), sy * (width / 2 - 0.07)
-        )
+        cylinder(0.022, feet + 0.002, 0, 12).moved(sx * foot_x, sy * foot_y)
         for sx in (-1, 1)
         for sy in (-1, 1)
     ]
@@ -133,31 +132,23 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float) -> list[Part]:
         for s in (-1, 1)
     ]
     back = box((case_l - 0.02, 0.014, 0.242)).moved(x, y + 0.008, base + low)
-    face = [
-        _at(cell, x) for cell in cells(case_l, height - top - base - 0.004, 1, z_m=base + 0.002)
-    ]
+    face = shifted(cells(case_l, height - top - base - 0.004, 1, z_m=base + 0.002), x)
     bowl_l, bowl_w = min(0.46, case_l - 0.09), width - 0.24
     hole = ring(bowl_l, bowl_w, 0.06, 0.0, 5)[:, :2] + [x, -0.02]
     outline = ring(length, width - 0.01, 0.0, 0.0, 0)[:, :2] + [0.0, 0.005]
     plate = extruded(outline, top, [hole]).moved(z=height - top)
     base_part = plinth((case_l, width, height), base, inset_m=0.09)
-    tap = _swan_neck().scaled(0.9, 0.9, 0.9).moved(x, -0.02 + bowl_w / 2 + 0.05, height - 0.002)
+    bowl = sink_bowl(bowl_l, bowl_w, 0.2).moved(x, -0.02, height)
+    tap = swan_neck().scaled(0.9, 0.9, 0.9).moved(x, -0.02 + bowl_w / 2 + 0.05, height - 0.002)
     return [
         Part("Plinth", base_part.solid.moved(x=x), "plinth"),
         Part("Sink_Body", case, "body"),
         Part("Sink_Upper_Body", joined([*rims, back]), "body", collider=None),
         *doors(face, y, "bar"),
         Part("Worktop", plate, "worktop", collider="none"),
-        Part("Bowl", _bowl(bowl_l, bowl_w, 0.2).moved(x, -0.02, height), "ceramic", collider=None,
-             above=True),
+        Part("Bowl", bowl, "ceramic", collider=None, above=True),
         Part("Tap", tap, "tap", collider=None, above=True),
     ]  # fmt: skip
-
-
-def _at(cell, x: float):  # noqa: ANN001, ANN202
-    from dataclasses import replace
-
-    return replace(cell, x_m=cell.x_m + x)
 
 
 def laundry_tower(size_m: Size) -> tuple[Part, ...]:
@@ -178,11 +169,8 @@ def laundry_tower(size_m: Size) -> tuple[Part, ...]:
     cheek = block((0.02, width - 0.06, height)).moved(-(length - 0.02) / 2, 0.03)
     columns = 2 if case_l > 0.55 else 1
     face = [
-        _at(c, case_x)
-        for c in cells(case_l, height - base - 0.004, columns, (1.2, 1.0), base + 0.002)
-    ]
-    face += [
-        _at(c, x) for c in cells(machine_l + 0.03, height - upper_z - 0.004, 2, z_m=upper_z + 0.002)
+        *shifted(cells(case_l, height - base - 0.004, columns, (1.2, 1.0), base + 0.002), case_x),
+        *shifted(cells(machine_l + 0.03, height - upper_z - 0.004, 2, z_m=upper_z + 0.002), x),
     ]
     base_part = plinth((case_l, width, height), base, inset_m=0.09)
     shift = {"x": x, "y": _DOOR_OUT_M / 2}

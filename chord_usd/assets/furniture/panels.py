@@ -5,7 +5,16 @@ from __future__ import annotations
 from functools import partial
 
 from chord_usd.assets.model import Design, Part
-from chord_usd.assets.solids import Size, Solid, block, box, joined, lathe, rounded_slab
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    block,
+    box,
+    joined,
+    lathe,
+    mirrored_pair,
+    rounded_slab,
+)
 
 
 def padded_panel(size_m: Size, *, rows: int = 1, pitch_m: float = 0.2) -> tuple[Part, ...]:
@@ -37,16 +46,11 @@ def slatted_panel(size_m: Size, *, has_shelf: bool = False) -> tuple[Part, ...]:
     slat = block((step * 0.6, deep, height), 0.003)
     y = width / 2 - back_m - deep / 2 + 0.002
     slats = [slat.moved(-length / 2 + step * (i + 0.5), y) for i in range(count)]
-    edge = [block((0.02, width if not has_shelf else back_m + deep, height)) for _ in range(2)]
-    edges = [
-        e.moved(
-            s * (length - 0.02) / 2, width / 2 - (width if not has_shelf else back_m + deep) / 2
-        )
-        for e, s in zip(edge, (-1, 1), strict=True)
-    ]
+    edge_m = back_m + deep if has_shelf else width
+    edge = block((0.02, edge_m, height)).moved((length - 0.02) / 2, (width - edge_m) / 2)
     parts = [
         Part("Backing", backing, "board"),
-        Part("Slats", joined([*slats, *edges]), "wood", collider=None),
+        Part("Slats", joined(slats) + mirrored_pair(edge), "wood", collider=None),
     ]
     return (*parts, *_ledge(length, width, height)) if has_shelf else tuple(parts)
 

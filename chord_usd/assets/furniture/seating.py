@@ -86,7 +86,7 @@ def _seats(inner: float, width: float, height: float, back: float, seats: int) -
     seat = cushion((wide, deep, _SEAT_TOP_M - _BASE_TOP_M + 0.03), 0.05, 0.045, 0.03)
     rest_height = height - _SEAT_TOP_M + 0.05
     rest = cushion((wide - 0.01, rest_height, 0.19), 0.09, 0.07, 0.05).turned("x", 78)
-    low, high = rest.bounds_m()
+    high = rest.bounds_m()[1]
     rest = rest.moved(0.0, width / 2 - back + 0.03 - float(high[1]), height - float(high[2]))
     places = [(i - (seats - 1) / 2) * inner / seats for i in range(seats)]
     y = -width / 2 + 0.005 + deep / 2
@@ -167,7 +167,7 @@ def lounge_chair(size_m: Size) -> tuple[Part, ...]:
     inner = length - 0.13
     seat = cushion((inner, width - 0.24, 0.13), 0.05, 0.045, 0.02).turned("x", -7)
     back = cushion((inner, height - 0.28, 0.13), 0.06, 0.045, 0.03).turned("x", 66)
-    low, high = back.bounds_m()
+    high = back.bounds_m()[1]
     back = back.moved(0.0, width / 2 - float(high[1]), height - float(high[2]))
     bars = [
         tube([[-half, y, z], [half, y, z]], 0.016, 10)

@@ -124,9 +124,8 @@ def nest_of_drums(size_m: Size) -> tuple[Part, ...]:
     """A large low drum with a smaller, higher one at its side."""
     length, width, height = size_m
     big, small = width / 2, min(length - width, width) / 2 + 0.04
-    low = lathe(
-        [(big - 0.03, 0), (big, 0.03), (big, height - 0.1), (big - 0.015, height - 0.09)], 40
-    )
+    profile = [(big - 0.03, 0), (big, 0.03), (big, height - 0.1), (big - 0.015, height - 0.09)]
+    low = lathe(profile, 40)
     tall = cylinder(small, height - 0.001, 0.012, 32)
     return (
         Part("Low_Table", low.moved(x=-length / 2 + big), "top", collider="convexHull"),

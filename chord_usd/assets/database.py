@@ -1,0 +1,225 @@
+"""The mesh database: components with their category and size, and the paper's retrieval rule.
+
+A database is a folder with index.json beside its component packages. The embedded one is drawn by
+chord_usd.assets.furniture on first use and kept in the user's cache.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from chord_usd.errors import AssetError, OutputError
+from chord_usd.palette import CATEGORIES, category
+from chord_usd.types import Asset
+
+INDEX_NAME = "index.json"
+INDEX_SCHEMA = 1
+CACHE_VARIABLE = "CHORD_USD_CACHE"
+"""Environment variable: folder for what the package draws once and keeps."""
+
+_GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture")
+_REBUILD = "chord-usd assets build -o FOLDER"
+
+Progress = Callable[[int, int], None]
+SizeM = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class AssetDatabase:
+    """All meshes an item can be given."""
+
+    assets: tuple[Asset, ...]
+    """Ids are unique."""
+    _by_category: Mapping[str, tuple[Asset, ...]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        groups: dict[str, list[Asset]] = {}
+        for asset in self.assets:
+            groups.setdefault(asset.category, []).append(asset)
+        object.__setattr__(self, "_by_category", {k: tuple(v) for k, v in groups.items()})
+
+    def of_category(self, name: str) -> tuple[Asset, ...]:
+        """Assets of a category, perhaps none. Raises SceneError for a name not in the palette."""
+        return self._by_category.get(category(name).name, ())
+
+    def nearest(self, name: str, size_m: SizeM) -> Asset:
+        """The asset an item of this category and size (length, width, height) is given.
+
+        The paper's rule: same category, least squared difference of length and width. Ties go to
+        the nearer height, then to the lower id, so that the answer never depends on order. Raises
+        AssetError where the category has no asset, SceneError for a name not in the palette.
+        """
+        candidates = self.of_category(name)
+        if not candidates:
+            raise AssetError(
+                f"the mesh database holds nothing of the category '{name}'",
+                expected="at least one asset of every category in use",
+                try_="--assets FOLDER with such an asset",
+            )
+        return min(candidates, key=lambda asset: _retrieval_key(asset, size_m))
+
+
+def _retrieval_key(asset: Asset, size_m: SizeM) -> tuple[float, float, str]:
+    footprint = sum((asset.size_m[axis] - size_m[axis]) ** 2 for axis in (0, 1))
+    # A nanometre is no difference, only rounding.
+    return round(footprint, 9), round(abs(asset.size_m[2] - size_m[2]), 9), asset.id
+
+
+def load_database(folders: Sequence[Path] = (), progress: Progress | None = None) -> AssetDatabase:
+    """The embedded database and, before it, those in folders.
+
+    An id that occurs twice counts where it is met first, so a folder can replace an embedded
+    asset. progress is called while the embedded set is drawn, on first use only. Raises AssetError
+    for a folder without a readable index, OutputError when the cache cannot be written.
+    """
+    found: dict[str, Asset] = {}
+    for folder in (*folders, embedded_library(progress)):
+        for asset in read_index(folder):
+            found.setdefault(asset.id, asset)
+    return AssetDatabase(tuple(found.values()))
+
+
+def read_index(folder: Path) -> tuple[Asset, ...]:
+    """Assets of a database folder. Raises AssetError that names the entry at fault."""
+    path = folder / INDEX_NAME
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))["assets"]
+        return tuple([_asset(entry, folder) for entry in entries])
+    except FileNotFoundError:
+        raise AssetError(
+            "there is no mesh database here",
+            where=str(folder),
+            expected=f"a folder with {INDEX_NAME}",
+            try_=_REBUILD,
+        ) from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise AssetError(
+            f"the index of the mesh database cannot be read ({error})",
+            where=str(path),
+            expected='{"schema": 1, "assets": [{"id", "category", "size_m", "path", …}]}',
+            try_=_REBUILD,
+        ) from None
+
+
+def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
+    """One entry as an asset; raises ValueError, KeyError or TypeError where it is damaged."""
+    name = str(entry["id"])
+    if entry["category"] not in CATEGORIES:
+        raise ValueError(f"{name}: unknown category {entry['category']!r}")
+    length, width, height = (float(side) for side in entry["size_m"])
+    if not all(math.isfinite(side) and side > 0.0 for side in (length, width, height)):
+        raise ValueError(f"{name}: size_m is {entry['size_m']}, not three positive lengths")
+    usd_path = folder / entry["path"]
+    if not usd_path.is_file():
+        raise ValueError(f"{name}: {entry['path']} is missing")
+    return Asset(
+        id=name,
+        category=entry["category"],
+        size_m=(length, width, height),
+        usd_path=usd_path,
+        licence=str(entry.get("licence", "")),
+        author=str(entry.get("author", "")),
+    )
+
+
+def build_assets(folder: Path, progress: Progress | None = None) -> tuple[Asset, ...]:
+    """Draw every design into folder, with its index; returns the assets.
+
+    folder must exist and hold none of them yet.
+    """
+    from chord_usd.assets.component import AUTHOR, LICENCE, write_component
+    from chord_usd.assets.furniture.catalogue import designs
+
+    assets = []
+    catalogue = designs()
+    for done, design in enumerate(catalogue):
+        if progress is not None:
+            progress(done, len(catalogue))
+        path = write_component(design, folder)
+        assets.append(Asset(design.id, design.category, design.size_m, path, LICENCE, AUTHOR))
+    write_index(assets, folder)
+    if progress is not None:
+        progress(len(catalogue), len(catalogue))
+    return tuple(assets)
+
+
+def write_index(assets: Iterable[Asset], folder: Path) -> None:
+    """Write index.json for assets that lie inside folder."""
+    entries = [
+        {
+            "id": asset.id,
+            "category": asset.category,
+            "size_m": list(asset.size_m),
+            "path": asset.usd_path.relative_to(folder).as_posix(),
+            "licence": asset.licence,
+            "author": asset.author,
+        }
+        for asset in assets
+    ]
+    text = json.dumps({"schema": INDEX_SCHEMA, "assets": entries}, indent=1)
+    (folder / INDEX_NAME).write_text(text + "\n", encoding="utf-8")
+
+
+def embedded_library(progress: Progress | None = None) -> Path:
+    """Folder of the embedded database; drawn now if this version of it has not been yet.
+
+    Raises OutputError when the cache cannot be written.
+    """
+    target = cache_folder() / f"assets-{_generator_hash()}"
+    if not (target / INDEX_NAME).is_file():
+        try:
+            _build_into(target, progress)
+        except OSError as error:
+            raise OutputError(
+                f"the mesh database cannot be kept ({error.strerror or error})",
+                where=str(target.parent),
+                expected="a writable cache folder with 30 MB of space",
+                try_=f"set {CACHE_VARIABLE} to another folder",
+            ) from None
+    return target
+
+
+def cache_folder() -> Path:
+    """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
+    own = os.environ.get(CACHE_VARIABLE)
+    if own:
+        return Path(own)
+    shared = os.environ.get("XDG_CACHE_HOME")
+    return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
+
+
+def _build_into(target: Path, progress: Progress | None) -> None:
+    """Draw beside the target and rename, so that nobody ever sees half a database."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    hidden = Path(tempfile.mkdtemp(prefix=".assets-", dir=target.parent))
+    try:
+        build_assets(hidden, progress)
+        hidden.chmod(0o755)
+        try:
+            hidden.rename(target)
+        except OSError:
+            # Another process was faster; what it made is the same.
+            if not (target / INDEX_NAME).is_file():
+                raise
+    finally:
+        shutil.rmtree(hidden, ignore_errors=True)
+
+
+def _generator_hash() -> str:
+    """Twelve hexadecimal digits that change with any source that draws or writes the assets."""
+    digest = hashlib.sha256()
+    root = Path(__file__).parent
+    for name in _GENERATOR:
+        source = root / name
+        for file in sorted(source.glob("*.py")) if source.is_dir() else [source]:
+            digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]

@@ -1,0 +1,243 @@
+"""Sideboards, dressers, bedside tables, TV cabinets with their television."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Literal
+
+from chord_usd.assets.furniture.joinery import (
+    FRONT_M,
+    HANDLE_M,
+    Cell,
+    HandleKind,
+    cells,
+    doors,
+    drawers,
+    four_legs,
+    front,
+    knob,
+    plinth,
+)
+from chord_usd.assets.furniture.storage import (
+    BOARD_M,
+    FRAMED,
+    LIVING,
+    carcass,
+    chest,
+    fronts_y,
+)
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import Size, Solid, block, box, joined, mirrored_pair, rounded_slab
+
+
+def sideboard(
+    size_m: Size, *, handle: HandleKind = "bar", framed: bool = False
+) -> tuple[Part, ...]:
+    """A long low cabinet on legs: doors at both ends, drawers in the middle."""
+    length, width, height = size_m
+    y, base, top = fronts_y(width, handle), 0.14, 0.024
+    body = carcass(length - 0.012, y, width / 2 - 0.002, height - base - top + 0.002, base)
+    wide, tall = (length - 0.02) / 3, height - base - top - 0.008
+    three = list(cells(length - 0.02, tall, 3, z_m=base + 0.004))
+    middle = list(cells(wide, tall, 1, (1.2, 1.0, 0.8), base + 0.004))
+    plate = rounded_slab((length, width - HANDLE_M + 0.004, top), 0.006, 0.004, 3)
+    return (
+        *four_legs(length - 0.1, width - 0.1, base + 0.01, 0.045, is_round=True, splay_m=0.015),
+        Part("Body", body, "body"),
+        *doors([three[0], three[2]], y, handle, framed=framed),
+        *drawers(middle, y, handle),
+        Part("Top", plate.moved(y=HANDLE_M / 2 - 0.002, z=height - top), "top"),
+    )
+
+
+def hutch(size_m: Size) -> tuple[Part, ...]:
+    """A dresser: doors below, a shelf for serving, glazed doors with plates above."""
+    length, width, height = size_m
+    y, base, low = fronts_y(width, "knob"), 0.07, 0.82
+    upper_z, top = low + 0.38, 0.03
+    depth = width * 0.72
+    y_up = width / 2 - depth
+    body = carcass(length - 0.006, y, width / 2 - 0.002, low - base, base)
+    counter = rounded_slab((length, width - HANDLE_M + 0.01, 0.03), 0.006, 0.005, 3)
+    tall = height - upper_z - top
+    shell = [
+        block((length - 0.01, 0.012, height - low - top)).moved(y=width / 2 - 0.008, z=low),
+        *(
+            block((BOARD_M, depth - 0.01, height - low - top)).moved(
+                s * (length - 0.03) / 2, width / 2 - depth / 2, low
+            )
+            for s in (-1, 1)
+        ),
+        *(
+            block((length - 0.05, depth - 0.02, BOARD_M)).moved(y=width / 2 - depth / 2, z=z)
+            for z in (upper_z, upper_z + tall * 0.5, height - top - BOARD_M)
+        ),
+    ]
+    columns = max(2, round(length / 0.45))
+    glass = list(cells(length - 0.02, tall - 0.004, columns, z_m=upper_z))
+    panes = [
+        box((c.length_m - 0.09, 0.006, c.height_m - 0.09)).moved(
+            c.x_m, y_up - FRONT_M / 2, c.z_m + 0.045
+        )
+        for c in glass
+    ]
+    plates = [
+        block((0.2, 0.012, 0.2), 0.004).turned("x", -12).moved(x, width / 2 - 0.06, z)
+        for x in (-length / 4, length / 4)
+        for z in (upper_z + BOARD_M, upper_z + tall * 0.5 + BOARD_M)
+    ]
+    cornice = block((length, depth + 0.03, top), 0.01)
+    return (
+        plinth(size_m, base),
+        Part("Body", body, "body"),
+        *doors(list(cells(length - 0.014, low - base - 0.008, columns, z_m=base + 0.004)), y,
+               "knob", framed=True),
+        Part("Counter", counter.moved(y=HANDLE_M / 2 - 0.005, z=low), "top"),
+        Part("Upper_Cabinet", joined(shell), "body", collider="none"),
+        Part("Plates", joined(plates), "plate", collider=None),
+        Part("Glazing", joined(panes), "glass", collider=None),
+        Part("Glazed_Doors", joined([_sash(c.x_m, y_up, c.z_m, c.length_m, c.height_m)
+                                     for c in glass]), "front", collider=None),
+        Part("Cornice", cornice.moved(y=width / 2 - (depth + 0.03) / 2, z=height - top), "body"),
+    )  # fmt: skip
+
+
+def _sash(x: float, y: float, z: float, length: float, height: float) -> Solid:
+    """The wooden frame of a glazed door."""
+    rail = 0.05
+    stile = block((rail, FRONT_M, height), 0.002)
+    bar = block((length - 2 * rail + 0.002, FRONT_M - 0.002, rail), 0.002)
+    pieces = [
+        stile.moved(x=-(length - rail) / 2),
+        stile.moved(x=(length - rail) / 2),
+        bar,
+        bar.moved(z=height - rail),
+    ]
+    return joined(pieces).moved(x, y - FRONT_M / 2, z)
+
+
+def bedside_table(
+    size_m: Size, *, kind: Literal["drawers", "open", "round"] = "drawers"
+) -> tuple[Part, ...]:
+    """A night stand: two drawers on legs, one drawer over an open shelf, or a round one."""
+    length, width, height = size_m
+    if kind == "round":
+        return _drum_stand(size_m)
+    if kind == "drawers":
+        return chest(size_m, rows=(1.2, 1.0), handle="knob")
+    y, board = fronts_y(width, "knob"), 0.02
+    depth = width / 2 - y
+    middle = (y + width / 2) / 2
+    drawer_z = height - 0.2
+    side = block((board, depth, height - 0.13)).moved((length - board) / 2, middle, 0.11)
+    shelf = block((length - 2 * board + 0.002, depth - 0.01, board)).moved(y=middle, z=0.13)
+    case = box((length - 2 * board, depth - 0.006, 0.18)).moved(y=middle, z=drawer_z)
+    back = box((length - 2 * board, 0.01, drawer_z - 0.13)).moved(y=width / 2 - 0.01, z=0.13)
+    plate = rounded_slab((length, width - HANDLE_M + 0.004, board), 0.006, 0.004, 3)
+    return (
+        *four_legs(length - 0.04, width - 0.08, 0.115, 0.035),
+        Part("Sides", mirrored_pair(side), "body", collider="none"),
+        Part("Shelf", shelf, "body"),
+        Part("Drawer_Box", case, "body"),
+        Part("Back", back, "body"),
+        *drawers(list(cells(length - 0.01, 0.172, 1, z_m=drawer_z + 0.004)), y, "knob"),
+        Part("Top", plate.moved(y=HANDLE_M / 2 - 0.002, z=height - board), "top"),
+    )
+
+
+def _drum_stand(size_m: Size) -> tuple[Part, ...]:
+    """A round stand: an open-looking drum below, a drawer drum with a knob above."""
+    length, width, height = size_m
+    out = HANDLE_M - 0.012
+    deep = width - out
+    low = rounded_slab((length - 0.02, deep - 0.02, height - 0.33), length, 0.008, 10, 2)
+    high = rounded_slab((length - 0.02, deep - 0.02, 0.165), length, 0.008, 10, 2)
+    waist = rounded_slab((length - 0.05, deep - 0.05, 0.03), length, 0.002, 10)
+    top = rounded_slab((length, deep, 0.022), length, 0.008, 10, 2)
+    y = out / 2
+    grip = knob().moved(y=y - deep / 2 + 0.022, z=height - 0.105)
+    return (
+        *four_legs(length * 0.7, width * 0.7, 0.135, 0.03, is_round=True),
+        Part("Drum", low.moved(y=y, z=0.13), "body"),
+        Part("Waist", waist.moved(y=y, z=height - 0.208), "plinth", collider=None),
+        Part("Drawer", high.moved(y=y, z=height - 0.186), "front"),
+        Part("Knob", grip, "handle", collider=None),
+        Part("Top", top.moved(y=y, z=height - 0.022), "top"),
+    )
+
+
+def tv_cabinet(
+    size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers", tv_m: float = 1.1
+) -> tuple[Part, ...]:
+    """A low cabinet with a television on it.
+
+    size_m is the cabinet's own: the television stands above the nominal height, near the wall,
+    and is tv_m long (16:9).
+    """
+    length, width, height = size_m
+    y, base, top = -width / 2 + FRONT_M, 0.1, 0.022
+    body = carcass(length - 0.01, y, width / 2 - 0.002, height - base - top + 0.002, base)
+    columns = max(2, round(length / 0.6))
+    face = list(cells(length - 0.016, height - base - top - 0.006, columns, z_m=base + 0.003))
+    if kind == "slats":
+        panels = Part("Doors", joined([_slatted(c, y) for c in face]), "front")
+    else:
+        panels = Part("Drawers", joined([front(c, y) for c in face]), "front")
+    plate = rounded_slab((length, width, top), 0.006, 0.004, 3)
+    return (
+        *four_legs(length - 0.12, width - 0.06, base + 0.01, 0.045, is_round=True, splay_m=0.012),
+        Part("Body", body, "body"),
+        panels,
+        Part("Top", plate.moved(z=height - top), "top"),
+        *television(min(tv_m, length * 0.86), width / 2 - 0.1, height),
+    )
+
+
+def _slatted(cell: Cell, y: float) -> Solid:
+    """A door of upright slats on a back board."""
+    count = max(6, int(cell.length_m / 0.035))
+    step = cell.length_m / count
+    board = box((cell.length_m, 0.008, cell.height_m)).moved(cell.x_m, y - 0.004, cell.z_m)
+    slat = block((step * 0.62, 0.012, cell.height_m), 0.002).moved(y=y - 0.012, z=cell.z_m)
+    left = cell.x_m - cell.length_m / 2
+    return joined([board, *(slat.moved(x=left + step * (i + 0.5)) for i in range(count))])
+
+
+def television(length: float, y: float, z: float) -> tuple[Part, ...]:
+    """A flat screen on two feet, its back at about y; stands on height z."""
+    tall = length * 9 / 16 + 0.02
+    case = block((length, 0.032, tall), 0.006).moved(y=y, z=z + 0.07)
+    bulge = block((length * 0.7, 0.05, tall * 0.6), 0.012).moved(y=y + 0.03, z=z + 0.09)
+    glass = box((length - 0.016, 0.002, tall - 0.022)).moved(y=y - 0.0165, z=z + 0.083)
+    foot = [
+        block((0.03, 0.16, 0.012)).moved(length * 0.34, y),
+        block((0.022, 0.022, 0.08)).moved(length * 0.34, y, 0.008),
+    ]
+    feet = mirrored_pair(joined(foot)).moved(z=z - 0.001)
+    return (
+        Part("Television", case + bulge, "tv", above=True),
+        Part("Screen", glass, "screen", collider=None, above=True),
+        Part("Television_Feet", feet, "tv", collider=None, above=True),
+    )
+
+
+DESIGNS = (
+    Design("Bedside_Drawers", "bedside_table", (0.48, 0.42, 0.52), bedside_table, LIVING),
+    Design("Bedside_Open", "bedside_table", (0.42, 0.38, 0.5), partial(bedside_table, kind="open"),
+           LIVING),
+    Design("Bedside_Round", "bedside_table", (0.44, 0.44, 0.5),
+           partial(bedside_table, kind="round"), LIVING),
+    Design("Bedside_Wide", "bedside_table", (0.58, 0.45, 0.5), bedside_table, LIVING),
+    Design("TV_Cabinet_Short", "tv_cabinet", (1.15, 0.35, 0.48), tv_cabinet, LIVING),
+    Design("TV_Cabinet_Slats", "tv_cabinet", (1.6, 0.4, 0.46),
+           partial(tv_cabinet, kind="slats", tv_m=1.23), LIVING),
+    Design("TV_Cabinet_Long", "tv_cabinet", (2.0, 0.42, 0.45), partial(tv_cabinet, tv_m=1.45),
+           LIVING),
+    Design("TV_Cabinet_Extra_Long", "tv_cabinet", (2.45, 0.45, 0.45),
+           partial(tv_cabinet, kind="slats", tv_m=1.67), LIVING),
+    Design("Dresser_Narrow", "dining_cabinet", (0.95, 0.42, 2.05), hutch, FRAMED),
+    Design("Dresser_Wide", "dining_cabinet", (1.3, 0.46, 2.1), hutch, FRAMED),
+    Design("Sideboard", "dining_cabinet", (1.45, 0.42, 0.85), sideboard, LIVING),
+    Design("Sideboard_Long", "dining_cabinet", (1.85, 0.45, 0.85),
+           partial(sideboard, framed=True, handle="knob"), FRAMED),
+)  # fmt: skip
