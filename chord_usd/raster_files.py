@@ -72,7 +72,7 @@ def _open(path: Path) -> tuple[np.ndarray[Any, Any], dict[str, Any] | None]:
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             with Image.open(path) as picture:
                 text = getattr(picture, "text", {}).get(TEXT_CHUNK)
-                rgb = frozen_array(picture.convert("RGB"), np.uint8)
+                rgb = frozen_array(np.asarray(picture.convert("RGB")), np.uint8)
         return rgb, json.loads(text) if text else None
     except FileNotFoundError:
         raise

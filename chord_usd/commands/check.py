@@ -17,16 +17,16 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.stage.check import check_stage
+    from chord_usd.stage.check import certificate, check_stage
 
     with stopwatch(options).step("check"):
         report = check_stage(existing_file(options.stage))
-    data = report.as_json()
-    return Outcome(_text(options.stage, data), data, holds=data["valid"])
+    data = certificate(report)
+    return Outcome(_text(options.stage, report.holds, data), data, report.holds)
 
 
-def _text(stage: Path, data: dict[str, Any]) -> str:
-    lines = [f"{stage}: the certificate {'holds' if data['valid'] else 'does not hold'}"]
+def _text(stage: Path, holds: bool, data: dict[str, Any]) -> str:
+    lines = [f"{stage}: the certificate {'holds' if holds else 'does not hold'}"]
     lines += [f"  {e['rule']}: {e['path']}: {e['message']}" for e in data["errors"]]
     lines += [
         f"  collision {c['depth_m'] * 100:.1f} cm: {c['a']} and {c['b']}"

@@ -73,11 +73,11 @@ def run(options: argparse.Namespace) -> Outcome:
         house = generate(plan_file, stage_path, settings, watch)
         _write_extras(house, extras)
         with watch.step("check"):
-            from chord_usd.stage.check import check_stage
+            from chord_usd.stage.check import certificate, check_stage
 
-            certificate = check_stage(stage_path)
-    data = _summary(house, options.output, watch.seconds, certificate.as_json())
-    return Outcome(_text(data), data)
+            report = check_stage(stage_path)
+    data = _summary(house, options.output, watch.seconds, certificate(report))
+    return Outcome(_text(data, report.holds), data)
 
 
 def _write_extras(house: House, paths: dict[str, Path]) -> None:
@@ -96,7 +96,7 @@ def _write_extras(house: House, paths: dict[str, Path]) -> None:
 
 
 def _summary(
-    house: House, stage: Path, seconds: dict[str, float], certificate: dict[str, Any]
+    house: House, stage: Path, seconds: dict[str, float], check: dict[str, Any]
 ) -> dict[str, Any]:
     furniture = len(house.graph.items)
     tabletop = sum(len(item.children) for item in house.graph.items)
@@ -108,15 +108,15 @@ def _summary(
         "openings": len(house.graph.openings),
         "seconds": seconds,
         "m_per_px": house.plan_image.frame.m_per_px,
-        "certificate": certificate,
+        "certificate": check,
     }
 
 
-def _text(data: dict[str, Any]) -> str:
+def _text(data: dict[str, Any], holds: bool) -> str:
     total = sum(data["seconds"].values())
-    holds = "holds" if data["certificate"]["valid"] else "does not hold: chord-usd check says why"
+    told = "holds" if holds else "does not hold: chord-usd check says why"
     return (
         f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture, "
         f"{data['openings']} doors, windows and passages, in {total:.1f} s\n"
-        f"certificate {holds}"
+        f"certificate {told}"
     )
