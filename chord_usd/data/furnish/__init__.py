@@ -76,7 +76,7 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
             best = faults, floor.placed[:]
         floor.undo(empty)
     if best:
-        floor.placed = best[1]
+        floor.placed, floor.walked = best[1], -1
         _repair(floor)
 
 
@@ -120,6 +120,7 @@ def _repair(floor: Floor) -> None:
         best = None
         for group in groups:
             floor.placed = [piece for piece in kept if piece.group != group]
+            floor.walked = -1
             left = path_faults(floor)
             if left < faults:
                 faults, best = left, floor.placed

@@ -18,10 +18,6 @@ FOOT_M = 0.55
 """Room to walk past the foot of the bed."""
 
 
-EDGES_ONLY_M = -2.0
-"""Height of nothing: lower than every sill, it meets no zone, only the room's outline."""
-
-
 MOST_PLACES = 4
 """Places tried for one bed before a narrower one is taken."""
 
@@ -98,7 +94,7 @@ def _places(floor: Floor, size: Size, panel_m: float) -> list[BedPlace]:
             if wall.length < size[0]:
                 continue
             spans = wall.gaps(depth, height, foot, size[0])
-            walkable = wall.gaps(depth, EDGES_ONLY_M, foot, size[0]) if spans else []
+            walkable = wall.bare_spans(depth + foot, size[0]) if spans else []
             for s_from, s_to in spans:
                 low, high = _containing(walkable, s_from, s_to)
                 for s in _positions(Spot(wall, s_from, s_to), size[0], low, high):

@@ -23,6 +23,12 @@ _TABLE_M = {8: (2.0, 1.0), 6: (1.6, 0.85), 4: (1.2, 0.8), 3: (1.0, 0.75), 2: (0.
 """Least length and width of a table by its seats."""
 
 
+_SIZES = (
+    (8, False), (6, False), (4, False), (4, True), (3, True), (2, False), (2, True)
+)  # fmt: skip
+"""Seats, and whether the table stands at a wall; what one would like best first."""
+
+
 class Group(NamedTuple):
     """A table with its chairs, in the table's frame: along it, and across it away from the wall."""
 
@@ -63,10 +69,11 @@ def put_dining_table(floor: Floor, *, core: bool = False) -> bool:
         wanted = dice.choices((8, 6, 4), (0.2, 0.5, 0.3))[0]
     else:
         wanted = 6 if floor.area_m2 > 9.0 and dice.random() < 0.5 else 4
-    free = [_group(floor, seats, at_wall=False) for seats in (8, 6, 4) if seats <= wanted]
-    at_wall = [_group(floor, seats, at_wall=True) for seats in (4, 3, 2)]
-    groups = [*free, *at_wall[:2], _group(floor, 2, at_wall=False), at_wall[2]]
-    return any(_put_group(floor, group, core) for group in groups)
+    return any(
+        _put_group(floor, _group(floor, seats, at_wall=at_wall), core)
+        for seats, at_wall in _SIZES
+        if seats <= wanted
+    )
 
 
 def _group(floor: Floor, seats: int, *, at_wall: bool) -> Group:
@@ -119,14 +126,18 @@ def _places(floor: Floor, group: Group) -> list[Place]:
         if group.at_wall:
             places += _places_at(floor, wall, group.length_m, group.deep_m, 0.0, False)
             continue
-        across = _across(floor, wall)
         for turned in (False, True):
             wide, deep = group.length_m, group.deep_m
             if turned:
                 wide, deep = group.deep_m + 2 * PULL_OUT_M, group.length_m
+            if wall.length < wide:
+                continue
             near = ELBOW_M if turned else PULL_OUT_M
-            for off_wall in dict.fromkeys((near, max(near, (across - deep) / 2))):
-                places += _places_at(floor, wall, wide, deep, off_wall, turned)
+            middle = (_across(floor, wall) - deep) / 2
+            if middle > near - 0.05:
+                places += _places_at(floor, wall, wide, deep, max(near, middle), turned)
+            if middle > near + 0.3 or middle < near - 0.05:
+                places += _places_at(floor, wall, wide, deep, near, turned)
     places.sort(key=lambda place: place.score, reverse=True)
     return places
 

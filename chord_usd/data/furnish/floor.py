@@ -7,7 +7,7 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
+from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Rectangle, Thing, Wall
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import Room, RoomKind
 from chord_usd.units import wrap_deg
@@ -75,6 +75,8 @@ class Floor:
         self.touching: list[Floor] = []
         self.windows: list[tuple[Wall, float, float, float]] = []
         self.placed: list[Placed] = []
+        self.walked = -1
+        """How many pieces stood here when the paths were last found free; -1 where not known."""
         self.is_tight = False
         """Whether narrow paths have to do."""
         self.cells: Any = None
@@ -91,6 +93,7 @@ class Floor:
 
     def undo(self, mark: tuple[int, int]) -> None:
         """Take back everything since the mark."""
+        self.walked = -1
         del self.placed[mark[0] :]
         del self._things[mark[1] :]
         for wall in self.walls:
@@ -140,7 +143,7 @@ class Floor:
             ux, uy = -uy, ux
         yaw_deg = wrap_deg(wall.yaw_deg + 90.0 * quarter_turns)
         self.placed.append(Placed(category, x, y, base, size, yaw_deg, ux, uy, self._group, core))
-        self._things.append(Thing(x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M))
+        self._take(x, y, Rectangle(ux, uy, length / 2, width / 2), SOLID, NO_SILL_M)
 
     def keep(
         self,
@@ -154,8 +157,12 @@ class Floor:
     ) -> None:
         """Keep a rectangle of the wall's frame free of things higher than sill."""
         x, y = wall.world((s_from + s_to) / 2, (t_from + t_to) / 2)
-        half_s, half_t = (s_to - s_from) / 2, (t_to - t_from) / 2
-        self._things.append(Thing(x, y, wall.ux, wall.uy, half_s, half_t, bits, sill))
+        shape = Rectangle(wall.ux, wall.uy, (s_to - s_from) / 2, (t_to - t_from) / 2)
+        self._take(x, y, shape, bits, sill)
+
+    def _take(self, x: float, y: float, shape: Rectangle, bits: int, sill: float) -> None:
+        half_x, half_y = shape.half_sizes_along(1.0, 0.0)
+        self._things.append((x, y, half_x, half_y, shape, bits, sill))
 
     def spots(
         self, depth: float, height: float, reach: float = 0.0, least: float = 0.3

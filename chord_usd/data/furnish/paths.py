@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from chord_usd.data.furnish.floor import Door, Floor, Placed
 
@@ -43,74 +42,89 @@ Bounds = tuple[float, float, float, float]
 """x and y from, x and y to, metres."""
 
 
-class Grid(NamedTuple):
-    """The cells of a room's bounding box."""
+class Grid:
+    """The cells of a room's bounding box, and what is known about them."""
 
-    x0: float
-    y0: float
-    columns: int
-    rows: int
-    stride: int
-    ones: int
-    """The first cell of every row."""
+    def __init__(self, floor: Floor) -> None:
+        corners = floor.corners
+        self.x0, self.y0 = min(x for x, _ in corners), min(y for _, y in corners)
+        x1, y1 = max(x for x, _ in corners), max(y for _, y in corners)
+        self.columns = math.ceil((x1 - self.x0) / CELL_M)
+        self.rows = math.ceil((y1 - self.y0) / CELL_M)
+        self.stride = self.columns + _GUARD_CELLS
+        ones = ((1 << self.rows * self.stride) - 1) // ((1 << self.stride) - 1)
+        self._first_cells = [ones & ((1 << j * self.stride) - 1) for j in range(self.rows + 1)]
+        """The first cell of each of the first j rows."""
+        fills = floor.area_m2 > (x1 - self.x0) * (y1 - self.y0) - 1e-6
+        self.floor = self.inside((self.x0, self.y0, x1, y1)) if fills else self.within(corners)
+        self.doors = [self.inside(_door_bounds(door)) for door in floor.doors]
+        self._pieces: list[tuple[Placed, int, int]] = []
 
     def inside(self, box: Bounds) -> int:
         """Cells whose centre lies in the box."""
-        left = max(0, math.ceil((box[0] - self.x0) / CELL_M - 0.5))
-        low = max(0, math.ceil((box[1] - self.y0) / CELL_M - 0.5))
-        right = min(self.columns - 1, math.floor((box[2] - self.x0) / CELL_M - 0.5))
-        high = min(self.rows - 1, math.floor((box[3] - self.y0) / CELL_M - 0.5))
-        if right < left or high < low:
+        left = int((box[0] - self.x0) / CELL_M + 0.5) if box[0] > self.x0 else 0
+        low = int((box[1] - self.y0) / CELL_M + 0.5) if box[1] > self.y0 else 0
+        right = min(self.columns, int((box[2] - self.x0) / CELL_M + 0.5))
+        high = min(self.rows, int((box[3] - self.y0) / CELL_M + 0.5))
+        if right <= left or high <= low:
             return 0
-        row = ((1 << (right - left + 1)) - 1) << left
-        rows = self.ones & ((1 << (high - low + 1) * self.stride) - 1)
-        return (row * rows) << low * self.stride
+        row = ((1 << (right - left)) - 1) << left
+        return (row * self._first_cells[high - low]) << low * self.stride
 
     def within(self, corners: Sequence[tuple[float, float]]) -> int:
         """Cells whose centre lies in a simple polygon."""
         cells = 0
         for j in range(self.rows):
-            y = self.y0 + (j + 0.5) * CELL_M
-            xs = _crossings(corners, y)
+            xs = _crossings(corners, self.y0 + (j + 0.5) * CELL_M)
             for i in range(0, len(xs) - 1, 2):
-                left = max(0, math.ceil((xs[i] - self.x0) / CELL_M - 0.5))
-                right = min(self.columns - 1, math.floor((xs[i + 1] - self.x0) / CELL_M - 0.5))
-                if right >= left:
-                    cells |= ((1 << (right - left + 1)) - 1) << (left + j * self.stride)
+                left = max(0, int((xs[i] - self.x0) / CELL_M + 0.5))
+                right = min(self.columns, int((xs[i + 1] - self.x0) / CELL_M + 0.5))
+                if right > left:
+                    cells |= ((1 << (right - left)) - 1) << (left + j * self.stride)
         return cells
+
+    def pieces(self, placed: Sequence[Placed]) -> list[tuple[Placed, int, int]]:
+        """Each piece with the cells under it and those from which it is used.
+
+        What was asked about before is remembered as far as the first pieces are the same.
+        """
+        known = self._pieces
+        for i, piece in enumerate(placed):
+            if i < len(known) and known[i][0] is piece:
+                continue
+            del known[i:]
+            under = 0 if piece.category.endswith("_background") else _under(self, piece)
+            beside = 0 if piece.category in NEEDS_NO_ACCESS else _beside(self, piece)
+            known.append((piece, under, beside))
+        del known[len(placed) :]
+        return known
 
 
 def path_faults(floor: Floor) -> int:
     """How badly people can walk here; 0 when all doors connect and every piece can be used."""
-    grid, free = _empty_floor(floor)
-    for piece in floor.placed:
-        if not piece.category.endswith("_background"):
-            free &= ~_under(grid, piece)
-    narrow = floor.is_tight or floor.kind == "bathroom"
-    cells = NARROW_PATH_CELLS if narrow else PATH_CELLS
-    standing = _eroded(free, grid.stride, cells)
-    doors = [grid.inside(_door_bounds(door)) for door in floor.doors]
-    seed = next((door & standing for door in doors if door & standing), standing & -standing)
-    walk = _flooded(standing, seed, grid.stride)
-    faults = CUT_OFF * sum(not door & walk for door in doors)
-    for piece in floor.placed:
-        if piece.category not in NEEDS_NO_ACCESS and not walk & _beside(grid, piece):
-            faults += CORE_LOST if piece.core else LOST
+    if floor.walked == len(floor.placed):
+        return 0
+    faults = _count_faults(floor)
+    floor.walked = -1 if faults else len(floor.placed)
     return faults
 
 
-def _empty_floor(floor: Floor) -> tuple[Grid, int]:
-    """The room's grid and its cells; the same for every question about one room."""
+def _count_faults(floor: Floor) -> int:
     if floor.cells is None:
-        x0, y0 = min(x for x, _ in floor.corners), min(y for _, y in floor.corners)
-        x1, y1 = max(x for x, _ in floor.corners), max(y for _, y in floor.corners)
-        columns, rows = math.ceil((x1 - x0) / CELL_M), math.ceil((y1 - y0) / CELL_M)
-        stride = columns + _GUARD_CELLS
-        ones = ((1 << rows * stride) - 1) // ((1 << stride) - 1)
-        grid = Grid(x0, y0, columns, rows, stride, ones)
-        fills = floor.area_m2 > (x1 - x0) * (y1 - y0) - 1e-6
-        floor.cells = grid, grid.inside((x0, y0, x1, y1)) if fills else grid.within(floor.corners)
-    return floor.cells
+        floor.cells = Grid(floor)
+    grid: Grid = floor.cells
+    free, pieces = grid.floor, grid.pieces(floor.placed)
+    for _, under, _ in pieces:
+        free &= ~under
+    narrow = floor.is_tight or floor.kind == "bathroom"
+    standing = _eroded(free, grid.stride, NARROW_PATH_CELLS if narrow else PATH_CELLS)
+    seed = next((door & standing for door in grid.doors if door & standing), standing & -standing)
+    walk = _flooded(standing, seed, grid.stride)
+    faults = CUT_OFF * sum(not door & walk for door in grid.doors)
+    for piece, _, beside in pieces:
+        if not beside & walk and piece.category not in NEEDS_NO_ACCESS:
+            faults += CORE_LOST if piece.core else LOST
+    return faults
 
 
 def _crossings(corners: Sequence[tuple[float, float]], y: float) -> list[float]:

@@ -27,20 +27,28 @@ TOUCH_M = 1e-6
 """Things nearer than this only touch."""
 
 
-class Thing(NamedTuple):
-    """An oriented rectangle of the floor that is taken, in the world."""
+class Rectangle(NamedTuple):
+    """Half sizes of an oriented rectangle, its length along (ux, uy)."""
 
-    x: float
-    y: float
     ux: float
     uy: float
     half_length: float
-    """Along (ux, uy)."""
     half_width: float
-    bits: int
-    sill_m: float
-    """Only what is higher than this meets it."""
 
+    def half_sizes_along(self, wx: float, wy: float) -> tuple[float, float]:
+        """Half sizes of its bounds along and across a direction."""
+        along, across = abs(self.ux * wx + self.uy * wy), abs(self.ux * wy - self.uy * wx)
+        return (
+            along * self.half_length + across * self.half_width,
+            across * self.half_length + along * self.half_width,
+        )
+
+
+Thing = tuple[float, float, float, float, Rectangle, int, float]
+"""What takes floor, in the world: middle, half sizes of its bounds, itself, bits, sill.
+
+Only what is higher than the sill meets it.
+"""
 
 Block = tuple[float, float, float, float, int, float]
 """A thing as a wall sees it: s from and to, t from and to, bits, sill."""
@@ -79,13 +87,19 @@ class Wall:
 
     def see_edges(self, corners: Sequence[Sequence[float]]) -> None:
         """Learn the other sides of the room, so that spans end where the room does."""
-        points = [self.local(x, y) for x, y in corners]
-        count = len(points)
-        for i in range(count):
-            if i != self.index:
-                (s0, t0), (s1, t1) = points[i], points[(i + 1) % count]
-                if t0 > TOUCH_M or t1 > TOUCH_M:
-                    self.edges.append((s0, t0, s1, t1))
+        wx, wy, x0, y0 = self.ux, self.uy, self.x, self.y
+        end = self.length - TOUCH_M
+        points = [
+            ((x - x0) * wx + (y - y0) * wy, (y - y0) * wx - (x - x0) * wy) for x, y in corners
+        ]
+        s0, t0 = points[-1]
+        for s1, t1 in points:
+            # Sides beyond the wall's own ends cut nothing off its spans.
+            if (t0 > TOUCH_M or t1 > TOUCH_M) and (
+                (s0 > TOUCH_M or s1 > TOUCH_M) and (s0 < end or s1 < end)
+            ):
+                self.edges.append((s0, t0, s1, t1))
+            s0, t0 = s1, t1
 
     def forget(self, count: int) -> None:
         """Keep the first `count` things only; the room has taken the others back."""
@@ -105,20 +119,20 @@ class Wall:
         needs `reach` in front of it free of walls and furniture. Spans shorter than `least` are
         left out. Everything in a span is seen from the wall, hence inside the room.
         """
-        cuts = self._cuts(near, near + depth, height, reach)
-        cuts.sort()
-        gaps = []
-        start = 0.0
-        for s_from, s_to in cuts:
-            if s_from >= self.length:
-                break
-            if s_from - start >= least - TOUCH_M:
-                gaps.append((start, s_from))
-            if s_to > start:
-                start = s_to
-        if self.length - start >= least - TOUCH_M:
-            gaps.append((start, self.length))
-        return gaps
+        far = near + depth
+        reached = far + reach - TOUCH_M
+        cuts = _edge_cuts(self.edges, far + reach)
+        near, far = near + TOUCH_M, far - TOUCH_M
+        for s_from, s_to, t_from, t_to, bits, sill in self._seen():
+            if t_to <= near or t_from >= reached:
+                continue
+            if (t_from < far and height > sill) or (bits == SOLID and reach):
+                cuts.append((s_from, s_to))
+        return self._between(cuts, least)
+
+    def bare_spans(self, depth: float, least: float) -> list[tuple[float, float]]:
+        """Spans in which the empty room is at least this deep."""
+        return self._between(_edge_cuts(self.edges, depth), least)
 
     def fits(
         self,
@@ -150,27 +164,35 @@ class Wall:
         blocks = self._blocks
         if len(blocks) < len(self._things):
             wx, wy, x0, y0 = self.ux, self.uy, self.x, self.y
-            for x, y, ux, uy, half_length, half_width, bits, sill in self._things[len(blocks) :]:
-                dx, dy = x - x0, y - y0
-                s, t = dx * wx + dy * wy, dy * wx - dx * wy
-                along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
-                half_s = along * half_length + across * half_width
-                half_t = across * half_length + along * half_width
+            level, upright = wy == 0.0, wx == 0.0
+            for x, y, half_x, half_y, thing, bits, sill in self._things[len(blocks) :]:
+                s = (x - x0) * wx + (y - y0) * wy
+                t = (y - y0) * wx - (x - x0) * wy
+                if level:
+                    half_s, half_t = half_x, half_y
+                elif upright:
+                    half_s, half_t = half_y, half_x
+                else:
+                    half_s, half_t = thing.half_sizes_along(wx, wy)
                 blocks.append((s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
         return blocks
 
-    def _cuts(
-        self, near: float, far: float, height: float, reach: float
-    ) -> list[tuple[float, float]]:
-        reached = far + reach - TOUCH_M
-        cuts = _edge_cuts(self.edges, far + reach)
-        near, far = near + TOUCH_M, far - TOUCH_M
-        for s_from, s_to, t_from, t_to, bits, sill in self._seen():
-            if t_to <= near or t_from >= reached:
-                continue
-            if (t_from < far and height > sill) or (bits == SOLID and reach):
-                cuts.append((s_from, s_to))
-        return cuts
+    def _between(self, cuts: list[tuple[float, float]], least: float) -> list[tuple[float, float]]:
+        """What the cuts leave of the wall, in pieces of at least this length."""
+        least -= TOUCH_M
+        cuts.sort()
+        gaps = []
+        start, end = 0.0, self.length
+        for s_from, s_to in cuts:
+            if s_from >= end:
+                break
+            if s_from - start >= least:
+                gaps.append((start, s_from))
+            if s_to > start:
+                start = s_to
+        if end - start >= least:
+            gaps.append((start, end))
+        return gaps
 
 
 def _edge_cuts(
