@@ -61,6 +61,12 @@ class Rectangle:
         corners = np.roll(own, -quarter_turns, axis=0) @ rotation_2d(self.angle_deg).T
         return corners * (1.0, -1.0)
 
+    def grown(self, by_px: float) -> Rectangle:
+        """The same rectangle with every edge moved outwards."""
+        return Rectangle(
+            self.angle_deg, self.u0 - by_px, self.u1 + by_px, self.v0 - by_px, self.v1 + by_px
+        )
+
     def mark(self, quarter_turns: int) -> Rectangle:
         """The strip a front mark covers when the front is at FRONT_EDGES[quarter_turns]."""
         along_u = quarter_turns % 2 == 0
@@ -120,17 +126,15 @@ def fit_at_angle(evidence: Evidence, angle_deg: float, rounds: int = 3) -> Recta
             if not len(strip_in):
                 continue
             middle = sum(edges[axis]) / 2
-            edges[axis][1] = _best_edge(strip_in, strip_out, weights, middle)
-            edges[axis][0] = -_best_edge(-strip_in, -strip_out, weights, -middle)
+            edges[axis][1] = best_edge(strip_in, strip_out, weights, middle)
+            edges[axis][0] = -best_edge(-strip_in, -strip_out, weights, -middle)
         if before == edges:
             break
     (u0, u1), (v0, v1) = edges
     return Rectangle(angle_deg, u0, u1, v0, v1)
 
 
-def _best_edge(
-    inside: FloatArray, outside: FloatArray, weights: FloatArray, middle: float
-) -> float:
+def best_edge(inside: FloatArray, outside: FloatArray, weights: FloatArray, middle: float) -> float:
     """Where beyond middle an upper edge leaves fewest members out and outsiders in."""
     beyond_in, beyond_out = inside > middle, outside > middle
     positions = np.concatenate([inside[beyond_in], outside[beyond_out]])

@@ -1,0 +1,263 @@
+"""Items of a layout raster, to the pixel: every box is fitted to the pixels of its own colour.
+
+What wins. The colour of a pixel decides its category, always. Where the pixels of a patch make a
+rectangle with its front mark, they decide the box as well, whatever the detector said. The
+detector decides where pixels are ambiguous: how many pieces a patch without clear marks holds, and
+whether a patch too small for its category is an item (it saw one there) or a speck. Proposals with
+too few pixels of their colour are dropped; patches that the detector missed are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from chord_usd.graph.colours import NO_ITEM, LayoutPixels, read_pixels
+from chord_usd.graph.directions import Directions, raster_directions
+from chord_usd.graph.joining import Piece
+from chord_usd.graph.rectangles import (
+    Rectangle,
+    covered_share,
+    fold_deg,
+)
+from chord_usd.graph.regions import Patch, UsualSize, cut_patch, explain, uncovered
+from chord_usd.palette import HOUSE_CATEGORIES, PLAN_CATEGORIES, Category, Mount
+from chord_usd.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
+
+LEAST_SHARE = 0.35
+"""Patches smaller than this share of the smallest usual piece of their category are specks..."""
+LEAST_SHARE_SEEN = 0.15
+"""...unless the detector proposes a piece there: then they may be this small."""
+
+_LEAST_PX = 2
+_NEAR_PX = 2
+"""Fragments this near to a patch of their category belong to it."""
+_SUPPORT = 0.3
+"""Share of a proposal that pixels of its colour must cover, and overlap that makes a match."""
+_SAME_MARK = 0.7
+_THIN_PX = 2.5
+_WALL = next(row.detector_class for row in PLAN_CATEGORIES if row.name == "wall")
+_LOOK_PX = (0.8, 1.6, 2.4)
+"""Distances behind an edge at which a wall is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundItem:
+    """A detection and what is known about it."""
+
+    detection: Detection
+    front_seen: bool
+    """Whether a front mark gave the orientation; else the nearest wall did."""
+    in_detector: bool
+    """Whether the detector proposed it, too."""
+
+
+def decode_items(layout: LayoutImage) -> list[Detection]:
+    """Items of a layout raster by colour alone, without a detector. Best fits first.
+
+    Exact on clean rasters: edges within half a pixel of what was drawn.
+    """
+    found = find_items(read_pixels(layout.rgb), layout.frame.m_per_px)
+    return [item.detection for item in found]
+
+
+def find_items(
+    pixels: LayoutPixels,
+    m_per_px: float,
+    directions: Directions | None = None,
+    proposals: Iterable[Detection] = (),
+) -> list[FoundItem]:
+    """Items in decoded pixels, helped by the detector's proposals.
+
+    directions: of the walls; read from the pixels where not given. Ordered by category, then by
+    position, so that equal rasters give equal lists.
+    """
+    directions = directions or raster_directions(pixels.structure)
+    by_category: dict[str, list[Detection]] = {}
+    for proposal in proposals:
+        by_category.setdefault(proposal.category, []).append(proposal)
+    found: list[FoundItem] = []
+    for label in np.unique(pixels.item[pixels.item != NO_ITEM]):
+        row = HOUSE_CATEGORIES[int(label)]
+        found += _of_category(pixels, row, m_per_px, directions, by_category.get(row.name, []))
+    return found
+
+
+def _of_category(
+    pixels: LayoutPixels,
+    row: Category,
+    m_per_px: float,
+    directions: Directions,
+    proposals: Sequence[Detection],
+) -> list[FoundItem]:
+    seen = [(proposal, _as_rectangle(proposal.corners_px)) for proposal in proposals]
+    usual_px = UsualSize.of(row, m_per_px)
+    thin = usual_px.width[0] < _THIN_PX
+    found: list[FoundItem] = []
+    for mask in _patches(pixels.item == row.detector_class, pixels.front, thin):
+        patch = cut_patch(mask, pixels.front, pixels.item != NO_ITEM, usual_px)
+        inside = [rectangle for _, rectangle in seen if _support(patch, rectangle) >= _SUPPORT]
+        if patch.size < _least_size_px(usual_px, bool(inside)):
+            continue
+        for piece, cost in _explained(patch, directions, inside):
+            found.append(_found_item(pixels, row, m_per_px, patch, piece, cost, seen))
+    return found
+
+
+def _patches(member: BoolArray, front: BoolArray, thin: bool) -> Iterable[BoolArray]:
+    """Connected pixels of one category; fragments without a mark join the patch beside them.
+
+    Pixels that touch at a corner only are together in thin things (a slanted panel is a staircase)
+    and apart in others (slanted chairs in a row).
+    """
+    connectivity = 8 if thin else 4
+    count, labels = cv2.connectedComponents(member.astype(np.uint8), connectivity=connectivity)
+    if count > 2:
+        whole = np.zeros(count, dtype=bool)
+        whole[labels[member & front]] = True
+        if not whole[1:].all():
+            labels = _fragments_joined(labels, whole)
+    for label in np.unique(labels[member]):
+        yield labels == label
+
+
+def _fragments_joined(labels: np.ndarray, whole: BoolArray) -> np.ndarray:
+    joined = labels.copy()
+    kernel = np.ones((2 * _NEAR_PX + 1, 2 * _NEAR_PX + 1), dtype=np.uint8)
+    for label in np.flatnonzero(~whole[1:]) + 1:
+        near = labels[cv2.dilate((labels == label).astype(np.uint8), kernel) > 0]
+        votes = np.bincount(near[(near > 0) & (near != label)], minlength=1)
+        if votes.any():
+            joined[joined == label] = joined[labels == int(votes.argmax())][0]
+    return joined
+
+
+def _least_size_px(usual_px: UsualSize, seen: bool) -> float:
+    return max(_LEAST_PX, (LEAST_SHARE_SEEN if seen else LEAST_SHARE) * usual_px.least_area)
+
+
+def _explained(
+    patch: Patch, directions: Directions, proposals: Sequence[Rectangle]
+) -> list[tuple[Piece, float]]:
+    """Pieces of a patch with their share of wrong pixels; what is left over is explained again."""
+    pieces, cost = explain(patch, directions, proposals)
+    share = min(1.0, cost / patch.size)
+    result = [(piece, share) for piece in pieces]
+    rest = uncovered(patch, pieces)
+    if _least_size_px(patch.usual_px, False) <= rest.sum() < patch.size:
+        left = replace(
+            patch,
+            evidence=replace(
+                patch.evidence,
+                members=patch.evidence.members[rest],
+                outsiders=np.concatenate([patch.evidence.outsiders, patch.evidence.members[~rest]]),
+                weights=np.concatenate([patch.evidence.weights, np.ones(int((~rest).sum()))]),
+            ),
+            marked=patch.marked[rest],
+        )
+        result += _explained(left, directions, ())
+    return result
+
+
+def _found_item(
+    pixels: LayoutPixels,
+    row: Category,
+    m_per_px: float,
+    patch: Patch,
+    piece: Piece,
+    wrong_share: float,
+    seen: Sequence[tuple[Detection, Rectangle]],
+) -> FoundItem:
+    turns = _facing(pixels, piece, row.mount)
+    rectangle = _thinned(piece.rectangle, turns, row, m_per_px)
+    overlaps = [(_overlap(piece.rectangle, other), proposal.score) for proposal, other in seen]
+    best, score = max(overlaps, default=(0.0, 0.0))
+    in_detector = best >= _SUPPORT
+    mask = np.zeros(pixels.item.shape, dtype=bool)
+    members = patch.evidence.members[piece.rectangle.grown(0.5).covers(patch.evidence.members)]
+    mask[(-members[:, 1]).astype(int), members[:, 0].astype(int)] = True
+    mask.setflags(write=False)
+    detection = Detection(
+        category=row.name,
+        corners_px=frozen_array(rectangle.corners_px(turns)),
+        score=score if in_detector else 1.0 - wrong_share,
+        mask=mask,
+    )
+    return FoundItem(detection, piece.quarter_turns is not None, in_detector)
+
+
+def _thinned(rectangle: Rectangle, turns: int, row: Category, m_per_px: float) -> Rectangle:
+    """Painted at least a pixel thick, growing to the front: back to the thickest usual piece."""
+    excess = 1.0 - row.width_m[1] / m_per_px
+    depth = rectangle.v1 - rectangle.v0 if turns % 2 == 0 else rectangle.u1 - rectangle.u0
+    if excess <= 0.0 or depth > 1.5:
+        return rectangle
+    if turns == 0:
+        return replace(rectangle, v0=rectangle.v0 + excess)
+    if turns == 1:
+        return replace(rectangle, u1=rectangle.u1 - excess)
+    if turns == 2:
+        return replace(rectangle, v1=rectangle.v1 - excess)
+    return replace(rectangle, u0=rectangle.u0 + excess)
+
+
+def _facing(pixels: LayoutPixels, piece: Piece, mount: Mount) -> int:
+    """Quarter turns of a piece, by its front mark as far as that tells."""
+    rectangle, turns = piece.rectangle, piece.quarter_turns
+    if turns is None:
+        return _away_from_wall(pixels, rectangle, range(4))
+    mark = rectangle.mark(turns)
+    if mount is Mount.WALL or covered_share(rectangle.mark((turns + 2) % 4), mark) > _SAME_MARK:
+        # In a piece a pixel or two thick, the mark does not tell the front from the back.
+        return _away_from_wall(pixels, rectangle, (turns, (turns + 2) % 4))
+    return turns
+
+
+def _away_from_wall(pixels: LayoutPixels, rectangle: Rectangle, choices: Iterable[int]) -> int:
+    """The choice that puts the back to the wall, a long side rather than a short one."""
+    shares = {}
+    for turns in choices:
+        corners = rectangle.corners_px(turns)
+        back_left, front_left, _, back_right = corners
+        outward = (back_left - front_left) / max(np.hypot(*(back_left - front_left)), 1e-9)
+        points = [
+            back_left + (back_right - back_left) * share + outward * reach
+            for share in (0.15, 0.4, 0.6, 0.85)
+            for reach in _LOOK_PX
+        ]
+        length = np.hypot(*(back_right - back_left))
+        depth = np.hypot(*(back_left - front_left))
+        long_side = 0.3 if length >= depth else 0.0
+        shares[turns] = _wall_share(pixels, np.array(points)) + long_side
+    return max(shares, key=lambda turns: shares[turns])
+
+
+def _wall_share(pixels: LayoutPixels, points: FloatArray) -> float:
+    height, width = pixels.structure.shape
+    columns, rows = np.floor(points).astype(int).T
+    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    return float((pixels.structure[rows[inside], columns[inside]] == _WALL).sum() / len(points))
+
+
+def _as_rectangle(corners_px: FloatArray) -> Rectangle:
+    """An oriented box given by its corners on the canvas (y down)."""
+    upright = corners_px * (1.0, -1.0)
+    side = upright[3] - upright[0]
+    angle = fold_deg(float(np.degrees(np.arctan2(side[1], side[0]))))
+    local = Rectangle(angle, 0, 0, 0, 0).local(upright)
+    (u0, v0), (u1, v1) = local.min(axis=0), local.max(axis=0)
+    return Rectangle(angle, float(u0), float(u1), float(v0), float(v1))
+
+
+def _support(patch: Patch, proposal: Rectangle) -> float:
+    """Share of a proposal that the pixels of a patch cover."""
+    return float(proposal.covers(patch.evidence.members).sum()) / max(proposal.area_px, 1.0)
+
+
+def _overlap(first: Rectangle, second: Rectangle) -> float:
+    """Intersection over union."""
+    both = covered_share(first, second) * first.area_px
+    return both / max(first.area_px + second.area_px - both, 1e-9)
