@@ -7,7 +7,7 @@ from typing import NamedTuple
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size
 from chord_usd.data.furnish.paths import path_faults
-from chord_usd.data.furnish.storage import put_cabinet
+from chord_usd.data.furnish.storage import put_dining_cabinet
 from chord_usd.data.furnish.walls import REACH, Wall
 
 PULL_OUT_M = 0.3
@@ -59,7 +59,7 @@ def furnish_dining(floor: Floor) -> None:
     put_dining_table(floor, core=True)
     if floor.dice.random() < 0.6:
         longest = floor.dice.uniform(1.2, 2.0)
-        put_cabinet(floor, tall=False, longest=longest, category="dining_cabinet")
+        put_dining_cabinet(floor, longest)
 
 
 def put_dining_table(floor: Floor, *, core: bool = False) -> bool:

@@ -53,6 +53,8 @@ class Door(NamedTuple):
     s_from: float
     s_to: float
     is_entrance: bool
+    beyond: Floor | None
+    """The room on the other side."""
 
 
 class Floor:

@@ -7,7 +7,12 @@ from typing import NamedTuple
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.dining import put_dining_table
 from chord_usd.data.furnish.floor import Floor, Size
-from chord_usd.data.furnish.storage import put_armchair, put_cabinet, put_shoe_cabinet
+from chord_usd.data.furnish.storage import (
+    put_armchair,
+    put_cabinet,
+    put_dining_cabinet,
+    put_shoe_cabinet,
+)
 from chord_usd.data.furnish.walls import REACH, Wall
 
 NEAREST_M, FARTHEST_M = 2.3, 6.0
@@ -36,8 +41,8 @@ def furnish_living(floor: Floor, *, with_dining: bool) -> None:
         put_dining_table(floor)
     if dice.random() < 0.6:
         put_shoe_cabinet(floor)
-    if dice.random() < (0.6 if floor.has("dining_table") else 0.25):
-        put_cabinet(floor, tall=False, longest=dice.uniform(0.9, 1.8), category="dining_cabinet")
+    if dice.random() < (0.6 if floor.has("dining_table") else 0.12):
+        put_dining_cabinet(floor, dice.uniform(0.9, 1.8))
     if floor.area_m2 > 14.0 and dice.random() < 0.55:
         put_armchair(floor)
     if floor.area_m2 > 12.0 and dice.random() < 0.2:
@@ -124,7 +129,7 @@ def _axes(
             s = min(max(_liked(floor, s_from, s_to, sofa[0]), low), max(low, high))
             score = floor.dice.uniform(0.0, 0.8) - abs(across - 3.6) * 0.5
             score += 0.3 * min(s_to - s_from, 5.0) - 0.8 * wall.has_window - 0.3 * wall.has_door
-            score -= 0.4 * facing.has_window
+            score -= 0.7 * facing.has_window
             found.append(Axis(score, wall, s, facing, mirror - s, across))
     return found
 

@@ -56,12 +56,12 @@ def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> Non
     entrance = _entrance(sides)
     for opening, found in sides:
         for floor, (wall, s_from, s_to) in found:
-            _open(floor, opening, wall, s_from, s_to, opening is entrance)
+            beyond = next((other for other, _ in found if other is not floor), None)
+            _open(floor, opening, Door(wall, s_from, s_to, opening is entrance, beyond))
 
 
-def _open(
-    floor: Floor, opening: Opening, wall: Wall, s_from: float, s_to: float, is_entrance: bool
-) -> None:
+def _open(floor: Floor, opening: Opening, side: Door) -> None:
+    wall, s_from, s_to = side[:3]
     if opening.kind == "window":
         sill = opening.box.center_m[2] + 1e-6
         floor.windows.append((wall, s_from, s_to, sill))
@@ -69,7 +69,7 @@ def _open(
             part.keep(wall, s_from, s_to, 0.0, WINDOW_ZONE_M, ZONE, sill)
         wall.has_window = True
         return
-    floor.doors.append(Door(wall, s_from, s_to, is_entrance))
+    floor.doors.append(side)
     deep = min(s_to - s_from, DEEPEST_DOOR_ZONE_M)
     for part in (floor, *floor.touching):
         part.keep(wall, s_from, s_to, 0.0, deep)
@@ -142,5 +142,5 @@ def _share_sides(floor: Floor, other: Floor) -> None:
                 floor.keep(wall, s_from, s_to, 0.0, OPEN_SIDE_M)
                 if other not in floor.touching:
                     floor.touching.append(other)
-                floor.doors.append(Door(wall, s_from, s_to, False))
+                floor.doors.append(Door(wall, s_from, s_to, False, other))
                 wall.has_door = True

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
 from chord_usd.palette import CATEGORIES
+
+Score = Callable[[Floor, Spot, float], float]
+"""How well a piece of the wanted length would stand in a span."""
 
 OPEN_DOORS_M = 0.6
 """In front of a cabinet, for its doors and for whoever stands there."""
@@ -25,8 +29,25 @@ def anchored(floor: Floor, spot: Spot, length: float) -> float:
     return low if near_low > near_high else high
 
 
+def put_dining_cabinet(floor: Floor, longest: float) -> bool:
+    """A low cabinet as near to the dining table as can be. Returns whether one was put."""
+    tables = [piece for piece in floor.placed if piece.category == "dining_table"]
+
+    def score(floor: Floor, spot: Spot, wanted: float) -> float:
+        liked = _cabinet_score(floor, spot, wanted)
+        x, y = spot.wall.world((spot.s_from + spot.s_to) / 2, 0.3)
+        return liked - sum(math.hypot(table.x - x, table.y - y) for table in tables)
+
+    return put_cabinet(floor, tall=False, longest=longest, category="dining_cabinet", score=score)
+
+
 def put_cabinet(
-    floor: Floor, *, tall: bool, longest: float, category: str = "cabinet", core: bool = False
+    floor: Floor,
+    *,
+    tall: bool,
+    longest: float,
+    category: str = "cabinet",
+    score: Score | None = None,
 ) -> bool:
     """A cabinet as long as fits, in a corner where possible. Returns whether one was put."""
     dice = floor.dice
@@ -37,7 +58,7 @@ def put_cabinet(
     else:
         depth, height = sizes.between(dice, row.width_m[0], 0.45), sizes.between(dice, 0.8, 1.1)
     least = row.length_m[0]
-    best = best_spot(floor, (least, depth, height), OPEN_DOORS_M, longest, _cabinet_score)
+    best = best_spot(floor, (least, depth, height), OPEN_DOORS_M, longest, score or _cabinet_score)
     if not best:
         return False
     length = min(longest, row.length_m[1], best.length)
@@ -48,7 +69,7 @@ def put_cabinet(
         length = max(least, int(length * 20 + 1e-6) / 20)
     floor.new_group()
     s = anchored(floor, best, length)
-    floor.put(category, best.wall, s, (length, depth, height), reach=OPEN_DOORS_M, core=core)
+    floor.put(category, best.wall, s, (length, depth, height), reach=OPEN_DOORS_M)
     return True
 
 
@@ -57,7 +78,7 @@ def best_spot(
     least: Size,
     reach: float,
     wanted: float,
-    score: Callable[[Floor, Spot, float], float],
+    score: Score,
 ) -> Spot | None:
     """The best span for a piece of at least this size, wanted metres long if possible."""
     noise = floor.dice.uniform
