@@ -46,7 +46,7 @@ class Bar:
 
 def bars_of(kind: OpeningKind, ink: BoolArray, thickness_px: float) -> Iterator[Bar]:
     """Each straight patch of an opening's colour; stray pixels are passed over."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(ink.astype(np.uint8), connectivity=8)
+    count, labels = cv2.connectedComponents(ink.astype(np.uint8), connectivity=4)
     for label in range(1, count):
         mask = np.asarray(labels == label)
         for part in _straight_parts(mask, thickness_px):

@@ -8,6 +8,7 @@ remains. No edge moves by more than half a pixel.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -52,11 +53,10 @@ def settle(
     chains = _Chains([_span_of(edge, solid, thickness_px) for edge in edges])
     for _, first, second, distance in sorted(_pairs(edges, thickness_px), reverse=True):
         chains.join(first, second, distance)
-    places = {(edge.polygon, edge.corner): chains.place(index) for index, edge in enumerate(edges)}
-    return [
-        _moved(polygon, {corner: place for (owner, corner), place in places.items() if owner == i})
-        for i, polygon in enumerate(polygons)
-    ]
+    anchors = [_slants_in_their_walls(polygon, solid, thickness_px) for polygon in polygons]
+    for index, edge in enumerate(edges):
+        anchors[edge.polygon][edge.corner, edge.axis] = chains.place(index)
+    return [_through(polygon, anchor) for polygon, anchor in zip(polygons, anchors, strict=True)]
 
 
 def _axis_edges(index: int, polygon: FloatArray) -> list[_Edge]:
@@ -160,22 +160,62 @@ class _Chains:
         return index, offset
 
 
-def _moved(polygon: FloatArray, places: dict[int, float]) -> FloatArray:
-    """The polygon with these edges (by first corner) moved; unchanged if that would break it."""
-    following = np.roll(polygon, -1, axis=0)
-    directions = following - polygon
+def _slants_in_their_walls(
+    polygon: FloatArray, solid: BoolArray, thickness_px: float
+) -> FloatArray:
+    """(N, 2) a point of each edge; of slanted ones, moved to where both faces of the wall fit."""
     anchors = polygon.copy()
-    for corner, place in places.items():
-        axis = 0 if abs(directions[corner, 0]) < 1e-6 else 1
-        anchors[corner, axis] = place
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    for corner in np.flatnonzero(np.abs(edges).min(axis=1) > 1e-6):
+        length = float(np.hypot(*edges[corner]))
+        along = edges[corner] / length
+        # Clockwise in numbers: outside lies to the left.
+        outward = np.array([-along[1], along[0]])
+        ends = polygon[corner], polygon[corner] + edges[corner]
+        window, points = _pixels_near(ends, thickness_px + 3.0, solid.shape)
+        places = points - polygon[corner]
+        beside = np.abs(places @ along - length / 2) < length / 2 - thickness_px / 2
+        depth, wall = (places @ outward)[beside], solid[window][beside]
+        spans = [_face(depth, wall), _face(thickness_px - depth, wall)]
+        low = max(spans[0][0], -spans[1][1])
+        high = min(spans[0][1], -spans[1][0])
+        if -math.inf < low < high < math.inf:
+            anchors[corner] += outward * (low + high) / 2
+    return anchors
+
+
+def _face(depth: FloatArray, wall: BoolArray) -> tuple[float, float]:
+    """Where the face of a wall lies, which begins near depth 0: (from, to).
+
+    depth: of pixel centres; wall: which of them are wall.
+    """
+    near = np.abs(depth) < 1.5
+    floor_depth, wall_depth = depth[near & ~wall], depth[near & wall]
+    low = float(floor_depth.max()) if len(floor_depth) else -math.inf
+    high = float(wall_depth.min()) if len(wall_depth) else math.inf
+    return (low, high) if low < high else (-math.inf, math.inf)
+
+
+def _pixels_near(
+    ends: tuple[FloatArray, FloatArray], reach_px: float, shape: tuple[int, ...]
+) -> tuple[tuple[slice, slice], FloatArray]:
+    """The window of an image round a segment, and the centres of its pixels (H, W, 2)."""
+    low = np.floor(np.minimum(*ends) - reach_px).astype(int).clip(0)
+    high = np.ceil(np.maximum(*ends) + reach_px).astype(int).clip(0, shape[::-1])
+    window = slice(low[1], high[1]), slice(low[0], high[0])
+    rows, columns = np.mgrid[window]
+    return window, np.stack([columns, rows], axis=-1) + 0.5
+
+
+def _through(polygon: FloatArray, anchors: FloatArray) -> FloatArray:
+    """The polygon with each edge moved in parallel through its anchor, if that leaves it valid."""
+    edges = np.roll(polygon, -1, axis=0) - polygon
     corners = np.empty_like(polygon)
     for corner in range(len(polygon)):
-        before = corner - 1
-        (ux, uy), (vx, vy) = directions[before], directions[corner]
+        (ux, uy), (vx, vy) = edges[corner - 1], edges[corner]
         turn = ux * vy - uy * vx
         if abs(turn) < 1e-9:
             return polygon
-        x, y = anchors[corner] - anchors[before]
-        along = (x * vy - y * vx) / turn
-        corners[corner] = anchors[before] + along * directions[before]
+        x, y = anchors[corner] - anchors[corner - 1]
+        corners[corner] = anchors[corner - 1] + (x * vy - y * vx) / turn * edges[corner - 1]
     return corners if Polygon(corners).is_valid else polygon
