@@ -15,7 +15,11 @@ from chord_usd.data.furnish.floor import Floor, Placed
 from chord_usd.data.furnish.guess import guess_kinds
 from chord_usd.data.furnish.kitchen import furnish_kitchen
 from chord_usd.data.furnish.living import furnish_living
-from chord_usd.data.furnish.openings import attach_open_sides, attach_openings
+from chord_usd.data.furnish.openings import (
+    attach_open_sides,
+    attach_openings,
+    keep_ways_in,
+)
 from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.small import (
     furnish_balcony,
@@ -66,6 +70,8 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     best: tuple[int, list[Placed]] | None = None
     for attempt in range(ATTEMPTS):
         floor.is_tight = attempt > 0
+        if not floor.is_tight:
+            keep_ways_in(floor)
         _furnish_room(floor, floors, is_laundry)
         faults = path_faults(floor) if floor.placed else 0
         if floor.kind in HAS_CORE and not any(piece.core for piece in floor.placed):

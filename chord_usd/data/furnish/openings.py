@@ -16,7 +16,7 @@ DEEPEST_DOOR_ZONE_M = 0.9
 """A door keeps its own width free in front of it, wide ones no more than a leaf's."""
 
 WAY_IN_M = 0.6
-"""Beyond that the way into larger rooms stays open, or one would walk into a bed."""
+"""Beyond that the way into larger rooms stays open where it can."""
 
 OPEN_SIDE_M = 0.02
 """Along sides where two rooms touch there is no wall to stand against."""
@@ -74,8 +74,14 @@ def _open(floor: Floor, opening: Opening, side: Door) -> None:
     for part in (floor, *floor.touching):
         part.keep(wall, s_from, s_to, 0.0, deep)
     wall.has_door = True
+
+
+def keep_ways_in(floor: Floor) -> None:
+    """Keep a larger room open beyond its doors, too, so that nobody walks into a bed."""
     if floor.kind in _ROOMY_KINDS:
-        floor.keep(wall, s_from, s_to, deep, deep + WAY_IN_M, REACH)
+        for wall, s_from, s_to, *_ in floor.doors:
+            deep = min(s_to - s_from, DEEPEST_DOOR_ZONE_M)
+            floor.keep(wall, s_from, s_to, deep, deep + WAY_IN_M, REACH)
 
 
 def _side_of(floor: Floor, opening: Opening) -> tuple[Wall, float, float] | None:
