@@ -40,7 +40,9 @@ _STRUCTURE_REACH = 48
 """Greatest channel difference to a structure colour; the darkest item pixel is 84 levels away."""
 _GREY_REACH = 13
 """Greatest spread of the channels of a floor pixel under noise of 8 levels, smoothed."""
-_FAR_SHADE_COST = 20.0
+_LEAST_SHADE_SHARE, _LEAST_SHADE_PX = 0.03, 4
+"""A region has a shade if this share of its floor and so many pixels show it, noise allowed."""
+_FAR_SHADE_COST, _FAR_SHADE_COST_CLEAN = 20.0, 0.5
 """Squared levels that speak against a shade other than that of the nearest bare floor."""
 
 
@@ -69,11 +71,12 @@ def read_pixels(rgb: ByteArray) -> LayoutPixels:
             expected="(height, width, 3) uint8",
         )
     clean = _is_clean(rgb)
-    smooth = rgb if clean else cv2.bilateralFilter(rgb, 5, 25.0, 2.0)
+    smooth = rgb if clean else np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), dtype=np.uint8)
     structure = _read_structure(smooth)
     _, regions = cv2.connectedComponents((structure == CLEAR).astype(np.uint8), connectivity=4)
-    shade, allowed = _read_shades(smooth, regions)
-    item, front, shade = _read_items(smooth, regions, shade, allowed)
+    shade, allowed = _read_shades(smooth, regions, 0.0 if clean else _LEAST_SHADE_SHARE)
+    far_cost = _FAR_SHADE_COST_CLEAN if clean else _FAR_SHADE_COST
+    item, front, shade = _read_items(smooth, regions, shade, allowed, far_cost)
     if not clean:
         item, front = _settle(item, front, structure)
     return LayoutPixels(structure, shade, item, front)
@@ -97,8 +100,8 @@ _STRUCTURE_RGB = np.array([row.rgb for row in PLAN_CATEGORIES], dtype=np.int16)
 
 
 def _packed(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
-    wide = rgb.astype(np.uint32)
-    return (wide[..., 0] << 16) | (wide[..., 1] << 8) | wide[..., 2]
+    red, green, blue = np.moveaxis(rgb.astype(np.uint32), -1, 0)
+    return np.asarray((red << 16) | (green << 8) | blue, dtype=np.uint32)
 
 
 _EXACT = np.unique(
@@ -122,7 +125,7 @@ def _read_structure(rgb: ByteArray) -> LabelArray:
 
 
 def _read_shades(
-    rgb: ByteArray, regions: npt.NDArray[np.int32]
+    rgb: ByteArray, regions: npt.NDArray[np.int32], least_share: float
 ) -> tuple[LabelArray, dict[int, list[int]]]:
     """Shade of the nearest bare floor in each pixel's region, and the shades each region has."""
     level = rgb.astype(np.float32).mean(axis=-1)
@@ -134,7 +137,7 @@ def _read_shades(
     flat = bare & (cv2.boxFilter(bare.astype(np.float32), -1, (3, 3)) > 0.6)
     for region in range(1, int(regions.max()) + 1):
         inside = regions == region
-        allowed[region] = _shades_of(nearest[inside & flat], nearest[inside & bare])
+        allowed[region] = _shades_of(nearest[inside & flat], nearest[inside & bare], least_share)
         floor = bare & inside & np.isin(nearest, allowed[region])
         if len(allowed[region]) == 1:
             shade[inside] = allowed[region][0]
@@ -143,11 +146,11 @@ def _read_shades(
     return shade, allowed
 
 
-def _shades_of(flat: LabelArray, bare: LabelArray) -> list[int]:
+def _shades_of(flat: LabelArray, bare: LabelArray, least_share: float) -> list[int]:
     """Shades that cover a real part of a region; all of them where no floor is left to see."""
     for votes in (flat, bare):
         counts = np.bincount(votes, minlength=len(SHADE_KINDS))
-        large = np.flatnonzero(counts >= max(12, 0.03 * counts.sum()))
+        large = np.flatnonzero(counts >= max(_LEAST_SHADE_PX, least_share * counts.sum()))
         if len(large):
             return [int(index) for index in large]
     if len(bare):
@@ -170,6 +173,7 @@ def _read_items(
     regions: npt.NDArray[np.int32],
     shade: LabelArray,
     allowed: dict[int, list[int]],
+    far_cost: float,
 ) -> tuple[LabelArray, BoolArray, LabelArray]:
     """Item and mark of each pixel, and the shade it was read with."""
     item = np.full(regions.shape, NO_ITEM, dtype=np.int16)
@@ -182,7 +186,7 @@ def _read_items(
     for region in np.unique(of_pixel):
         chosen = of_pixel == region
         at = (rows[chosen], columns[chosen])
-        code, under = _nearest_colours(rgb[at], shade[at], allowed[int(region)])
+        code, under = _nearest_colours(rgb[at], shade[at], allowed[int(region)], far_cost)
         item[at] = np.where(code == _FLOOR, NO_ITEM, code // 2)
         front[at] = (code != _FLOOR) & (code % 2 == 1)
         shade[at] = under
@@ -190,7 +194,7 @@ def _read_items(
 
 
 def _nearest_colours(
-    rgb: npt.NDArray[np.uint8], prior: LabelArray, shades: list[int]
+    rgb: npt.NDArray[np.uint8], prior: LabelArray, shades: list[int], far_cost: float
 ) -> tuple[npt.NDArray[np.int64], LabelArray]:
     """Best (row of the item table, shade) for each of (N, 3) colours."""
     colours, back = np.unique(_packed(rgb), return_inverse=True)
@@ -202,7 +206,7 @@ def _nearest_colours(
         best = gap.argmin(axis=1)
         code[position] = best[back]
         cost[position] = gap[np.arange(len(best)), best][back]
-        cost[position] += np.where(prior == shade, 0.0, _FAR_SHADE_COST)
+        cost[position] += np.where(prior == shade, 0.0, far_cost)
     winner = cost.argmin(axis=0)
     each = np.arange(len(rgb))
     return code[winner, each], np.array(shades, dtype=np.int16)[winner]

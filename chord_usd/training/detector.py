@@ -101,7 +101,7 @@ class _Run:
         self.model = build_model(kind)
         if resume:
             self._resume()
-        self.model = self.model.to(config.device, memory_format=torch.channels_last).train()
+        self.model = self.model.to(config.device).to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
         self.ema = {name: value.detach().clone() for name, value in self._floats()}
         self.optimizer = self._optimizer()
         # The stream goes on behind what was seen before the resumption.

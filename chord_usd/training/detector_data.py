@@ -210,7 +210,7 @@ def _rooms(rooms: tuple[Room, ...], frame: PixelFrame) -> tuple[FloatArray, Floa
         boxes.append([*(low + high) / 2, *(high - low)])
         # fillPoly counts pixel centres as whole numbers.
         points = np.rint((corners / MASK_STEP_PX - 0.5) * 16).astype(np.int32)
-        cv2.fillPoly(room_map, [points], len(classes), shift=4)
+        cv2.fillPoly(room_map, [points], (len(classes),), shift=4)
     return (
         np.array(classes, dtype=np.float64),
         np.array(boxes, dtype=np.float64).reshape(-1, 4),

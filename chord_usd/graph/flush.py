@@ -1,0 +1,150 @@
+"""The last half pixel: items stand flush with walls and beside each other, not inside.
+
+A raster gives edges to half a pixel, about three centimetres. An edge that close to a wall of its
+room is on it, and neighbours that overlap by less than that touch. Metres, world axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from chord_usd.graph.rectangles import Rectangle, fold_deg
+from chord_usd.types import Box, FloatArray
+from chord_usd.units import wrap_deg
+
+ALIGN_DEG = 4.0
+"""Items this close to the direction of the nearest side of their room are along it."""
+
+_PARALLEL_DEG = 0.2
+_TURN_EPSILON_DEG = 1e-6
+
+
+@dataclass(frozen=True)
+class Standing:
+    """An item's footprint in the world."""
+
+    rectangle: Rectangle
+    """Metres; angle_deg in [-45, 45)."""
+    quarter_turns: int
+    """Yaw is rectangle.angle_deg plus these."""
+
+    @classmethod
+    def of(cls, box: Box) -> Standing:
+        """The footprint of a box."""
+        angle = fold_deg(box.yaw_deg)
+        turns = round((box.yaw_deg - angle) / 90.0) % 4
+        length, width = box.size_m[:2] if turns % 2 == 0 else box.size_m[1::-1]
+        flat = Rectangle(angle, 0.0, 0.0, 0.0, 0.0)
+        u, v = flat.local(np.array([box.center_m[:2]]))[0]
+        spans = (u - length / 2, u + length / 2, v - width / 2, v + width / 2)
+        return cls(Rectangle(angle, *map(float, spans)), turns)
+
+    def on(self, box: Box) -> Box:
+        """The box moved to this footprint; heights stay."""
+        rectangle = self.rectangle
+        length, width = rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0
+        if self.quarter_turns % 2:
+            length, width = width, length
+        x, y = map(float, rectangle.center)
+        yaw_deg = wrap_deg(rectangle.angle_deg + 90.0 * self.quarter_turns)
+        return Box((x, y, box.center_m[2]), (length, width, box.size_m[2]), yaw_deg)
+
+
+def align(standing: Standing, polygon_m: FloatArray) -> Standing:
+    """Turn an item about its centre to the direction of the nearest side of its room, if near."""
+    sides = np.roll(polygon_m, -1, axis=0) - polygon_m
+    lengths = np.hypot(sides[:, 0], sides[:, 1])
+    old = standing.rectangle
+    place = old.center - polygon_m
+    along = np.clip((place * sides).sum(axis=1) / np.maximum(lengths**2, 1e-12), 0.0, 1.0)
+    distance = np.hypot(*(place - along[:, None] * sides).T)
+    for side in np.argsort(distance, kind="stable"):
+        angle = _direction_deg(sides[side])
+        turn = fold_deg(old.angle_deg - angle)
+        if abs(turn) <= ALIGN_DEG:
+            return standing if abs(turn) < _TURN_EPSILON_DEG else _turned(standing, -turn)
+    return standing
+
+
+def flush_with_walls(standing: Standing, polygon_m: FloatArray, reach_m: float) -> Standing:
+    """Move each edge within reach_m of a parallel side of the room onto it."""
+    edges: dict[str, float] = {}
+    rectangle = standing.rectangle
+    local = rectangle.local(polygon_m)
+    for start, stop in zip(local, np.roll(local, -1, axis=0), strict=True):
+        for axis, names in ((0, ("u0", "u1")), (1, ("v0", "v1"))):
+            slope = abs(stop[axis] - start[axis])
+            span = abs(stop[1 - axis] - start[1 - axis])
+            if slope > span * np.tan(np.radians(_PARALLEL_DEG)):
+                continue
+            low, high = sorted((start[1 - axis], stop[1 - axis]))
+            near, far = _span(rectangle, 1 - axis)
+            if min(high, far) - max(low, near) < 0.3 * (far - near):
+                continue
+            # Counter-clockwise: the room lies to the left of its sides.
+            upper = (stop[1 - axis] > start[1 - axis]) == (axis == 0)
+            name = names[int(upper)]
+            place = float(start[axis] + stop[axis]) / 2
+            if abs(place - getattr(rectangle, name)) <= reach_m:
+                edges[name] = place
+    moved = replace(rectangle, **edges)
+    if moved.u1 - moved.u0 < reach_m / 2 or moved.v1 - moved.v0 < reach_m / 2:
+        return standing
+    return replace(standing, rectangle=moved)
+
+
+def part(standings: Sequence[Standing], reach_m: float) -> list[Standing]:
+    """Neighbours of one direction that overlap by less than reach_m share the overlap and touch."""
+    result = list(standings)
+    for i in range(len(result)):
+        for j in range(i + 1, len(result)):
+            turns = fold_deg(result[i].rectangle.angle_deg - result[j].rectangle.angle_deg)
+            if abs(turns) < _TURN_EPSILON_DEG:
+                result[i], result[j] = _parted(result[i], result[j], reach_m)
+    return result
+
+
+def _parted(first: Standing, second: Standing, reach_m: float) -> tuple[Standing, Standing]:
+    depths = []
+    for axis in (0, 1):
+        (a0, a1), (b0, b1) = _span(first.rectangle, axis), _span(second.rectangle, axis)
+        depths += [(a1 - b0, axis, True), (b1 - a0, axis, False)]
+    depth, axis, first_below = min(depths)
+    if not 0.0 < depth <= reach_m:
+        return first, second
+    names = (("u0", "u1"), ("v0", "v1"))[axis]
+    lower, upper = (first, second) if first_below else (second, first)
+    middle = (_span(lower.rectangle, axis)[1] + _span(upper.rectangle, axis)[0]) / 2
+    lower = replace(lower, rectangle=replace(lower.rectangle, **{names[1]: middle}))
+    upper = replace(upper, rectangle=replace(upper.rectangle, **{names[0]: middle}))
+    return (lower, upper) if first_below else (upper, lower)
+
+
+def _span(rectangle: Rectangle, axis: int) -> tuple[float, float]:
+    if axis == 0:
+        return rectangle.u0, rectangle.u1
+    return rectangle.v0, rectangle.v1
+
+
+def _direction_deg(side: FloatArray) -> float:
+    dx, dy = side
+    if abs(dx) < 1e-9 or abs(dy) < 1e-9:
+        return 0.0
+    return fold_deg(float(np.degrees(np.arctan2(dy, dx))))
+
+
+def _turned(standing: Standing, by_deg: float) -> Standing:
+    """Turned about its own centre."""
+    old = standing.rectangle
+    angle, turns = old.angle_deg + by_deg, standing.quarter_turns
+    folded = fold_deg(angle)
+    quarters = round((angle - folded) / 90.0)
+    length, width = old.u1 - old.u0, old.v1 - old.v0
+    if quarters % 2:
+        length, width = width, length
+    u, v = Rectangle(folded, 0.0, 0.0, 0.0, 0.0).local(old.center[None])[0]
+    spans = (u - length / 2, u + length / 2, v - width / 2, v + width / 2)
+    return Standing(Rectangle(folded, *map(float, spans)), (turns + quarters) % 4)

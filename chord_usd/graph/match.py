@@ -1,0 +1,140 @@
+"""Detections -> items: which room, what size and height, which mesh, which name."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+from shapely.geometry import Polygon
+
+from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.graph.flush import Standing, align, flush_with_walls, part
+from chord_usd.graph.snap import FoundItem
+from chord_usd.palette import category
+from chord_usd.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
+from chord_usd.units import m_from_px, wrap_deg
+
+LEAST_INSIDE = 0.5
+"""An item with less of its footprint in its room (grown by a pixel) is in no room, and dropped."""
+
+FLUSH_PX = 0.55
+"""Edges this close to a wall are on it: half a pixel of drawing, and some for rounding."""
+
+
+class Database(Protocol):
+    """Where meshes come from; chord_usd.assets.database has it."""
+
+    def nearest(self, name: str, size_m: tuple[float, float, float], /) -> Asset:
+        """The mesh of this category whose size differs least."""
+
+
+def place_items(
+    found: Sequence[FoundItem], rooms: Sequence[Room], frame: PixelFrame
+) -> tuple[Item, ...]:
+    """Items in the rooms they lie in, flush with walls and neighbours, named per room.
+
+    An item goes to the room that covers most of it. What lies in no room is dropped. Ids are
+    room/category_n, counted in a fixed order: rooms as given, then category, then position.
+    """
+    floors = [room_polygon(room) for room in rooms]
+    by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
+    for one in found:
+        box = box_of(one.detection, frame)
+        index = _room_of(box, floors, frame.m_per_px)
+        if index is not None:
+            by_room[index].append((one, box))
+    items: list[Item] = []
+    for index, room in enumerate(rooms):
+        items += _items_of(room, by_room[index], frame.m_per_px)
+    return tuple(items)
+
+
+def box_of(detection: Detection, frame: PixelFrame) -> Box:
+    """The box of a detection: its footprint, with the usual height and mount of its category."""
+    back_left, front_left, front_right, back_right = m_from_px(detection.corners_px, frame)
+    row = category(detection.category)
+    x, y = (back_left + front_left + front_right + back_right) / 4
+    size_m = (
+        float(np.hypot(*(front_right - front_left))),
+        float(np.hypot(*(back_left - front_left))),
+        sum(row.height_m) / 2,
+    )
+    center_m = (float(x), float(y), row.mount_height_m)
+    return Box(center_m, size_m, _yaw_deg(front_right - front_left))
+
+
+def match_assets(graph: SceneGraph, database: Database) -> SceneGraph:
+    """Give every item without a mesh the nearest one: same category, least difference in size.
+
+    Tabletop items too. Raises AssetError when the database has nothing of a category.
+    """
+    return replace(graph, items=tuple(_matched(item, database) for item in graph.items))
+
+
+def _matched(item: Item, database: Database) -> Item:
+    asset = item.asset or database.nearest(item.category, item.box.size_m)
+    children = tuple(_matched(child, database) for child in item.children)
+    return replace(item, asset=asset, children=children)
+
+
+def _yaw_deg(along: np.ndarray) -> float:
+    """Yaw of an item whose own x axis points along this vector; quarter turns are exact."""
+    yaw = float(np.degrees(np.arctan2(along[1], along[0])))
+    nearest = round(yaw / 90.0) * 90.0
+    return wrap_deg(nearest if abs(yaw - nearest) < 1e-6 else yaw)
+
+
+def _room_of(box: Box, floors: Sequence[Polygon], m_per_px: float) -> int | None:
+    """Index of the room that covers most of a footprint; None if that is not enough of it."""
+    shape = footprint_polygon(box)
+    shares = [
+        shape.intersection(floor).area if shape.intersects(floor) else 0.0 for floor in floors
+    ]
+    if not shares:
+        return None
+    # A thin panel may be painted up to a pixel off; it still touches its own room only.
+    if max(shares) == 0.0:
+        shares = [
+            shape.intersection(floor.buffer(m_per_px, join_style="mitre")).area for floor in floors
+        ]
+    best = int(np.argmax(shares))
+    inside = shape.intersection(floors[best].buffer(m_per_px, join_style="mitre")).area
+    return best if inside >= LEAST_INSIDE * shape.area and inside > 0.0 else None
+
+
+def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: float) -> list[Item]:
+    reach_m = FLUSH_PX * m_per_px
+    standings = [
+        flush_with_walls(align(Standing.of(box), room.polygon_m), room.polygon_m, reach_m)
+        for _, box in found
+    ]
+    standings = part(standings, reach_m)
+    placed = [
+        (one, standing.on(box)) for (one, box), standing in zip(found, standings, strict=True)
+    ]
+    placed.sort(key=lambda pair: _order(*pair))
+    counts: dict[str, int] = defaultdict(int)
+    items = []
+    for one, box in placed:
+        name = one.detection.category
+        items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
+        counts[name] += 1
+    return items
+
+
+def _order(one: FoundItem, box: Box) -> tuple[int, float, float]:
+    x, y, _ = box.center_m
+    return category(one.detection.category).detector_class, round(x, 3), round(y, 3)
+
+
+def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:
+    extra = {
+        "source_px": np.round(one.detection.corners_px, 2).tolist(),
+        "front_from": "mark" if one.front_seen else "wall",
+        "detected": one.in_detector,
+    }
+    score = round(one.detection.score, 4)
+    return Item(item_id, one.detection.category, box, room_id, score=score, extra=extra)
