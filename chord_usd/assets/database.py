@@ -12,13 +12,14 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import AssetError, OutputError
 from chord_usd.palette import CATEGORIES, category
+from chord_usd.progress import Progress
 from chord_usd.types import Asset
 
 INDEX_NAME = "index.json"
@@ -29,7 +30,6 @@ CACHE_VARIABLE = "CHORD_USD_CACHE"
 _GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture")
 _REBUILD = "chord-usd assets build -o FOLDER"
 
-Progress = Callable[[int, int], None]
 SizeM = tuple[float, float, float]
 
 
