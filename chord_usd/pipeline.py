@@ -11,7 +11,7 @@ from pathlib import Path
 from chord_usd.files import hash_file
 from chord_usd.locations import checkpoint_folder
 from chord_usd.progress import Stopwatch
-from chord_usd.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
+from chord_usd.types import Item, LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 
 
 @dataclass(frozen=True)
@@ -98,13 +98,15 @@ def read_graph(
     layout: LayoutImage, plan: Plan | None, settings: Settings, watch: Stopwatch
 ) -> SceneGraph:
     """LayoutImage -> SceneGraph with meshes; without a plan, rooms are read from the layout."""
-    with watch.step("load"):
+    with watch.step("load") as progress:
         from chord_usd.assets.database import load_database
+        from chord_usd.graph.detect import load_item_detector
         from chord_usd.graph.extract import extract_graph
 
-        database = load_database(settings.asset_folders)
+        database = load_database(settings.asset_folders, progress)
+        detector = load_item_detector()
     with watch.step("graph"):
-        return extract_graph(layout, plan, database)
+        return extract_graph(layout, plan, database, detector)
 
 
 def write_stage(
@@ -118,12 +120,20 @@ def write_stage(
 
 
 def read_scene_file(scene_file: Path, settings: Settings, watch: Stopwatch) -> SceneGraph:
-    """Scene graph file -> SceneGraph; items without a mesh get the nearest one."""
-    with watch.step("load"):
+    """Scene graph file -> SceneGraph; items without a mesh on this machine get the nearest one."""
+    with watch.step("load") as progress:
         from chord_usd.assets.database import load_database
         from chord_usd.chord_json import read_scene
         from chord_usd.graph.match import match_assets
 
-        database = load_database(settings.asset_folders)
+        database = load_database(settings.asset_folders, progress)
     with watch.step("graph"):
-        return match_assets(read_scene(scene_file), database)
+        graph = read_scene(scene_file)
+        items = tuple(_without_lost_meshes(item) for item in graph.items)
+        return match_assets(replace(graph, items=items), database)
+
+
+def _without_lost_meshes(item: Item) -> Item:
+    asset = item.asset if item.asset and item.asset.usd_path.is_file() else None
+    children = tuple(_without_lost_meshes(child) for child in item.children)
+    return replace(item, asset=asset, children=children)

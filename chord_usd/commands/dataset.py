@@ -174,8 +174,9 @@ def _foreign_houses(source: Path) -> Iterator[tuple[str, SceneGraph]]:
     elif source.suffix == ".json":
         yield source.stem, read_scene(existing_file(source))
     else:
-        for flat in read_flats(existing_file(source)):
-            yield flat.name, SceneGraph(flat.plan.rooms, flat.plan.openings, ())
+        for index, plan in enumerate(read_flats(existing_file(source))):
+            name = str(plan.extra.get("source", f"flat_{index:06d}")).replace("/", "_")
+            yield name, SceneGraph(plan.rooms, plan.openings, (), extra=plan.extra)
 
 
 def _houses(folder: Path) -> Iterator[tuple[str, SceneGraph]]:

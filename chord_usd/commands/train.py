@@ -77,7 +77,7 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
         device=options.device,
         stream=StreamConfig(seed=options.seed),
     )
-    flats = [flat.plan for flat in read_flats(options.flats)] if options.flats else []
+    flats = read_flats(options.flats) if options.flats else []
     trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
     resumed = trainer.resume()
     watch = stopwatch(options)
