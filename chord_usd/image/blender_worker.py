@@ -36,7 +36,9 @@ GPU_BACKENDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 
 METER_WIDTH_PX = 96
 METER_SAMPLES = 16
-MIDDLE_GREY = 0.18
+KEY = 0.26
+"""Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale."""
+
 EXPOSURE_RANGE_EV = (-12.0, 12.0)
 
 FIREFLY_WHITE = 10.0
@@ -286,7 +288,7 @@ def _expose(scene: Any, exposure_ev: float) -> None:
 
 
 def _metered_exposure_ev(scene: Any, job: Job) -> float:
-    """Stops that bring the picture's log-average luminance to middle grey.
+    """Stops that bring the picture's log-average luminance to KEY.
 
     Metered on a tiny noisy rendering of the whole view, so every tile of a picture gets the same.
     """
@@ -311,7 +313,7 @@ def _metered_exposure_ev(scene: Any, job: Job) -> float:
 
 
 def exposure_ev(luminance: Any) -> float:
-    """Stops from scene-linear luminances to a log-average of middle grey.
+    """Stops from scene-linear luminances to a log-average of KEY.
 
     The darkest tenth is left out: what no light reaches should stay dark. 0.0 for a black scene.
     """
@@ -321,7 +323,7 @@ def exposure_ev(luminance: Any) -> float:
     if not len(lit):
         return 0.0
     log_average = float(np.exp2(np.log2(lit).mean()))
-    return float(np.clip(math.log2(MIDDLE_GREY / log_average), *EXPOSURE_RANGE_EV))
+    return float(np.clip(math.log2(KEY / log_average), *EXPOSURE_RANGE_EV))
 
 
 # --- pictures -----------------------------------------------------------------------------------

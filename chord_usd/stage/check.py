@@ -10,11 +10,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import shapely
 from pxr import Tf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
-from chord_usd.geometry import room_polygon
+from chord_usd.geometry import footprint, room_polygon
 from chord_usd.metrics import score_scene
 from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
@@ -23,7 +24,7 @@ from chord_usd.stage.check_scene import StageScene, read_scene
 from chord_usd.types import Item
 
 WALL_GAP_M = 0.01
-"""A panel no further than this from its wall hangs on it."""
+"""A panel whose back is no further than this from the wall hangs on it."""
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,14 @@ class _Hangs:
 
     def __call__(self, body: Body) -> bool:
         item = self._items.get(body.path)
-        row = CATEGORIES.get(item.category) if item else None
-        floor = self._floors.get(item.room_id) if item else None
-        if row is None or row.mount is not Mount.WALL or floor is None:
+        if item is None or item.room_id not in self._floors:
             return False
-        outline = shapely.convex_hull(shapely.multipoints(body.vertices_m[:, :2]))
-        return bool(floor.exterior.distance(outline) <= WALL_GAP_M) or not floor.contains(outline)
+        row = CATEGORIES.get(item.category)
+        if row is None or row.mount is not Mount.WALL:
+            return False
+        floor = self._floors[item.room_id]
+        corners = footprint(item.box)
+        back = shapely.points(corners[[0, 3]])
+        return bool(
+            np.all((shapely.distance(floor.exterior, back) <= WALL_GAP_M) | ~floor.contains(back))
+        )

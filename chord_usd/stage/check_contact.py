@@ -196,10 +196,10 @@ def _stands(item: Body, carriers: Iterable[Body]) -> bool:
     """Whether the centroid lies over the hull of the points at which the item is carried."""
     low_m = float(item.bounds_m[0, 2])
     feet = _thinned(item.vertices_m[item.vertices_m[:, 2] < low_m + SUPPORT_GAP_M])
-    soles = _level(item.triangles_m, low_m)
+    soles = _level(item.triangles_m, low_m, facing=-1.0)
     points: list[FloatArray] = []
     for carrier in carriers:
-        points.append(feet[_touch(feet, _level(carrier.triangles_m, low_m))])
+        points.append(feet[_touch(feet, _level(carrier.triangles_m, low_m, facing=1.0))])
         # The carrier may be the smaller one: then its corners lie under the item's sole.
         corners = carrier.vertices_m
         near = np.abs(corners[:, 2] - low_m) < 2 * SUPPORT_GAP_M
@@ -218,15 +218,15 @@ def _over(points: FloatArray, bounds_m: FloatArray) -> Any:
     return ((plane >= bounds_m[0, :2]) & (plane <= bounds_m[1, :2])).all(axis=1)
 
 
-def _level(triangles: FloatArray, height_m: float) -> FloatArray:
-    """Those of the triangles (M, 3, 3) that pass near this height and are not upright."""
+def _level(triangles: FloatArray, height_m: float, facing: float) -> FloatArray:
+    """Those of the triangles (M, 3, 3) near this height that face up (1.0) or down (-1.0)."""
     z = triangles[:, :, 2]
     near = (z.min(axis=1) < height_m + 2 * SUPPORT_GAP_M) & (
         z.max(axis=1) > height_m - 2 * SUPPORT_GAP_M
     )
     chosen = triangles[near]
     normal = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
-    return chosen[np.abs(normal[:, 2]) > 1e-9]
+    return chosen[facing * normal[:, 2] > 1e-9]
 
 
 def _thinned(points: FloatArray) -> FloatArray:

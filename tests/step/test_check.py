@@ -1,0 +1,250 @@
+"""The certificate: a sound house passes, and each fault put into it is found and named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from chord_usd.errors import StageError
+from chord_usd.geometry import room_polygon
+from chord_usd.metrics import score_scene
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.check import Report, certificate, check_stage
+from chord_usd.stage.check_contact import Body, Solid, collisions, unsupported
+from chord_usd.stage.check_scene import read_scene
+from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+
+FIXTURES = Path(__file__).parents[1] / "fixtures"
+
+
+def item(name, category, x, y, size, yaw=0.0, room_id="a", z=0.0, children=()) -> Item:
+    return Item(name, category, Box((x, y, z), size, yaw), room_id=room_id, children=children)
+
+
+LAPTOP = item("laptop", "laptop", 0.1, 0.0, (0.3, 0.25, 0.2), z=0.75)
+DESK = item("desk", "table", 0.7, 3.0, (1.4, 0.6, 0.75), yaw=90, children=(LAPTOP,))
+BED = item("bed", "bed", 3.0, 5.23, (1.8, 2.0, 0.9))
+PANEL = item("panel", "bed_background", 3.0, 6.205, (2.0, 0.07, 1.0), z=1.1)
+SHOES = item("shoes", "shoe_cabinet", 3.4, 0.2, (1.0, 0.4, 1.0), yaw=180, room_id="hall")
+
+
+def house(*items: Item, rooms_apart_m: float = 0.24) -> SceneGraph:
+    """A corridor (4 x 2) below a bedroom (4 x 4), a front door, a door between, a window."""
+    above = 2 + rooms_apart_m
+
+    def rectangle(y: float, width: float) -> np.ndarray:
+        return frozen_array([(0, y), (4, y), (4, y + width), (0, y + width)])
+
+    return SceneGraph(
+        rooms=(
+            Room("hall", "corridor", rectangle(0, 2)),
+            Room("a", "bedroom", rectangle(above, 4)),
+        ),
+        openings=(
+            Opening("front", "door", Box((1, -0.12, 0), (0.9, 0.24, 2.1), 0.0), ("hall",)),
+            Opening("inner", "door", Box((1.8, 2.12, 0), (0.8, 0.24, 2.1), 0.0), ("hall", "a")),
+            Opening("view", "window", Box((-0.12, 5.2, 0.9), (1.2, 0.24, 1.3), 90.0), ("a",)),
+        ),
+        items=items,
+    )
+
+
+SOUND = (replace(DESK, box=Box((0.31, 3.2, 0), DESK.box.size_m, 90)), BED, PANEL, SHOES)
+BEDROOM = "/House/Rooms/Bedroom_0"
+
+
+def check(tmp_path: Path, graph: SceneGraph) -> Report:
+    return check_stage(author_stage(graph, tmp_path / "house.usda", seed=0).path)
+
+
+def test_a_sound_house_holds(tmp_path):
+    report = check(tmp_path, house(*SOUND))
+    assert report.errors == ()
+    assert report.holds, certificate(report)
+    assert (report.walkable, report.reachable_rooms) == (1.0, 1.0)
+    assert report.pairs == 6
+
+
+def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
+    fields = certificate(check(tmp_path, house(*SOUND)))
+    assert list(fields) == [
+        "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
+        "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs",
+    ]  # fmt: skip
+    crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))
+    (first, *_) = certificate(crowded)["collisions"]
+    assert set(first) == {"a", "b", "depth_m"}
+
+
+def test_items_in_one_place_collide(tmp_path):
+    wardrobe = item("wardrobe", "cabinet", 3.6, 4.5, (0.6, 0.6, 2.0))
+    report = check(tmp_path, house(*SOUND, wardrobe))
+    (found,) = report.collisions
+    assert {found.a, found.b} == {f"{BEDROOM}/Furniture/Bed_0", f"{BEDROOM}/Furniture/Cabinet_0"}
+    assert found.depth_m == pytest.approx(0.57, abs=0.03)
+    assert report.por == pytest.approx(1 / 10)
+    assert not report.holds
+
+
+def test_an_item_in_the_wall_collides_with_it_and_is_out_of_room(tmp_path):
+    report = check(tmp_path, house(*SOUND, item("c", "cabinet", 3.75, 3.0, (0.6, 0.6, 2.0))))
+    assert report.out_of_room == (f"{BEDROOM}/Furniture/Cabinet_0",)
+    assert [c.b.startswith(f"{BEDROOM}/Architecture/Geometry/Wall") for c in report.collisions] == [
+        True
+    ]
+    assert report.collisions[0].depth_m == pytest.approx(0.05, abs=0.005)
+
+
+def test_a_wardrobe_at_the_door_blocks_it_and_shuts_the_room(tmp_path):
+    wardrobe = item("c", "cabinet", 1.8, 2.6, (1.2, 0.6, 2.0))
+    report = check(tmp_path, house(BED, wardrobe))
+    (blocked,) = report.blocked_openings
+    assert blocked.endswith("/Geometry/Door_1") or blocked.endswith("/Geometry/Door_0")
+    assert report.reachable_rooms == 0.5
+    assert report.walkable < 1.0
+    assert not report.holds
+
+
+@pytest.mark.parametrize("z", [0.05, 1.0])
+def test_a_floating_item_is_unsupported(tmp_path, z):
+    report = check(tmp_path, house(BED, item("c", "chair", 1.0, 4.0, (0.5, 0.5, 0.9), z=z)))
+    assert report.unsupported == (f"{BEDROOM}/Furniture/Chair_0",)
+
+
+def test_a_laptop_over_the_edge_of_its_desk_is_unsupported(tmp_path):
+    over = replace(LAPTOP, box=Box((0.75, 0.0, 0.75), LAPTOP.box.size_m, 0.0))
+    desk = replace(SOUND[0], children=(over,))
+    report = check(tmp_path, house(desk, BED))
+    (found,) = report.unsupported
+    assert found.endswith("/Items/Laptop_0")
+
+
+def test_a_panel_away_from_its_wall_hangs_on_nothing(tmp_path):
+    panel = replace(PANEL, box=Box((3.0, 6.1, 1.1), PANEL.box.size_m, 0.0))
+    assert check(tmp_path, house(BED, panel)).unsupported == (
+        f"{BEDROOM}/Furniture/BedBackground_0",
+    )
+
+
+def test_a_bedroom_without_bedroom_furniture_is_empty(tmp_path):
+    assert check(tmp_path, house(SHOES)).empty_rooms == (BEDROOM,)
+
+
+def test_the_scene_read_back_is_the_scene_that_was_authored(tmp_path):
+    from pxr import Usd
+
+    graph = house(*SOUND)
+    author_stage(graph, tmp_path / "house.usda", seed=0)
+    found = read_scene(Usd.Stage.Open(str(tmp_path / "house.usda"))).graph
+    assert [room.kind for room in found.rooms] == ["corridor", "bedroom"]
+    for ours, theirs in zip(found.rooms, graph.rooms, strict=True):
+        assert room_polygon(ours).symmetric_difference(room_polygon(theirs)).area < 1e-3
+    ours = {one.category: one for one in found.items}
+    for theirs in graph.items:
+        box = ours[theirs.category].box
+        np.testing.assert_allclose(box.center_m, theirs.box.center_m, atol=1e-4)
+        np.testing.assert_allclose(box.size_m, theirs.box.size_m, atol=1e-4)
+        assert abs((box.yaw_deg - theirs.box.yaw_deg + 180) % 360 - 180) < 1e-3
+    assert [child.category for child in ours["table"].children] == ["laptop"]
+    assert sorted(o.kind for o in found.openings) == ["door", "door", "window"]
+    assert score_scene(found).overlap.pairs == score_scene(graph).overlap.pairs
+
+
+def test_a_stage_without_rooms_does_not_hold():
+    report = check_stage(FIXTURES / "plain_stage.usda")
+    assert [finding.rule for finding in report.errors] == ["CHORD015"]
+    assert not report.holds
+
+
+def test_what_is_no_stage_is_named(tmp_path):
+    with pytest.raises(StageError, match="there is no such file"):
+        check_stage(tmp_path / "none.usda")
+    (tmp_path / "text.usda").write_text("hello")
+    with pytest.raises(StageError, match="cannot be opened as a stage"):
+        check_stage(tmp_path / "text.usda")
+
+
+# --- contact, on meshes of known shape ----------------------------------------------------------
+
+
+def body(name: str, *meshes: trimesh.Trimesh, parent: str = "") -> Body:
+    return Body(name, tuple(Solid(f"{name}/{k}", mesh) for k, mesh in enumerate(meshes)), parent)
+
+
+def box(size, at) -> trimesh.Trimesh:
+    mesh = trimesh.creation.box(size)
+    mesh.apply_translation(at)
+    return mesh
+
+
+def sheet(x: float) -> trimesh.Trimesh:
+    return trimesh.Trimesh([[x, -5, -5], [x, 5, -5], [x, 5, 5], [x, -5, 5]], [[0, 1, 2], [0, 2, 3]])
+
+
+FLOOR = body(
+    "floor",
+    trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]]),
+)
+
+
+@pytest.mark.parametrize("depth_m", [-0.01, 0.0, 0.004, 0.006, 0.05, 0.4])
+def test_depth_of_boxes_is_exact(depth_m):
+    pair = [body("a", box((1, 1, 1), (0, 0, 0))), body("b", box((1, 1, 1), (1 - depth_m, 0.1, 0)))]
+    found = collisions(pair, [])
+    assert [c.depth_m for c in found] == (
+        [pytest.approx(depth_m, abs=1e-4)] if depth_m > 0.005 else []
+    )
+
+
+@pytest.mark.parametrize("depth_m", [-0.01, 0.0, 0.004, 0.01, 0.1])
+def test_a_ring_against_a_wall_collides_only_when_deep(depth_m):
+    """A torus is not convex: the depth between triangles is checked by stepping back."""
+    ring = body("ring", trimesh.creation.torus(0.4, 0.1))
+    found = collisions([ring], [body("wall", sheet(0.5 - depth_m))])
+    assert bool(found) == (depth_m > 0.005)
+
+
+def test_a_hole_in_a_wall_is_a_hole():
+    """A board reaches through a window's hole in a flat sheet without touching it."""
+    outer, inner = 3.0, 0.5
+    ring = [(-outer, -outer), (outer, -outer), (outer, outer), (-outer, outer)]
+    hole = [(-inner, -inner), (inner, -inner), (inner, inner), (-inner, inner)]
+    points = [(0.0, *corner) for corner in (*ring, *hole)]
+    faces = [
+        f
+        for k in range(4)
+        for f in ((k, (k + 1) % 4, 4 + k), ((k + 1) % 4, 4 + (k + 1) % 4, 4 + k))
+    ]
+    wall = body("wall", trimesh.Trimesh(points, faces))
+    assert collisions([body("board", box((1, 0.5, 0.5), (0, 0, 0)))], [wall]) == []
+    assert collisions([body("board", box((1, 1.5, 0.5), (0, 0, 0)))], [wall]) != []
+
+
+def test_support_wants_contact_below_the_centroid():
+    top = box((1, 0.6, 0.03), (0, 0, 0.735))
+    legs = [box((0.05, 0.05, 0.72), (x, y, 0.36)) for x in (-0.45, 0.45) for y in (-0.25, 0.25)]
+    table = body("table", top, *legs)
+    cases = {
+        "on": (0.3, 0.755), "over": (0.53, 0.755), "above": (0.0, 0.78), "sunk": (0.0, 0.748),
+        "deep": (0.0, 0.72),
+    }  # fmt: skip
+    things = [
+        body(name, box((0.3, 0.2, 0.01), (x, 0, z)), parent="table")
+        for name, (x, z) in cases.items()
+    ]
+    assert unsupported([table, *things], [FLOOR], lambda _: False) == ["over", "above", "deep"]
+    assert unsupported([table], [], lambda _: False) == ["table"]
+    assert unsupported([table], [], lambda _: True) == []
+
+
+def test_a_wide_piece_may_stand_on_a_narrow_one():
+    """None of the plate's corners is over the post; the post's are under the plate."""
+    post, plate = (
+        body("post", box((0.1, 0.1, 1), (0, 0, 0.5))),
+        body("plate", box((1, 1, 0.1), (0, 0, 1.05))),
+    )
+    assert unsupported([post, plate], [FLOOR], lambda _: False) == []
