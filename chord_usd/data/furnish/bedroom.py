@@ -18,6 +18,9 @@ FOOT_M = 0.55
 """Room to walk past the foot of the bed."""
 
 
+SLIT_M = 0.02, 0.4
+"""Between bed and wall this much is too little to walk and too much to leave."""
+
 MOST_PLACES = 4
 """Places tried for one bed before a narrower one is taken."""
 
@@ -135,6 +138,8 @@ def _score(floor: Floor, wall: Wall, s: float, size: Size, left: float, right: f
     # A wide bed is entered from both sides, a narrow one may stand along a wall.
     score += 1.5 * min(free) if size[0] > 1.3 else 0.4 * max(free)
     score -= 0.3 * min(abs(left - right), 2.0)
+    if SLIT_M[0] < min(left, right) < SLIT_M[1]:
+        score -= 1.0
     if wall.has_window:
         score -= 1.2
     if wall.has_door:

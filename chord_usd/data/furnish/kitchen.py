@@ -25,6 +25,8 @@ class Run(NamedTuple):
     blind_start: bool = False
     """Another run stands in front of this one's first counter depth."""
     blind_end: bool = False
+    joins_end: bool = False
+    """It meets another run at its end."""
 
     @property
     def length(self) -> float:
@@ -103,7 +105,7 @@ def _corner_runs(first: Spot, second: Spot, depth: float) -> list[list[Run]]:
         ])  # fmt: skip
     if second.length >= BLIND_M and first.length - depth >= 0.6:
         runs.append([
-            Run(first.wall, first.s_from, first.s_to - depth),
+            Run(first.wall, first.s_from, first.s_to - depth, joins_end=True),
             Run(second.wall, second.s_from, second.s_to, blind_start=True),
         ])  # fmt: skip
     return runs
@@ -114,7 +116,7 @@ def _u_runs(first: Spot, second: Spot, third: Spot, depth: float) -> list[list[R
     if second.length < 2 * depth + 0.9 or first.length - depth < 0.6 or third.length - depth < 0.6:
         return []
     return [[
-        Run(first.wall, first.s_from, first.s_to - depth),
+        Run(first.wall, first.s_from, first.s_to - depth, joins_end=True),
         Run(second.wall, second.s_from, second.s_to, blind_start=True, blind_end=True),
         Run(third.wall, depth, third.s_to),
     ]]  # fmt: skip
@@ -127,7 +129,7 @@ def _fill(floor: Floor, runs: list[Run], depth: float, height: float) -> None:
         wanted.add("refrigerator")
     if dice.random() < 0.25:
         wanted.add("electrical_floor_cabinet")
-    runs = _trimmed(floor, runs)
+    runs = _trimmed(runs)
     sink_run = _sink_run(floor, runs)
     order = [sink_run, *(run for run in runs if run is not sink_run)]
     for i, run in enumerate(order):
@@ -145,21 +147,17 @@ def _share(wanted: set[str], i: int, runs: int) -> set[str]:
     return set(wanted)
 
 
-def _trimmed(floor: Floor, runs: list[Run]) -> list[Run]:
-    """Very long runs end where there is enough counter."""
+def _trimmed(runs: list[Run]) -> list[Run]:
+    """Very long runs end where there is enough counter; corners stay joined."""
     longest = 3.6 if len(runs) == 1 else 3.0
     trimmed = []
     for run in runs:
         extra = run.length - longest
         if extra > 0.0 and not (run.blind_start and run.blind_end):
-            at_start = run.s_from < 1.0 if not (run.blind_start or run.blind_end) else (
-                run.blind_start
-            )  # fmt: skip
-            run = (
-                run._replace(s_to=run.s_to - extra)
-                if at_start
-                else run._replace(s_from=run.s_from + extra)
-            )
+            if run.blind_end or run.joins_end:
+                run = run._replace(s_from=run.s_from + extra)
+            else:
+                run = run._replace(s_to=run.s_to - extra)
         trimmed.append(run)
     return trimmed
 
@@ -183,6 +181,8 @@ def _put_modules(
 ) -> None:
     floor.new_group()
     s = run.s_from
+    if run.joins_end or run.blind_end:
+        s = run.s_to - sum(module.length_m for module in modules)
     for module in modules:
         size = (module.length_m, depth, height)
         if module.category == "refrigerator":

@@ -5,6 +5,11 @@ from __future__ import annotations
 import random
 from typing import NamedTuple
 
+from chord_usd.palette import CATEGORIES
+
+LEAST_M = 0.3
+"""Nothing narrower stands in a run."""
+
 SINGLE = "single_door_floor_cabinet"
 DOUBLE = "double_door_floor_cabinet"
 
@@ -45,9 +50,21 @@ def pack(
     at_end = blind_start or (not blind_end and dice.random() < 0.5)
     offset = _total(head) + (0.0 if at_end else _total(ends))
     middle = _middle(dice, free, wanted, None if window_m is None else window_m - offset)
-    if at_end:
-        return [*head, *middle, *reversed(ends), *tail]
-    return [*head, *ends, *middle, *tail]
+    row = [*middle, *reversed(ends)] if at_end else [*ends, *middle]
+    return [*head, *_stretched(row, free + _total(ends)), *tail]
+
+
+def _stretched(row: list[Module], length: float) -> list[Module]:
+    """The modules a little wider, as far as their kinds allow, to leave no slit at the wall."""
+    spare = length - _total(row)
+    if not 1e-6 < spare < LEAST_M:
+        return row
+    wider = []
+    for module in row:
+        more = min(spare, max(0.0, CATEGORIES[module.category].length_m[1] - module.length_m))
+        wider.append(Module(module.category, module.length_m + more))
+        spare -= more
+    return wider
 
 
 def _total(modules: list[Module]) -> float:
@@ -116,7 +133,7 @@ def _fillable(part: float, whole: float) -> float:
     """The nearest way to split `whole` such that cabinets fill both parts."""
     options = [part, 0.0, 0.3, 0.4, 0.5, 0.6, 0.8, whole - 0.3, whole - 0.4, whole - 0.6, whole]
     good = [o for o in options if _is_fillable(o) and _is_fillable(whole - o)]
-    return min(good, key=lambda o: abs(o - part)) if good else part
+    return min(good, key=lambda o: abs(o - part)) if good else 0.0
 
 
 def _is_fillable(length: float) -> bool:
@@ -127,7 +144,7 @@ def fill(dice: random.Random, length: float) -> list[Module]:
     """Floor cabinets of usual lengths that fill `length` exactly; [] below 0.3 m."""
     if length < 0.3 - 1e-6:
         return []
-    if length <= 0.55 + 1e-6:
+    if length < 0.6 - 1e-6:
         return [Module(SINGLE, min(length, 0.55))]
     if length < 0.9 or (length <= 1.1 and dice.random() < 0.5):
         return [Module(DOUBLE, max(length, 0.6))] if length >= 0.6 - 1e-6 else []
