@@ -14,6 +14,7 @@ from chord_usd.errors import PlanError
 from chord_usd.plan.ink import Ink, kind_of_shade, label_floors, sort_pixels
 from chord_usd.plan.openings import Bar, bars_of, read_openings
 from chord_usd.plan.passages import find_passages
+from chord_usd.plan.placement import placement
 from chord_usd.plan.scale import measure_scale
 from chord_usd.plan.settle import settle
 from chord_usd.types import (
@@ -60,7 +61,8 @@ def decode_plan(image: PlanImage | ByteArray, m_per_px: float | None = None) -> 
     polygons = settle([outline.polygon_px for outline in outlines], ink.solid, thickness_px)
     rooms = _rooms(outlines, polygons, frame)
     room_ids = [room.id for room in rooms]
-    return Plan(rooms, read_openings(bars, polygons, room_ids, thickness_px, frame))
+    openings = read_openings(bars, polygons, room_ids, thickness_px, frame)
+    return Plan(rooms, openings, placement(frame))
 
 
 def _frame(image: PlanImage | ByteArray, ink: Ink, m_per_px: float | None) -> PixelFrame:

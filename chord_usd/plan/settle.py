@@ -44,19 +44,55 @@ class _Edge:
 def settle(
     polygons: Sequence[FloatArray], solid: BoolArray, thickness_px: float
 ) -> list[FloatArray]:
-    """Move the axis-parallel edges of all rooms, each by half a pixel at most.
+    """Move the edges of all rooms, each by half a pixel at most, to where their walls fit.
 
     polygons: (N, 2) each, clockwise in numbers, as from polygon_from_mask. solid: (H, W) pixels
-    of walls and openings.
+    of walls and openings, drawn thickness_px thick.
     """
-    edges = [edge for index, polygon in enumerate(polygons) for edge in _axis_edges(index, polygon)]
-    chains = _Chains([_span_of(edge, solid, thickness_px) for edge in edges])
-    for _, first, second, distance in sorted(_pairs(edges, thickness_px), reverse=True):
-        chains.join(first, second, distance)
+    edges = _all_axis_edges(polygons)
+    spans = [_span_of(edge, solid, thickness_px) for edge in edges]
+    pairs = _pairs(edges, thickness_px, _THICKNESS_SLACK_PX)
     anchors = [_slants_in_their_walls(polygon, solid, thickness_px) for polygon in polygons]
+    return _move_edges(polygons, anchors, edges, _chain(spans, pairs))
+
+
+def even_out(
+    polygons: Sequence[FloatArray], thickness_px: float, reach_px: float
+) -> list[FloatArray]:
+    """Make the walls between rooms of a drawing thickness_px thick, whatever they are.
+
+    Edges along an axis move by reach_px at most; walls that would need more stay as they are.
+    """
+    edges = _all_axis_edges(polygons)
+    spans = [(edge.place - reach_px, edge.place + reach_px) for edge in edges]
+    pairs = _pairs(edges, thickness_px, 2 * reach_px)
+    return _move_edges(polygons, [p.copy() for p in polygons], edges, _chain(spans, pairs))
+
+
+def _chain(
+    spans: Sequence[tuple[float, float]], pairs: Sequence[tuple[float, int, int, float]]
+) -> _Chains:
+    """Join pairs of edges, those that face each other longest first."""
+    chains = _Chains(spans)
+    for _, first, second, distance in sorted(pairs, reverse=True):
+        chains.join(first, second, distance)
+    return chains
+
+
+def _move_edges(
+    polygons: Sequence[FloatArray],
+    anchors: list[FloatArray],
+    edges: Sequence[_Edge],
+    chains: _Chains,
+) -> list[FloatArray]:
+    """The polygons with their edges through their anchors, those along an axis in their chains."""
     for index, edge in enumerate(edges):
         anchors[edge.polygon][edge.corner, edge.axis] = chains.place(index)
     return [_through(polygon, anchor) for polygon, anchor in zip(polygons, anchors, strict=True)]
+
+
+def _all_axis_edges(polygons: Sequence[FloatArray]) -> list[_Edge]:
+    return [edge for index, polygon in enumerate(polygons) for edge in _axis_edges(index, polygon)]
 
 
 def _axis_edges(index: int, polygon: FloatArray) -> list[_Edge]:
@@ -103,7 +139,9 @@ def _wall_behind(edge: _Edge, solid: BoolArray, thickness_px: float) -> int | No
     return int(np.bincount(depths).argmax()) if len(depths) else None
 
 
-def _pairs(edges: Sequence[_Edge], thickness_px: float) -> list[tuple[float, int, int, float]]:
+def _pairs(
+    edges: Sequence[_Edge], thickness_px: float, slack_px: float
+) -> list[tuple[float, int, int, float]]:
     """(overlap, first, second, distance): edges that face each other and how far apart they lie.
 
     The distance is exact: one wall, or nothing between rooms that touch.
@@ -121,7 +159,7 @@ def _pairs(edges: Sequence[_Edge], thickness_px: float) -> list[tuple[float, int
             apart = other.place - one.place
             if abs(apart) < 1e-6:
                 pairs.append((overlap, first, second, 0.0))
-            elif abs(apart - thickness_px) < _THICKNESS_SLACK_PX:
+            elif abs(apart - thickness_px) < slack_px:
                 pairs.append((overlap, first, second, thickness_px))
     return pairs
 

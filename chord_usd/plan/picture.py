@@ -1,0 +1,121 @@
+"""Pictures as users have them: any format, depth and transparency, or a clear refusal."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from chord_usd.errors import PlanError
+from chord_usd.raster_files import TEXT_CHUNK
+from chord_usd.types import ByteArray, PixelFrame, frozen_array
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+SMALLEST_SIDE_PX = 32
+LARGEST_SIDE_PX = 12_000
+
+_EXPECTED = "a picture of a floor plan (PNG, JPEG, TIFF, BMP, GIF or WebP)"
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture, and where it lies if it says so."""
+
+    rgb: ByteArray
+    """(H, W, 3); transparency is laid over white."""
+    frame: PixelFrame | None
+    """From the text chunk that raster_files.write_raster leaves."""
+
+
+def read_picture(path: Path) -> Picture:
+    """Read a picture of any kind, upright and 8 bits deep.
+
+    Raises PlanError for what is no picture, is damaged, or has sides beyond SMALLEST_SIDE_PX and
+    LARGEST_SIDE_PX; sizes are checked before anything is decoded.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        if path.stat().st_size == 0:
+            raise PlanError("is empty", where=str(path), expected=_EXPECTED)
+        with warnings.catch_warnings():
+            # The sides are checked here, with words of our own.
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            with Image.open(path) as image:
+                _check_size(image.size, path)
+                described = getattr(image, "text", {}).get(TEXT_CHUNK)
+                rgb = _upright_rgb(image)
+    except UnidentifiedImageError as error:
+        raise PlanError(
+            "is not a picture", where=str(path), expected=_EXPECTED, try_="export it as PNG"
+        ) from error
+    except Image.DecompressionBombError as error:
+        raise PlanError(
+            "is too large", where=str(path), expected=f"at most {LARGEST_SIDE_PX} pixels a side",
+            try_="scale it down to about 2000 pixels",
+        ) from error  # fmt: skip
+    except (OSError, SyntaxError, ValueError, EOFError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            reason = (error.strerror or str(error)).lower()
+            raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
+        raise PlanError(
+            "is a damaged picture", where=str(path), expected=_EXPECTED, try_="export it again"
+        ) from error
+    return Picture(frozen_array(rgb, np.uint8), _frame(described, rgb.shape[0], path))
+
+
+def _check_size(size: tuple[int, int], path: Path) -> None:
+    if max(size) > LARGEST_SIDE_PX or min(size) < SMALLEST_SIDE_PX:
+        raise PlanError(
+            f"is {size[0]}×{size[1]} pixels",
+            where=str(path),
+            expected=f"{SMALLEST_SIDE_PX} to {LARGEST_SIDE_PX} pixels a side",
+            try_="scale it to about 1000 pixels",
+        )
+
+
+def _upright_rgb(image: Image.Image) -> ByteArray:
+    from PIL import Image, ImageOps
+
+    image = ImageOps.exif_transpose(image)
+    if image.mode.startswith(("I", "F")):
+        return np.repeat(_eight_bits(np.asarray(image))[:, :, None], 3, axis=2)
+    if "A" in image.mode or "transparency" in image.info:
+        image = image.convert("RGBA")
+        white = Image.new("RGBA", image.size, "white")
+        image = Image.alpha_composite(white, image)
+    return np.asarray(image.convert("RGB"))
+
+
+def _eight_bits(values: np.ndarray[Any, Any]) -> ByteArray:
+    """Grey values of 16 or 32 bits, or floats, as 8 bits; the full range of the type is white."""
+    highest = 65535.0 if values.dtype.kind in "ui" else 1.0
+    if float(values.max(initial=0)) > highest:
+        highest = float(values.max())
+    # Twelve-bit scanners save in sixteen bits.
+    if highest == 65535.0 and values.max(initial=0) < 4096:
+        highest = 4095.0
+    return np.clip(np.rint(values * (255.0 / highest)), 0, 255).astype(np.uint8)
+
+
+def _frame(described: str | None, height_px: int, path: Path) -> PixelFrame | None:
+    if not described:
+        return None
+    try:
+        data = json.loads(described)
+        if "provenance" in data:
+            raise PlanError(
+                "is a layout, not a plan", where=str(path), try_="chord-usd graph LAYOUT -o X.json"
+            )
+        x_m, y_m = data["frame"]["origin_m"]
+        frame = PixelFrame(float(data["frame"]["m_per_px"]), (float(x_m), float(y_m)), height_px)
+    except (KeyError, TypeError, ValueError):
+        return None
+    # A picture that was scaled since keeps the text of the one it was made from.
+    return frame if data["frame"].get("height_px") == height_px and frame.m_per_px > 0 else None

@@ -1,0 +1,32 @@
+"""Where the picture lies that a plan was read from: kept in the plan, and so in its JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from chord_usd.types import PixelFrame, Plan
+
+DRAWING = "drawing"
+"""Key of Plan.extra."""
+
+
+def placement(frame: PixelFrame) -> Mapping[str, Any]:
+    """The entry for Plan.extra that remembers a picture's frame."""
+    return {
+        DRAWING: {
+            "mPerPx": frame.m_per_px,
+            "originM": list(frame.origin_m),
+            "heightPx": frame.height_px,
+        }
+    }
+
+
+def frame_of(plan: Plan) -> PixelFrame | None:
+    """The frame of the picture the plan was read from; None if it was read from none."""
+    try:
+        kept = plan.extra[DRAWING]
+        x_m, y_m = kept["originM"]
+        return PixelFrame(float(kept["mPerPx"]), (float(x_m), float(y_m)), int(kept["heightPx"]))
+    except (KeyError, TypeError, ValueError):
+        return None

@@ -1,0 +1,98 @@
+"""Plan file -> Plan: CHOrD JSON, a plan raster, or any other drawing of a floor plan."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from chord_usd import palette
+from chord_usd.chord_json import read_plan
+from chord_usd.errors import PlanError
+from chord_usd.plan.decode import decode_plan
+from chord_usd.plan.drawing import read_drawing
+from chord_usd.plan.picture import read_picture
+from chord_usd.types import ByteArray, Plan, PlanImage
+
+WARNINGS = "warnings"
+"""Key of Plan.extra: sentences about what a user should know of the plan."""
+
+_PALETTE_SHARE = 0.99
+"""A picture of which so much is in the palette's plan colours is a plan raster."""
+
+_COLOR_SLACK = 3
+_MOST_COLORS = 2000
+"""A picture with more colours is a photograph or was compressed with losses."""
+
+
+def read_plan_file(path: Path, scale: float | None = None) -> Plan:
+    """The plan in a file: CHOrD JSON or a picture of whatever kind.
+
+    scale: metres per pixel of a picture; None takes it from the picture's own text, its doors or
+    its walls. What is worth knowing, such as that no doors were found, is listed in
+    extra["warnings"]. Raises PlanError.
+    """
+    if path.is_dir():
+        raise PlanError("is a folder", where=str(path), expected="a plan: a picture or CHOrD JSON")
+    plan = read_plan(path) if _is_json(path) else _plan_of_picture(path, scale)
+    warnings = _warnings(plan)
+    return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
+
+
+def _is_json(path: Path) -> bool:
+    if path.suffix.lower() == ".json":
+        return True
+    try:
+        with path.open("rb") as file:
+            return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{"
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
+
+
+def _plan_of_picture(path: Path, scale: float | None) -> Plan:
+    picture = read_picture(path)
+    try:
+        if picture.frame is not None:
+            plan = decode_plan(PlanImage(picture.rgb, picture.frame), scale)
+        elif is_plan_raster(picture.rgb):
+            plan = decode_plan(picture.rgb, scale)
+        else:
+            plan = read_drawing(picture.rgb, scale)
+    except PlanError as error:
+        raise PlanError(
+            error.what, where=str(path), expected=error.expected, try_=error.try_
+        ) from error
+    return plan
+
+
+def is_plan_raster(rgb: ByteArray) -> bool:
+    """Whether a picture (H, W, 3) holds the palette's plan colours only, doors or windows too.
+
+    A black and white drawing does not: its doors and windows are lines.
+    """
+    colors = np.array(
+        [*palette.ROOM_SHADES.values(), *(row.rgb for row in palette.PLAN_CATEGORIES)]
+    )
+    found, counts = np.unique(rgb.reshape(-1, 3), axis=0, return_counts=True)
+    if len(found) > _MOST_COLORS:
+        return False
+    apart = np.abs(found[:, None].astype(np.int16) - colors).max(axis=2)
+    known = apart.min(axis=1) <= _COLOR_SLACK
+    openings = [palette.category(name).rgb for name in ("door", "window")]
+    has_openings = any(np.any(np.abs(found - np.array(rgb)).max(axis=1) == 0) for rgb in openings)
+    return bool(counts[known].sum() >= _PALETTE_SHARE * counts.sum() and has_openings)
+
+
+def _warnings(plan: Plan) -> list[str]:
+    warnings = list(plan.extra.get(WARNINGS, ()))
+    kinds = [opening.kind for opening in plan.openings]
+    if "door" not in kinds and "passage" not in kinds:
+        warnings.append("no doors were found: rooms cannot be entered")
+    joined = {room_id for opening in plan.openings for room_id in opening.room_ids}
+    if "door" in kinds and len(plan.rooms) > 1:
+        shut = [room.id for room in plan.rooms if room.id not in joined]
+        if shut:
+            warnings.append(f"no opening leads into {', '.join(shut)}")
+    return list(dict.fromkeys(warnings))
