@@ -35,7 +35,7 @@ class LayoutConfig:
     schedule: Literal["log_snr", "linear"] = "log_snr"
     """log_snr: log noise-to-signal uniform in time; linear: DDPM's linear betas (paper)."""
     training_steps: int = 1000
-    noise_to_signal: tuple[float, float] = (0.4, 200.0)
+    noise_to_signal: tuple[float, float] = (0.7, 150.0)
     """Smallest and largest sigma/alpha of the log_snr schedule. An item is hundreds of equal
     pixels, so noise hides it only when its standard deviation is many times the signal's."""
     default_steps: int = 20

@@ -1,0 +1,19 @@
+"""What is held out stays held out."""
+
+from chord_usd.data.splits import TEST_SEED, is_test_plan, is_test_seed, split_hash
+
+
+def test_the_hash_names_the_set_not_the_order():
+    assert split_hash(["a", "b"]) == split_hash(["b", "a"])
+    assert split_hash(["a", "b"]) != split_hash(["a", "c"])
+    assert split_hash(["ab"]) != split_hash(["a", "b"])
+
+
+def test_about_a_fifth_of_real_plans_is_held_out():
+    held_out = sum(is_test_plan(f"flat/{index}") for index in range(5000))
+    assert 900 < held_out < 1100
+
+
+def test_procedural_test_houses_are_a_seed_range():
+    assert is_test_seed(TEST_SEED)
+    assert not is_test_seed(TEST_SEED - 1)
