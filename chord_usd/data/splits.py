@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
+from typing import Literal
+
+Part = Literal["train", "test"]
 
 TEST_SEED = 10**9
 """Procedural houses with seeds from here on are test houses, TEST_HOUSES of them."""
@@ -19,10 +22,10 @@ def is_test_seed(seed: int) -> bool:
     return TEST_SEED <= seed < TEST_SEED + TEST_HOUSES
 
 
-def is_test_plan(plan_id: str) -> bool:
-    """Whether a real plan of this name is held out: by the hash of its name, for ever."""
+def part_of(plan_id: str) -> Part:
+    """The part a real plan of this name belongs to: by the hash of its name, for ever."""
     digest = hashlib.sha256(plan_id.encode()).digest()
-    return int.from_bytes(digest[:4], "big") < TEST_SHARE * 2**32
+    return "test" if int.from_bytes(digest[:4], "big") < TEST_SHARE * 2**32 else "train"
 
 
 def split_hash(ids: Iterable[str]) -> str:
