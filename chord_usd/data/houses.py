@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.layouts import Unsound, draw_house
+from chord_usd.data.floorplans.layouts import UnsoundError, draw_house
 from chord_usd.data.floorplans.outline import add_balconies, add_bays, slant
 from chord_usd.data.floorplans.programme import MOST_ROOMS, draw_programme, room_count
 from chord_usd.data.floorplans.sketch import STEP_M, WALL, Face, Sketch, faces, twice_area
-from chord_usd.data.floorplans.walls import Hole, NoPlace, find_walls, make_openings
+from chord_usd.data.floorplans.walls import Hole, NoPlaceError, find_walls, make_openings
 from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan, Room, frozen_array
 
 _MOST_DRAWS = 200
@@ -39,7 +39,7 @@ def random_plan(rng: np.random.Generator, rooms: int | None = None) -> Plan:
     for _ in range(_MOST_DRAWS):
         try:
             return _draw(dice, count)
-        except (Unsound, NoPlace):
+        except (UnsoundError, NoPlaceError):
             continue
     raise RuntimeError(f"no sound house of {count} rooms in {_MOST_DRAWS} draws")
 
@@ -48,7 +48,7 @@ def _draw(dice: Dice, rooms: int) -> Plan:
     programme = draw_programme(dice, rooms)
     sketch = draw_house(dice, programme)
     if not add_balconies(dice, sketch, programme.balcony):
-        raise Unsound("no wall for a balcony")
+        raise UnsoundError("no wall for a balcony")
     if dice.chance(0.2):
         slant(dice, sketch)
     if dice.chance(0.3):
@@ -79,7 +79,7 @@ def _check(sketch: Sketch, inner: list[Face]) -> None:
     for cell, face in zip(sketch.cells, inner, strict=True):
         area_m2 = twice_area(face.corners) / 2 * STEP_M * STEP_M
         if area_m2 < least.get(cell.kind, 5.0):
-            raise Unsound(f"{cell.kind} of {area_m2:.1f} m2")
+            raise UnsoundError(f"{cell.kind} of {area_m2:.1f} m2")
 
 
 def _rooms(sketch: Sketch, inner: list[Face]) -> tuple[Room, ...]:

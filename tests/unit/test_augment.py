@@ -7,10 +7,15 @@ from hypothesis import strategies as st
 
 from chord_usd.data.augment import Pose, posed, random_pose
 from chord_usd.geometry import footprint, front_direction, room_polygon
-from chord_usd.types import Box, Item, Opening, Room, SceneGraph
+from chord_usd.types import Box, Item, Opening, Plan, Room, SceneGraph
+from chord_usd.units import rotation_2d
 
 poses = st.builds(
-    Pose, st.booleans(), st.floats(0.5, 2.0), st.floats(-180.0, 180.0, allow_nan=False)
+    Pose,
+    st.booleans(),
+    st.floats(0.5, 2.0),
+    st.floats(-180.0, 180.0, allow_nan=False),
+    st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)),
 )
 
 
@@ -53,11 +58,36 @@ def test_random_poses_are_the_same_for_the_same_seed(seed):
     assert one.items[0].box == other.items[0].box
 
 
-def test_tabletop_items_are_not_mirrored_in_silence():
+@given(poses)
+def test_children_end_up_where_their_points_go(pose):
     house = _house()
-    cup = Item("cup", "coffee_cup", Box((0.1, 0.0, 0.5), (0.1, 0.1, 0.1), 0.0))
+    cup = Item("cup", "coffee_cup", Box((0.3, -0.2, 0.5), (0.1, 0.2, 0.1), 40.0))
     table = Item("t", "table", house.items[0].box, "r", children=(cup,))
-    scene = SceneGraph(house.rooms, house.openings, (table,))
-    with pytest.raises(ValueError, match="not mirrored"):
-        posed(scene, Pose(mirrored=True))
-    assert posed(scene, Pose(yaw_deg=90.0)).items[0].children == (cup,)
+    after = posed(SceneGraph(house.rooms, house.openings, (table,)), pose).items[0]
+    order = [3, 2, 1, 0] if pose.mirrored else [0, 1, 2, 3]
+    assert np.allclose(_child_corners(after), pose.points(_child_corners(table))[order])
+
+
+def _child_corners(parent: Item) -> np.ndarray:
+    turned = footprint(parent.children[0].box) @ rotation_2d(parent.box.yaw_deg).T
+    return turned + np.array(parent.box.center_m[:2])
+
+
+def test_mirroring_twice_and_four_quarters_give_the_same_house():
+    house = _house()
+    there_and_back = posed(posed(house, Pose(mirrored=True)), Pose(mirrored=True))
+    turned = house
+    for _ in range(4):
+        turned = posed(turned, Pose(yaw_deg=90.0))
+    for other in (there_and_back, turned):
+        assert other.items[0].box == house.items[0].box
+        assert np.array_equal(other.rooms[0].polygon_m, house.rooms[0].polygon_m)
+
+
+def test_fixtures_of_a_real_flat_move_with_it():
+    house = _house()
+    toilet = {"category": "toilet", "x": 1.0, "y": 2.0, "w": 0.4, "h": 0.7}
+    plan = Plan(house.rooms, house.openings, {"fixtures": [toilet]})
+    after = posed(plan, Pose(mirrored=True, yaw_deg=90.0, offset_m=(1.0, 0.0)))
+    moved = after.extra["fixtures"][0]
+    assert (moved["x"], moved["y"], moved["yaw"]) == (-1.0, -1.0, 90.0)

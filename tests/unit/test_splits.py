@@ -17,3 +17,8 @@ def test_about_a_fifth_of_real_plans_is_held_out():
 def test_procedural_test_houses_are_a_seed_range():
     assert is_test_seed(TEST_SEED)
     assert not is_test_seed(TEST_SEED - 1)
+
+
+def test_a_file_named_after_a_plan_belongs_where_the_plan_belongs():
+    for index in range(200):
+        assert part_of(f"00/02/{index}") == part_of(f"00_02_{index}")

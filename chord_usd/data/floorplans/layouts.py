@@ -275,7 +275,7 @@ def _bend(
     sketch.open_pairs.append((first, second))
 
 
-class Unsound(Exception):
+class UnsoundError(Exception):
     """A draw that cannot become a house; draw again."""
 
 
@@ -298,7 +298,7 @@ def _public_block(
         edge = max(top - deep, breadth) if not beside else max(top - 270, breadth)
         if beside:
             across = _kitchen_across(kitchen, width, top - edge)
-            living_corners = [
+            living_corners: list[Point] = [
                 (-width, bottom), (0, bottom), (0, top), (across - width, top),
                 (across - width, edge), (-width, edge),
             ]  # fmt: skip
@@ -354,7 +354,7 @@ def draw_hub(dice: Dice, programme: Programme) -> Sketch:
         hall = sketch.add("living", living)
         sketch.open_pairs.append((hall, sketch.add("dining", dining)))
     elif programme.dining:
-        raise Unsound("no space for dining")
+        raise UnsoundError("no space for dining")
     else:
         sketch.add("living", rectangle(0, 0, length, breadth))
     return sketch
@@ -373,7 +373,7 @@ def draw_studio(dice: Dice, programme: Programme) -> Sketch:
     if programme.kitchen:
         across = min(dice.steps(195, 260), width - bath[0] - _DOOR_LEG)
         if across < 170:
-            raise Unsound("no space for the kitchen")
+            raise UnsoundError("no space for the kitchen")
         tall = bath[1] if dice.chance(0.4) else small
         sketch.add("kitchen", rectangle(width - across, 0, width, tall))
         right = [(width - across, 0), (width - across, tall), (width, tall)]
@@ -387,7 +387,7 @@ def draw_studio(dice: Dice, programme: Programme) -> Sketch:
 def draw_house(dice: Dice, programme: Programme) -> Sketch:
     """The cells of a house with this programme, balconies not yet among them.
 
-    Raises Unsound where this draw of measures does not fit together.
+    Raises UnsoundError where this draw of measures does not fit together.
     """
     if programme.corridor:
         return draw_spine(dice, programme)

@@ -130,12 +130,12 @@ def _upright(axis: int, line: float, low: float, high: float) -> Stretch:
 # --- placing ---------------------------------------------------------------------------------
 
 
-class NoPlace(Exception):
+class NoPlaceError(Exception):
     """An opening the house cannot do without has no wall to sit in."""
 
 
 def make_openings(dice: Dice, sketch: Sketch, walls: Walls) -> list[Hole]:
-    """Entrance, doors, passages and windows. Raises NoPlace where a room cannot be reached."""
+    """Entrance, doors, passages and windows. Raises NoPlaceError where a room cannot be reached."""
     holes = _join_rooms(dice, sketch, walls)
     holes.append(_entrance(dice, sketch, walls))
     for index, cell in enumerate(sketch.cells):
@@ -191,7 +191,7 @@ def _join_rooms(dice: Dice, sketch: Sketch, walls: Walls) -> list[Hole]:
         for entry in entries:
             holes.append(_joint(dice, sketch, walls, room, entry))
         if not entries:
-            raise NoPlace(cells[room].kind)
+            raise NoPlaceError(cells[room].kind)
         reached.rooms.add(room)
     return holes
 
@@ -228,7 +228,7 @@ def _halls(dice: Dice, sketch: Sketch, walls: Walls, number: dict[int, int]) -> 
                 reached.rooms.add(room)
                 grown = True
     if not reached.rooms.issuperset(halls):
-        raise NoPlace("hall")
+        raise NoPlaceError("hall")
     return reached
 
 
@@ -250,7 +250,7 @@ def _joint(dice: Dice, sketch: Sketch, walls: Walls, room: int, entry: int) -> H
     pair = (room, entry) if room < entry else (entry, room)
     placed = _place(dice, walls.shared[pair], width, at_end)
     if placed is None:
-        raise NoPlace(sketch.cells[room].kind)
+        raise NoPlaceError(sketch.cells[room].kind)
     height = 230 if kind == "passage" else 210
     return Hole(kind, pair, placed[0], placed[1], placed[2], 0, height)
 
@@ -281,11 +281,11 @@ def _entrance(dice: Dice, sketch: Sketch, walls: Walls) -> Hole:
     halls = [entry for entry in sorted(found) if entry[0] < 9.0]
     kinds = {cell.kind for cell in sketch.cells}
     if not halls and not kinds.isdisjoint(_HALLS):
-        raise NoPlace("entrance")
+        raise NoPlaceError("entrance")
     room = (halls or sorted(found))[0][1]
     placed = _place(dice, walls.outer[room], dice.steps(90, 105), 0.6, least=90)
     if placed is None:
-        raise NoPlace("entrance")
+        raise NoPlaceError("entrance")
     return Hole("door", (room,), *placed, 0, 210)
 
 
