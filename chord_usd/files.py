@@ -110,7 +110,10 @@ class Delivery:
 
     def _commit(self) -> None:
         for parcel in self._parcels:
-            for written in parcel.files():
+            written = parcel.hidden / parcel.target.name
+            # Only the target: a stage has hundreds of files beside it, and syncing each of them
+            # takes seconds on a busy disk.
+            if written.is_file():
                 _sync(written)
         for parcel in self._parcels:
             for source, target in parcel.moves():
