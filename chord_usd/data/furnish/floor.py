@@ -7,7 +7,7 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Rectangle, Thing, Wall
+from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import Room, RoomKind
 from chord_usd.units import wrap_deg
@@ -74,6 +74,7 @@ class Floor:
         for wall in self.walls:
             wall.see_edges(self.corners)
         self.doors: list[Door] = []
+        self._door_points: list[tuple[float, float]] = []
         self.touching: list[Floor] = []
         self.windows: list[tuple[Wall, float, float, float]] = []
         self.placed: list[Placed] = []
@@ -145,7 +146,7 @@ class Floor:
             ux, uy = -uy, ux
         yaw_deg = wrap_deg(wall.yaw_deg + 90.0 * quarter_turns)
         self.placed.append(Placed(category, x, y, base, size, yaw_deg, ux, uy, self._group, core))
-        self._take(x, y, Rectangle(ux, uy, length / 2, width / 2), SOLID, NO_SILL_M)
+        self._things.append((x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M))
 
     def keep(
         self,
@@ -159,12 +160,8 @@ class Floor:
     ) -> None:
         """Keep a rectangle of the wall's frame free of things higher than sill."""
         x, y = wall.world((s_from + s_to) / 2, (t_from + t_to) / 2)
-        shape = Rectangle(wall.ux, wall.uy, (s_to - s_from) / 2, (t_to - t_from) / 2)
-        self._take(x, y, shape, bits, sill)
-
-    def _take(self, x: float, y: float, shape: Rectangle, bits: int, sill: float) -> None:
-        half_x, half_y = shape.half_sizes_along(1.0, 0.0)
-        self._things.append((x, y, half_x, half_y, shape, bits, sill))
+        half_s, half_t = (s_to - s_from) / 2, (t_to - t_from) / 2
+        self._things.append((x, y, wall.ux, wall.uy, half_s, half_t, bits, sill))
 
     def spots(
         self, depth: float, height: float, reach: float = 0.0, least: float = 0.3
@@ -186,10 +183,15 @@ class Floor:
 
     def distance_to_door(self, x: float, y: float) -> float:
         """Metres from a world point to the middle of the nearest door; 9 without doors."""
+        if len(self._door_points) != len(self.doors):
+            self._door_points = [
+                door.wall.world((door.s_from + door.s_to) / 2, 0.0) for door in self.doors
+            ]
         nearest = 9.0
-        for door in self.doors:
-            door_x, door_y = door.wall.world((door.s_from + door.s_to) / 2, 0.0)
-            nearest = min(nearest, math.hypot(door_x - x, door_y - y))
+        for door_x, door_y in self._door_points:
+            away = math.hypot(door_x - x, door_y - y)
+            if away < nearest:
+                nearest = away
         return nearest
 
     def has(self, category: str) -> bool:

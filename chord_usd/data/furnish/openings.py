@@ -51,7 +51,9 @@ def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> Non
     sides = []
     for opening in openings:
         named = [by_id[i] for i in opening.room_ids if i in by_id] or floors
-        found = [(floor, side) for floor in named if (side := _side_of(floor, opening))]
+        yaw = math.radians(opening.box.yaw_deg)
+        along = math.cos(yaw), math.sin(yaw)
+        found = [(floor, side) for floor in named if (side := _side_of(floor, opening, along))]
         sides.append((opening, found))
     entrance = _entrance(sides)
     for opening, found in sides:
@@ -84,12 +86,13 @@ def keep_ways_in(floor: Floor) -> None:
             floor.keep(wall, s_from, s_to, deep, deep + WAY_IN_M, REACH)
 
 
-def _side_of(floor: Floor, opening: Opening) -> tuple[Wall, float, float] | None:
+def _side_of(
+    floor: Floor, opening: Opening, along: tuple[float, float]
+) -> tuple[Wall, float, float] | None:
     """The wall that holds the opening and the opening's span on it."""
     x, y, _ = opening.box.center_m
     half = opening.box.size_m[0] / 2
-    yaw = math.radians(opening.box.yaw_deg)
-    ux, uy = math.cos(yaw), math.sin(yaw)
+    ux, uy = along
     farthest = max(WALL_THICKNESS_M, opening.box.size_m[1]) + 0.05
     best, nearest = None, farthest
     for wall in floor.walls:

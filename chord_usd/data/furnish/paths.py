@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from chord_usd.data.furnish.floor import Door, Floor, Placed
 
@@ -52,9 +53,8 @@ class Grid:
         self.columns = math.ceil((x1 - self.x0) / CELL_M)
         self.rows = math.ceil((y1 - self.y0) / CELL_M)
         self.stride = self.columns + _GUARD_CELLS
-        ones = ((1 << self.rows * self.stride) - 1) // ((1 << self.stride) - 1)
-        self._first_cells = [ones & ((1 << j * self.stride) - 1) for j in range(self.rows + 1)]
-        """The first cell of each of the first j rows."""
+        self._first_cells = ((1 << self.rows * self.stride) - 1) // ((1 << self.stride) - 1)
+        """The first cell of every row."""
         fills = floor.area_m2 > (x1 - self.x0) * (y1 - self.y0) - 1e-6
         self.floor = self.inside((self.x0, self.y0, x1, y1)) if fills else self.within(corners)
         self.doors = [self.inside(_door_bounds(door)) for door in floor.doors]
@@ -69,10 +69,13 @@ class Grid:
         if right <= left or high <= low:
             return 0
         row = ((1 << (right - left)) - 1) << left
-        return (row * self._first_cells[high - low]) << low * self.stride
+        rows = self._first_cells & ((1 << (high - low) * self.stride) - 1)
+        return (row * rows) << low * self.stride
 
     def within(self, corners: Sequence[tuple[float, float]]) -> int:
         """Cells whose centre lies in a simple polygon."""
+        if all(ax == bx or ay == by for (ax, ay), (bx, by) in pairwise((corners[-1], *corners))):
+            return self._within_bands(corners)
         cells = 0
         for j in range(self.rows):
             xs = _crossings(corners, self.y0 + (j + 0.5) * CELL_M)
@@ -81,6 +84,15 @@ class Grid:
                 right = min(self.columns, int((xs[i + 1] - self.x0) / CELL_M + 0.5))
                 if right > left:
                     cells |= ((1 << (right - left)) - 1) << (left + j * self.stride)
+        return cells
+
+    def _within_bands(self, corners: Sequence[tuple[float, float]]) -> int:
+        """The same for polygons of level and upright sides, which are a few rectangles."""
+        cells = 0
+        for low, high in pairwise(sorted({y for _, y in corners})):
+            xs = _crossings(corners, (low + high) / 2)
+            for i in range(0, len(xs) - 1, 2):
+                cells |= self.inside((xs[i], low, xs[i + 1], high))
         return cells
 
     def pieces(self, placed: Sequence[Placed]) -> list[tuple[Placed, int, int]]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
 SOLID = 1
 """Blocks that are furniture."""
@@ -27,27 +26,9 @@ TOUCH_M = 1e-6
 """Things nearer than this only touch."""
 
 
-class Rectangle(NamedTuple):
-    """Half sizes of an oriented rectangle, its length along (ux, uy)."""
-
-    ux: float
-    uy: float
-    half_length: float
-    half_width: float
-
-    def half_sizes_along(self, wx: float, wy: float) -> tuple[float, float]:
-        """Half sizes of its bounds along and across a direction."""
-        along, across = abs(self.ux * wx + self.uy * wy), abs(self.ux * wy - self.uy * wx)
-        return (
-            along * self.half_length + across * self.half_width,
-            across * self.half_length + along * self.half_width,
-        )
-
-
-Thing = tuple[float, float, float, float, Rectangle, int, float]
-"""What takes floor, in the world: middle, half sizes of its bounds, itself, bits, sill.
-
-Only what is higher than the sill meets it.
+Thing = tuple[float, float, float, float, float, float, int, float]
+"""What takes floor, in the world: middle x and y, the direction of its length, half length, half
+width, bits, sill. Only what is higher than the sill meets it.
 """
 
 Block = tuple[float, float, float, float, int, float]
@@ -164,16 +145,12 @@ class Wall:
         blocks = self._blocks
         if len(blocks) < len(self._things):
             wx, wy, x0, y0 = self.ux, self.uy, self.x, self.y
-            level, upright = wy == 0.0, wx == 0.0
-            for x, y, half_x, half_y, thing, bits, sill in self._things[len(blocks) :]:
-                s = (x - x0) * wx + (y - y0) * wy
-                t = (y - y0) * wx - (x - x0) * wy
-                if level:
-                    half_s, half_t = half_x, half_y
-                elif upright:
-                    half_s, half_t = half_y, half_x
-                else:
-                    half_s, half_t = thing.half_sizes_along(wx, wy)
+            for x, y, ux, uy, half_length, half_width, bits, sill in self._things[len(blocks) :]:
+                dx, dy = x - x0, y - y0
+                s, t = dx * wx + dy * wy, dy * wx - dx * wy
+                along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
+                half_s = along * half_length + across * half_width
+                half_t = across * half_length + along * half_width
                 blocks.append((s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
         return blocks
 
