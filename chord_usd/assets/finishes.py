@@ -92,6 +92,7 @@ FINISHES: dict[str, Finish] = {
     "water": Finish((150, 200, 214), 0.05, 0.0, 0.35),
     "red_glow": Finish((196, 52, 38), 0.4, 0.0, 1.0, 0.1),
     # print, plants, food
+    "light_blue": Finish((166, 196, 216), 0.8),
     "paper": Finish((240, 236, 224), 0.85),
     "red_cover": Finish((170, 52, 46), 0.6),
     "blue_cover": Finish((44, 82, 136), 0.6),
@@ -101,6 +102,7 @@ FINISHES: dict[str, Finish] = {
     "dark_leaf": Finish((40, 84, 52), 0.5),
     "soil": Finish((62, 46, 36), 0.95),
     "coffee": Finish((62, 36, 22), 0.2),
+    "crust": Finish((172, 112, 58), 0.75),
     "apple": Finish((188, 44, 38), 0.35),
     "orange": Finish((232, 140, 46), 0.55),
     "pear": Finish((176, 186, 76), 0.5),

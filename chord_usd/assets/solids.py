@@ -119,30 +119,39 @@ def circle(radius_m: float, z_m: float = 0.0, sides: int = 24) -> FloatArray:
     return np.stack([x, y, np.full_like(x, z_m)], axis=-1)
 
 
-def loft(rings: Sequence[FloatArray]) -> Solid:
+def loft(rings: Sequence[FloatArray], *, loop: bool = False) -> Solid:
     """Skin over rings of equally many points, counter-clockwise seen from the last one's side.
 
-    Both ends are closed with a fan around their centre, so they must be star-shaped. A ring may
-    collapse to a pole. Rings may turn inwards again (a tub): the skin simply follows them.
+    Both ends are closed with a fan around their centre, so they must be star-shaped; with loop
+    the last ring joins the first instead, as in a hoop. A ring may collapse to a pole. Rings may
+    turn inwards again (a tub): the skin simply follows them.
     """
-    sides = len(rings[0])
-    points = np.concatenate([*rings, rings[0].mean(axis=0)[None], rings[-1].mean(axis=0)[None]])
+    sides, levels = len(rings[0]), len(rings)
     here = np.arange(sides)
     after = (here + 1) % sides
     faces = []
-    for level in range(len(rings) - 1):
-        low, high = level * sides, (level + 1) * sides
+    for level in range(levels if loop else levels - 1):
+        low, high = level * sides, (level + 1) % levels * sides
         faces.append(np.stack([low + here, low + after, high + after], axis=-1))
         faces.append(np.stack([low + here, high + after, high + here], axis=-1))
-    top, ends = (len(rings) - 1) * sides, len(rings) * sides
+    points = np.concatenate(rings)
+    if loop:
+        return welded(points, np.concatenate(faces))
+    top, ends = (levels - 1) * sides, levels * sides
     faces.append(np.stack([after, here, np.full(sides, ends)], axis=-1))
     faces.append(np.stack([top + here, top + after, np.full(sides, ends + 1)], axis=-1))
-    return welded(points, np.concatenate(faces))
+    centres = [rings[0].mean(axis=0), rings[-1].mean(axis=0)]
+    return welded(np.concatenate([points, centres]), np.concatenate(faces))
 
 
-def lathe(profile_m: Sequence[tuple[float, float]], sides: int = 24) -> Solid:
-    """Turned on a lathe: (radius, z) pairs from the underside, over the outside, to the top."""
-    return loft([circle(radius, z, sides) for radius, z in profile_m])
+def lathe(
+    profile_m: Sequence[tuple[float, float]], sides: int = 24, *, loop: bool = False
+) -> Solid:
+    """Turned on a lathe: (radius, z) pairs from the underside, over the outside, to the top.
+
+    With loop the profile is closed, as of a hoop or a lamp shade.
+    """
+    return loft([circle(radius, z, sides) for radius, z in profile_m], loop=loop)
 
 
 def cylinder(

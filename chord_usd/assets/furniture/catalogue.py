@@ -5,6 +5,7 @@ from __future__ import annotations
 from chord_usd.assets.furniture import (
     bathroom,
     beds,
+    desktop,
     kitchen,
     laundry,
     panels,
@@ -13,6 +14,7 @@ from chord_usd.assets.furniture import (
     sideboards,
     storage,
     tables,
+    tableware,
 )
 from chord_usd.assets.model import Design
 
@@ -21,5 +23,5 @@ def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seating, tables, storage, sideboards, panels)
     wet = (kitchen, bathroom, showers, laundry)
-    found = [design for module in (*living, *wet) for design in module.DESIGNS]
+    found = [design for module in (*living, *wet, desktop, tableware) for design in module.DESIGNS]
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))

@@ -134,7 +134,7 @@ def _hob(length: float, width: float, height: float, *, gas: bool) -> tuple[Part
     parts = [Part("Hob", plate, "dark_glass", collider=None, above=True)]
     if not gas:
         rings = [
-            lathe([(r, 0), (r, 0.0015), (r - 0.006, 0.0015), (r - 0.006, 0)], 32).moved(
+            lathe([(r, 0), (r, 0.0015), (r - 0.006, 0.0015), (r - 0.006, 0)], 32, loop=True).moved(
                 x, y, height + 0.0055
             )
             for (x, y), r in zip(spots, sizes, strict=True)

@@ -51,7 +51,7 @@ def _machine(
     ]
     hoop = lathe(
         [(drum - 0.012, -0.006), (drum + 0.035, -0.002), (drum + 0.04, 0.008),
-         (drum + 0.03, 0.022), (drum, 0.026), (drum - 0.018, 0.018)], 40,
+         (drum + 0.03, 0.022), (drum, 0.026), (drum - 0.018, 0.018)], 40, loop=True,
     )  # fmt: skip
     lens = lathe([(drum - 0.006, 0.0), (drum - 0.012, 0.016), (drum * 0.6, 0.028), (0, 0.033)], 36)
     door_at = {"y": y, "z": centre_z}
