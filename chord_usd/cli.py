@@ -90,6 +90,8 @@ def _run(options: argparse.Namespace) -> Outcome:
 
 
 def _tell(outcome: Outcome, *, as_json: bool) -> None:
+    if not as_json:
+        sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
     text = json.dumps(outcome.data) if as_json else outcome.text
     sys.stdout.write(text + "\n")
     sys.stdout.flush()

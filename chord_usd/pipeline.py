@@ -7,11 +7,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.files import hash_file
 from chord_usd.locations import checkpoint_folder
-from chord_usd.progress import Stopwatch
+from chord_usd.progress import Progress, Stopwatch
 from chord_usd.types import Item, LayoutImage, Plan, PlanImage, SceneGraph, StageFile
+
+if TYPE_CHECKING:
+    from chord_usd.assets.database import AssetDatabase
+    from chord_usd.graph.detect import ItemDetector
+    from chord_usd.layout.sample import LayoutModel
+
+LAYOUT_CHECKPOINT = "plan2layout"
 
 
 @dataclass(frozen=True)
@@ -49,88 +57,108 @@ def generate(
 ) -> House:
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
-    The stopwatch times load, plan, layout, graph and stage. Raises ChordError.
+    The stopwatch times plan, load, layout, graph and stage. Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     # The plan is read before torch is imported: a wrong picture is told within a second.
-    plan = read_plan(plan_file, settings, watch)
-    plan_image = draw_plan(plan, watch)
-    layout = draw_layout(plan_image, plan_file, settings, watch)
-    graph = read_graph(layout, plan, settings, watch)
-    stage = write_stage(graph, stage_path, settings, watch)
+    with watch.step("plan"):
+        plan = read_plan(plan_file, settings)
+        plan_image = draw_plan(plan)
+    with watch.step("load") as progress:
+        model = load_model(settings)
+        reader = load_reader(settings, progress)
+        load_usd()
+    with watch.step("layout") as progress:
+        layout = draw_layout(plan_image, model, plan_file, settings, progress)
+    with watch.step("graph"):
+        graph = reader.read(layout, plan)
+    with watch.step("stage"):
+        stage = write_stage(graph, stage_path, settings)
     return House(plan, plan_image, layout, graph, stage)
 
 
-def read_plan(plan_file: Path, settings: Settings, watch: Stopwatch) -> Plan:
+def read_plan(plan_file: Path, settings: Settings) -> Plan:
     """Plan file, a picture or CHOrD JSON -> Plan."""
-    with watch.step("plan"):
-        from chord_usd.plan.read import read_plan_file
+    from chord_usd.plan.read import read_plan_file
 
-        return read_plan_file(plan_file, settings.m_per_px)
+    return read_plan_file(plan_file, settings.m_per_px)
 
 
-def draw_plan(plan: Plan, watch: Stopwatch) -> PlanImage:
+def draw_plan(plan: Plan) -> PlanImage:
     """Plan -> PlanImage."""
-    with watch.step("plan"):
-        from chord_usd import raster
+    from chord_usd import raster
 
-        return raster.draw_plan(plan)
+    return raster.draw_plan(plan)
+
+
+def load_model(settings: Settings) -> LayoutModel:
+    """The layout model, with torch."""
+    from chord_usd.layout.sample import LayoutModel
+
+    return LayoutModel.load(checkpoint_folder(LAYOUT_CHECKPOINT), settings.device)
 
 
 def draw_layout(
-    plan_image: PlanImage, plan_file: Path, settings: Settings, watch: Stopwatch
+    plan_image: PlanImage,
+    model: LayoutModel,
+    plan_file: Path,
+    settings: Settings,
+    progress: Progress | None = None,
 ) -> LayoutImage:
     """PlanImage -> LayoutImage, by the diffusion model; its provenance names the plan file."""
-    with watch.step("load"):
-        from chord_usd.layout.sample import LayoutModel
-
-        model = LayoutModel.load(checkpoint_folder("plan2layout"), settings.device)
-    with watch.step("layout") as progress:
-        layout = model.sample(
-            plan_image, seed=settings.seed, steps=settings.steps, progress=progress
-        )
+    layout = model.sample(plan_image, seed=settings.seed, steps=settings.steps, progress=progress)
     provenance = replace(layout.provenance, input_hash=hash_file(plan_file)[:16])
     return replace(layout, provenance=provenance)
 
 
-def read_graph(
-    layout: LayoutImage, plan: Plan | None, settings: Settings, watch: Stopwatch
-) -> SceneGraph:
-    """LayoutImage -> SceneGraph with meshes; without a plan, rooms are read from the layout."""
-    with watch.step("load") as progress:
-        from chord_usd.assets.database import load_database
-        from chord_usd.graph.detect import load_item_detector
+def load_reader(settings: Settings, progress: Progress | None = None) -> GraphReader:
+    """The detector and the mesh database; these are drawn once per user, told by progress."""
+    from chord_usd.assets.database import load_database
+    from chord_usd.graph.detect import load_item_detector
+
+    return GraphReader(load_item_detector(), load_database(settings.asset_folders, progress))
+
+
+@dataclass(frozen=True, eq=False)
+class GraphReader:
+    """What it takes to read a layout."""
+
+    detector: ItemDetector
+    database: AssetDatabase
+
+    def read(self, layout: LayoutImage, plan: Plan | None = None) -> SceneGraph:
+        """LayoutImage -> SceneGraph with meshes; without a plan, rooms are read, too."""
         from chord_usd.graph.extract import extract_graph
 
-        database = load_database(settings.asset_folders, progress)
-        detector = load_item_detector()
-    with watch.step("graph"):
-        return extract_graph(layout, plan, database, detector)
+        return extract_graph(layout, plan, self.database, self.detector)
 
 
-def write_stage(
-    graph: SceneGraph, stage_path: Path, settings: Settings, watch: Stopwatch
-) -> StageFile:
+def load_usd() -> None:
+    """Import what writes stages, so that the time of the step is its own."""
+    import chord_usd.stage.author  # noqa: F401
+
+
+def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> StageFile:
     """SceneGraph -> StageFile."""
-    with watch.step("load"):
-        from chord_usd.stage.author import author_stage
-    with watch.step("stage"):
-        return author_stage(graph, stage_path, seed=settings.seed)
+    from chord_usd.stage.author import author_stage
+
+    return author_stage(graph, stage_path, seed=settings.seed)
 
 
-def read_scene_file(scene_file: Path, settings: Settings, watch: Stopwatch) -> SceneGraph:
+def read_scene_file(
+    scene_file: Path, settings: Settings, progress: Progress | None = None
+) -> SceneGraph:
     """Scene graph file -> SceneGraph; items without a mesh on this machine get the nearest one."""
-    with watch.step("load") as progress:
-        from chord_usd.assets.database import load_database
-        from chord_usd.chord_json import read_scene
-        from chord_usd.graph.match import match_assets
+    from chord_usd.assets.database import load_database
+    from chord_usd.chord_json import read_scene
+    from chord_usd.graph.match import match_assets
 
-        database = load_database(settings.asset_folders, progress)
-    with watch.step("graph"):
-        graph = read_scene(scene_file)
-        items = tuple(_without_lost_meshes(item) for item in graph.items)
-        return match_assets(replace(graph, items=items), database)
+    graph = read_scene(scene_file)
+    items = tuple(_without_lost_meshes(item) for item in graph.items)
+    return match_assets(
+        replace(graph, items=items), load_database(settings.asset_folders, progress)
+    )
 
 
 def _without_lost_meshes(item: Item) -> Item:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
@@ -24,6 +24,8 @@ class Outcome:
     """For --json."""
     holds: bool = True
     """False where a check did not hold: exit code 1."""
+    warnings: Sequence[str] = ()
+    """What a user should know of the input; told on stderr."""
 
 
 Run = Callable[[argparse.Namespace], Outcome]

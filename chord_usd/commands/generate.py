@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
             report = check_stage(stage_path)
     data = _summary(house, options.output, watch.seconds, certificate(report))
-    return Outcome(_text(data, report.holds), data)
+    return Outcome(_text(data, report.holds), data, warnings=data["warnings"])
 
 
 def _write_extras(house: House, paths: dict[str, Path]) -> None:
@@ -109,6 +109,7 @@ def _summary(
         "seconds": seconds,
         "m_per_px": house.plan_image.frame.m_per_px,
         "certificate": check,
+        "warnings": list(house.plan.extra.get("warnings", ())),
     }
 
 

@@ -32,14 +32,18 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.chord_json import write_scene
-    from chord_usd.pipeline import Settings, read_graph
+    from chord_usd.pipeline import Settings, load_reader
     from chord_usd.raster_files import read_layout
 
+    settings = Settings(asset_folders=tuple(options.assets))
     watch = stopwatch(options)
     layout = read_layout(existing_file(options.layout), options.scale)
     with deliver() as delivery:
         target = delivery.place(options.output)
-        graph = read_graph(layout, None, Settings(asset_folders=tuple(options.assets)), watch)
+        with watch.step("load") as progress:
+            reader = load_reader(settings, progress)
+        with watch.step("graph"):
+            graph = reader.read(layout)
         write_scene(graph, target)
     data = {
         "graph": str(options.output),

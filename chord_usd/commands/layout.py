@@ -39,19 +39,32 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.pipeline import Settings, draw_layout, draw_plan, read_plan
+    from chord_usd.pipeline import Settings, draw_layout, draw_plan, load_model, read_plan
+    from chord_usd.plan.read import WARNINGS
     from chord_usd.raster_files import write_raster
 
     settings = Settings(
         seed=options.seed, steps=options.steps, m_per_px=options.scale, device=options.device
     )
-    watch = stopwatch(options)
     plan_file = existing_file(options.plan)
+    watch = stopwatch(options)
     with deliver() as delivery:
         target = delivery.place(options.output)
-        plan_image = draw_plan(read_plan(plan_file, settings, watch), watch)
-        layout = draw_layout(plan_image, plan_file, settings, watch)
+        with watch.step("plan"):
+            plan = read_plan(plan_file, settings)
+            plan_image = draw_plan(plan)
+        with watch.step("load"):
+            model = load_model(settings)
+        with watch.step("layout") as progress:
+            layout = draw_layout(plan_image, model, plan_file, settings, progress)
         write_raster(layout, target)
+    warnings = list(plan.extra.get(WARNINGS, ()))
     m_per_px = layout.frame.m_per_px
-    data = {"layout": str(options.output), "m_per_px": m_per_px, "seconds": watch.seconds}
-    return Outcome(f"{options.output}: {m_per_px * 100:.1f} cm per pixel", data)
+    data = {
+        "layout": str(options.output),
+        "m_per_px": m_per_px,
+        "seconds": watch.seconds,
+        "warnings": warnings,
+    }
+    text = f"{options.output}: {m_per_px * 100:.1f} cm per pixel"
+    return Outcome(text, data, warnings=warnings)

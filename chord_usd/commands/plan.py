@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
 def run_read(options: argparse.Namespace) -> Outcome:
     """Runs plan read."""
     from chord_usd.chord_json import write_plan
-    from chord_usd.plan.read import read_plan_file
+    from chord_usd.plan.read import WARNINGS, read_plan_file
 
     image = existing_file(options.image)
     with deliver() as delivery:
@@ -51,6 +51,7 @@ def run_read(options: argparse.Namespace) -> Outcome:
             from chord_usd.plan.overlay import draw_overlay
 
             draw_overlay(plan, image, overlay)
+    warnings = list(plan.extra.get(WARNINGS, ()))
     kinds = [opening.kind for opening in plan.openings]
     data = {
         "plan": str(options.output),
@@ -59,11 +60,13 @@ def run_read(options: argparse.Namespace) -> Outcome:
         "doors": kinds.count("door"),
         "windows": kinds.count("window"),
         "passages": kinds.count("passage"),
+        "warnings": warnings,
     }
     return Outcome(
         f"{data['plan']}: {data['rooms']} rooms, {data['doors']} doors, "
         f"{data['windows']} windows, {data['passages']} passages",
         data,
+        warnings=warnings,
     )
 
 

@@ -32,10 +32,14 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.pipeline import Settings, read_scene_file, write_stage
 
     settings = Settings(seed=options.seed, asset_folders=tuple(options.assets))
+    scene_file = existing_file(options.scene)
     watch = stopwatch(options)
-    graph = read_scene_file(existing_file(options.scene), settings, watch)
     with deliver() as delivery:
-        stage = write_stage(graph, delivery.place(options.output), settings, watch)
+        target = delivery.place(options.output)
+        with watch.step("load") as progress:
+            graph = read_scene_file(scene_file, settings, progress)
+        with watch.step("stage"):
+            stage = write_stage(graph, target, settings)
     data = {
         "stage": str(options.output),
         "rooms": len(graph.rooms),
