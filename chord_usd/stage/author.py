@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from pxr import Gf, Sdf, UsdUtils
 from chord_usd import __version__
 from chord_usd.errors import OutputError
 from chord_usd.files import deliver
+from chord_usd.looks import Look, load_looks
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.furniture import extent_of, place_furniture
 from chord_usd.stage.lights import hang_light
@@ -47,12 +48,17 @@ SUFFIXES = (".usda", ".usd", ".usdc", ".usdz")
 _RESOLUTION_PX = (1280, 720)
 
 
-def author_stage(graph: SceneGraph, path: Path, *, seed: int = 0) -> StageFile:
+def author_stage(
+    graph: SceneGraph, path: Path, *, seed: int = 0, looks: Sequence[Look] | None = None
+) -> StageFile:
     """Write a house as a USD stage, with everything it points to beside it.
 
     Beside `house.usda` appear `house_architecture/`, `assets/` and `materials/`; houses of one
-    folder share the latter two. `.usdz` packs all of it into one file. seed chooses the looks of
-    walls and floors. Same graph, same seed: same bytes. Nothing is left behind on failure.
+    folder share the latter two. `.usdz` packs all of it into one file. Same graph, same seed: same
+    bytes. Nothing is left behind on failure.
+
+    seed chooses the looks of walls and floors. looks: the library; by default the shipped one, and
+    an empty one gives plain surfaces.
 
     Raises SceneError for a graph without rooms or with an unknown category, AssetError for a
     missing mesh, OutputError for a target that cannot be written.
@@ -64,48 +70,58 @@ def author_stage(graph: SceneGraph, path: Path, *, seed: int = 0) -> StageFile:
             where=str(path),
             expected=f"one of {', '.join(SUFFIXES)}",
         )
-    rooms = name_rooms(graph)
+    house = _House(graph, name_rooms(graph), seed, load_looks() if looks is None else tuple(looks))
     with deliver() as delivery:
         target = delivery.place(path)
         if path.suffix == ".usdz":
-            content_hash = _pack(graph, rooms, target, seed)
+            content_hash = _pack(house, target)
         else:
-            content_hash = _write_house(graph, rooms, target, path.absolute().parent, seed)
+            content_hash = _write_house(house, target, path.absolute().parent)
     return StageFile(path, content_hash, graph.provenance)
 
 
-def _write_house(
-    graph: SceneGraph, rooms: Sequence[NamedRoom], target: Path, final: Path, seed: int
-) -> str:
+@dataclass(frozen=True, eq=False)
+class _House:
+    """What is to be written."""
+
+    graph: SceneGraph
+    rooms: tuple[NamedRoom, ...]
+    seed: int
+    looks: tuple[Look, ...]
+
+
+def _write_house(house: _House, target: Path, final: Path) -> str:
     """Write the stage to target, which will end up in final; returns the content hash."""
-    layer = _open_house(graph, target, seed)
-    walls = build_walls(graph.plan)
+    layer = _open_house(house, target)
+    walls = build_walls(house.graph.plan)
     architecture = target.parent / f"{target.stem}_architecture"
     assets = Packages(target.parent, final, "assets")
+    materials = Packages(target.parent, final, "materials")
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
-        for room in rooms:
+        for room in house.rooms:
             _open_room(layer, room)
-        extent = draw_shell(layer, rooms, walls, architecture)
-        for room in rooms:
+        extent = draw_shell(layer, house.rooms, walls, architecture)
+        for room in house.rooms:
+            floor = walls.floors_m[room.index]
             place_furniture(layer, room, assets, Path(scratch))
-            hang_light(layer, room, walls.floors_m[room.index])
-            wear_looks(layer, room)
-    set_cameras(layer, rooms, walls)
-    _set_render(layer, rooms)
-    _hint_house(layer, extent, graph)
+            hang_light(layer, room, floor)
+            wear_looks(layer, room, floor, house.looks, materials, house.seed)
+    set_cameras(layer, house.rooms, walls)
+    _set_render(layer, house.rooms)
+    _hint_house(layer, extent, house.graph)
     layer.Save()
     return _hash([target, *sorted(architecture.iterdir())])
 
 
-def _open_house(graph: SceneGraph, target: Path, seed: int) -> Sdf.Layer:
+def _open_house(house: _House, target: Path) -> Sdf.Layer:
     """The layer with its metadata, the house and its groups."""
     layer = new_layer(target, "House")
     layer.pseudoRoot.SetInfo("renderSettingsPrimPath", "/House/Render/Settings")
-    made = graph.provenance
+    made = house.graph.provenance
     layer.customLayerData = {
         "chord": dictionary(
             {
-                "seed": seed,
+                "seed": house.seed,
                 "generator": f"chord-usd {__version__}",
                 "schema": SCHEMA,
                 "provenance": {
@@ -120,9 +136,9 @@ def _open_house(graph: SceneGraph, target: Path, seed: int) -> Sdf.Layer:
             }
         )
     }
-    house = define(layer, "/House", "Xform", kind="assembly")
-    identify(house, "House", f"./{target.name}")
-    inherit(house, define_class(layer, "House"))
+    root = define(layer, "/House", "Xform", kind="assembly")
+    identify(root, "House", f"./{target.name}")
+    inherit(root, define_class(layer, "House"))
     define(layer, "/House/PhysicsScene", "PhysicsScene")
     define(layer, "/House/Rooms", "Xform", kind="group")
     return layer
@@ -166,13 +182,12 @@ def _hint_house(layer: Sdf.Layer, shell_m: FloatArray, graph: SceneGraph) -> Non
     )
 
 
-def _pack(graph: SceneGraph, rooms: Sequence[NamedRoom], target: Path, seed: int) -> str:
+def _pack(house: _House, target: Path) -> str:
     """Write the stage into a folder of its own and pack that into target."""
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-        house = Path(folder) / f"{target.stem}.usda"
-        content_hash = _write_house(graph, rooms, house, Path(folder), seed)
-        UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(house)), str(target))
-        shutil.rmtree(folder, ignore_errors=True)
+        stage = Path(folder) / f"{target.stem}.usda"
+        content_hash = _write_house(house, stage, Path(folder))
+        UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))
     return content_hash
 
 

@@ -1,0 +1,67 @@
+"""What a stage holds, counted by walking through it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pxr import Kind, Tf, Usd
+
+from chord_usd.errors import StageError
+
+_LOADED_OR_NOT = Usd.PrimIsActive & Usd.PrimIsDefined & ~Usd.PrimIsAbstract
+
+
+@dataclass(frozen=True)
+class StageSummary:
+    """How much of everything is in a house."""
+
+    rooms: int
+    furniture: int
+    """Pieces that stand in a room."""
+    items: int
+    """Furniture and all that stands on it."""
+    openings: int
+    """Doors, windows and passages."""
+    lights: int
+    cameras: int
+
+
+def summary(path: Path) -> StageSummary:
+    """Count what is on the stage at path; furniture meshes are not loaded.
+
+    Raises StageError when there is no stage.
+    """
+    try:
+        stage = Usd.Stage.Open(str(path), Usd.Stage.LoadNone)
+    except Tf.ErrorException as error:
+        raise StageError(
+            "cannot be opened as a stage",
+            where=str(path),
+            expected="a .usda, .usdc or .usdz stage",
+            try_="chord-usd generate PLAN -o house.usda",
+        ) from error
+    rooms = _rooms(stage)
+    for room in rooms:  # openings are behind the payload
+        stage.Load(room.GetPath().AppendChild("Architecture"))
+    prims = [prim for room in rooms for prim in Usd.PrimRange(room, _LOADED_OR_NOT)]
+    nodes = [prim for prim in prims if prim.HasAttribute("chord:category")]
+    pieces = [prim for prim in nodes if _is_component(prim)]
+    return StageSummary(
+        rooms=len(rooms),
+        furniture=sum("Items" not in prim.GetPath().pathString.split("/") for prim in pieces),
+        items=len(pieces),
+        openings=len(nodes) - len(pieces),
+        lights=sum(prim.GetTypeName() == "RectLight" for prim in prims),
+        cameras=sum(prim.GetTypeName() == "Camera" for prim in stage.Traverse()),
+    )
+
+
+def _rooms(stage: Usd.Stage) -> list[Usd.Prim]:
+    house = stage.GetDefaultPrim()
+    group = house.GetChild("Rooms") if house else None
+    return list(group.GetChildren()) if group else []
+
+
+def _is_component(prim: Usd.Prim) -> bool:
+    return bool(Usd.ModelAPI(prim).GetKind() == Kind.Tokens.component)
