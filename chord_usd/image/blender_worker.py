@@ -70,6 +70,8 @@ class Shot:
     focal_m: float
     aperture_m: float
     """Width of the sensor; of the view, where orthographic."""
+    shift: tuple[float, float]
+    """How far the view is shifted right and up, over its width."""
     orthographic: bool
     clip_m: tuple[float, float]
     focus_m: float
@@ -209,6 +211,7 @@ def _aim(camera: Any, shot: Shot) -> None:
     else:
         lens.sensor_width = shot.aperture_m * 1000.0  # Blender's lens is in millimetres
         lens.lens = shot.focal_m * 1000.0
+    lens.shift_x, lens.shift_y = shot.shift
     lens.dof.use_dof = shot.f_stop > 0
     if shot.f_stop > 0:
         lens.dof.aperture_fstop = shot.f_stop
@@ -221,7 +224,6 @@ def _open_roof(scene: Any, is_open: bool) -> None:
         if thing.type == "MESH" and thing.name.startswith(CEILING):
             thing.hide_render = is_open
     scene.render.film_transparent = is_open
-    scene.render.image_settings.color_mode = "RGBA" if is_open else "RGB"
 
 
 # --- Cycles -------------------------------------------------------------------------------------
@@ -264,8 +266,9 @@ def _set_quality(scene: Any, job: Job) -> None:
     cycles.caustics_reflective = cycles.caustics_refractive = False
     cycles.blur_glossy = 1.0
     cycles.use_light_tree = True
-    # A tile must equal the same pixels of the whole picture, and both of these look around.
+    # A tile must equal the same pixels of the whole picture, and these three look around.
     whole = job.tile is None
+    render.dither_intensity = 1.0 if whole else 0.0
     cycles.use_adaptive_sampling = whole
     cycles.adaptive_threshold = 0.02
     cycles.use_denoising = whole
@@ -275,8 +278,6 @@ def _set_quality(scene: Any, job: Job) -> None:
     render.use_persistent_data = True
     render.resolution_x, render.resolution_y = job.width_px, job.height_px
     render.resolution_percentage = 100
-    render.image_settings.file_format = "PNG"
-    render.image_settings.color_depth = "8"
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
 
@@ -307,7 +308,6 @@ def _metered_exposure_ev(scene: Any, job: Job) -> float:
         image.pixels.foreach_get(rgba)
         rgb = rgba.reshape(-1, image.channels)[:, :3].astype(np.float64)
         bpy.data.images.remove(image)
-    render.image_settings.file_format = "PNG"
     render.resolution_percentage, cycles.samples, cycles.use_denoising = kept
     return exposure_ev(rgb @ np.array([0.2126, 0.7152, 0.0722]))
 
@@ -338,6 +338,10 @@ def _take(scene: Any, job: Job, shot: Shot, report: Callable[[dict[str, Any]], N
     part = final.with_suffix(".part.png")
     scene.render.filepath = str(part)
     size_px = _frame_tile(scene, job)
+    # The metering picture was of another format; Blender then forgets the depth of this one.
+    picture = scene.render.image_settings
+    picture.file_format, picture.color_depth = "PNG", "8"
+    picture.color_mode = "RGBA" if shot.from_above else "RGB"
 
     def on_stats(status: str, *_: Any) -> None:
         found = _SAMPLE.search(status)

@@ -29,6 +29,8 @@ class StageCamera:
     focal_m: float
     aperture_m: float
     """Width of the sensor; of the view, where orthographic."""
+    shift: tuple[float, float]
+    """How far the view is shifted right and up, over its width."""
     orthographic: bool
     clip_m: tuple[float, float]
     focus_m: float
@@ -120,6 +122,10 @@ def _read_camera(prim: Usd.Prim, rooms: list[str], top_m: float) -> StageCamera:
         matrix=matrix,
         focal_m=camera.focalLength * TENTHS * m_per_unit,
         aperture_m=camera.horizontalAperture * TENTHS * m_per_unit,
+        shift=(
+            camera.horizontalApertureOffset / camera.horizontalAperture,
+            camera.verticalApertureOffset / camera.horizontalAperture,
+        ),
         orthographic=camera.projection == camera.Orthographic,
         clip_m=(near * m_per_unit, far * m_per_unit),
         focus_m=camera.focusDistance * m_per_unit,

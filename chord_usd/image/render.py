@@ -246,6 +246,7 @@ def _job(
                 "matrix": camera.matrix,
                 "focal_m": camera.focal_m,
                 "aperture_m": camera.aperture_m,
+                "shift": camera.shift,
                 "orthographic": camera.orthographic,
                 "clip_m": camera.clip_m,
                 "focus_m": camera.focus_m,

@@ -56,6 +56,7 @@ def define_cameras(stage: Usd.Stage) -> None:
     room.AddTransformOp().Set(look.GetInverse())
     room.CreateFocalLengthAttr(0.2)
     room.CreateHorizontalApertureAttr(0.36)
+    room.CreateVerticalApertureOffsetAttr(-0.018)
     top = UsdGeom.Camera.Define(stage, "/House/Cameras/Top")
     top.AddTransformOp().Set(Gf.Matrix4d().SetTranslate((length_m / 2, width_m / 2, 12)))
     top.CreateProjectionAttr("orthographic")
@@ -114,10 +115,17 @@ def rgb(file: Path) -> np.ndarray:
     return np.asarray(Image.open(file).convert("RGB")).astype(float)
 
 
+def header_of(png: Path) -> tuple[int, int]:
+    """Bit depth and colour type of a PNG, which Pillow does not tell."""
+    start = png.read_bytes()[:33]
+    return start[24], start[25]
+
+
 def test_every_camera_gives_a_picture_and_nothing_else_is_left(pictures):
     assert [file.name for file in pictures] == ["Bedroom_0.png", "Top.png"]
     assert sorted(pictures[0].parent.iterdir()) == sorted(pictures)
     assert all(is_finished(file, SIZE_PX) for file in pictures)
+    assert all(header_of(file) == (8, 2) for file in pictures)  # 8 bits, RGB
 
 
 def test_the_room_is_lit_and_shows_its_red_floor_and_blue_bed(pictures):
@@ -179,6 +187,7 @@ def test_cameras_are_read_in_metres(house):
     assert (room.name, room.room, room.from_above) == ("Bedroom_0", "Bedroom_0", False)
     assert room.focal_m == pytest.approx(0.02)
     assert room.aperture_m == pytest.approx(0.036)
+    assert room.shift == pytest.approx((0.0, -0.05))
     assert [row[3] for row in room.matrix] == pytest.approx([3.7, 0.3, 1.5, 1])
     assert (top.room, top.from_above, top.orthographic) == ("", True, True)
     assert top.aperture_m == pytest.approx(6.4)
