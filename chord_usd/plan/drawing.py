@@ -14,7 +14,7 @@ import numpy.typing as npt
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.gaps import Gap, close_gaps, find_gaps
+from chord_usd.plan.gaps import Gap, close_gaps, find_gaps, find_swings
 from chord_usd.plan.ink import border_values
 from chord_usd.plan.openings import Bar, read_openings
 from chord_usd.plan.placement import placement
@@ -22,7 +22,6 @@ from chord_usd.plan.settle import even_out
 from chord_usd.plan.strokes import Strokes, find_strokes
 from chord_usd.types import (
     WALL_THICKNESS_M,
-    BoolArray,
     ByteArray,
     FloatArray,
     OpeningKind,
@@ -39,6 +38,7 @@ _WORKING_SIDE_PX = 1600
 
 _USUAL_DOOR_M = 0.8
 _SMALLEST_ROOM_M2 = 0.8
+_NARROWEST_ROOM_M = 0.7
 _LARGEST_PASSAGE_M = 1.8
 """A wider gap between rooms in which nothing is drawn makes them one room."""
 
@@ -50,8 +50,16 @@ _FARTHEST_MOVE = 0.5
 _LEAST_EDGE = 3.0
 """An edge this many wall thicknesses long is straight, not one of many that follow a curve."""
 
-_LEAST_STRAIGHT = 0.75
-"""Share of the rooms' outlines that runs straight; a photograph of anything else has less."""
+_LEAST_STRAIGHT = 0.6
+"""Share of a room's outline that runs straight; a blob in a photograph has less."""
+
+_LEAST_WALLED = 0.5
+"""Share of a room's outline along walls; what lies between dimension lines has less."""
+
+_GOOD_SHARE = 0.8
+"""A reading that encloses this share of what the best one does is as good."""
+
+_BLOCK = np.ones((3, 3), np.uint8)
 
 
 def read_drawing(rgb: ByteArray, m_per_px: float | None = None) -> Plan:
@@ -67,7 +75,9 @@ def read_drawing(rgb: ByteArray, m_per_px: float | None = None) -> Plan:
             cv2.resize(rgb, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA), np.uint8
         )
     readings = [_read(strokes, m_per_px and m_per_px / shrink) for strokes in find_strokes(small)]
-    best = max(readings, key=lambda reading: reading.enclosed_px, default=None)
+    most = max((reading.enclosed_px for reading in readings), default=0.0)
+    # The strictest reading takes the least furniture for walls.
+    best = next((r for r in readings if r.enclosed_px >= _GOOD_SHARE * most), None)
     if best is None or not best.polygons_px:
         raise PlanError(
             "no closed room was found",
@@ -93,13 +103,13 @@ class _Reading:
 
 
 def _read(strokes: Strokes, m_per_px: float | None) -> _Reading:
-    gaps = _parting_gaps(strokes, find_gaps(strokes))
+    gaps = find_swings(_parting_gaps(strokes, find_gaps(strokes)), strokes)
     m_per_px = m_per_px or _measure_scale(strokes, gaps)
     gaps = _without_open_plan(strokes, gaps, m_per_px)
-    regions = _regions(close_gaps(strokes.wall, gaps))
+    regions = _regions(strokes, gaps)
     polygons = _room_outlines(regions, strokes, m_per_px)
     frame = PixelFrame(m_per_px, (0.0, 0.0), len(strokes.wall))
-    bars = [Bar(_kind(gap, regions), gap.mask(strokes.wall.shape)) for gap in gaps]
+    bars = [Bar(_kind(gap, regions), gap.mask(regions.shape)) for gap in gaps]
     return _Reading(polygons, bars, frame)
 
 
@@ -121,12 +131,29 @@ def _plan(reading: _Reading) -> Plan:
 Labels = npt.NDArray[np.int32]
 
 
-def _regions(closed: BoolArray) -> Labels:
-    """(H, W) a number for each enclosed region, 0 for walls and outside."""
-    count, labels = cv2.connectedComponents((~closed).astype(np.uint8), connectivity=4)
-    inner = np.arange(count, dtype=np.int32)
-    inner[border_values(labels)] = 0
-    return inner[labels]
+def _regions(strokes: Strokes, gaps: list[Gap]) -> Labels:
+    """(H, W) a number for each room, 0 for walls and outside.
+
+    Between rooms only walls and gaps count; towards the outside any line does, since windows and
+    balconies are often drawn with nothing else.
+    """
+    closed = close_gaps(strokes.wall, gaps)
+    drawn = cv2.dilate((closed | strokes.ink).astype(np.uint8), _BLOCK)
+    _, labels = cv2.connectedComponents(1 - drawn, connectivity=4)
+    open_air = border_values(labels)
+    reached = np.isin(np.arange(labels.max() + 1), open_air[open_air > 0])[labels]
+    outside = cv2.dilate(reached.astype(np.uint8), _BLOCK) > 0
+    side = max(round(0.5 * strokes.thickness_px), 3)
+    square = np.ones((side, side), np.uint8)
+    inside = cv2.morphologyEx((~closed & ~outside).astype(np.uint8), cv2.MORPH_OPEN, square)
+    count, labels = cv2.connectedComponents(inside, connectivity=4)
+    near_wall = cv2.dilate(closed.astype(np.uint8), np.ones((2 * side + 1,) * 2, np.uint8)) > 0
+    rim = (inside > 0) & (cv2.erode(inside, _BLOCK) == 0)
+    rims = np.bincount(labels[rim], minlength=count)
+    walled = np.bincount(labels[rim & near_wall], minlength=count)
+    is_room = walled > _LEAST_WALLED * rims
+    is_room[0] = False
+    return np.where(is_room, np.arange(count), 0).astype(np.int32)[labels]
 
 
 def _sides(gap: Gap, regions: Labels) -> tuple[int, int]:
@@ -144,16 +171,16 @@ def _sides(gap: Gap, regions: Labels) -> tuple[int, int]:
 
 def _parting_gaps(strokes: Strokes, gaps: list[Gap]) -> list[Gap]:
     """Gaps that have different regions on both sides once all are closed."""
-    regions = _regions(close_gaps(strokes.wall, gaps))
+    regions = _regions(strokes, gaps)
     return [gap for gap in gaps if len(set(_sides(gap, regions))) == 2]
 
 
 def _without_open_plan(strokes: Strokes, gaps: list[Gap], m_per_px: float) -> list[Gap]:
     """Without wide empty gaps between two rooms: those are one room."""
-    regions = _regions(close_gaps(strokes.wall, gaps))
+    regions = _regions(strokes, gaps)
     kept = []
     for gap in gaps:
-        empty = not (gap.has_pane or gap.has_swing)
+        empty = not (gap.has_pane or gap.has_arc or gap.has_leaf)
         if empty and gap.length_px * m_per_px > _LARGEST_PASSAGE_M and all(_sides(gap, regions)):
             continue
         kept.append(gap)
@@ -161,40 +188,44 @@ def _without_open_plan(strokes: Strokes, gaps: list[Gap], m_per_px: float) -> li
 
 
 def _room_outlines(regions: Labels, strokes: Strokes, m_per_px: float) -> list[FloatArray]:
-    """Outlines of the regions large enough; none at all if they are not straight."""
+    """Outlines of the regions that are large and straight enough for rooms."""
     noise_px = 0.5 + 0.12 * strokes.thickness_px
-    side = max(round(0.4 * strokes.thickness_px), 2)
     areas = np.bincount(regions.ravel())
-    outlines = []
-    for label in np.flatnonzero(areas * m_per_px**2 >= _SMALLEST_ROOM_M2):
-        if label == 0:
-            continue
-        mask = cv2.morphologyEx(
-            (regions == label).astype(np.uint8), cv2.MORPH_OPEN, np.ones((side, side), np.uint8)
-        )
-        if mask.any():
-            outlines.append(polygon_from_mask(mask > 0, noise_px))
-    edges = [np.roll(outline, -1, axis=0) - outline for outline in outlines]
-    lengths = np.concatenate([np.hypot(*edge.T) for edge in edges]) if edges else np.zeros(1)
-    straight = lengths[lengths > _LEAST_EDGE * strokes.thickness_px].sum()
-    return outlines if straight > _LEAST_STRAIGHT * lengths.sum() else []
+    # Half of the room's least width is how far its middle must be from its walls.
+    depths = cv2.distanceTransform((regions > 0).astype(np.uint8), cv2.DIST_L2, 3)
+    wide = np.unique(regions[depths * m_per_px >= _NARROWEST_ROOM_M / 2])
+    large = wide[areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2]
+    outlines = [polygon_from_mask(regions == label, noise_px) for label in large if label > 0]
+    return [outline for outline in outlines if _is_straight(outline, strokes.thickness_px)]
+
+
+def _is_straight(outline: FloatArray, thickness_px: float) -> bool:
+    """Whether most of an outline runs in long straight edges, as rooms do and blobs do not."""
+    edges = np.roll(outline, -1, axis=0) - outline
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    return bool(
+        lengths[lengths > _LEAST_EDGE * thickness_px].sum() > _LEAST_STRAIGHT * lengths.sum()
+    )
 
 
 # Meaning -----------------------------------------------------------------------------------------
 
 
 def _measure_scale(strokes: Strokes, gaps: list[Gap]) -> float:
-    """Metres per pixel: from doors drawn with leaf or arc, else from the walls."""
-    doors_px = [gap.length_px for gap in gaps if gap.has_swing]
-    if len(doors_px) >= _ENOUGH_DOORS:
-        return _USUAL_DOOR_M / float(np.median(doors_px))
+    """Metres per pixel: from doors drawn with their arcs, else with a leaf, else from the walls."""
+    for doors in (
+        [g for g in gaps if g.has_arc],
+        [g for g in gaps if g.has_leaf and not g.has_pane],
+    ):
+        if len(doors) >= _ENOUGH_DOORS:
+            return _USUAL_DOOR_M / float(np.median([gap.length_px for gap in doors]))
     return WALL_THICKNESS_M / strokes.thickness_px
 
 
 def _kind(gap: Gap, regions: Labels) -> OpeningKind:
-    """Door by its leaf, window by its panes in an outer wall, passage by its emptiness."""
+    """Door by its arc, or by its leaf; window by its panes in an outer wall; else a passage."""
     inside = all(_sides(gap, regions))
-    if gap.has_swing:
+    if gap.has_arc or (gap.has_leaf and not (gap.has_pane and not inside)):
         return "door"
     if gap.has_pane:
         return "door" if inside else "window"

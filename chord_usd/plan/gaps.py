@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import numpy.typing as npt
+from shapely.geometry import Polygon
 
 from chord_usd.plan.strokes import Strokes
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.types import BoolArray, ByteArray, FloatArray
 
 _END_WIDTHS = (0.3, 2.2)
 """A wall ends in an edge so many usual wall thicknesses long."""
@@ -22,10 +23,19 @@ _DRAWN_REACH = 22.0
 
 _SHORTEST_GAP = 1.2
 
+_MOST_ENDS = 1000
+"""A drawing with more wall ends is no plan."""
+
+_AXIS_SINE = 0.17
+"""Walls within 10 degrees of an axis run along it."""
+
 _PANE_SHARE = 0.7
 """A window or sliding door is drawn along at least so much of its gap."""
 
-_SWING_SHARE = 0.7
+_SILL_PX = 4.0
+"""Lines this close to the wall's face are sills, not leaves or arcs."""
+
+_SWING_SHARE = 0.85
 """Ink covers so much of a door's arc or leaf."""
 
 
@@ -39,39 +49,69 @@ class Gap:
     """Unit direction from the wall's end across the gap."""
     length_px: float
     width_px: float
-    has_pane: bool
+    has_pane: bool = False
     """Something is drawn all along it."""
-    has_swing: bool
-    """A door's leaf or its arc is drawn at it."""
+    has_leaf: bool = False
+    """A straight line leads away from one of its ends, as the leaf of an open door."""
+    has_arc: bool = False
+    """The arc along which a door swings is drawn beside it."""
 
     @property
     def across(self) -> FloatArray:
         return np.array([-self.along[1], self.along[0]])
 
-    def mask(self, shape: tuple[int, ...]) -> BoolArray:
-        """Its pixels, and one more at either end so that nothing leaks past it."""
+    @property
+    def corners(self) -> FloatArray:
+        """(4, 2) its corners, a pixel into the wall at either end so that nothing leaks past it."""
         half = self.across * self.width_px / 2
         first = self.start - self.along
         last = self.start + self.along * (self.length_px + 1)
-        quad = np.array([first - half, first + half, last + half, last - half]) - 0.5
+        return np.array([first - half, first + half, last + half, last - half])
+
+    def mask(self, shape: tuple[int, ...]) -> BoolArray:
+        """(H, W) its pixels."""
         canvas = np.zeros(shape, np.uint8)
-        cv2.fillConvexPoly(canvas, np.rint(quad).astype(np.int32), (1.0,))
+        self.fill(canvas)
         return canvas > 0
+
+    def fill(self, canvas: ByteArray) -> None:
+        """Set its pixels to 1."""
+        # cv2 puts pixel centres at whole numbers.
+        cv2.fillConvexPoly(canvas, np.rint(self.corners - 0.5).astype(np.int32), (1.0,))
 
 
 def find_gaps(strokes: Strokes) -> list[Gap]:
     """Every stretch that may be an opening, the shortest first."""
-    drawn = cv2.dilate(strokes.thin.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    panes = strokes.ink & ~strokes.wall
+    found = [_gap_before(end, strokes, panes) for end in _wall_ends(strokes)]
     gaps: list[Gap] = []
-    taken = np.zeros(strokes.wall.shape, bool)
-    found = [_gap_before(end, strokes, drawn) for end in _wall_ends(strokes)]
+    taken: list[Polygon] = []
     for gap in sorted((g for g in found if g is not None), key=lambda gap: gap.length_px):
-        mask = gap.mask(taken.shape)
-        # The wall ends on both sides of a gap both see it.
-        if (mask & taken).sum() < 0.5 * mask.sum():
+        shape = Polygon(gap.corners)
+        # The wall ends on both sides of a gap both see it; a longer one that crosses it sees
+        # through a door.
+        if not any(shape.intersects(other) for other in taken):
             gaps.append(gap)
-            taken |= mask
+            taken.append(shape)
     return gaps
+
+
+def find_swings(gaps: Sequence[Gap], strokes: Strokes) -> list[Gap]:
+    """The same gaps, each looked at for the leaf or the arc of a door."""
+    drawn = cv2.dilate(strokes.thin.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    swings = [_swing_shares(gap, drawn) for gap in gaps]
+    return [
+        replace(gap, has_arc=arc >= _SWING_SHARE, has_leaf=leaf >= _SWING_SHARE)
+        for gap, (arc, leaf) in zip(gaps, swings, strict=True)
+    ]
+
+
+def close_gaps(wall: BoolArray, gaps: Sequence[Gap]) -> BoolArray:
+    """The walls with all gaps filled."""
+    canvas = wall.astype(np.uint8)
+    for gap in gaps:
+        gap.fill(canvas)
+    return canvas > 0
 
 
 # Wall ends ---------------------------------------------------------------------------------------
@@ -85,16 +125,16 @@ class _End:
 
 
 def _wall_ends(strokes: Strokes) -> list[_End]:
-    """Short edges of the walls' outlines between two convex corners."""
+    """Short edges of the walls' outlines between two convex corners; [] for a scrawl."""
     contours, _ = cv2.findContours(
         strokes.wall.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE
     )
     ends = []
     for contour in contours:
-        corners = cv2.approxPolyDP(contour, 1.0 + 0.12 * strokes.thickness_px, closed=True)
+        corners = cv2.approxPolyDP(contour, 1.0 + 0.15 * strokes.thickness_px, closed=True)
         if len(corners) >= 4:
             ends += _ends_of(corners.reshape(-1, 2) + 0.5, strokes)
-    return ends
+    return ends if len(ends) <= _MOST_ENDS else []
 
 
 def _ends_of(corners: FloatArray, strokes: Strokes) -> list[_End]:
@@ -106,17 +146,29 @@ def _ends_of(corners: FloatArray, strokes: Strokes) -> list[_End]:
     shortest, longest = (factor * strokes.thickness_px for factor in _END_WIDTHS)
     ends = []
     for index in np.flatnonzero((widths >= shortest) & (widths <= longest)):
-        outward = np.array([units[index, 1], -units[index, 0]])
-        middle = corners[index] + edges[index] / 2
-        if _value_at(strokes.wall, middle + 2.5 * outward):
-            outward = -outward
-        if _value_at(strokes.wall, middle + 2.5 * outward):
+        before, after = index - 1, (index + 1) % len(units)
+        # The wall's direction shows in its long faces, not in its short end.
+        flank = units[before] if lengths[before] >= lengths[after] else -units[after]
+        outward = _upright(flank)
+        if units[before] @ outward < 0.8 or units[after] @ outward > -0.8:
             continue
-        arrives, leaves = units[index - 1] @ outward, units[(index + 1) % len(units)] @ outward
-        flanks = lengths[index - 1], lengths[(index + 1) % len(units)]
-        if arrives > 0.8 and leaves < -0.8 and max(flanks) > 0.5 * widths[index]:
-            ends.append(_End(middle, outward, float(widths[index])))
+        if max(lengths[before], lengths[after]) < 0.5 * widths[index]:
+            continue
+        middle = corners[index] + edges[index] / 2
+        if not _value_at(strokes.wall, middle + 2.5 * outward):
+            width = abs(float(edges[index] @ np.array([-outward[1], outward[0]]))) + 1.0
+            ends.append(_End(middle, outward, width))
     return ends
+
+
+def _upright(direction: FloatArray) -> FloatArray:
+    """The direction, along an axis if it nearly is."""
+    axis = int(np.argmax(np.abs(direction)))
+    if abs(direction[1 - axis]) > _AXIS_SINE:
+        return direction
+    snapped = np.zeros(2)
+    snapped[axis] = np.sign(direction[axis])
+    return snapped
 
 
 def _value_at(mask: BoolArray, point: FloatArray) -> bool:
@@ -136,14 +188,12 @@ def _values_at(mask: BoolArray, points: npt.NDArray[np.float64]) -> BoolArray:
 # What a wall end faces ---------------------------------------------------------------------------
 
 
-def _gap_before(end: _End, strokes: Strokes, drawn: BoolArray) -> Gap | None:
+def _gap_before(end: _End, strokes: Strokes, panes: BoolArray) -> Gap | None:
     """The gap from a wall's end to the wall it faces; None if there is none near enough."""
     across = np.array([-end.outward[1], end.outward[0]])
     steps = np.arange(1.5, _DRAWN_REACH * strokes.thickness_px)
     offsets = np.array([-0.3, 0.0, 0.3]) * end.width_px
-    rays = (
-        end.middle + end.outward * steps[:, None, None] + across * offsets[None, :, None]
-    )  # (steps, rays, 2)
+    rays = end.middle + end.outward * steps[:, None, None] + across * offsets[:, None]
     blocked = _values_at(strokes.wall, rays)
     hits = np.where(blocked.any(axis=0), np.argmax(blocked, axis=0), len(steps))
     middle = int(np.median(hits))
@@ -152,12 +202,11 @@ def _gap_before(end: _End, strokes: Strokes, drawn: BoolArray) -> Gap | None:
     length = float(steps[middle]) - 0.5
     if length < _SHORTEST_GAP * strokes.thickness_px:
         return None
-    gap = Gap(end.middle, end.outward, length, end.width_px, False, False)
-    has_pane = _pane_share(gap, strokes.ink & ~strokes.wall) >= _PANE_SHARE
+    gap = Gap(end.middle, end.outward, length, end.width_px)
+    has_pane = _pane_share(gap, panes) >= _PANE_SHARE
     if not has_pane and length > _EMPTY_REACH * strokes.thickness_px:
         return None
-    has_swing = _swing_share(gap, drawn) >= _SWING_SHARE
-    return Gap(end.middle, end.outward, length, end.width_px, has_pane, has_swing)
+    return replace(gap, has_pane=has_pane)
 
 
 def _pane_share(gap: Gap, ink: BoolArray) -> float:
@@ -169,51 +218,57 @@ def _pane_share(gap: Gap, ink: BoolArray) -> float:
     return float(_values_at(ink, points).any(axis=1).mean()) if len(along) else 0.0
 
 
+_SWING_ANGLES = np.radians(np.arange(15.0, 76.0, 3.0))
 _LEAF_ANGLES = np.radians(np.arange(25.0, 156.0, 3.0))
-_ARC_ANGLES = np.radians(np.arange(15.0, 76.0, 3.0))
 
 
-def _swing_share(gap: Gap, drawn: BoolArray) -> float:
-    """How much of the best door leaf or arc, over all places of the hinge, is covered by ink."""
-    best = 0.0
-    for radius in (gap.length_px, gap.length_px / 2):
-        for at_start in (True, False):
-            inward = gap.along if at_start else -gap.along
-            hinge = gap.start if at_start else gap.start + gap.along * gap.length_px
-            for side in (-1.0, 1.0):
-                for offset in (-0.5, 0.0, 0.5):
-                    corner = hinge + gap.across * offset * gap.width_px
-                    best = max(best, _arc_share(corner, inward, side * gap.across, radius, drawn))
-                    if radius == gap.length_px:
-                        leaf = _leaf_share(corner, inward, side * gap.across, gap, drawn)
-                        best = max(best, leaf)
-    return best
+def _swing_shares(gap: Gap, drawn: BoolArray) -> tuple[float, float]:
+    """How much of the best arc and of the best leaf is drawn, over all places of the hinge."""
+    arc, leaf = 0.0, 0.0
+    for at_start in (True, False):
+        inward = gap.along if at_start else -gap.along
+        hinge = gap.start if at_start else gap.start + gap.along * gap.length_px
+        for side in (gap.across, -gap.across):
+            for offset in (-0.5, 0.0, 0.5):
+                corner = hinge + side * offset * gap.width_px
+                beyond = (0.5 - offset) * gap.width_px + _SILL_PX
+                for radius in (gap.length_px, gap.length_px / 2):
+                    arc = max(arc, _arc_share(corner, inward, side, radius, beyond, drawn))
+                leaf = max(leaf, _leaf_share(corner, inward, side, gap.length_px, beyond, drawn))
+    return arc, leaf
 
 
 def _arc_share(
-    hinge: FloatArray, inward: FloatArray, side: FloatArray, radius_px: float, drawn: BoolArray
+    hinge: FloatArray,
+    inward: FloatArray,
+    side: FloatArray,
+    radius_px: float,
+    beyond_px: float,
+    drawn: BoolArray,
 ) -> float:
-    directions = np.cos(_ARC_ANGLES)[:, None] * inward + np.sin(_ARC_ANGLES)[:, None] * side
-    radii = radius_px * np.array([0.94, 0.97, 1.0, 1.03, 1.06])
+    """Share of an arc that is drawn, of what lies beyond the wall's face."""
+    angles = _SWING_ANGLES[np.sin(_SWING_ANGLES) * radius_px > beyond_px]
+    if len(angles) < len(_SWING_ANGLES) / 2:
+        return 0.0
+    directions = np.cos(angles)[:, None] * inward + np.sin(angles)[:, None] * side
+    radii = radius_px * np.array([0.97, 0.985, 1.0, 1.015, 1.03])
     points = hinge + directions[:, None, :] * radii[None, :, None]
     return float(_values_at(drawn, points).any(axis=1).mean())
 
 
 def _leaf_share(
-    hinge: FloatArray, inward: FloatArray, side: FloatArray, gap: Gap, drawn: BoolArray
+    hinge: FloatArray,
+    inward: FloatArray,
+    side: FloatArray,
+    length_px: float,
+    beyond_px: float,
+    drawn: BoolArray,
 ) -> float:
-    """Coverage of the best straight leaf beyond the wall's face, about as long as the gap."""
+    """Coverage of the best straight leaf, of what lies beyond the wall's face."""
     directions = np.cos(_LEAF_ANGLES)[:, None] * inward + np.sin(_LEAF_ANGLES)[:, None] * side
-    reach = np.arange(max(0.25 * gap.length_px, 0.6 * gap.width_px), 0.75 * gap.length_px)
-    if len(reach) < 4:
-        return 0.0
+    reach = np.arange(0.2 * length_px, 0.75 * length_px)
     points = hinge + directions[:, None, :] * reach[None, :, None]
-    return float(_values_at(drawn, points).mean(axis=1).max())
-
-
-def close_gaps(wall: BoolArray, gaps: Sequence[Gap]) -> BoolArray:
-    """The walls with all gaps filled."""
-    closed = wall.copy()
-    for gap in gaps:
-        closed |= gap.mask(wall.shape)
-    return closed
+    outside = np.sin(_LEAF_ANGLES)[:, None] * reach > beyond_px
+    covered = (_values_at(drawn, points) & outside).sum(axis=1)
+    enough = outside.sum(axis=1) >= 0.35 * length_px
+    return float(np.max(np.where(enough, covered / np.maximum(outside.sum(axis=1), 1), 0.0)))

@@ -11,7 +11,13 @@ import numpy as np
 from chord_usd.types import BoolArray, ByteArray, FloatArray
 
 _DARKNESS = (0.45, 0.65, 0.8)
-"""Shares of the paper's brightness below which a pixel is ink, tried in turn."""
+"""Shares of the paper's brightness below which a pixel may be wall, tried in turn."""
+
+_FAINTEST_INK = 0.88
+"""Share of the paper's brightness below which anything is drawn at all."""
+
+_EDGE = 0.006
+"""Share of the picture's shorter side that is passed over along its edges."""
 
 _LEAST_WALL_PX = 2
 _LONGEST_RUN_PX = 200
@@ -44,19 +50,23 @@ class Strokes:
 def find_strokes(rgb: ByteArray) -> Iterator[Strokes]:
     """Ways to tell walls from the rest in a drawing (H, W, 3), the strictest first."""
     brightness = _brightness(rgb)
+    # A frame along the picture's edge is no part of the plan.
+    edge = max(3, round(_EDGE * min(brightness.shape)))
+    brightness = np.pad(brightness[edge:-edge, edge:-edge], edge, constant_values=1.0)
+    ink = brightness < _FAINTEST_INK
     for share in _DARKNESS:
-        ink = brightness < share
-        thickness_px = _wall_thickness(ink)
+        dark = brightness < share
+        thickness_px = _wall_thickness(dark)
         if thickness_px is None:
             continue
-        wall = _thick_parts(ink, thickness_px)
+        wall = _thick_parts(dark, thickness_px)
         if wall.any():
             yield Strokes(ink, wall, thickness_px)
 
 
 def _brightness(rgb: ByteArray) -> FloatArray:
     """(H, W) grey values relative to the paper round them: shadows on a photo do not count."""
-    grey = cv2.medianBlur(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), 3)
+    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
     small = cv2.resize(grey, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     side = max(small.shape) // 12 * 2 + 1
     paper = cv2.morphologyEx(small, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
