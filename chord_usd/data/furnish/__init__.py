@@ -13,6 +13,7 @@ from chord_usd.data.furnish.bedroom import furnish_bedroom
 from chord_usd.data.furnish.dining import furnish_dining
 from chord_usd.data.furnish.floor import Floor, Placed
 from chord_usd.data.furnish.guess import guess_kinds
+from chord_usd.data.furnish.hints import attach_fixtures
 from chord_usd.data.furnish.kitchen import furnish_kitchen
 from chord_usd.data.furnish.living import furnish_living
 from chord_usd.data.furnish.openings import (
@@ -49,12 +50,14 @@ def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
 
     Rooms of unknown kind are furnished as what they look like; the rooms of the result keep their
     kind. No two footprints overlap, all are inside their rooms, the space in front of doors and
-    windows is free. The same plan and state of rng give the same house.
+    windows is free. The same plan and state of rng give the same house. What plan.extra lists as
+    "fixtures" ({category, x, y}, the middle in metres) steers bathrooms and kitchens.
     """
     dice = random.Random(int(rng.integers(1 << 62)))
     floors = [Floor(room, room.kind, dice) for room in plan.rooms]
     attach_open_sides(floors)
     attach_openings(floors, plan.openings)
+    attach_fixtures(floors, plan.extra.get("fixtures", ()))
     guess_kinds(floors)
     laundry = _laundry_balcony(floors, dice)
     for floor in floors:

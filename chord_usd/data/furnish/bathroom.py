@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.hints import hinted_distance
 from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.walls import REACH, Wall
 
-REACH_M = {"toilet": 0.5, "washbasin": 0.55, "shower": 0.45, "bathtub": 0.5, "washing_machine": 0.6}
-"""Free floor in front of each."""
+REACH_M = {"bathtub": 0.5, "shower": 0.45, "toilet": 0.5, "washbasin": 0.55, "washing_machine": 0.6}
+"""Free floor in front of each; those that are hardest to place come first."""
 
 TOILET_SLOT_M = 0.7
 """Width that a toilet needs between its neighbours."""
@@ -58,6 +59,11 @@ def furnish_bathroom(floor: Floor) -> None:
 def _programme(floor: Floor) -> list[str]:
     """What belongs here, the piece that is hardest to place first."""
     dice = floor.dice
+    shown = [name for name, _, _ in floor.hints if name in REACH_M]
+    if shown:
+        # Drawings show washing machines as a second basin.
+        twin = ["washing_machine"] if shown.count("washbasin") > 1 else []
+        return [name for name in REACH_M if name in (*shown, *twin)]
     if floor.area_m2 < 1.9:
         return ["toilet", "washbasin"] if floor.area_m2 > 1.1 else ["toilet"]
     bathing = "bathtub" if floor.area_m2 > 4.0 and dice.random() < 0.22 else "shower"
@@ -71,8 +77,9 @@ def _programme(floor: Floor) -> list[str]:
 
 def _fewer(wanted: list[str]) -> list[list[str]]:
     """Programmes for rooms too small for the one wanted, fullest first."""
-    if len(wanted) < 3:
-        return [["toilet"], ["washbasin"]]
+    if len(wanted) < 3 or wanted[0] not in _BATHING:
+        smaller = ["shower" if name == "bathtub" else name for name in wanted]
+        return [smaller, *([name] for name in smaller), ["toilet"], ["washbasin"]]
     usual = [["shower", "toilet", "washbasin"]]
     # A bathtub is lower than the sill and may stand at a window, where no shower can.
     if wanted[0] == "shower":
@@ -172,7 +179,10 @@ _LONGEST_M = {"shower": 1.4, "bathtub": 1.8}
 
 def _score(floor: Floor, category: str, wall: Wall, s: float, corners: int) -> float:
     """Wet pieces in the far corner, the basin near the door, the toilet between them."""
-    away = floor.distance_to_door(*wall.world(s, 0.3))
+    x, y = wall.world(s, 0.3)
+    if floor.hints:
+        return 0.3 * corners - 2.0 * hinted_distance(floor, category, x, y)
+    away = floor.distance_to_door(x, y)
     if category in _BATHING:
         return 1.2 * min(away, 3.0) + 0.7 * corners
     if category == "washbasin":

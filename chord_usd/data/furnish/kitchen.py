@@ -59,10 +59,19 @@ def _best_runs(floor: Floor, depth: float, height: float, aisle: float) -> list[
         )
         lit = any(run.wall.has_window for run in runs)
         score = min(total, wanted) - 0.25 * max(0.0, total - wanted) - 0.35 * len(runs)
-        score += 0.4 * lit + floor.dice.uniform(0.0, 0.5)
+        score += 0.4 * lit + floor.dice.uniform(0.0, 0.5) - _off_hints(floor, runs)
         if best is None or score > best[0]:
             best = (score, i, runs)
     return best[2] if best else []
+
+
+def _off_hints(floor: Floor, runs: list[Run]) -> float:
+    """How far the counter is from where the drawing shows one, metres."""
+    away = 0.0
+    for _, x, y in floor.hints:
+        places = [(run, run.wall.local(x, y)) for run in runs]
+        away += min(abs(t) + max(run.s_from - s, 0.0, s - run.s_to) for run, (s, t) in places)
+    return away
 
 
 def _shapes(floor: Floor, spots: list[Spot], depth: float) -> list[list[Run]]:
