@@ -79,7 +79,7 @@ def toilet(size_m: Size, *, wall_hung: bool = False) -> tuple[Part, ...]:
         Part("Lid", lid, "seat"),
         Part("Hinges", hinge, "metal", collider=None),
         Part("Cistern", tank.moved(y=back - tank_w / 2, z=tank_z), "ceramic"),
-        Part("Cistern_Lid", cover.moved(y=back - tank_w / 2 - 0.003, z=height - 0.034), "ceramic"),
+        Part("Cistern_Lid", cover.moved(y=back - tank_w / 2 - 0.003, z=height - 0.036), "ceramic"),
         Part("Flush_Button", button.moved(*at), "metal", collider=None),
     )
 
@@ -220,7 +220,7 @@ def _vessel_basin(size_m: Size) -> tuple[Part, ...]:
 
 def _tall_tap(rise: float) -> Solid:
     neck = bent_path(
-        [[0.0, 0.0, 0.0], [0.0, 0.0, rise], [0.0, -0.14, rise], [0.0, -0.14, rise - 0.05]], 0.05
+        [[0.0, 0.0, 0.004], [0.0, 0.0, rise], [0.0, -0.14, rise], [0.0, -0.14, rise - 0.05]], 0.05
     )
     foot = lathe([(0.024, 0), (0.024, 0.006), (0.016, 0.012), (0, 0.012)], 18)
     lever = tube([[0.0, 0, 0.08], [0.055, 0, 0.095]], 0.006, 8)

@@ -34,7 +34,7 @@ def bed(size_m: Size, *, headboard: Headboard = "panel", throw: bool = True) -> 
     rail = rounded_slab((length, lying, _RAIL_TOP_M - 0.12), 0.03, 0.012).moved(y=y, z=0.12)
     mattress = cushion((length - 0.09, lying - 0.05, 0.24), 0.08, 0.05, 0.015)
     return (
-        *four_legs(length - 0.08, width - 0.08, 0.13, 0.06, "leg"),
+        *four_legs(length - 0.08, width - 0.08, 0.13, 0.058, "leg"),
         Part("Rail", rail, "frame"),
         *_headboard(headboard, length, height, head, width / 2),
         Part("Mattress", mattress.moved(y=y, z=_MATTRESS_TOP_M - 0.24), "mattress"),

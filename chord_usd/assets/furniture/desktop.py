@@ -30,7 +30,7 @@ def _book(length: float, width: float, thick: float) -> tuple[Solid, Solid]:
     """(cover, pages) of a book lying flat, its spine to the left."""
     board = min(0.003, thick / 4)
     plate = block((length, width, board), 0.001)
-    spine = block((board, width, thick), 0.001).moved(x=-(length - board) / 2)
+    spine = block((board, width, thick - 2 * board), 0.0005).moved(-(length - board) / 2, z=board)
     pages = box((length - 0.008, width - 0.01, thick - 2 * board + 0.0005))
     cover = joined([plate, plate.moved(z=thick - board), spine])
     return cover, pages.moved(x=-0.002, z=board - 0.0002)
@@ -287,19 +287,32 @@ def electronic(
                  "convexHull"),
             Part("Base", base.scaled(length * 0.99, width * 0.99, height), "metal", None),
         )  # fmt: skip
-    case = block((length, width, height), 0.006)
-    face = box((length * 0.86, 0.003, height * 0.72)).moved(y=-width / 2 - 0.0005, z=height * 0.14)
+    case = block((length, width - 0.003, height), 0.006).moved(y=0.0015)
+    y = -width / 2 + 0.003
+    face = box((length * 0.86, 0.004, height * 0.72)).moved(y=y, z=height * 0.14)
     digits = [
-        box((length * 0.1, 0.002, height * 0.36)).moved(
-            length * at, -width / 2 - 0.0022, height * 0.32
-        )
-        for at in (-0.28, -0.12, 0.12, 0.28)
+        _digit(length * 0.11, height * 0.42).moved(length * at, y - 0.0025, height * 0.29)
+        for at in (-0.29, -0.12, 0.12, 0.29)
     ]
     return (
         Part("Case", case, "body"),
-        Part("Face", face, "screen", collider=None),
+        Part("Face", face, "face", collider=None),
         Part("Digits", joined(digits), "digits", collider=None),
-    )  # fmt: skip
+    )
+
+
+def _digit(length: float, height: float) -> Solid:
+    """An eight of seven bars, one left dark."""
+    bar = 0.16 * length
+    across = box((length - 2 * bar, 0.001, bar))
+    upright = box((bar, 0.001, height / 2 - bar))
+    side = (length - bar) / 2
+    lit = [across.moved(z=z) for z in (0.0, (height - bar) / 2, height - bar)]
+    lit += [
+        upright.moved(x, 0.0, z)
+        for x, z in ((side, bar / 2), (side, height / 2 + bar / 4), (-side, height / 2 + bar / 4))
+    ]
+    return joined(lit)  # fmt: skip
 
 
 def photo_frame(size_m: Size) -> tuple[Part, ...]:
@@ -315,9 +328,11 @@ def photo_frame(size_m: Size) -> tuple[Part, ...]:
     mat = box((length - rail, 0.004, tall - rail)).moved(y=0.002, z=rail / 2)
     inner_l, inner_h = length - 2 * rail - 0.03, tall - 2 * rail - 0.03
     sky = box((inner_l, 0.002, inner_h)).moved(y=-0.001, z=rail + 0.015)
-    hill = box((inner_l, 0.003, inner_h * 0.42)).moved(y=-0.002, z=rail + 0.015)
+    hill = box((inner_l - 0.001, 0.003, inner_h * 0.42)).moved(y=-0.002, z=rail + 0.015)
     back = -width / 2 + deep / 2
-    prop = tube([[0, back + tall * 0.1, tall * 0.55], [0, width / 2 - 0.004, 0.004]], 0.004, 8)
+    slope = math.tan(math.radians(lean_deg))
+    rest = [0.0, back + slope * tall * 0.55 + 0.008, tall * 0.55]
+    prop = tube([rest, [0.0, width / 2 - 0.004, 0.004]], 0.004, 8)
     tilted = [
         solid.turned("x", -lean_deg).moved(y=back + 0.001) for solid in (frame, mat, sky, hill)
     ]
@@ -338,9 +353,9 @@ _PRINT = {
 }  # fmt: skip
 _DEVICE = {
     "silver": {"body": "light_grey", "metal": "steel", "keys": "white", "screen": "screen_lit",
-               "digits": "red_glow", "cloth": "grey_cloth"},
+               "face": "black_glass", "digits": "red_glow", "cloth": "grey_cloth"},
     "dark": {"body": "graphite", "metal": "black_metal", "keys": "black", "screen": "screen_lit",
-             "digits": "red_glow", "cloth": "charcoal_cloth"},
+             "face": "black_glass", "digits": "red_glow", "cloth": "charcoal_cloth"},
 }  # fmt: skip
 _LAMP = {
     "brass": {"ceramic": "sage", "metal": "brass", "shade": "lamp_shade"},

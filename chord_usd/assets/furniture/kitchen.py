@@ -147,7 +147,7 @@ def _hob(length: float, width: float, height: float, *, gas: bool) -> tuple[Part
         burners.append(lathe(cap, 20).moved(x, y, height + 0.005))
         for turn in (0, 90):
             bar = block((0.2, 0.01, 0.012)).turned("z", turn)
-            grates.append(bar.moved(x, y, height + 0.03))
+            grates.append(bar.moved(x, y, height + 0.03 + turn * 1e-5))
         for sx in (-1, 1):
             for sy in (-1, 1):
                 foot = block((0.01, 0.01, 0.026)).turned("z", 45)
@@ -211,7 +211,8 @@ def _sink_body(size_m: Size) -> tuple[Part, ...]:
         for s in (-1, 1)
     ]
     walls = [
-        box((length - 0.03, 0.016, 0.201)).moved(y=at, z=z) for at in (y + 0.01, width / 2 - 0.01)
+        box((length - 0.03, 0.016, 0.199)).moved(y=at, z=z + 0.001)
+        for at in (y + 0.01, width / 2 - 0.01)
     ]
     shell = joined([*cheeks, *walls])
     return (
@@ -234,7 +235,7 @@ def sink_bowl(length: float, width: float, deep: float) -> Solid:
     outline.insert(1, (0.006, 0.05, -deep + 0.02))
     rings = [ring(length - 2 * i, width - 2 * i, corner, z, 5) for i, corner, z in outline]
     drain = lathe([(0.03, 0), (0.03, 0.004), (0.022, 0.004), (0.018, 0.001), (0, 0.001)], 20)
-    return loft(rings) + drain.moved(z=-deep + 0.003)
+    return loft(rings) + drain.moved(z=-deep + 0.0036)
 
 
 def swan_neck() -> Solid:

@@ -128,10 +128,12 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float) -> list[Part]:
     low = height - top - base - 0.24
     case = block((case_l, depth, low)).moved(x, y + depth / 2, base)
     rims = [
-        box((0.018, depth, 0.242)).moved(x + s * (case_l - 0.018) / 2, y + depth / 2, base + low)
+        box((0.018, depth - 0.002, 0.242)).moved(
+            x + s * (case_l - 0.022) / 2, y + depth / 2, base + low
+        )
         for s in (-1, 1)
     ]
-    back = box((case_l - 0.02, 0.014, 0.242)).moved(x, y + 0.008, base + low)
+    back = box((case_l - 0.024, 0.014, 0.24)).moved(x, y + 0.009, base + low + 0.001)
     face = shifted(cells(case_l, height - top - base - 0.004, 1, z_m=base + 0.002), x)
     bowl_l, bowl_w = min(0.46, case_l - 0.09), width - 0.24
     hole = ring(bowl_l, bowl_w, 0.06, 0.0, 5)[:, :2] + [x, -0.02]
@@ -164,8 +166,8 @@ def laundry_tower(size_m: Size) -> tuple[Part, ...]:
     depth = width / 2 - y
     case = block((case_l, depth, height - base)).moved(case_x, y + depth / 2, base)
     upper_z = 2 * machine_h + 0.05
-    upper = block((machine_l + 0.05, depth, height - upper_z))
-    upper = upper.moved(x, y + depth / 2, upper_z)
+    upper = block((machine_l + 0.028, depth, height - upper_z - 0.001))
+    upper = upper.moved(x + 0.011, y + depth / 2, upper_z)
     cheek = block((0.02, width - 0.06, height)).moved(-(length - 0.02) / 2, 0.03)
     columns = 2 if case_l > 0.55 else 1
     face = [

@@ -42,12 +42,13 @@ def slatted_panel(size_m: Size, *, has_shelf: bool = False) -> tuple[Part, ...]:
     backing = box((length - 0.004, back_m, height - 0.004)).moved(y=width / 2 - back_m / 2, z=0.002)
     count = round(length / 0.05)
     step = length / count
-    deep = min(0.03, width - back_m) if has_shelf else width - back_m + 0.002
-    slat = block((step * 0.6, deep, height), 0.003)
+    deep = min(0.03, width - back_m) if has_shelf else width - back_m - 0.001
+    slat = block((step * 0.6, deep, height - 0.002), 0.003).moved(z=0.001)
     y = width / 2 - back_m - deep / 2 + 0.002
     slats = [slat.moved(-length / 2 + step * (i + 0.5), y) for i in range(count)]
-    edge_m = back_m + deep if has_shelf else width
-    edge = block((0.02, edge_m, height)).moved((length - 0.02) / 2, (width - edge_m) / 2)
+    # Its back stands free of the backing's, so that no two faces lie in one plane.
+    edge_m = back_m + deep if has_shelf else width - 0.001
+    edge = block((0.02, edge_m, height)).moved((length - 0.02) / 2, (width - edge_m) / 2 - 0.001)
     parts = [
         Part("Backing", backing, "board"),
         Part("Slats", joined(slats) + mirrored_pair(edge), "wood", collider=None),
@@ -57,13 +58,13 @@ def slatted_panel(size_m: Size, *, has_shelf: bool = False) -> tuple[Part, ...]:
 
 def _ledge(length: float, width: float, height: float) -> tuple[Part, ...]:
     ledge_l, z = length * 0.7, height * 0.42
-    ledge = block((ledge_l, width, 0.025), 0.003).moved(z=z)
+    ledge = block((ledge_l, width - 0.004, 0.025), 0.003).moved(y=-0.002, z=z)
     r = min(0.042, width / 2 - 0.008)
     vase = lathe(
         [(r * 0.6, 0), (r, 0.06), (r * 0.9, 0.12), (r * 0.35, 0.17), (r * 0.5, 0.2), (0, 0.2)], 24
     ).moved(-ledge_l * 0.35, -0.002, z + 0.024)
     books = [
-        box((0.024, width * 0.8, 0.15 + 0.012 * (i % 3))).moved(
+        box((0.024, width * 0.74, 0.15 + 0.012 * (i % 3))).moved(
             ledge_l * 0.3 + 0.027 * i, 0.0, z + 0.024
         )
         for i in range(5)

@@ -46,13 +46,13 @@ def sofa(
     back_m = 0.16
     y_back = width / 2 - back_m / 2
     base = rounded_slab((length - arm_m, width - 0.03, _BASE_TOP_M - leg_m), 0.03, 0.015, 4, 2)
-    back = soft_block((inner + 0.06, back_m, height - 0.06 - leg_m), 0.045, (1, 1, 1))
+    back = soft_block((inner + 0.06, back_m, height - 0.08 - leg_m), 0.045, (1, 1, 1))
     parts = [
         *four_legs(
             length - arm_m + 0.05, width - 0.1, leg_m + 0.04, 0.05, is_round=True, splay_m=0.015
         ),
         Part("Base", base.moved(z=leg_m), "cloth"),
-        Part("Back", back.moved(y=y_back, z=leg_m), "cloth"),
+        Part("Back", back.moved(y=y_back, z=leg_m + 0.02), "cloth"),
         *_arms(arm, length, width, height, leg_m),
         *_seats(inner, width, height, back_m, seats),
     ]
@@ -198,7 +198,7 @@ def chair(size_m: Size, *, back: Literal["slats", "board", "padded"] = "slats") 
         block((length - 0.08, 0.02, 0.05)).moved(y=y, z=seat_z - 0.055)
         for y in (-width / 2 + 0.05, width / 2 - 0.09)
     ]
-    rails.append(block((0.02, width - 0.14, 0.05)).moved(length / 2 - 0.04, -0.02, seat_z - 0.055))
+    rails.append(block((0.02, width - 0.14, 0.046)).moved(length / 2 - 0.04, -0.02, seat_z - 0.053))
     rails.append(rails[-1].scaled(x=-1.0))
     seat = cushion((length - 0.01, seat_depth, 0.045), 0.06, 0.02, 0.012)
     return (

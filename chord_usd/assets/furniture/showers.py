@@ -106,9 +106,9 @@ def _walk_in(length: float, width: float, height: float) -> tuple[Solid, Solid]:
     )
     post = block((0.02, 0.02, height + 0.004), 0.002)
     posts = [
-        post.moved(side_x, y, _TRAY_M - 0.004),
-        post.moved(side_x, width / 2 - 0.012, _TRAY_M - 0.004),
-        post.moved(front_x - wide / 2, y, _TRAY_M - 0.004),
+        post.moved(side_x, y, _TRAY_M - 0.003),
+        post.moved(side_x, width / 2 - 0.012, _TRAY_M - 0.003),
+        post.moved(front_x - wide / 2, y, _TRAY_M - 0.003),
     ]
     z = _TRAY_M + height - 0.02
     left = front_x - wide / 2
@@ -130,9 +130,9 @@ def _cabin(length: float, width: float, height: float) -> tuple[Solid, Solid]:
         _pane(width - 0.05, side_x, 0.0, height, sideways=True),
         _pane(width - 0.05, -side_x, 0.0, height, sideways=True),
     ]
-    post = block((0.028, 0.028, height + 0.01), 0.003)
+    post = block((0.028, 0.028, height + 0.007), 0.003)
     frame = [
-        mirrored_pair(post.moved(side_x, at, _TRAY_M - 0.005)) for at in (y, width / 2 - 0.016)
+        mirrored_pair(post.moved(side_x, at, _TRAY_M - 0.0045)) for at in (y, width / 2 - 0.016)
     ]
     for z in (_TRAY_M - 0.006, _TRAY_M + height - 0.025):
         frame.append(block((length - 0.05, 0.045, 0.03), 0.003).moved(y=y + 0.01, z=z))

@@ -60,11 +60,12 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
     body = carcass(length - 0.006, y, width / 2 - 0.002, low - base, base)
     counter = rounded_slab((length, width - HANDLE_M + 0.01, 0.03), 0.006, 0.005, 3)
     tall = height - upper_z - top
+    upper_h = height - low - top - 0.011
     shell = [
-        block((length - 0.01, 0.012, height - low - top)).moved(y=width / 2 - 0.008, z=low),
+        block((length - 0.01, 0.012, upper_h)).moved(y=width / 2 - 0.008, z=low + 0.01),
         *(
-            block((BOARD_M, depth - 0.01, height - low - top)).moved(
-                s * (length - 0.03) / 2, width / 2 - depth / 2, low
+            block((BOARD_M, depth - 0.01, upper_h)).moved(
+                s * (length - 0.03) / 2, width / 2 - depth / 2, low + 0.01
             )
             for s in (-1, 1)
         ),
@@ -132,7 +133,7 @@ def bedside_table(
     side = block((board, depth, height - 0.13)).moved((length - board) / 2, middle, 0.11)
     shelf = block((length - 2 * board + 0.002, depth - 0.01, board)).moved(y=middle, z=0.13)
     case = box((length - 2 * board, depth - 0.006, 0.18)).moved(y=middle, z=drawer_z)
-    back = box((length - 2 * board, 0.01, drawer_z - 0.13)).moved(y=width / 2 - 0.01, z=0.13)
+    back = box((length - 2 * board, 0.01, drawer_z - 0.131)).moved(y=width / 2 - 0.012, z=0.131)
     plate = rounded_slab((length, width - HANDLE_M + 0.004, board), 0.006, 0.004, 3)
     return (
         *four_legs(length - 0.04, width - 0.08, 0.115, 0.035),

@@ -118,7 +118,7 @@ def bookcase(size_m: Size, *, bays: int = 1, shelves: int = 5) -> tuple[Part, ..
     depth = width / 2 - y
     middle = (y + width / 2) / 2
     uprights = [
-        block((BOARD_M, depth, height - base)).moved(
+        block((BOARD_M, depth, height - base - 0.001)).moved(
             -length / 2 + BOARD_M / 2 + (length - BOARD_M) * i / bays, middle, base
         )
         for i in range(bays + 1)
@@ -126,8 +126,9 @@ def bookcase(size_m: Size, *, bays: int = 1, shelves: int = 5) -> tuple[Part, ..
     step = (height - base - low - BOARD_M) / shelves
     levels = [base + low + step * i for i in range(shelves + 1)]
     boards = [block((inner, depth - 0.004, BOARD_M)).moved(y=middle, z=z) for z in levels]
-    cupboard = box((inner, depth - 0.01, low)).moved(y=middle, z=base)
-    back = box((inner, 0.01, height - base - low)).moved(y=width / 2 - 0.008, z=base + low)
+    cupboard = box((inner, depth - 0.01, low - 0.001)).moved(y=middle, z=base + 0.001)
+    back = box((inner - 0.004, 0.01, height - base - low - 0.008))
+    back = back.moved(y=width / 2 - 0.008, z=base + low + 0.004)
     face = list(cells(length - 0.006, low - 0.01, 2 * bays, z_m=base + 0.005))
     return (
         plinth(size_m, base),
@@ -221,7 +222,7 @@ def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
     back = block((bench, 0.018, upper - 0.4 + 0.004)).moved(x_bench, width / 2 - 0.012, 0.398)
     seat = rounded_slab((bench - 0.01, width - HANDLE_M, 0.06), 0.02, 0.02, 4, 2)
     hooks = [
-        block((0.02, 0.05, 0.02)).moved(x_bench + (i - 1) * bench / 4, width / 2 - 0.045, 1.5)
+        block((0.02, 0.05, 0.02)).moved(x_bench + (i - 1) * bench / 4, width / 2 - 0.046, 1.5)
         for i in range(3)
     ]
     tall = height - base - 0.006

@@ -32,7 +32,9 @@ def legged_table(
     rails = joined(
         [
             mirrored_pair(
-                block((0.022, width - 0.16, apron_m)).moved(length / 2 - reach - leg_m / 2)
+                block((0.022, width - 0.16, apron_m - 0.002)).moved(
+                    length / 2 - reach - leg_m / 2, z=0.001
+                )
             ),
             block((length - 0.16, 0.022, apron_m)).moved(y=-width / 2 + reach + leg_m / 2),
             block((length - 0.16, 0.022, apron_m)).moved(y=width / 2 - reach - leg_m / 2),
@@ -40,7 +42,7 @@ def legged_table(
     )
     return (
         Part("Top", top.moved(z=height - top_m), "top"),
-        Part("Apron", rails.moved(z=height - top_m - apron_m + 0.002), "leg", collider=None),
+        Part("Apron", rails.moved(z=height - top_m - apron_m), "leg", collider=None),
         *four_legs(
             length - reach, width - reach, height - top_m + 0.002, leg_m,
             is_round=is_round, splay_m=0.05 if is_round else 0.0,
@@ -54,7 +56,7 @@ def trestle_table(size_m: Size) -> tuple[Part, ...]:
     bar, top_m = 0.045, 0.038
     tall = height - top_m
     upright = block((bar, bar, tall + 0.001)).moved(y=width / 2 - 0.07)
-    cross = block((bar, width - 0.14, bar))
+    cross = block((bar - 0.002, width - 0.14, bar))
     portal = joined([upright, upright.scaled(y=-1.0), cross, cross.moved(z=tall - bar)])
     at = length / 2 - min(0.16, length * 0.12)
     top = rounded_slab((length, width, top_m), 0.012, 0.005, 3, 1)
