@@ -24,7 +24,10 @@ from chord_usd.stage.check_scene import StageScene, read_scene
 from chord_usd.types import Item
 
 WALL_GAP_M = 0.01
-"""A panel whose back is no further than this from the wall hangs on it."""
+"""What has its back no further than this from the wall can hang on it."""
+
+PLUMBED = frozenset(("toilet", "washbasin"))
+"""Floor categories whose designs may be hung on the wall they are plumbed to."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,7 @@ def _open(path: Path) -> Usd.Stage:
 
 
 class _Hangs:
-    """Whether a body is a panel that hangs on the wall of its room."""
+    """Whether a body is of a kind that hangs on walls, and its back is at one."""
 
     def __init__(self, scene: StageScene) -> None:
         self._items: dict[str, Item] = {item.id: item for item in scene.graph.items}
@@ -129,7 +132,7 @@ class _Hangs:
         if item is None or item.room_id not in self._floors:
             return False
         row = CATEGORIES.get(item.category)
-        if row is None or row.mount is not Mount.WALL:
+        if row is None or not (row.mount is Mount.WALL or row.name in PLUMBED):
             return False
         floor = self._floors[item.room_id]
         corners = footprint(item.box)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 import trimesh
-from pxr import Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 
 from chord_usd.geometry import polygons_of
 from chord_usd.stage.check_contact import Body, Solid
@@ -132,7 +132,7 @@ class _Reader:
         return Item(
             id=body.path,
             category=_text(piece, CATEGORY),
-            box=_own_box(body, self._matrix(piece)),
+            box=_own_box(body, self._matrix(piece), piece.GetAttribute(SIZE).Get()),
             room_id=room,
             children=tuple(child for child in children if child is not None),
         )
@@ -216,15 +216,20 @@ def _yaw_deg(matrix: FloatArray) -> float:
     return wrap_deg(math.degrees(math.atan2(matrix[1, 0], matrix[0, 0])))
 
 
-def _own_box(body: Body, matrix: FloatArray) -> Box:
-    """The bounds of the meshes in the item's own frame, as a box in the world."""
+def _own_box(body: Body, matrix: FloatArray, catalogued: Gf.Vec3d | None) -> Box:
+    """The bounds of the meshes in the item's own frame, as a box in the world.
+
+    catalogued: the item's size where it is noted. Only its height is used: a tap that rises over
+    its cabinet does not make the cabinet block a window.
+    """
     turn = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
     own = body.vertices_m @ turn
     low, high = own.min(axis=0), own.max(axis=0)
     middle = turn @ np.array([*(low[:2] + high[:2]) / 2, low[2]])
     size_m = np.maximum(high - low, _SNAP_M)
+    height_m = float(size_m[2]) if catalogued is None else min(float(size_m[2]), catalogued[2])
     return Box(
         center_m=(float(middle[0]), float(middle[1]), float(middle[2])),
-        size_m=(float(size_m[0]), float(size_m[1]), float(size_m[2])),
+        size_m=(float(size_m[0]), float(size_m[1]), height_m),
         yaw_deg=_yaw_deg(matrix),
     )

@@ -248,3 +248,10 @@ def test_a_wide_piece_may_stand_on_a_narrow_one():
         body("plate", box((1, 1, 0.1), (0, 0, 1.05))),
     )
     assert unsupported([post, plate], [FLOOR], lambda _: False) == []
+
+
+def test_a_toilet_hangs_on_its_wall_and_nowhere_else(tmp_path):
+    toilet = item("toilet", "toilet", 2.0, 1.65, (0.4, 0.7, 0.4), room_id="hall", z=0.1)
+    assert check(tmp_path, house(BED, toilet)).unsupported == ()
+    away = replace(toilet, box=replace(toilet.box, center_m=(2.0, 1.5, 0.1)))
+    assert check(tmp_path, house(BED, away)).unsupported != ()
