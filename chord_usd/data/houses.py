@@ -17,6 +17,8 @@ from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan, Room, frozen_a
 _MOST_DRAWS = 200
 """Draws before giving up; about one in ten is unsound, so this is never reached by chance."""
 
+_LEAST_EDGE = 0.1 / STEP_M
+
 _NAMES = {
     "living": "Living Room", "dining": "Dining Room", "bedroom": "Bedroom", "kitchen": "Kitchen",
     "bathroom": "Bathroom", "balcony": "Balcony", "corridor": "Corridor", "study": "Study",
@@ -80,6 +82,11 @@ def _check(sketch: Sketch, inner: list[Face]) -> None:
         area_m2 = twice_area(face.corners) / 2 * STEP_M * STEP_M
         if area_m2 < least.get(cell.kind, 5.0):
             raise UnsoundError(f"{cell.kind} of {area_m2:.1f} m2")
+        x0, y0 = face.corners[-1]
+        for x1, y1 in face.corners:
+            if abs(x1 - x0) + abs(y1 - y0) < _LEAST_EDGE:
+                raise UnsoundError("a step in a wall too small to be meant")
+            x0, y0 = x1, y1
 
 
 def _rooms(sketch: Sketch, inner: list[Face]) -> tuple[Room, ...]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.programme import AREA_M2, Programme
+from chord_usd.data.floorplans.programme import Programme, floor_area
+from chord_usd.data.floorplans.public_block import Block, draw_public_block
 from chord_usd.data.floorplans.sketch import (
     STEP_M,
     WALL,
@@ -30,6 +31,10 @@ _LEAST_WIDTH: dict[RoomKind, int] = {
 
 _DOOR_LEG = 125
 """Least width, between middle lines, of the part of a room that leads to its door."""
+
+
+_LEAST_NIB = 110
+"""Least width of the part of a room that reaches round a corridor's end."""
 
 
 @dataclass(slots=True)
@@ -55,14 +60,9 @@ class Row:
         return self.start + sum(slot.width for slot in self.slots)
 
 
-def _area(dice: Dice, kind: RoomKind) -> float:
-    low, high = AREA_M2[kind]
-    return dice.about(low, high) * _STEPS_PER_M2
-
-
 def _slot_width(dice: Dice, kind: RoomKind, depth: int) -> int:
     # Areas are of floors, widths between middle lines.
-    width = _area(dice, kind) / max(depth - WALL, 100) + WALL
+    width = floor_area(dice, kind) / max(depth - WALL, 100) + WALL
     return int(max(width, _LEAST_WIDTH[kind]))
 
 
@@ -110,36 +110,40 @@ def _with_annexes(
     dice: Dice, slot: Slot, depth: int
 ) -> tuple[list[Point], list[tuple[RoomKind, list[Point]]]]:
     """The room left over and its annexes, in the slot's own frame (corridor at v = 0)."""
-    width = slot.width
+    width, strip = slot.width, _strip_width(dice, slot, depth)
+    kind = slot.annexes[0]
     if len(slot.annexes) == 2:
         # A suite: bathroom and store share a strip along one side.
-        strip, cut = dice.steps(170, 215), dice.steps(0.5 * depth, 0.62 * depth)
+        cut = dice.steps(0.5 * depth, depth - 140)
+        cut = cut if kind == "bathroom" else depth - cut
         room = rectangle(strip, 0, width, depth)
         boxes = [rectangle(0, 0, strip, cut), rectangle(0, cut, strip, depth)]
-        if dice.chance(0.5):
-            boxes.reverse()
         annexes = list(zip(slot.annexes, boxes, strict=True))
+    elif depth - _least_depth(kind) < 210 or dice.chance(0.15):
+        room, annexes = rectangle(strip, 0, width, depth), [(kind, rectangle(0, 0, strip, depth))]
     else:
-        kind = slot.annexes[0]
-        across, along = _annex_size(dice, kind, width, depth)
-        room = [(across, 0), (width, 0), (width, depth), (0, depth), (0, along), (across, along)]
-        annexes = [(kind, rectangle(0, 0, across, along))]
-        if kind == "bathroom" and dice.chance(0.4):
-            # On the outer wall instead, where it gets a window.
-            room = [(u, depth - v) for u, v in room]
-            annexes = [(kind, [(u, depth - v) for u, v in points]) for kind, points in annexes]
+        along = dice.steps(_least_depth(kind), min(depth - 210, _least_depth(kind) + 80))
+        room = [(strip, 0), (width, 0), (width, depth), (0, depth), (0, along), (strip, along)]
+        annexes = [(kind, rectangle(0, 0, strip, along))]
+    if dice.chance(0.4):
+        # The annex on the outer wall, where it gets a window, not beside the corridor.
+        room = [(u, depth - v) for u, v in room]
+        annexes = [(kind, [(u, depth - v) for u, v in points]) for kind, points in annexes]
     if dice.chance(0.5):
         room = [(width - u, v) for u, v in room]
         annexes = [(kind, [(width - u, v) for u, v in points]) for kind, points in annexes]
     return room, annexes
 
 
-def _annex_size(dice: Dice, kind: RoomKind, width: int, depth: int) -> tuple[int, int]:
-    if kind == "store":
-        across = min(dice.steps(130, 200), width - _DOOR_LEG)
-        return across, dice.steps(150, 220)
-    across = min(dice.steps(175, 235), width - _DOOR_LEG)
-    return across, min(dice.steps(190, 270), depth - 210)
+def _least_depth(kind: RoomKind) -> int:
+    return 195 if kind == "bathroom" else 150
+
+
+def _strip_width(dice: Dice, slot: Slot, depth: int) -> int:
+    """Width of what annexes take from the side of their slot."""
+    if "bathroom" in slot.annexes:
+        return dice.steps(170, 225) if depth < 420 else dice.steps(165, 200)
+    return dice.steps(130, 190)
 
 
 def _fill_rows(dice: Dice, slots: list[Slot], rows: tuple[Row, Row]) -> None:
@@ -148,8 +152,9 @@ def _fill_rows(dice: Dice, slots: list[Slot], rows: tuple[Row, Row]) -> None:
         row = min(rows, key=lambda row: row.end)
         slot.width = _slot_width(dice, slot.kind, row.depth)
         if slot.annexes:
-            extra = 195 if len(slot.annexes) == 2 else 60
-            slot.width = max(slot.width + extra, 330)
+            small_m2 = sum(4.5 if kind == "bathroom" else 2.5 for kind in slot.annexes)
+            slot.width += int(small_m2 * _STEPS_PER_M2 / row.depth)
+            slot.width = max(slot.width, 225 + _LEAST_WIDTH[slot.kind])
         row.slots.append(slot)
     for row in rows:
         row.slots = dice.shuffled(row.slots)
@@ -190,17 +195,17 @@ def draw_leg(
     last = long.slots[-1] if long.slots else None
     wraps = may_wrap and last is not None and last.kind in ("bedroom", "study") and not last.annexes
     length = total
-    if wraps and total - needed > 60 and (short.end < total or dice.chance(0.5)):
+    if wraps and (short.end < total or dice.chance(0.5)):
         # The last room of the longer row takes the corridor's end.
-        room_for = max(needed, short.end if short.end < total else 0)
-        length = room_for if short.end < total else dice.steps(needed, total - 60)
+        length = short.end if short.end < total else dice.steps(needed, total - _LEAST_NIB)
+        length = length if needed <= length <= total - _LEAST_NIB else total
     sketch = Sketch()
     for row, side in ((upper, 1), (lower, -1)):
         x, y = row.start, breadth if side > 0 else 0
         for slot in row.slots:
             depth = row.depth
             if slot.kind in ("bedroom", "study") and not slot.annexes and dice.chance(0.25):
-                depth += dice.steps(-50, 90)
+                depth += dice.pick([dice.steps(-60, -30), dice.steps(30, 90)])
             cell = _place_slot(dice, sketch, slot, (x, y), depth, side)
             x += slot.width
             if slot is row.slots[-1] and row is long and length < total:
@@ -232,11 +237,14 @@ def draw_spine(dice: Dice, programme: Programme) -> Sketch:
     bent = programme.corridor == 2 and dice.chance(0.5)
     sketch, length = _leg_with_corridor(dice, legs[0], breadth, upper, lower, may_wrap=not bent)
     width = dice.steps(370, 520)
-    block = _public_block(dice, programme, width, breadth, upper, lower)
-    _join(sketch, block)
-    if programme.corridor == 2 and bent:
+    two_sided = programme.corridor == 2 and not bent
+    bottom = -lower - dice.pick([0, 0, dice.steps(40, 140)])
+    top = breadth + upper + dice.pick([0, 0, dice.steps(-60, -30), dice.steps(30, 100)])
+    block = Block(width, bottom, top, breadth, two_sided)
+    _join(sketch, draw_public_block(dice, programme, block))
+    if bent:
         _bend(dice, sketch, legs[1], length, breadth, lower)
-    elif programme.corridor == 2:
+    elif two_sided:
         west, _ = _leg_with_corridor(dice, legs[1], breadth, upper, lower)
         for cell in west.cells:
             cell.corners = tidy([(-width - x, y) for x, y in cell.corners])
@@ -263,7 +271,13 @@ def _bend(
 ) -> None:
     """A second corridor from the end of the first one, to the north, with rooms on both sides."""
     left = Row(dice.steps(290, 380))
-    left.start = int(max(c.bounds[3] for c in sketch.cells if c.bounds[2] > end - left.depth - 5))
+    under = [cell.bounds for cell in sketch.cells if cell.bounds[2] > end - left.depth]
+    left.start = int(max(top for _, _, _, top in under))
+    flush = sum(
+        min(x1, end) - max(x0, end - left.depth) for x0, _, x1, y1 in under if y1 == left.start
+    )
+    if flush < left.depth:
+        raise UnsoundError("a gap between the two rows of a bend")
     right = Row(dice.steps(320, 420), start=-dice.pick([0, lower]))
     first = next(cell for cell in sketch.cells if cell.kind == "corridor")
     across = dice.steps(130, 160)
@@ -279,62 +293,6 @@ class UnsoundError(Exception):
     """A draw that cannot become a house; draw again."""
 
 
-def _public_block(
-    dice: Dice, programme: Programme, width: int, breadth: int, upper: int, lower: int
-) -> Sketch:
-    """Living, dining and kitchen at x in [-width, 0], beside a corridor at y in [0, breadth]."""
-    sketch = Sketch()
-    bottom = -lower - dice.pick([0, 0, dice.steps(40, 140)])
-    top = breadth + upper + dice.pick([0, 0, dice.steps(-60, 100)])
-    kitchen = _area(dice, "kitchen")
-    deep = int(kitchen / (width - WALL)) + WALL
-    beside = deep < 190 or dice.chance(0.4)
-    if programme.dining:
-        middle = dice.pick([0, dice.steps(-80, 0), breadth])
-        kitchen_at = top if beside else max(min(top - deep, top - 190), middle + 260)
-        living = sketch.add("living", rectangle(-width, bottom, 0, middle))
-        _dine_and_cook(dice, sketch, living, width, middle, kitchen_at, top, kitchen)
-    else:
-        edge = max(top - deep, breadth) if not beside else max(top - 270, breadth)
-        if beside:
-            across = _kitchen_across(kitchen, width, top - edge)
-            living_corners: list[Point] = [
-                (-width, bottom), (0, bottom), (0, top), (across - width, top),
-                (across - width, edge), (-width, edge),
-            ]  # fmt: skip
-            living = sketch.add("living", tidy(living_corners))
-            cook = sketch.add("kitchen", rectangle(-width, edge, across - width, top))
-        else:
-            living = sketch.add("living", rectangle(-width, bottom, 0, edge))
-            cook = sketch.add("kitchen", rectangle(-width, edge, 0, top))
-        if dice.chance(0.15):
-            sketch.open_pairs.append((living, cook))
-    return sketch
-
-
-def _kitchen_across(area: float, width: int, depth: float) -> int:
-    wanted = area / max(depth - WALL, 100) + WALL
-    return int(min(max(wanted, 195), width - 150))
-
-
-def _dine_and_cook(
-    dice: Dice, sketch: Sketch, living: Cell, width: int, middle: int, kitchen_at: int,
-    top: int, kitchen: float,
-) -> None:  # fmt: skip
-    """Dining north of the living room, the kitchen beyond it or beside it."""
-    if kitchen_at < top:
-        dining = sketch.add("dining", rectangle(-width, middle, 0, kitchen_at))
-        cook = sketch.add("kitchen", rectangle(-width, kitchen_at, 0, top))
-    else:
-        across = _kitchen_across(kitchen, width - 90, top - middle)
-        dining = sketch.add("dining", rectangle(across - width, middle, 0, top))
-        cook = sketch.add("kitchen", rectangle(-width, middle, across - width, top))
-    if dice.chance(0.7):
-        sketch.open_pairs.append((living, dining))
-    if dice.chance(0.2):
-        sketch.open_pairs.append((dining, cook))
-
-
 def draw_hub(dice: Dice, programme: Programme) -> Sketch:
     """Rooms on both sides of a living room that serves as the hall."""
     slots = private_slots(dice, programme, 1)
@@ -342,7 +300,7 @@ def draw_hub(dice: Dice, programme: Programme) -> Sketch:
         slots.append(Slot("kitchen", 0))
     breadth = dice.steps(340, 460)
     left, right = Row(dice.steps(300, 400)), Row(dice.steps(290, 400))
-    least = int(_area(dice, "living") * 0.9 / (breadth - WALL))
+    least = int(floor_area(dice, "living") * 0.9 / (breadth - WALL))
     if programme.dining:
         least += dice.steps(270, 360)
     sketch, length = draw_leg(dice, slots, breadth, left, right, reach=max(least, 330))

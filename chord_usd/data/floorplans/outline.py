@@ -14,6 +14,7 @@ from chord_usd.data.floorplans.sketch import (
     Sketch,
     clipped,
     edges,
+    is_free,
     rectangle,
     tidy,
     twice_area,
@@ -28,28 +29,29 @@ def add_balconies(dice: Dice, sketch: Sketch, count: int) -> bool:
     """Hang this many balconies on free outer walls. False where they do not find a place."""
     weights = dict(_BALCONY_HOSTS)
     for _ in range(count):
+        boxes = sketch.boxes
         places = [
             (place, weights[cell.kind] * length)
             for cell in sketch.cells
             if cell.kind in weights
-            for place, length in _free_sides(sketch, cell, least=200, depth=200)
+            for place, length in _free_sides(cell, boxes, least=200, depth=200)
         ]
         if not places:
             return False
         start, end = dice.weighted(places)
-        _hang_balcony(dice, sketch, start, end)
+        _hang_balcony(dice, sketch, boxes, start, end)
     return True
 
 
 def _free_sides(
-    sketch: Sketch, cell: Cell, least: int, depth: int
+    cell: Cell, boxes: list[Bounds], least: int, depth: int
 ) -> list[tuple[tuple[Point, Point], float]]:
     """Upright and level edges with nothing before them for depth, and their lengths."""
     found = []
     for start, end in edges(cell.corners):
         length = abs(end[0] - start[0]) + abs(end[1] - start[1])
         upright = start[0] == end[0] or start[1] == end[1]
-        if upright and length >= least and sketch.is_free(_before(start, end, depth)):
+        if upright and length >= least and is_free(_before(start, end, depth), boxes):
             found.append(((start, end), length))
     return found
 
@@ -62,7 +64,9 @@ def _before(start: Point, end: Point, depth: float) -> Bounds:
     return (x0, y0, x0 + depth, y1) if y1 > y0 else (x0 - depth, y1, x0, y0)
 
 
-def _hang_balcony(dice: Dice, sketch: Sketch, start: Point, end: Point) -> None:
+def _hang_balcony(
+    dice: Dice, sketch: Sketch, boxes: list[Bounds], start: Point, end: Point
+) -> None:
     x0, y0, x1, y1 = _before(start, end, dice.steps(125, 185))
     level = start[1] == end[1]
     low, high = (x0, x1) if level else (y0, y1)
@@ -72,7 +76,7 @@ def _hang_balcony(dice: Dice, sketch: Sketch, start: Point, end: Point) -> None:
     stretch = dice.pick([0, 0, dice.steps(120, 320)])
     for longer in ((low - stretch, high), (low, high + stretch)) if stretch else ():
         span = (longer[0], y0, longer[1], y1) if level else (x0, longer[0], x1, longer[1])
-        if sketch.is_free(span) and high - low + stretch < 700:
+        if is_free(span, boxes) and high - low + stretch < 700:
             low, high = longer
             break
     corners = rectangle(low, y0, high, y1) if level else rectangle(x0, low, x1, high)
@@ -84,7 +88,7 @@ def add_bays(dice: Dice, sketch: Sketch, share: float) -> None:
     for cell in sketch.cells:
         if cell.kind not in _BAY_HOSTS or not dice.chance(share):
             continue
-        sides = _free_sides(sketch, cell, least=260, depth=150)
+        sides = _free_sides(cell, sketch.boxes, least=260, depth=150)
         if sides:
             _push_out(dice, cell, *dice.weighted(sides))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from chord_usd.data.floorplans.dice import Dice
+from chord_usd.data.floorplans.sketch import STEP_M
 from chord_usd.types import RoomKind
 
 ROOM_COUNT_HISTOGRAM: dict[int, int] = {
@@ -49,6 +50,12 @@ class Programme:
     def total(self) -> int:
         """Rooms in all."""
         return sum(getattr(self, name) for name in self.__slots__)
+
+
+def floor_area(dice: Dice, kind: RoomKind) -> float:
+    """A usual floor area of such a room, in square steps."""
+    low, high = AREA_M2[kind]
+    return dice.about(low, high) / (STEP_M * STEP_M)
 
 
 # Weight of the first, second, ... room of a kind among the rooms that are added one by one. Tuned

@@ -6,6 +6,7 @@ All lengths are steps of STEP_M. Corners are whole numbers except where a slante
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 
 from chord_usd.types import WALL_THICKNESS_M, RoomKind
@@ -32,8 +33,7 @@ class Cell:
     @property
     def bounds(self) -> Bounds:
         """Its bounding rectangle."""
-        xs = [corner[0] for corner in self.corners]
-        ys = [corner[1] for corner in self.corners]
+        xs, ys = zip(*self.corners, strict=True)
         return min(xs), min(ys), max(xs), max(ys)
 
 
@@ -50,15 +50,19 @@ class Sketch:
         self.cells.append(cell)
         return cell
 
-    def is_free(self, bounds: Bounds, but: Cell | None = None) -> bool:
-        """Whether no cell but one reaches into these bounds."""
-        x0, y0, x1, y1 = bounds
-        for cell in self.cells:
-            if cell is not but:
-                left, low, right, high = cell.bounds
-                if left < x1 and right > x0 and low < y1 and high > y0:
-                    return False
-        return True
+    @property
+    def boxes(self) -> list[Bounds]:
+        """Bounds of all cells, in their order."""
+        return [cell.bounds for cell in self.cells]
+
+
+def is_free(area: Bounds, boxes: list[Bounds]) -> bool:
+    """Whether none of the boxes reaches into this area."""
+    x0, y0, x1, y1 = area
+    for left, low, right, high in boxes:
+        if left < x1 and right > x0 and low < y1 and high > y0:
+            return False
+    return True
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float) -> list[Point]:
@@ -142,15 +146,17 @@ class Face:
 def faces(sketch: Sketch) -> list[Face]:
     """Inner faces of all cells, in their order: half a wall inside the middle lines."""
     openings: dict[int, list[tuple[Point, Point]]] = {}
+    ends: Counter[Point] = Counter()
     for first, second in sketch.open_pairs:
         stretch = shared_stretch(first, second)
         if stretch is not None:
             openings.setdefault(id(first), []).append(stretch)
             openings.setdefault(id(second), []).append((stretch[1], stretch[0]))
-    return [_face(cell, openings.get(id(cell), [])) for cell in sketch.cells]
+            ends.update(stretch)
+    return [_face(cell, openings.get(id(cell), []), ends) for cell in sketch.cells]
 
 
-def _face(cell: Cell, openings: list[tuple[Point, Point]]) -> Face:
+def _face(cell: Cell, openings: list[tuple[Point, Point]], ends: Counter[Point]) -> Face:
     corners: list[Point] = []
     is_open: list[bool] = []
     for start, end in edges(cell.corners):
@@ -160,15 +166,18 @@ def _face(cell: Cell, openings: list[tuple[Point, Point]]) -> Face:
             is_open.append(False)
             continue
         is_open.append(opening[0] == start)
-        # Where only the neighbour ends, its own wall covers half a wall of the stretch.
+        # Where only the neighbour ends, its own wall covers half a wall of the stretch, unless it
+        # is open round the corner too.
         ux, uy = _direction(start, end)
         if opening[0] != start:
             x, y = opening[0]
-            corners.append((x + HALF_WALL * ux, y + HALF_WALL * uy))
+            covered = HALF_WALL if ends[x, y] == 1 else 0
+            corners.append((x + covered * ux, y + covered * uy))
             is_open.append(True)
         if opening[1] != end:
             x, y = opening[1]
-            corners.append((x - HALF_WALL * ux, y - HALF_WALL * uy))
+            covered = HALF_WALL if ends[x, y] == 1 else 0
+            corners.append((x - covered * ux, y - covered * uy))
             is_open.append(False)
     return _inset(corners, is_open)
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass
+from operator import itemgetter
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.sketch import HALF_WALL, WALL, Face, Point, Sketch
+from chord_usd.data.floorplans.sketch import HALF_WALL, WALL, Bounds, Face, Point, Sketch
 from chord_usd.types import OpeningKind, RoomKind
 
 MARGIN = 10
 """Between an opening and a corner of a room, or the next opening."""
+
+VIEW = 170
+"""Before a window or the entrance nothing stands this near."""
 
 _HALLS = ("corridor", "living", "dining")
 """Rooms one walks through."""
@@ -37,6 +41,8 @@ class Stretch:
     start: Point
     direction: Point
     length: float
+    outward: int = 0
+    """+1 where the outside lies towards +x or +y, -1 towards -x or -y, 0 where it is not known."""
 
 
 @dataclass(slots=True)
@@ -105,26 +111,50 @@ def _add_line(walls: Walls, axis: int, line: float, one: list[_Span], other: lis
             if end > start:
                 pair = (room, neighbour) if room < neighbour else (neighbour, room)
                 walls.shared[pair].append(_upright(axis, line, start, end))
-    for spans, against in ((one, other), (other, one)):
+    for spans, against, outward in ((one, other, 1), (other, one, -1)):
         for low, high, room in spans:
             start = low
             # A neighbour's own walls reach one thickness beyond its face.
             for other_low, other_high, _ in sorted(against):
                 if other_low - WALL < high and other_high + WALL > start:
-                    _add_outer(walls, axis, line, start, other_low - WALL, room)
+                    _add_outer(walls, axis, line, start, other_low - WALL, room, outward)
                     start = other_high + WALL
-            _add_outer(walls, axis, line, start, high, room)
+            _add_outer(walls, axis, line, start, high, room, outward)
 
 
-def _add_outer(walls: Walls, axis: int, line: float, low: float, high: float, room: int) -> None:
+def _add_outer(
+    walls: Walls, axis: int, line: float, low: float, high: float, room: int, outward: int
+) -> None:
     if high - low > 2 * MARGIN:
-        walls.outer[room].append(_upright(axis, line, low + MARGIN, high - MARGIN))
+        walls.outer[room].append(_upright(axis, line, low + MARGIN, high - MARGIN, outward))
 
 
-def _upright(axis: int, line: float, low: float, high: float) -> Stretch:
+def _upright(axis: int, line: float, low: float, high: float, outward: int = 0) -> Stretch:
     if axis == 0:
-        return Stretch((low, line), (1.0, 0.0), high - low)
-    return Stretch((line, low), (0.0, 1.0), high - low)
+        return Stretch((low, line), (1.0, 0.0), high - low, outward)
+    return Stretch((line, low), (0.0, 1.0), high - low, outward)
+
+
+def _with_view(stretches: list[Stretch], boxes: list[Bounds]) -> list[Stretch]:
+    """What remains of outer walls where nothing stands before them for VIEW."""
+    clear = []
+    for stretch in stretches:
+        if not stretch.outward:
+            clear.append(stretch)
+            continue
+        axis = 0 if stretch.direction[0] else 1
+        low, line = stretch.start[axis], stretch.start[1 - axis]
+        high = low + stretch.length
+        near, far = sorted((line + WALL * stretch.outward, line + VIEW * stretch.outward))
+        before = [b for b in boxes if b[3 - axis] > near and b[1 - axis] < far]
+        for bounds in sorted(before, key=itemgetter(axis)):
+            if bounds[axis + 2] + WALL > low and bounds[axis] - WALL < high:
+                if bounds[axis] - WALL > low:
+                    clear.append(_upright(axis, line, low, bounds[axis] - WALL))
+                low = bounds[axis + 2] + WALL
+        if high > low:
+            clear.append(_upright(axis, line, low, high))
+    return clear
 
 
 # --- placing ---------------------------------------------------------------------------------
@@ -137,10 +167,29 @@ class NoPlaceError(Exception):
 def make_openings(dice: Dice, sketch: Sketch, walls: Walls) -> list[Hole]:
     """Entrance, doors, passages and windows. Raises NoPlaceError where a room cannot be reached."""
     holes = _join_rooms(dice, sketch, walls)
+    boxes = sketch.boxes
+    for room, stretches in walls.outer.items():
+        walls.outer[room] = _with_view(stretches, boxes[:room] + boxes[room + 1 :])
     holes.append(_entrance(dice, sketch, walls))
     for index, cell in enumerate(sketch.cells):
-        holes += _windows(dice, cell.kind, index, walls.outer[index])
+        windows = _windows(dice, cell.kind, index, walls.outer[index])
+        if not windows and cell.kind in _LIT and not _has_balcony(sketch, holes, index):
+            raise NoPlaceError("window")
+        holes += windows
     return holes
+
+
+_LIT = ("living", "bedroom", "study")
+"""Rooms that need a window, or a door to a balcony."""
+
+
+def _has_balcony(sketch: Sketch, holes: list[Hole], room: int) -> bool:
+    return any(
+        sketch.cells[other].kind == "balcony"
+        for hole in holes
+        if room in hole.rooms
+        for other in hole.rooms
+    )
 
 
 def _place(
