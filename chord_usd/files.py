@@ -15,11 +15,12 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from chord_usd.errors import OutputError
+from chord_usd.errors import ChordError, OutputError
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
-_NEARLY_FULL_BYTES = 64 * 1024
-"""Less than this free: a writer that failed in any way failed for want of space."""
+_NEARLY_FULL_BYTES = 16 * 2**20
+"""Less than this free: a writer that failed without words of its own failed for want of space.
+Libraries seldom tell, and what they had half written may be gone before anyone can look."""
 
 
 def write_atomic(path: Path, data: bytes | str) -> None:
@@ -66,7 +67,7 @@ def deliver() -> Iterator[Delivery]:
     except Exception as error:
         full = delivery._disk_is_full()
         delivery._withdraw()
-        if not full or isinstance(error, OutputError):
+        if not full or isinstance(error, ChordError):
             raise
         raise OutputError(
             "the disk is full", where=str(delivery._first_target()), try_=_FREE_SPACE

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from chord_usd.errors import PlanError
 from chord_usd.files import hash_file
 from chord_usd.locations import checkpoint_folder
 from chord_usd.progress import Progress, Stopwatch
@@ -64,6 +65,7 @@ def generate(
     # The plan is read before torch is imported: a wrong picture is told within a second.
     with watch.step("plan"):
         plan = read_plan(plan_file, settings)
+        refuse_shut(plan, plan_file)
         plan_image = draw_plan(plan)
     with watch.step("load") as progress:
         model = load_model(settings)
@@ -83,6 +85,18 @@ def read_plan(plan_file: Path, settings: Settings) -> Plan:
     from chord_usd.plan.read import read_plan_file
 
     return read_plan_file(plan_file, settings.m_per_px)
+
+
+def refuse_shut(plan: Plan, plan_file: Path) -> None:
+    """Raises PlanError for a house that nobody can enter: most likely its doors were not seen."""
+    if not any(opening.kind != "window" for opening in plan.openings):
+        raise PlanError(
+            "has no door that could be found",
+            where=str(plan_file),
+            expected="at least one door or passage",
+            try_=f"chord-usd plan read {plan_file.name} -o plan.json --overlay look.png "
+            "shows what was read",
+        )
 
 
 def draw_plan(plan: Plan) -> PlanImage:

@@ -41,11 +41,7 @@ def run_cli() -> RunCli:
 
 @pytest.fixture(scope="session")
 def furnished_house() -> SceneGraph:
-    """A procedural house of seven rooms."""
-    import numpy as np
+    """A house of a few rooms with all its furniture, read from a file."""
+    from chord_usd.chord_json import read_scene
 
-    from chord_usd.data.furnish import furnish
-    from chord_usd.data.houses import random_plan
-
-    rng = np.random.default_rng(11)
-    return furnish(random_plan(rng, 7), rng)
+    return read_scene(Path(__file__).parent / "fixtures" / "furnished_house.json")
