@@ -355,7 +355,7 @@ def _windows(dice: Dice, kind: RoomKind, room: int, stretches: list[Stretch]) ->
     wanted, widths, base, height = _WINDOWS.get(kind, (0, (0, 0), 0, 0))
     if kind in ("corridor", "bathroom", "balcony"):
         wanted = int(dice.chance(0.7))
-    elif kind != "kitchen":
+    elif wanted and kind != "kitchen":
         wanted += dice.chance(0.3)
     holes = []
     for _ in range(wanted):
