@@ -1,0 +1,207 @@
+"""Real flats: what a traced drawing says is what the plan holds."""
+
+import gzip
+import json
+from itertools import combinations
+
+import numpy as np
+import pytest
+from shapely.geometry import box as rectangle
+from shapely.ops import unary_union
+
+from chord_usd.data.flats import (
+    flat_from_lines,
+    read_flats,
+    read_flats_or_why,
+    read_plans,
+    write_plans,
+)
+from chord_usd.data.floorplans.traced import closed_cells
+from chord_usd.data.splits import part_of
+from chord_usd.errors import PlanError
+from chord_usd.geometry import footprint_polygon, room_polygon, wall_area
+from chord_usd.types import WALL_THICKNESS_M, Plan
+
+PX_PER_M = 40
+
+
+def _px(*metres: float) -> list[int]:
+    return [round(value * PX_PER_M) for value in metres]
+
+
+def _line(x0: float, y0: float, x1: float, y1: float, label: str) -> list[object]:
+    return [*_px(x0, y0, x1, y1), label, 1, 1]
+
+
+def _label(x: float, y: float, name: str) -> list[object]:
+    return _line(x - 0.3, y - 0.2, x + 0.3, y + 0.2, name)
+
+
+def _flat() -> list[list[object]]:
+    """A living room with a kitchen corner, a bedroom with a balcony, a bathroom, an entrance."""
+    walls = [
+        (0, 0, 9, 0), (9, 0, 9, 6.5), (9, 6.5, 0, 6.5), (0, 6.5, 0, 0),
+        (5, 0, 5, 6.5), (5, 2, 9, 2), (7, 0, 7, 2),
+        (5, 6.5, 5, 8), (5, 8, 9, 8), (9, 8, 9, 6.5),
+    ]  # fmt: skip
+    doors = [
+        (5, 0.6, 5, 1.4), (7.6, 2, 8.4, 2), (5, 3, 5, 3.8), (6, 0, 6.8, 0), (6, 6.5, 8, 6.5),
+        (1, 6.5, 3, 6.5), (7, 0.6, 7, 1.4),
+    ]  # fmt: skip
+    names = [
+        (2.5, 4.5, "living_room"), (1, 1.5, "kitchen"), (7, 4, "bedroom"), (8, 1, "bathroom"),
+        (6, 1, "entrance"), (7, 7.2, "balcony"),
+    ]  # fmt: skip
+    return [
+        *(_line(*wall, "wall") for wall in walls),
+        *(_line(*door, "door") for door in doors),
+        *(_label(*name) for name in names),
+        _line(0.2, 0.2, 2.4, 0.8, "cooking_counter"),
+    ]
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    return flat_from_lines("ab/cd/0001", _flat())
+
+
+def _kinds(plan: Plan) -> list[str]:
+    return sorted(room.kind for room in plan.rooms)
+
+
+def test_kinds_come_from_labels_and_the_kitchen_is_opened_up(plan):
+    assert _kinds(plan) == ["balcony", "bathroom", "bedroom", "corridor", "kitchen", "living"]
+    kitchen, living = (
+        room_polygon(next(room for room in plan.rooms if room.kind == kind))
+        for kind in ("kitchen", "living")
+    )
+    assert kitchen.intersection(living).length > 2.0
+    assert kitchen.intersection(living).area < 1e-9
+
+
+def test_doors_give_the_scale(plan):
+    bedroom = next(room for room in plan.rooms if room.kind == "bedroom")
+    inner_m2 = (4.0 - WALL_THICKNESS_M) * (4.5 - WALL_THICKNESS_M)
+    assert room_polygon(bedroom).area == pytest.approx(inner_m2, rel=0.1)
+
+
+def test_walls_are_one_thickness_everywhere(plan):
+    for one, other in combinations(plan.rooms, 2):
+        gap_m = room_polygon(one).distance(room_polygon(other))
+        assert gap_m > WALL_THICKNESS_M - 1e-6 or {one.kind, other.kind} == {"kitchen", "living"}
+    walls = wall_area(plan.rooms).buffer(1e-6)
+    for opening in plan.openings:
+        assert walls.covers(footprint_polygon(opening.box))
+    assert wall_area(plan.rooms).area > 8.0
+
+
+def test_windows_and_doors_are_told_apart(plan):
+    kind_of = {room.id: room.kind for room in plan.rooms}
+    found = sorted(
+        (opening.kind, *sorted(kind_of[room] for room in opening.room_ids))
+        for opening in plan.openings
+    )
+    assert found == [
+        ("door", "balcony", "bedroom"),
+        ("door", "bathroom", "bedroom"),
+        ("door", "bathroom", "corridor"),
+        ("door", "bedroom", "living"),
+        ("door", "corridor"),
+        ("door", "corridor", "kitchen"),
+        ("window", "living"),
+    ]
+    assert not any(opening.extra for opening in plan.openings)
+
+
+def test_y_points_up(plan):
+    balcony, bedroom = (
+        room_polygon(next(room for room in plan.rooms if room.kind == kind)).centroid.y
+        for kind in ("balcony", "bedroom")
+    )
+    # Below the bedroom in the drawing, whose y runs down.
+    assert balcony < bedroom
+
+
+def test_fixtures_are_kept_as_hints(plan):
+    (counter,) = plan.extra["fixtures"]
+    kitchen = next(room for room in plan.rooms if room.kind == "kitchen")
+    assert counter["category"] == "cooking_counter"
+    x, y, w, h = (counter[key] for key in "xywh")
+    assert rectangle(x - w / 2, y - h / 2, x + w / 2, y + h / 2).within(
+        room_polygon(kitchen).buffer(0.2)
+    )
+    assert plan.extra["source"] == "ab/cd/0001"
+
+
+def test_a_forgotten_door_is_put_in_and_says_so():
+    lines = [line for line in _flat() if line != _line(7, 0.6, 7, 1.4, "door")]
+    lines = [line for line in lines if line != _line(7.6, 2, 8.4, 2, "door")]
+    plan = flat_from_lines("x", lines)
+    (inferred,) = (opening for opening in plan.openings if opening.extra.get("inferred"))
+    kinds = {plan.room(room).kind for room in inferred.room_ids}
+    assert kinds == {"bathroom", "corridor"}
+
+
+@pytest.mark.parametrize(
+    ("without", "reason"),
+    [
+        ("wall", "no closed room"),
+        ("bathroom", "no bathroom, or nowhere to live"),
+    ],
+)
+def test_unsound_drawings_are_refused_with_a_reason(without, reason):
+    lines = [line for line in _flat() if line[4] != without]
+    with pytest.raises(PlanError) as error:
+        flat_from_lines("x", lines)
+    assert error.value.what == reason
+
+
+@pytest.mark.parametrize("slip", [-6, -3, -1, 1, 2, 3])
+def test_loose_and_crooked_ends_are_closed(slip):
+    square = [(0.0, 0.0, 100.0 + slip, 0.0), (100.0, 0.0, 100.0, 100.0), (100.0, 100.0, 0.0, 98.0)]
+    (cell,) = closed_cells([*square, (0.0, 100.0, 1.0, 0.0)])
+    assert cell.symmetric_difference(rectangle(0, 0, 100, 100)).area < 350
+    xs, ys = np.array(cell.simplify(0.01).exterior.coords).T
+    assert len(set(xs)) == 2
+    assert len(set(ys)) == 2
+
+
+def test_files_are_read_and_split(tmp_path, plan):
+    path = tmp_path / "flats.jsonl.gz"
+    records = [{"id": f"flat/{n}", "lines": _flat()} for n in range(12)]
+    records.append({"id": "broken", "lines": _flat()[:3]})
+    path.write_bytes(gzip.compress("\n".join(map(json.dumps, records)).encode()))
+    assert read_flats_or_why(path)["broken"] == "no closed room"
+    flats = read_flats(path)
+    assert [flat.extra["source"] for flat in flats] == [f"flat/{n}" for n in range(12)]
+    parts = [read_flats(path, part) for part in ("train", "test")]
+    assert [len(part) for part in parts] == [
+        sum(part_of(f"flat/{n}") == name for n in range(12)) for name in ("train", "test")
+    ]
+
+
+def test_plans_survive_keeping(tmp_path, plan):
+    path = tmp_path / "plans.jsonl.gz"
+    write_plans([plan, plan], path)
+    first = path.read_bytes()
+    again = read_plans(path)
+    write_plans(again, path)
+    assert path.read_bytes() == first
+    assert len(again) == 2
+    for room, kept in zip(plan.rooms, again[0].rooms, strict=True):
+        assert kept.kind == room.kind
+        assert np.allclose(kept.polygon_m, room.polygon_m, atol=1e-7)
+    assert again[0].extra["fixtures"] == plan.extra["fixtures"]
+    floors = [unary_union([room_polygon(r) for r in p.rooms]).area for p in (plan, again[0])]
+    assert floors[0] == pytest.approx(floors[1])
+
+
+@pytest.mark.parametrize("content", [b"", b"not gzip", gzip.compress(b"{]"), gzip.compress(b"[1]")])
+def test_what_is_no_file_of_flats_is_refused(tmp_path, content):
+    path = tmp_path / "flats.jsonl.gz"
+    path.write_bytes(content)
+    if not content:
+        assert read_flats(path) == []
+        return
+    with pytest.raises(PlanError, match=r"flats\.jsonl\.gz"):
+        read_flats(path)
