@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from chord_usd.data.furnish.floor import Door, Floor
-from chord_usd.data.furnish.walls import REACH, ZONE, Wall
+from chord_usd.data.furnish.walls import NO_SILL_M, REACH, ZONE, Wall
 from chord_usd.types import WALL_THICKNESS_M, Opening
 
 WINDOW_ZONE_M = 0.5
@@ -17,6 +17,9 @@ DEEPEST_DOOR_ZONE_M = 0.9
 
 WAY_IN_M = 0.6
 """Beyond that the way into larger rooms stays open where it can."""
+
+FARTHEST_INSIDE_M = 0.2
+"""An opening whose middle is farther inside a room is not in that wall."""
 
 OPEN_SIDE_M = 0.02
 """Along sides where two rooms touch there is no wall to stand against."""
@@ -67,15 +70,26 @@ def _open(floor: Floor, opening: Opening, side: Door) -> None:
     if opening.kind == "window":
         sill = opening.box.center_m[2] + 1e-6
         floor.windows.append((wall, s_from, s_to, sill))
-        for part in (floor, *floor.touching):
-            part.keep(wall, s_from, s_to, 0.0, WINDOW_ZONE_M, ZONE, sill)
+        _keep_both_sides(floor, opening, side, WINDOW_ZONE_M, sill)
         wall.has_window = True
         return
     floor.doors.append(side)
     deep = min(s_to - s_from, DEEPEST_DOOR_ZONE_M)
-    for part in (floor, *floor.touching):
-        part.keep(wall, s_from, s_to, 0.0, deep)
+    _keep_both_sides(floor, opening, side, deep, NO_SILL_M)
     wall.has_door = True
+
+
+def _keep_both_sides(floor: Floor, opening: Opening, side: Door, deep: float, sill: float) -> None:
+    """Free floor before an opening; behind it, too, where a touching room may lie there.
+
+    Drawings put openings a little beside their wall: the depth counts from the opening's face.
+    """
+    wall, s_from, s_to = side[:3]
+    face = opening.box.size_m[1] / 2
+    _, t = wall.local(*opening.box.center_m[:2])
+    floor.keep(wall, s_from, s_to, 0.0, max(0.0, t + face) + deep, ZONE, sill)
+    for other in floor.touching:
+        other.keep(wall, s_from, s_to, t - face - deep, max(0.0, t + face) + deep, ZONE, sill)
 
 
 def keep_ways_in(floor: Floor) -> None:
@@ -99,7 +113,7 @@ def _side_of(
         if abs(ux * wall.uy - uy * wall.ux) > PARALLEL:
             continue
         s, t = wall.local(x, y)
-        if -half < s < wall.length + half and abs(t) < nearest and t < 0.1:
+        if -half < s < wall.length + half and abs(t) < nearest and t < FARTHEST_INSIDE_M:
             best, nearest = (wall, max(0.0, s - half), min(wall.length, s + half)), abs(t)
     return best
 
