@@ -185,7 +185,7 @@ def _import_stage(job: Job) -> Any:
         filepath=job.stage,
         import_cameras=False,
         set_frame_range=False,
-        import_textures_mode="IMPORT_NONE",
+        import_textures_mode="IMPORT_PACK",  # of .usdz packages; files elsewhere are left there
         mtl_name_collision_mode="MAKE_UNIQUE",
     )
     for mesh in bpy.data.meshes:

@@ -211,12 +211,12 @@ def _chosen(stage: Path, views: StageViews, options: RenderOptions) -> list[Stag
 def _check_names(stage: Path, what: str, wanted: Sequence[str], there: Sequence[str]) -> None:
     for name in wanted:
         if name not in there:
-            near = get_close_matches(name, there, n=1, cutoff=0.5)
+            near = get_close_matches(name, there, n=1)
             raise RenderError(
                 f"has no {what} named '{name}'",
                 where=str(stage),
                 expected=f"one of {', '.join(there)}" if there else "a stage with one",
-                try_=near[0] if near else "",
+                try_=f"--{what} {near[0]}" if near else "",
             )
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils
 
 from chord_usd.errors import OutputError, RenderError, StageError
 from chord_usd.image.cameras import read_views
@@ -46,6 +46,28 @@ def define_box(stage: Usd.Stage, path: str, low: tuple, high: tuple, rgb: tuple)
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
 
 
+def paint_red(stage: Usd.Stage, path: str, picture: Path) -> None:
+    """Let a box wear a red texture, given by its path relative to the stage."""
+    picture.parent.mkdir()
+    Image.new("RGB", (4, 4), (200, 40, 40)).save(picture)
+    st = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(path)).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+    )
+    st.Set([(0, 0), (1, 0), (1, 1), (0, 1)] * 6)
+    texture = UsdShade.Shader.Define(stage, f"/House/Materials/{Sdf.Path(path).name}/Map")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{picture.parent.name}/red.png")
+    output = texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
+    reader = UsdShade.Shader.Define(stage, f"/House/Materials/{Sdf.Path(path).name}/St")
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
+    texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
+        reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+    )
+    surface = UsdShade.Shader.Get(stage, f"/House/Materials/{Sdf.Path(path).name}/Surface")
+    surface.GetInput("diffuseColor").ConnectToSource(output)
+
+
 def define_cameras(stage: Usd.Stage) -> None:
     length_m, width_m, _ = ROOM_M
     UsdGeom.Scope.Define(stage, "/House/Cameras")
@@ -77,7 +99,8 @@ def write_house(path: Path) -> Path:
     geometry = "/House/Rooms/Bedroom_0/Geometry"
     length, width, height = ROOM_M
     white = (0.8, 0.8, 0.78)
-    define_box(stage, f"{geometry}/Floor", (0, 0, -0.1), (length, width, 0), (0.6, 0.1, 0.1))
+    define_box(stage, f"{geometry}/Floor", (0, 0, -0.1), (length, width, 0), white)
+    paint_red(stage, f"{geometry}/Floor", path.parent / "maps" / "red.png")
     define_box(stage, f"{geometry}/Ceiling", (0, 0, height), (length, width, height + 0.1), white)
     define_box(stage, f"{geometry}/Wall_0", (0, -0.1, 0), (length, 0, height), white)
     define_box(stage, f"{geometry}/Wall_1", (0, width, 0), (length, width + 0.1, height), white)
@@ -173,6 +196,15 @@ def test_tiles_are_bands_of_the_picture(house, tmp_path):
     np.testing.assert_array_equal(np.concatenate([rgb(band) for band in bands]), rgb(whole))
 
 
+def test_a_packed_stage_brings_its_textures(house, tmp_path):
+    packed = tmp_path / "house.usdz"
+    assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(house)), str(packed))
+    options = RenderOptions(**{**vars(TINY), "cameras": ("Top",)})
+    (file,) = render_stage(packed, tmp_path / "pictures", options)
+    floor = rgb(file)[18:33, 36:50]
+    assert (floor[..., 0] > 1.5 * floor[..., 2]).mean() > 0.8
+
+
 def test_a_part_of_a_picture_is_not_a_finished_one(pictures, tmp_path):
     cut = tmp_path / "cut.png"
     cut.write_bytes(pictures[0].read_bytes()[:-200])
@@ -194,7 +226,9 @@ def test_cameras_are_read_in_metres(house):
 
 
 def test_an_unknown_camera_or_room_lists_the_names_there_are(house, tmp_path):
-    with pytest.raises(RenderError, match=r"'Bedrom_0'.*one of Bedroom_0, Top.*Try: Bedroom_0"):
+    with pytest.raises(
+        RenderError, match=r"'Bedrom_0'.*one of Bedroom_0, Top.*Try: --camera Bedroom_0"
+    ):
         render_stage(house, tmp_path, RenderOptions(cameras=("Bedrom_0",)))
     with pytest.raises(RenderError, match=r"room named 'Attic'; expected one of Bedroom_0"):
         render_stage(house, tmp_path, RenderOptions(rooms=("Attic",)))
