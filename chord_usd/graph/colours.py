@@ -36,12 +36,15 @@ SHADE_KINDS = tuple(ROOM_SHADES)
 """Room kind of each shade label."""
 
 _SHADE_LEVELS = np.array([rgb[0] for rgb in ROOM_SHADES.values()], dtype=np.float32)
-_STRUCTURE_REACH = 48
-"""Greatest channel difference to a structure colour; the darkest item pixel is 84 levels away."""
+_DARK = 64
+"""Every structure colour has a channel below, its blends with black too; floors and items on them
+have none below 84."""
 _GREY_REACH = 13
 """Greatest spread of the channels of a floor pixel under noise of 8 levels, smoothed."""
-_LEAST_SHADE_SHARE, _LEAST_SHADE_PX = 0.03, 4
-"""A region has a shade if this share of its floor and so many pixels show it, noise allowed."""
+_LEAST_SHADE_SHARE, _LEAST_SHADE_PX, _SURE_SHADE_PX = 0.03, 4, 150
+"""With noise, a region has a shade if this share of its floor shows it, or so many pixels."""
+_MIXED_COST = 30.0
+"""Squared levels from the palette above which a smoothed pixel is taken for a mixture."""
 _FAR_SHADE_COST, _FAR_SHADE_COST_CLEAN = 20.0, 0.5
 """Squared levels that speak against a shade other than that of the nearest bare floor."""
 
@@ -78,6 +81,7 @@ def read_pixels(rgb: ByteArray) -> LayoutPixels:
     far_cost = _FAR_SHADE_COST_CLEAN if clean else _FAR_SHADE_COST
     item, front, shade = _read_items(smooth, regions, shade, allowed, far_cost)
     if not clean:
+        item, front = _without_rings(smooth, shade, item, front, structure)
         item, front = _settle(item, front, structure)
     return LayoutPixels(structure, shade, item, front)
 
@@ -120,7 +124,7 @@ def _is_clean(rgb: ByteArray) -> bool:
 def _read_structure(rgb: ByteArray) -> LabelArray:
     spread = np.abs(rgb[:, :, None, :].astype(np.int16) - _STRUCTURE_RGB).max(axis=-1)
     nearest = spread.argmin(axis=-1).astype(np.int16)
-    nearest[spread.min(axis=-1) > _STRUCTURE_REACH] = CLEAR
+    nearest[rgb.min(axis=-1) >= _DARK] = CLEAR
     return nearest
 
 
@@ -150,7 +154,9 @@ def _shades_of(flat: LabelArray, bare: LabelArray, least_share: float) -> list[i
     """Shades that cover a real part of a region; all of them where no floor is left to see."""
     for votes in (flat, bare):
         counts = np.bincount(votes, minlength=len(SHADE_KINDS))
-        large = np.flatnonzero(counts >= max(_LEAST_SHADE_PX, least_share * counts.sum()))
+        large = np.flatnonzero(
+            counts >= max(_LEAST_SHADE_PX, min(least_share * counts.sum(), _SURE_SHADE_PX))
+        )
         if len(large):
             return [int(index) for index in large]
     if len(bare):
@@ -210,6 +216,33 @@ def _nearest_colours(
     winner = cost.argmin(axis=0)
     each = np.arange(len(rgb))
     return code[winner, each], np.array(shades, dtype=np.int16)[winner]
+
+
+def _without_rings(
+    rgb: ByteArray, shade: LabelArray, item: LabelArray, front: BoolArray, structure: LabelArray
+) -> tuple[LabelArray, BoolArray]:
+    """Give pixels of mixed colour to one of the flat areas beside them.
+
+    Where a file blends two colours along an edge, the mixture may look like a third category. A
+    pixel whose colour fits badly is therefore read again, with a choice only between what has
+    flat areas within two pixels of it.
+    """
+    code = np.where(item == NO_ITEM, _FLOOR, 2 * item + front)
+    clear = structure == CLEAR
+    levels = rgb.astype(np.float32)
+    least = np.full(code.shape, np.inf, dtype=np.float32)
+    nearest = code.copy()
+    for label in np.unique(code):
+        core = cv2.erode(((code == label) & clear).astype(np.uint8), np.ones((3, 3), np.uint8))
+        reach = cv2.dilate(core, np.ones((7, 7), np.uint8)) > 0
+        cost = ((levels[reach] - _TABLE[shade[reach], label]) ** 2).sum(axis=-1)
+        better = cost < least[reach]
+        least[reach] = np.where(better, cost, least[reach])
+        nearest[reach] = np.where(better, label, nearest[reach])
+    own = ((levels - _TABLE[shade, code]) ** 2).sum(axis=-1)
+    code = np.where(clear & (own > _MIXED_COST) & np.isfinite(least), nearest, code)
+    found = np.where(code == _FLOOR, NO_ITEM, code // 2).astype(np.int16)
+    return found, (code != _FLOOR) & (code % 2 == 1)
 
 
 def _settle(

@@ -186,22 +186,25 @@ def fit(evidence: Evidence, directions: Directions) -> Rectangle:
     return free
 
 
-def front_of(rectangle: Rectangle, marked: FloatArray) -> int | None:
-    """Quarter turns at which the front mark lies best on the marked points (N, 2), if it does."""
-    if not len(marked):
-        return None
-    overlaps = []
+def mark_fits(rectangle: Rectangle, marked: FloatArray) -> FloatArray:
+    """(4,) intersection over union of marked points (N, 2) and the front mark at each side."""
+    fits = []
     for quarter_turns in range(4):
         mark = rectangle.mark(quarter_turns)
         hit = float(mark.covers(marked).sum())
-        overlaps.append(hit / (mark.area_px + len(marked) - hit))
-    best = int(np.argmax(overlaps))
-    return best if overlaps[best] >= _LEAST_MARK_OVERLAP else None
+        fits.append(hit / (mark.area_px + len(marked) - hit))
+    return np.array(fits)
+
+
+def _front_of(rectangle: Rectangle, marked: FloatArray) -> int | None:
+    """Quarter turns at which the front mark lies best on the marked points (N, 2), if it does."""
+    fits = mark_fits(rectangle, marked)
+    return int(fits.argmax()) if fits.max() >= _LEAST_MARK_OVERLAP else None
 
 
 def _single(patch: Patch, directions: Directions) -> Piece:
     rectangle = fit(patch.evidence, directions)
-    return Piece(rectangle, front_of(rectangle, patch.evidence.members[patch.marked]))
+    return Piece(rectangle, _front_of(rectangle, patch.evidence.members[patch.marked]))
 
 
 def _patch_angles(patch: Patch, directions: Directions, single: Rectangle) -> list[float]:
@@ -326,7 +329,7 @@ def _split_by_proposals(
         rectangle = _fit_own(patch, own, angle_deg)
         if rectangle:
             marked = patch.evidence.members[own & patch.marked]
-            pieces.append(Piece(rectangle, front_of(rectangle, marked)))
+            pieces.append(Piece(rectangle, _front_of(rectangle, marked)))
     return pieces
 
 

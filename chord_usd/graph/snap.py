@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from chord_usd.graph.colours import NO_ITEM, LayoutPixels, read_pixels
+from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels, read_pixels
 from chord_usd.graph.directions import Directions, raster_directions
+from chord_usd.graph.facing import facing
 from chord_usd.graph.joining import Piece
 from chord_usd.graph.rectangles import (
     Rectangle,
@@ -24,7 +25,7 @@ from chord_usd.graph.rectangles import (
     fold_deg,
 )
 from chord_usd.graph.regions import Patch, UsualSize, cut_patch, explain, uncovered
-from chord_usd.palette import HOUSE_CATEGORIES, PLAN_CATEGORIES, Category, Mount
+from chord_usd.palette import HOUSE_CATEGORIES, Category
 from chord_usd.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
 
 LEAST_SHARE = 0.35
@@ -32,16 +33,17 @@ LEAST_SHARE = 0.35
 LEAST_SHARE_SEEN = 0.15
 """...unless the detector proposes a piece there: then they may be this small."""
 
+LEAST_FIT = 0.3
+"""Pieces that the pixels bear out worse, [0, 1], are noise unless the detector has them."""
+LEAST_SIDE_SHARE = 0.4
+"""So are pieces with a side shorter than this share of the smallest usual one, less a pixel."""
+
 _LEAST_PX = 2
 _NEAR_PX = 2
 """Fragments this near to a patch of their category belong to it."""
 _SUPPORT = 0.3
 """Share of a proposal that pixels of its colour must cover, and overlap that makes a match."""
-_SAME_MARK = 0.7
 _THIN_PX = 2.5
-_WALL = next(row.detector_class for row in PLAN_CATEGORIES if row.name == "wall")
-_LOOK_PX = (0.8, 1.6, 2.4)
-"""Distances behind an edge at which a wall is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,31 +99,39 @@ def _of_category(
     usual_px = UsualSize.of(row, m_per_px)
     thin = usual_px.width[0] < _THIN_PX
     found: list[FoundItem] = []
-    for mask in _patches(pixels.item == row.detector_class, pixels.front, thin):
+    for mask in _patches(pixels, row.detector_class, thin):
         patch = cut_patch(mask, pixels.front, pixels.item != NO_ITEM, usual_px)
         inside = [rectangle for _, rectangle in seen if _support(patch, rectangle) >= _SUPPORT]
         if patch.size < _least_size_px(usual_px, bool(inside)):
             continue
         for piece, cost in _explained(patch, directions, inside):
-            found.append(_found_item(pixels, row, m_per_px, patch, piece, cost, seen))
+            one = _found_item(pixels, row, m_per_px, patch, piece, cost, seen)
+            if one.in_detector or _is_plausible(piece, cost, usual_px):
+                found.append(one)
     return found
 
 
-def _patches(member: BoolArray, front: BoolArray, thin: bool) -> Iterable[BoolArray]:
+def _patches(pixels: LayoutPixels, label: int, thin: bool) -> Iterable[BoolArray]:
     """Connected pixels of one category; fragments without a mark join the patch beside them.
 
     Pixels that touch at a corner only are together in thin things (a slanted panel is a staircase)
     and apart in others (slanted chairs in a row).
     """
-    connectivity = 8 if thin else 4
-    count, labels = cv2.connectedComponents(member.astype(np.uint8), connectivity=connectivity)
+    member = pixels.item == label
+    joined = member.astype(np.uint8)
+    if thin:
+        # Noise breaks a line of single pixels into dashes.
+        closed = cv2.morphologyEx(joined, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+        joined = np.where(pixels.structure == CLEAR, closed, joined)
+    count, labels = cv2.connectedComponents(joined, connectivity=8 if thin else 4)
+    labels = np.where(member, labels, 0)
     if count > 2:
         whole = np.zeros(count, dtype=bool)
-        whole[labels[member & front]] = True
+        whole[labels[member & pixels.front]] = True
         if not whole[1:].all():
             labels = _fragments_joined(labels, whole)
-    for label in np.unique(labels[member]):
-        yield labels == label
+    for index in np.unique(labels[member]):
+        yield labels == index
 
 
 def _fragments_joined(labels: np.ndarray, whole: BoolArray) -> np.ndarray:
@@ -162,6 +172,14 @@ def _explained(
     return result
 
 
+def _is_plausible(piece: Piece, wrong_share: float, usual_px: UsualSize) -> bool:
+    rectangle = piece.rectangle
+    sides = sorted((rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0))
+    least = sorted((usual_px.length[0], usual_px.width[0]))
+    fits = all(a >= LEAST_SIDE_SHARE * b - 1.0 for a, b in zip(sides, least, strict=True))
+    return fits and 1.0 - wrong_share >= LEAST_FIT
+
+
 def _found_item(
     pixels: LayoutPixels,
     row: Category,
@@ -171,7 +189,9 @@ def _found_item(
     wrong_share: float,
     seen: Sequence[tuple[Detection, Rectangle]],
 ) -> FoundItem:
-    turns = _facing(pixels, piece, row.mount)
+    marked = patch.evidence.members[patch.marked]
+    marked = marked[piece.rectangle.grown(1.0).covers(marked)]
+    turns, front_seen = facing(pixels, piece, marked, row.mount, patch.usual_px)
     rectangle = _thinned(piece.rectangle, turns, row, m_per_px)
     overlaps = [(_overlap(piece.rectangle, other), proposal.score) for proposal, other in seen]
     best, score = max(overlaps, default=(0.0, 0.0))
@@ -186,7 +206,7 @@ def _found_item(
         score=score if in_detector else 1.0 - wrong_share,
         mask=mask,
     )
-    return FoundItem(detection, piece.quarter_turns is not None, in_detector)
+    return FoundItem(detection, front_seen, in_detector)
 
 
 def _thinned(rectangle: Rectangle, turns: int, row: Category, m_per_px: float) -> Rectangle:
@@ -202,44 +222,6 @@ def _thinned(rectangle: Rectangle, turns: int, row: Category, m_per_px: float) -
     if turns == 2:
         return replace(rectangle, v1=rectangle.v1 - excess)
     return replace(rectangle, u0=rectangle.u0 + excess)
-
-
-def _facing(pixels: LayoutPixels, piece: Piece, mount: Mount) -> int:
-    """Quarter turns of a piece, by its front mark as far as that tells."""
-    rectangle, turns = piece.rectangle, piece.quarter_turns
-    if turns is None:
-        return _away_from_wall(pixels, rectangle, range(4))
-    mark = rectangle.mark(turns)
-    if mount is Mount.WALL or covered_share(rectangle.mark((turns + 2) % 4), mark) > _SAME_MARK:
-        # In a piece a pixel or two thick, the mark does not tell the front from the back.
-        return _away_from_wall(pixels, rectangle, (turns, (turns + 2) % 4))
-    return turns
-
-
-def _away_from_wall(pixels: LayoutPixels, rectangle: Rectangle, choices: Iterable[int]) -> int:
-    """The choice that puts the back to the wall, a long side rather than a short one."""
-    shares = {}
-    for turns in choices:
-        corners = rectangle.corners_px(turns)
-        back_left, front_left, _, back_right = corners
-        outward = (back_left - front_left) / max(np.hypot(*(back_left - front_left)), 1e-9)
-        points = [
-            back_left + (back_right - back_left) * share + outward * reach
-            for share in (0.15, 0.4, 0.6, 0.85)
-            for reach in _LOOK_PX
-        ]
-        length = np.hypot(*(back_right - back_left))
-        depth = np.hypot(*(back_left - front_left))
-        long_side = 0.3 if length >= depth else 0.0
-        shares[turns] = _wall_share(pixels, np.array(points)) + long_side
-    return max(shares, key=lambda turns: shares[turns])
-
-
-def _wall_share(pixels: LayoutPixels, points: FloatArray) -> float:
-    height, width = pixels.structure.shape
-    columns, rows = np.floor(points).astype(int).T
-    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    return float((pixels.structure[rows[inside], columns[inside]] == _WALL).sum() / len(points))
 
 
 def _as_rectangle(corners_px: FloatArray) -> Rectangle:
