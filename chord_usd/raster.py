@@ -43,7 +43,9 @@ IntArray = npt.NDArray[np.int64]
 MITRE_LIMIT = 3.0
 """As in geometry.wall_area: a mitred corner reaches at most so many wall thicknesses."""
 
-_BLANK, _WALL, _DOOR, _WINDOW, _FIRST_KIND = 0, 1, 2, 3, 4
+_BLANK, _WALL, _DOOR, _WINDOW, _FIRST_KIND, _UNSHADED = 0, 1, 2, 3, 64, 255
+"""Where rooms overlap by mistake their codes add up to one that stands for nothing: white."""
+
 _OPENING_CODES = {"door": _DOOR, "window": _WINDOW, "passage": _BLANK}
 _KIND_CODES = {kind: _FIRST_KIND + index for index, kind in enumerate(ROOM_KINDS)}
 
@@ -97,21 +99,18 @@ def _draw_shell(rooms: Sequence[Room], frame: PixelFrame, shade: bool) -> ByteAr
         return np.full((frame.height_px, frame.height_px), _BLANK, np.uint8)
     # Both outlines go into one sum: how many walled rooms a pixel lies in, and (in steps of
     # _ROOM_WEIGHT) the code of the room whose floor it is.
+    counts = [len(room.polygon_m) for room in rooms]
+    kinds = [_KIND_CODES[room.kind] if shade else _UNSHADED for room in rooms]
+    weights = np.repeat(np.multiply(kinds, _ROOM_WEIGHT), counts)
     floors = px_from_m(np.concatenate([room.polygon_m for room in rooms]), frame)
-    following = _following([len(room.polygon_m) for room in rooms])
-    weights = np.concatenate(
-        [
-            np.full(len(room.polygon_m), _ROOM_WEIGHT * (_KIND_CODES[room.kind] if shade else 255))
-            for room in rooms
-        ]
-    )
+    following = _following(counts)
     corners = px_from_m(np.stack(_wall_outlines(rooms, WALL_THICKNESS_M), axis=1), frame)
     loop = np.concatenate([corners, corners[following, :1]], axis=1)
     starts = np.concatenate([floors, loop[:, :-1].reshape(-1, 2)])
     ends = np.concatenate([floors[following], loop[:, 1:].reshape(-1, 2)])
     weights = np.concatenate([weights, np.ones(len(starts) - len(floors), weights.dtype)])
     sums = _winding(starts, ends, weights, frame.height_px)
-    codes = (sums // _ROOM_WEIGHT).astype(np.uint8)
+    codes = np.minimum(sums // _ROOM_WEIGHT, _UNSHADED).astype(np.uint8)
     codes[(sums > 0) & (sums < _ROOM_WEIGHT)] = _WALL
     return codes
 

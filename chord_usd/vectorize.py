@@ -199,6 +199,11 @@ class _Cracks:
         """Whether one line crosses all cracks of this stretch."""
         return self.excess(start, stop) <= self.slack_px
 
+    def is_clean(self, start: int, stop: int) -> bool:
+        """As is_straight, but a line along an axis must not pass over any step."""
+        excess, line = self._best(start, stop)
+        return excess < (self.slack_px - 1.0 if 0.0 in line.normal else 0.0)
+
     def excess(self, start: int, stop: int) -> float:
         """How far, in pixels, the best line fails to part the pixels on both sides."""
         return self._best(start, stop)[0]
@@ -275,7 +280,7 @@ def _fit_edges(cracks: _Cracks) -> list[_Edge]:
     index_of = {point: index for index, point in enumerate(map(tuple, points.tolist()))}
     cuts = sorted({index_of[x, y] for x, y in rough.reshape(-1, 2).tolist()})
     cuts = [cut for start, stop in _spans(cuts) for cut in _split(cracks, start, stop)]
-    cuts = _merge(cracks, cuts)
+    cuts = _absorb_tips(cracks, _merge(cracks, cuts))
     for _ in range(2):
         cuts = _move_cuts(cracks, cuts)
     return [cracks.edge(start, stop) for start, stop in _spans(cuts)]
@@ -329,6 +334,42 @@ def _merge(cracks: _Cracks, cuts: list[int]) -> list[int]:
     return cuts
 
 
+def _absorb_tips(cracks: _Cracks, cuts: list[int]) -> list[int]:
+    """Share out short pieces between the lines before and after them, where these reach so far.
+
+    The tip of a slanted corner is a few cracks flat: either neighbour could have drawn them.
+    """
+    index = 0
+    while index < len(cuts) and len(cuts) > 3:
+        before, start = cuts[index - 1], cuts[index]
+        stop, after = cuts[(index + 1) % len(cuts)], cuts[(index + 2) % len(cuts)]
+        tip = cracks.between(start, stop)
+        shared = None
+        if len(tip) <= _LONGEST_TIP:
+            shared = _common_cut(cracks, before, [*tip.tolist(), stop], after)
+        if shared is None:
+            index += 1
+        else:
+            cuts = sorted({*cuts, shared} - ({start, stop} - {shared}))
+    return cuts
+
+
+def _common_cut(cracks: _Cracks, before: int, choices: list[int], after: int) -> int | None:
+    """The cut of these, middle ones first, that parts [before, after) into two clean lines."""
+    count = len(cracks.points)
+    # The far ends of both lines may be tips themselves, not yet shared out.
+    before = (before + _tip_of((choices[0] - before) % count)) % count
+    after = (after - _tip_of((after - choices[-1]) % count)) % count
+    for cut in sorted(choices, key=lambda c: abs(choices.index(c) - (len(choices) - 1) / 2)):
+        if cracks.is_clean(before, cut) and cracks.is_clean(cut, after):
+            return cut
+    return None
+
+
+def _tip_of(length: int) -> int:
+    return min(_LONGEST_TIP // 2, length // 4)
+
+
 def _move_cuts(cracks: _Cracks, cuts: list[int]) -> list[int]:
     """Move each cut to the grid point nearest to where the lines before and after it meet."""
     count = len(cracks.points)
@@ -346,6 +387,9 @@ def _move_cuts(cracks: _Cracks, cuts: list[int]) -> list[int]:
         moved.append(int(near[np.argmin(distances)]))
     return moved
 
+
+_LONGEST_TIP = 8
+"""Cracks."""
 
 _REACH = 12
 """A cut moves at most half as many cracks at once."""
