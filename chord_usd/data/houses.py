@@ -10,7 +10,7 @@ from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.floorplans.layouts import UnsoundError, draw_house
 from chord_usd.data.floorplans.outline import add_balconies, add_bays, slant
 from chord_usd.data.floorplans.programme import MOST_ROOMS, draw_programme, room_count
-from chord_usd.data.floorplans.sketch import STEP_M, WALL, Face, Sketch, faces, twice_area
+from chord_usd.data.floorplans.sketch import STEP_M, WALL, Face, Point, Sketch, faces, twice_area
 from chord_usd.data.floorplans.walls import Hole, NoPlaceError, find_walls, make_openings
 from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan, Room, frozen_array
 
@@ -51,7 +51,7 @@ def _draw(dice: Dice, rooms: int) -> Plan:
     sketch = draw_house(dice, programme)
     if not add_balconies(dice, sketch, programme.balcony):
         raise UnsoundError("no wall for a balcony")
-    if dice.chance(0.2):
+    if dice.chance(0.27):
         slant(dice, sketch)
     if dice.chance(0.3):
         add_bays(dice, sketch, share=0.4)
@@ -65,15 +65,22 @@ def _draw(dice: Dice, rooms: int) -> Plan:
 def _turn(dice: Dice, sketch: Sketch) -> None:
     """Mirror and turn by quarters, so that no side of the paper is special; lower left to 0, 0."""
     quarter, mirrored = int(dice.unit() * 4), dice.chance(0.5)
-    for cell in sketch.cells:
-        points = [(-x, y) for x, y in reversed(cell.corners)] if mirrored else cell.corners
+
+    def turned(points: list[Point]) -> list[Point]:
+        points = [(-x, y) for x, y in reversed(points)] if mirrored else points
         for _ in range(quarter):
             points = [(-y, x) for x, y in points]
-        cell.corners = points
-    left = math.floor(min(cell.bounds[0] for cell in sketch.cells)) - WALL // 2
-    low = math.floor(min(cell.bounds[1] for cell in sketch.cells)) - WALL // 2
+        return points
+
+    for cell in sketch.cells:
+        cell.corners = turned(cell.corners)
+    left = math.floor(min(box[0] for box in sketch.boxes)) - WALL // 2
+    low = math.floor(min(box[1] for box in sketch.boxes)) - WALL // 2
     for cell in sketch.cells:
         cell.corners = [(x - left, y - low) for x, y in cell.corners]
+        if cell.bay:
+            ((x, y),) = turned([cell.bay])
+            cell.bay = (x - left, y - low)
 
 
 def _check(sketch: Sketch, inner: list[Face]) -> None:

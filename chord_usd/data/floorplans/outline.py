@@ -111,6 +111,7 @@ def _push_out(dice: Dice, cell: Cell, start: Point, end: Point) -> None:
     ]  # fmt: skip
     index = cell.corners.index(start)
     cell.corners[index + 1 : index + 1] = bump
+    cell.bay = at(first + width / 2, depth)
 
 
 def slant(dice: Dice, sketch: Sketch) -> None:

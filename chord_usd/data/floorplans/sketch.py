@@ -29,6 +29,8 @@ class Cell:
     """Counter-clockwise, first not repeated."""
     host: Cell | None = None
     """The room it belongs to and is entered from (a bathroom en suite); None for any."""
+    bay: Point | None = None
+    """Middle of the front of its bay window, on the wall's middle line."""
 
     @property
     def bounds(self) -> Bounds:

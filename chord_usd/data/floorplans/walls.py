@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.sketch import HALF_WALL, WALL, Bounds, Face, Point, Sketch
+from chord_usd.data.floorplans.sketch import HALF_WALL, WALL, Bounds, Cell, Face, Point, Sketch
 from chord_usd.types import OpeningKind, RoomKind
 
 MARGIN = 10
@@ -172,7 +172,7 @@ def make_openings(dice: Dice, sketch: Sketch, walls: Walls) -> list[Hole]:
         walls.outer[room] = _with_view(stretches, boxes[:room] + boxes[room + 1 :])
     holes.append(_entrance(dice, sketch, walls))
     for index, cell in enumerate(sketch.cells):
-        windows = _windows(dice, cell.kind, index, walls.outer[index])
+        windows = _windows(dice, cell, index, walls.outer[index])
         if not windows and cell.kind in _LIT and not _has_balcony(sketch, holes, index):
             raise NoPlaceError("window")
         holes += windows
@@ -351,16 +351,30 @@ _WINDOWS: dict[RoomKind, tuple[int, tuple[int, int], int, int]] = {
 }
 
 
-def _windows(dice: Dice, kind: RoomKind, room: int, stretches: list[Stretch]) -> list[Hole]:
-    wanted, widths, base, height = _WINDOWS.get(kind, (0, (0, 0), 0, 0))
-    if kind in ("corridor", "bathroom", "balcony"):
+def _windows(dice: Dice, cell: Cell, room: int, stretches: list[Stretch]) -> list[Hole]:
+    wanted, widths, base, height = _WINDOWS.get(cell.kind, (0, (0, 0), 0, 0))
+    if cell.kind in ("corridor", "bathroom", "balcony"):
         wanted = int(dice.chance(0.7))
-    elif wanted and kind != "kitchen":
+    elif wanted and cell.kind != "kitchen":
         wanted += dice.chance(0.3)
-    holes = []
+    holes: list[Hole] = []
     for _ in range(wanted):
-        placed = _place(dice, stretches, dice.steps(*widths), 0.05, least=60)
+        placed = None
+        if cell.bay and not holes:
+            placed = _place(dice, _at_bay(stretches, cell.bay), dice.steps(130, 240), 0.0, least=60)
+        if placed is None:
+            placed = _place(dice, stretches, dice.steps(*widths), 0.05, least=60)
         if placed is None:
             break
         holes.append(Hole("window", (room,), *placed, base, height))
     return holes
+
+
+def _at_bay(stretches: list[Stretch], bay: Point) -> list[Stretch]:
+    """Takes the front of the bay out of the stretches and returns it alone."""
+    for stretch in stretches:
+        middle = [stretch.start[i] + stretch.direction[i] * stretch.length / 2 for i in (0, 1)]
+        if math.dist(middle, bay) < HALF_WALL:
+            stretches.remove(stretch)
+            return [stretch]
+    return []
