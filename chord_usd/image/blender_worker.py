@@ -36,7 +36,7 @@ GPU_BACKENDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 
 METER_WIDTH_PX = 96
 METER_SAMPLES = 16
-KEY = 0.26
+KEY = 0.36
 """Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale."""
 
 EXPOSURE_RANGE_EV = (-12.0, 12.0)
@@ -48,9 +48,18 @@ light out of a stage whose lamps are given in large numbers."""
 CEILING = "Ceiling"
 """Names of ceilings start so."""
 
-SKY_RGB = (0.62, 0.77, 1.0)
-SKY_STRENGTH = 4.0
-"""Radiance outside, for stages without a sky of their own: a few times that of a lit wall."""
+SKY_STRENGTH = 6.0
+"""Radiance outside, for stages without a sky of their own: several times that of a lit wall."""
+
+SKY_STOPS = (
+    (0.0, (0.30, 0.28, 0.26)),
+    (0.495, (0.42, 0.40, 0.37)),
+    (0.505, (0.95, 0.97, 1.0)),
+    (0.7, (0.62, 0.78, 1.0)),
+    (1.0, (0.40, 0.60, 1.0)),
+)
+"""Linear colours from straight down (0) over the horizon (0.5) to straight up (1): soft daylight
+over pale ground, so that one does not look into a void through a window."""
 
 BACKDROP_RGB = (240, 241, 243)
 """8-bit paper on which a house seen from above lies, instead of in the sky."""
@@ -193,10 +202,29 @@ def _import_stage(job: Job) -> Any:
         if not mesh.has_custom_normals:
             mesh.shade_flat()
     if not job.has_dome:
-        sky = scene.world.node_tree.nodes["Background"]
-        sky.inputs["Color"].default_value = (*SKY_RGB, 1.0)
-        sky.inputs["Strength"].default_value = SKY_STRENGTH
+        _paint_sky(scene.world)
     return scene
+
+
+def _paint_sky(world: Any) -> None:
+    """A world whose colour follows SKY_STOPS from nadir to zenith."""
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    direction = nodes.new("ShaderNodeTexCoord")
+    split = nodes.new("ShaderNodeSeparateXYZ")
+    height = nodes.new("ShaderNodeMapRange")
+    height.inputs["From Min"].default_value = -1.0
+    ramp = nodes.new("ShaderNodeValToRGB")
+    stops = ramp.color_ramp.elements
+    while len(stops) < len(SKY_STOPS):
+        stops.new(0.5)
+    for stop, (position, rgb) in zip(stops, SKY_STOPS, strict=True):
+        stop.position, stop.color = position, (*rgb, 1.0)
+    background = nodes["Background"]
+    background.inputs["Strength"].default_value = SKY_STRENGTH
+    links.new(direction.outputs["Generated"], split.inputs["Vector"])
+    links.new(split.outputs["Z"], height.inputs["Value"])
+    links.new(height.outputs["Result"], ramp.inputs["Fac"])
+    links.new(ramp.outputs["Color"], background.inputs["Color"])
 
 
 def _aim(camera: Any, shot: Shot) -> None:
