@@ -34,7 +34,7 @@ class TrainingConfig:
 
     minutes: float = 60.0
     batch: int = 8
-    learning_rate: float = 6e-4
+    learning_rate: float = 5e-4
     warmup_steps: int = 300
     cooldown_share: float = 0.25
     """Last share of the budget in which the learning rate falls to a twentieth."""
@@ -85,7 +85,7 @@ class LayoutTrainer:
             self.network.parameters(), config.learning_rate, weight_decay=config.weight_decay
         )
         self.scheduler = training_scheduler(network_config)
-        self.step, self.minutes_before = 0, 0.0
+        self.step, self.first_step, self.minutes_before = 0, 0, 0.0
         self.started = time.monotonic()
         self._run_step = self._compiled()
 
@@ -148,6 +148,7 @@ class LayoutTrainer:
         cell_px = self.network.config.patch_px
         stream = LayoutStream(_continued(config.stream, self.step), real_plans, cell_px)
         last_save = last_sheet = self.started = time.monotonic()
+        self.first_step = self.step
         for sample in sample_loader(stream, config.batch, config.workers):
             losses = self._step(sample)
             if self.step % 25 == 0:
@@ -228,7 +229,8 @@ class LayoutTrainer:
         config = self.config
         if config.decay_every_steps:
             return config.learning_rate * 0.1 ** (self.step // config.decay_every_steps)
-        warm = min(1.0, (self.step + 1) / max(config.warmup_steps, 1))
+        # Counted from where this run began: a warm start has no optimiser state to rely on.
+        warm = min(1.0, (self.step - self.first_step + 1) / max(config.warmup_steps, 1))
         spent = min(self.minutes / config.minutes, 1.0)
         into_cooldown = max(0.0, spent - 1.0 + config.cooldown_share) / config.cooldown_share
         return config.learning_rate * warm * (1.0 - 0.95 * into_cooldown)

@@ -1,0 +1,113 @@
+"""The training loop: it learns, it can be interrupted, it comes back where it was."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from chord_usd import raster
+from chord_usd.layout.checkpoint import load_checkpoint
+from chord_usd.layout.codes import CLASS_COUNT
+from chord_usd.layout.config import PRESETS, LayoutConfig
+from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
+from chord_usd.training.sheets import draw_sheet
+from chord_usd.training.stream import LayoutStream, StreamConfig, sample_loader
+
+TINY = replace(
+    PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,
+    default_steps=2,
+)  # fmt: skip
+TINY_PAPER = replace(
+    PRESETS["paper"], patch_px=8, channels=(16, 32), attention=(False, False), blocks_per_level=1
+)
+QUICK = TrainingConfig(minutes=0.02, batch=2, workers=0, warmup_steps=5, learning_rate=3e-3)
+
+
+@pytest.fixture(autouse=True)
+def _no_sheets(monkeypatch):
+    """A sheet costs seconds of sampling; it has a test of its own."""
+    monkeypatch.setattr(LayoutTrainer, "_draw_sheet", lambda _self: None)
+
+
+@pytest.mark.parametrize(
+    ("config", "left"), [(TINY, 0.5), (TINY_PAPER, 0.99)], ids=["codes", "paper"]
+)
+def test_one_batch_is_learned(tmp_path, config: LayoutConfig, left: float):
+    """left: how much of the first loss remains; noise prediction starts at 1 and falls slowly."""
+    trainer = LayoutTrainer(config, replace(QUICK, minutes=30.0), tmp_path)
+    stream = LayoutStream(StreamConfig(seed=1), [], config.patch_px)
+    batch = next(iter(sample_loader(stream, batch=2, workers=0)))
+    losses = [float(trainer._step(batch)["loss"].detach()) for _ in range(50)]
+    assert np.mean(losses[-10:]) < left * np.mean(losses[:5])
+
+
+def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
+    first = LayoutTrainer(TINY, QUICK, tmp_path)
+    first.train([], lambda row: None)
+    second = LayoutTrainer(TINY, QUICK, tmp_path)
+    assert second.resume()
+    assert second.step == first.step
+    assert second.minutes_before == pytest.approx(first.minutes, abs=0.1)
+    for name, tensor in first.average.state_dict().items():
+        assert torch.equal(tensor, second.average.state_dict()[name])
+    assert not LayoutTrainer(TINY, QUICK, tmp_path / "empty").resume()
+
+
+def test_the_checkpoint_is_the_moving_average_and_says_how_it_was_trained(tmp_path):
+    trainer = LayoutTrainer(TINY, QUICK, tmp_path)
+    trainer.train([], lambda row: None)
+    loaded = load_checkpoint(tmp_path / "checkpoint")
+    assert loaded.training["steps"] == trainer.step
+    for name, tensor in trainer.average.state_dict().items():
+        assert torch.allclose(loaded.network.state_dict()[name], tensor, atol=1e-2, rtol=1e-2)
+    warm = LayoutTrainer(TINY, QUICK, tmp_path / "warm")
+    warm.warm_start(tmp_path / "checkpoint")
+    assert warm.step == trainer.step
+
+
+def test_samples_hold_what_the_network_needs():
+    stream = LayoutStream(StreamConfig(seed=5), [], TINY.patch_px)
+    sample = next(iter(sample_loader(stream, batch=3, workers=0)))
+    assert sample["labels"].shape == (3, 256, 256)
+    assert int(sample["labels"].max()) < CLASS_COUNT
+    assert bool((sample["labels"][sample["front"]] > 0).all()), "marks lie on items"
+    inside = sample["pixels"][:, 3] > 0
+    assert bool((inside | (sample["labels"] == 0)).all()), "items stand on floor"
+
+
+def test_the_stream_is_seeded_and_workers_differ():
+    def first_labels(seed: int) -> np.ndarray:
+        stream = LayoutStream(StreamConfig(seed=seed), [], 4)
+        return next(iter(sample_loader(stream, batch=1, workers=0)))["labels"].numpy()
+
+    assert np.array_equal(first_labels(1), first_labels(1))
+    assert not np.array_equal(first_labels(1), first_labels(2))
+
+
+def test_learning_rate_warms_up_and_cools_down(tmp_path):
+    trainer = LayoutTrainer(TINY, replace(QUICK, minutes=10.0, warmup_steps=10), tmp_path)
+    trainer.step = 4
+    assert trainer._learning_rate() == pytest.approx(0.5 * QUICK.learning_rate)
+    trainer.step = 100
+    assert trainer._learning_rate() == pytest.approx(QUICK.learning_rate, rel=1e-3)
+    trainer.started -= 10 * 60
+    assert trainer._learning_rate() == pytest.approx(0.05 * QUICK.learning_rate, rel=1e-3)
+
+
+def test_paper_training_divides_the_rate_by_ten_every_hundred_epochs(tmp_path):
+    trainer = LayoutTrainer(TINY_PAPER, PAPER_TRAINING, tmp_path)
+    assert PAPER_TRAINING.batch == 4
+    assert trainer._learning_rate() == pytest.approx(1e-4)
+    trainer.step = PAPER_TRAINING.decay_every_steps
+    assert trainer._learning_rate() == pytest.approx(1e-5)
+
+
+def test_a_sheet_shows_truth_and_two_samples_of_each_plan(tmp_path):
+    trainer = LayoutTrainer(TINY, QUICK, tmp_path)
+    draw_sheet(trainer.average, tmp_path / "sheet.png", torch.device("cpu"), plans=1)
+    import cv2
+
+    rows, columns, _ = cv2.imread(str(tmp_path / "sheet.png")).shape
+    assert rows == 3 * columns
+    assert columns > 2 * raster.CANVAS_PX
