@@ -82,7 +82,7 @@ def test_rooms_to_live_in_are_furnished(houses: list[SceneGraph]) -> None:
     for kind in ("living", "bedroom", "bathroom", "kitchen"):
         assert furnished[kind] / rooms[kind] >= 0.99, kind
     for kind in ("dining", "study"):
-        assert furnished[kind] / rooms[kind] >= 0.95, kind
+        assert furnished[kind] / rooms[kind] >= 0.9, kind
 
 
 def test_sizes_and_heights_are_those_of_the_palette(houses: list[SceneGraph]) -> None:

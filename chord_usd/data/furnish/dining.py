@@ -16,6 +16,9 @@ PULL_OUT_M = 0.3
 ELBOW_M = 0.1
 """Free floor beside the table where nobody sits."""
 
+HIGHEST_M = 0.9
+"""Chairs are no higher, so that they may stand under a window."""
+
 MOST_PLACES = 4
 """Places tried for one group before a smaller one is taken."""
 
@@ -80,14 +83,14 @@ def _group(floor: Floor, seats: int, *, at_wall: bool) -> Group:
     dice = floor.dice
     length, width = _TABLE_M[max(seats, 3) if at_wall else seats]
     table = (
-        length + sizes.between(dice, 0.0, 0.2),
+        length + sizes.between(dice, 0.0, 0.2 if seats in (2, 3, 8) else 0.3),
         width + sizes.between(dice, 0.0, 0.1 if seats > 3 else 0.0),
         sizes.between(dice, 0.72, 0.78, 0.01),
     )
     chair = (
         sizes.between(dice, 0.42, 0.48, 0.02),
         sizes.between(dice, 0.45, 0.53, 0.02),
-        sizes.between(dice, 0.8, 0.9),
+        sizes.between(dice, 0.8, HIGHEST_M),
     )
     off = sizes.between(dice, 0.0, 0.05, 0.01) + chair[1] / 2
     ends = 2 if seats == 8 or (at_wall and seats == 4) else int(at_wall and seats == 3)
@@ -147,7 +150,7 @@ def _places_at(
 ) -> list[Place]:
     places = []
     reach = ELBOW_M if turned else PULL_OUT_M
-    for s_from, s_to in wall.gaps(deep, 9.0, reach, wide, near):
+    for s_from, s_to in wall.gaps(deep, HIGHEST_M, reach, wide, near):
         s = (s_from + s_to) / 2
         if s_to - s_from > wide + 2.0:
             s = s_from + wide / 2 + 0.5

@@ -56,8 +56,8 @@ def put_sofa_group(floor: Floor) -> None:
     for length in (usual + dice.uniform(-0.2, 0.3), 1.9, 1.5):
         sofa = _sofa(floor, length)
         panel = sizes.panel(dice, "sofa_background", sofa[0]) if dice.random() < 0.84 else None
-        tv = sizes.sampled(dice, "tv_cabinet", longest=max(1.2, min(2.4, sofa[0] + 0.2)),
-                           deepest=0.45)  # fmt: skip
+        tv_m = min(2.6, sofa[0] + 0.2)
+        tv = sizes.sampled(dice, "tv_cabinet", shortest=0.7 * tv_m, longest=tv_m, deepest=0.45)
         axis = _best_axis(floor, sofa, tv, panel[1] if panel else 0.0)
         if axis:
             _stand_group(floor, axis, sofa, tv, panel)
@@ -174,8 +174,9 @@ def _put_coffee_table(
     if deepest < 0.5:
         return front
     size = sizes.sampled(
-        dice, "coffee_table", longest=max(0.7, 0.6 * sofa_length), deepest=min(0.8, deepest)
-    )
+        dice, "coffee_table", shortest=0.35 * sofa_length, longest=max(0.7, 0.6 * sofa_length),
+        deepest=min(0.9, deepest),
+    )  # fmt: skip
     size = (size[0], min(size[1], size[0]), size[2])
     near = front + gap
     if not wall.fits(s - size[0] / 2, s + size[0] / 2, near, near + size[1]):

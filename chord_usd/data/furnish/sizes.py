@@ -23,21 +23,18 @@ def sampled(
     dice: random.Random,
     category: str,
     *,
+    shortest: float = 0.0,
     longest: float = 9.0,
     deepest: float = 9.0,
     step: float = 0.05,
 ) -> Size:
-    """A size of the category no longer or deeper than asked, where the palette allows that."""
+    """A size of the category as short, long and deep as asked, where the palette allows that."""
     row = CATEGORIES[category]
-    length = between(dice, row.length_m[0], min(longest, row.length_m[1]), step)
+    low, high = row.length_m
+    length = between(dice, max(low, min(shortest, high)), min(longest, high), step)
     width = between(dice, row.width_m[0], min(deepest, row.width_m[1]), step)
     height = between(dice, row.height_m[0], row.height_m[1])
     return length, width, height
-
-
-def shortest(category: str) -> float:
-    """The least length of a category."""
-    return CATEGORIES[category].length_m[0]
 
 
 def bed(dice: random.Random, length: float) -> Size:
