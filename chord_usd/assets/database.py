@@ -115,8 +115,8 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
     name = str(entry["id"])
     if entry["category"] not in CATEGORIES:
         raise ValueError(f"{name}: unknown category {entry['category']!r}")
-    length, width, height = (float(side) for side in entry["size_m"])
-    if not all(math.isfinite(side) and side > 0.0 for side in (length, width, height)):
+    size = tuple(float(side) for side in entry["size_m"])
+    if len(size) != 3 or not all(math.isfinite(side) and side > 0.0 for side in size):
         raise ValueError(f"{name}: size_m is {entry['size_m']}, not three positive lengths")
     usd_path = folder / entry["path"]
     if not usd_path.is_file():
@@ -124,7 +124,7 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
     return Asset(
         id=name,
         category=entry["category"],
-        size_m=(length, width, height),
+        size_m=(size[0], size[1], size[2]),
         usd_path=usd_path,
         licence=str(entry.get("licence", "")),
         author=str(entry.get("author", "")),

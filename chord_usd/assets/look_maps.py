@@ -253,11 +253,11 @@ def terrazzo(rng: np.random.Generator, shape: Shape) -> Maps:
 
 def carpet(rng: np.random.Generator, shape: Shape, dark: Rgb, light: Rgb) -> Maps:
     """Loop pile of mixed yarn."""
-    pile = spectral_noise(rng, shape, slope=0.15, lowest=90, highest=330)
+    pile = spectral_noise(rng, shape, slope=0.15, lowest=70, highest=190)
     yarn = spectral_noise(rng, shape, slope=0.5, lowest=12, stretch=(1.0, 2.0))
     trodden = spectral_noise(rng, shape, slope=2.0, lowest=1, highest=9)
     rgb = mixed(dark, light, 0.5 + 0.2 * pile + 0.09 * yarn + 0.05 * trodden)
-    return Maps(rgb, np.full(shape, 0.96), 0.0011 * pile)
+    return Maps(rgb, np.full(shape, 0.96), 0.0009 * pile)
 
 
 def plaster(

@@ -14,20 +14,21 @@ CREASE_DEG = 38.0
 
 
 def corner_normals(solid: Solid, crease_deg: float = CREASE_DEG) -> FloatArray:
-    """(3 T, 3) unit normals in face order: faces around a corner, weighted by their area.
+    """(3 T, 3) unit normals in face order: faces around a corner, weighted by area and angle.
 
-    The weighting keeps large flat faces flat beside small bevels.
+    Area keeps large flat faces flat beside small bevels; the angle makes the result independent
+    of how a quad was split.
     """
-    weighted = _face_normals(solid)
-    area = np.linalg.norm(weighted, axis=1, keepdims=True)
-    unit = weighted / np.maximum(area, 1e-18)
+    scaled = _face_normals(solid)
+    unit = scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), 1e-18)
+    weighted = np.repeat(scaled, 3, axis=0) * _corner_angles(solid)[:, None]
     point_of_corner = solid.faces.reshape(-1)
     face_of_corner = np.repeat(np.arange(len(solid.faces)), 3)
     first, second = _pairs_at_a_point(point_of_corner)
     near = np.sum(unit[face_of_corner[first]] * unit[face_of_corner[second]], axis=1)
     together = near >= math.cos(math.radians(crease_deg))
     normals = np.zeros((len(point_of_corner), 3))
-    np.add.at(normals, first[together], weighted[face_of_corner[second[together]]])
+    np.add.at(normals, first[together], weighted[second[together]])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / np.maximum(length, 1e-18)
 
@@ -53,6 +54,15 @@ def _face_normals(solid: Solid) -> FloatArray:
     """(T, 3) normals whose length is twice the face's area."""
     a, b, c = (solid.points_m[solid.faces[:, corner]] for corner in range(3))
     return np.cross(b - a, c - a)
+
+
+def _corner_angles(solid: Solid) -> FloatArray:
+    """(3 T,) inner angle of each triangle corner, radians."""
+    corners = solid.points_m[solid.faces]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
+    sine = np.linalg.norm(np.cross(ahead, back), axis=-1)
+    return np.arctan2(sine, np.sum(ahead * back, axis=-1)).reshape(-1)
 
 
 def _pairs_at_a_point(point_of_corner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,194 @@
+"""The component packages, read back with usd-core."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
+
+from chord_usd.assets.component import write_component
+from chord_usd.assets.database import build_assets, load_database, read_index
+from chord_usd.assets.furniture.catalogue import designs
+from chord_usd.assets.model import Design
+from chord_usd.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.types import Asset
+
+ALL = {design.id: design for design in designs()}
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("library")
+    build_assets(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def assets(library: Path) -> tuple[Asset, ...]:
+    return read_index(library)
+
+
+def open_asset(asset: Asset, load: Usd.Stage.InitialLoadSet = Usd.Stage.LoadAll) -> Usd.Stage:
+    return Usd.Stage.Open(str(asset.usd_path), load)
+
+
+def meshes_of(stage: Usd.Stage) -> list[UsdGeom.Mesh]:
+    return [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+
+
+def bytes_of(folder: Path) -> dict[str, bytes]:
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def test_the_index_names_every_design(assets: tuple[Asset, ...]) -> None:
+    assert {asset.id: asset.size_m for asset in assets} == {
+        design.id: design.size_m for design in ALL.values()
+    }
+    assert all(asset.licence == "CC0-1.0" and asset.author for asset in assets)
+
+
+def test_usd_validation_finds_nothing(assets: tuple[Asset, ...]) -> None:
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    for asset in assets:
+        errors = context.Validate(open_asset(asset))
+        assert [error.GetMessage() for error in errors] == [], asset.id
+        assert UsdUtils.ComputeAllDependencies(str(asset.usd_path))[2] == []
+
+
+def test_the_same_design_gives_the_same_bytes(library: Path, tmp_path: Path) -> None:
+    for design in list(ALL.values())[::9]:
+        write_component(design, tmp_path)
+        assert bytes_of(tmp_path / design.id) == bytes_of(library / design.id)
+
+
+def test_components_are_built_as_the_asset_guidelines_ask(assets: tuple[Asset, ...]) -> None:
+    for asset in assets:
+        stage = open_asset(asset)
+        root = stage.GetDefaultPrim()
+        assert root.GetName() == asset.id
+        assert Usd.ModelAPI(root).GetKind() == "component"
+        assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
+        assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
+        assert [str(p) for p in root.GetInherits().GetAllDirectInherits()] == [
+            f"/__class__/{asset.id}"
+        ]
+        assert {child.GetName() for child in root.GetChildren()} == {"Geometry", "Materials"}
+        assert all(child.IsA(UsdGeom.Scope) for child in root.GetChildren())
+        assert root.GetAssetInfoByKey("name") == asset.id
+        assert root.HasPayload()
+
+
+def test_a_closed_payload_still_gives_bounds_and_colourways(assets: tuple[Asset, ...]) -> None:
+    for asset in assets:
+        closed, opened = open_asset(asset, Usd.Stage.LoadNone), open_asset(asset)
+        assert meshes_of(closed) == []
+        root = closed.GetDefaultPrim()
+        low, high = (np.array(corner) for corner in UsdGeom.ModelAPI(root).GetExtentsHint())
+        corners = [np.array(mesh.GetExtentAttr().Get()) for mesh in meshes_of(opened)]
+        assert np.allclose(low, np.min([c[0] for c in corners], axis=0))
+        assert np.allclose(high, np.max([c[1] for c in corners], axis=0))
+        assert np.allclose((high - low)[:2], asset.size_m[:2], atol=1e-6)
+        assert root.GetVariantSet("colour").GetVariantNames() == sorted(ALL[asset.id].colourways)
+
+
+def test_meshes_are_whole(assets: tuple[Asset, ...]) -> None:
+    """Topology, extents, normals, UVs, material: all there, all of the right length."""
+    for asset in assets:
+        stage = open_asset(asset)
+        for mesh in meshes_of(stage):
+            points = np.array(mesh.GetPointsAttr().Get())
+            corners = np.array(mesh.GetFaceVertexIndicesAttr().Get())
+            counts = np.array(mesh.GetFaceVertexCountsAttr().Get())
+            assert set(corners.tolist()) == set(range(len(points))), "every point is used"
+            assert np.all(counts == 3)
+            assert counts.sum() == len(corners)
+            assert mesh.GetSubdivisionSchemeAttr().Get() == UsdGeom.Tokens.none
+            extent = np.array(mesh.GetExtentAttr().Get())
+            assert np.allclose(extent, [points.min(axis=0), points.max(axis=0)])
+            normals = np.array(mesh.GetNormalsAttr().Get())
+            assert mesh.GetNormalsInterpolation() == UsdGeom.Tokens.faceVarying
+            assert normals.shape == (len(corners), 3)
+            uvs = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+            assert uvs.GetInterpolation() == UsdGeom.Tokens.faceVarying
+            assert len(uvs.Get()) == len(corners)
+            material = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()[0]
+            assert material.GetPath().HasPrefix(Sdf.Path(f"/{asset.id}/Materials"))
+
+
+def test_colliders_are_shapes_and_nothing_is_a_rigid_body(assets: tuple[Asset, ...]) -> None:
+    for asset in assets:
+        stage = open_asset(asset)
+        prims = list(stage.Traverse())
+        assert not any(prim.HasAPI(UsdPhysics.RigidBodyAPI) for prim in prims)
+        solid = [prim for prim in prims if prim.HasAPI(UsdPhysics.CollisionAPI)]
+        assert solid, asset.id
+        for prim in solid:
+            approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
+            assert approximation in ("boundingCube", "convexHull", "none")
+
+
+def test_a_chair_fits_under_every_table(assets: tuple[Asset, ...]) -> None:
+    """No collider of a dining table or desk fills the knee room in its middle at the front."""
+    for asset in assets:
+        if asset.category not in ("table", "dining_table") or "Round" in asset.id:
+            continue
+        stage = open_asset(asset)
+        for mesh in meshes_of(stage):
+            if mesh.GetPrim().HasAPI(UsdPhysics.CollisionAPI):
+                low, high = np.array(mesh.GetExtentAttr().Get())
+                over = low[0] < 0.0 < high[0] and low[1] < -asset.size_m[1] * 0.35 < high[1]
+                assert not (over and low[2] < 0.55), f"{asset.id} {mesh.GetPrim().GetName()}"
+
+
+def colours(stage: Usd.Stage) -> dict[str, tuple]:
+    shaders = (UsdShade.Shader(p) for p in stage.Traverse() if p.IsA(UsdShade.Shader))
+    return {str(s.GetPath()): tuple(s.GetInput("diffuseColor").Get()) for s in shaders}
+
+
+@pytest.mark.parametrize("design", list(ALL.values())[::7], ids=lambda design: design.id)
+def test_colourways_change_what_is_seen(design: Design, library: Path) -> None:
+    stage = Usd.Stage.Open(str(library / design.id / f"{design.id}.usda"))
+    variants = stage.GetDefaultPrim().GetVariantSet("colour")
+    assert variants.GetVariantSelection() == next(iter(design.colourways))
+    seen = []
+    for name in design.colourways:
+        variants.SetVariantSelection(name)
+        seen.append(colours(stage))
+    assert all(one != other for one, other in itertools.pairwise(seen))
+
+
+def test_instances_of_two_colourways_keep_their_own(library: Path) -> None:
+    stage = Usd.Stage.CreateInMemory()
+    for name in ("oak", "walnut"):
+        prim = UsdGeom.Xform.Define(stage, f"/{name}").GetPrim()
+        prim.GetReferences().AddReference(str(library / "Desk_Plain" / "Desk_Plain.usda"))
+        prim.GetVariantSet("colour").SetVariantSelection(name)
+        prim.SetInstanceable(True)
+    first, second = (stage.GetPrimAtPath(f"/{name}").GetPrototype() for name in ("oak", "walnut"))
+    assert first
+    assert second
+    assert first != second
+
+
+def test_the_cached_library_serves_every_category(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path))
+    told: list[tuple[int, int]] = []
+    database = load_database(progress=lambda done, total: told.append((done, total)))
+    assert told[0] == (0, len(ALL))
+    assert told[-1] == (len(ALL), len(ALL))
+    for row in (*HOUSE_CATEGORIES, *TABLE_CATEGORIES):
+        middle = tuple(sum(span) / 2 for span in (row.length_m, row.width_m, row.height_m))
+        assert database.nearest(row.name, middle).category == row.name
+    (folder,) = tmp_path.iterdir()
+    stamp = folder.stat().st_mtime_ns
+    told.clear()
+    assert load_database(progress=lambda done, total: told.append((done, total))).assets
+    assert told == [], "the second time it is only read"
+    assert folder.stat().st_mtime_ns == stamp

@@ -1,0 +1,142 @@
+"""Every design of the embedded database: sound meshes of the right size, facing the right way."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+import pytest
+import trimesh
+from shapely import Polygon, union_all
+from trimesh.graph import connected_component_labels
+
+from chord_usd.assets.finishes import FINISHES
+from chord_usd.assets.furniture.catalogue import designs
+from chord_usd.assets.model import Design, Part, fitted
+from chord_usd.assets.solids import box
+from chord_usd.errors import AssetError
+from chord_usd.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
+
+ALL = designs()
+MOST_TRIANGLES = 6000
+every_design = pytest.mark.parametrize("design", ALL, ids=lambda design: design.id)
+
+
+BY_ID = {design.id: design for design in ALL}
+
+
+@cache
+def _parts(design_id: str) -> tuple[Part, ...]:
+    return BY_ID[design_id].parts()
+
+
+def parts_of(design: Design) -> tuple[Part, ...]:
+    return _parts(design.id)
+
+
+def bounds_m(parts: list[Part]) -> np.ndarray:
+    corners = np.array([part.solid.bounds_m() for part in parts])
+    return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
+
+
+def test_every_category_has_designs_and_ids_are_unique() -> None:
+    assert len({design.id for design in ALL}) == len(ALL)
+    count = {row.name: 0 for row in (*HOUSE_CATEGORIES, *TABLE_CATEGORIES)}
+    for design in ALL:
+        count[design.category] += 1
+    assert min(count.values()) >= 1
+    assert min(count[row.name] for row in HOUSE_CATEGORIES) >= 3
+
+
+@every_design
+def test_sizes_lie_in_the_range_of_the_palette(design: Design) -> None:
+    row = CATEGORIES[design.category]
+    for side, (low, high) in zip(
+        design.size_m, (row.length_m, row.width_m, row.height_m), strict=True
+    ):
+        assert low <= side <= high
+
+
+@every_design
+def test_parts_fill_the_nominal_size(design: Design) -> None:
+    parts = parts_of(design)
+    length, width, height = design.size_m
+    low, high = bounds_m([part for part in parts if not part.above])
+    assert np.allclose(low, [-length / 2, -width / 2, 0.0], atol=1e-9)
+    assert np.allclose(high, [length / 2, width / 2, height], atol=1e-9)
+    above = [part for part in parts if part.above]
+    if above:
+        low, high = bounds_m(above)
+        assert np.all(high[:2] <= np.array([length, width]) / 2 + 1e-9)
+        assert np.all(low[:2] >= -np.array([length, width]) / 2 - 1e-9)
+        assert low[2] <= height < high[2], "stands on the piece and rises above it"
+
+
+@every_design
+def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
+    parts = parts_of(design)
+    assert sum(len(part.solid.faces) for part in parts) <= MOST_TRIANGLES
+    assert len({part.name for part in parts}) == len(parts)
+    for part in parts:
+        mesh = trimesh.Trimesh(part.solid.points_m, part.solid.faces, process=False)
+        assert mesh.is_watertight, part.name
+        assert mesh.is_winding_consistent, part.name
+        assert mesh.volume > 0.0, part.name
+        assert mesh.area_faces.min() > 0.0, part.name
+
+
+@every_design
+def test_colourways_dress_every_part_and_differ(design: Design) -> None:
+    slots = {part.slot for part in parts_of(design)}
+    worn = []
+    for looks in design.colourways.values():
+        assert slots <= set(looks)
+        worn.append(tuple(sorted((slot, FINISHES[looks[slot]].rgb) for slot in slots)))
+    assert 2 <= len(set(worn)) == len(worn) <= 3
+
+
+@every_design
+def test_no_two_faces_look_the_same_way_from_the_same_place(design: Design) -> None:
+    """Coincident faces render black; undersides on the floor are never seen."""
+    planes: dict[tuple, dict[tuple, list[Polygon]]] = defaultdict(lambda: defaultdict(list))
+    for part in parts_of(design):
+        mesh = trimesh.Trimesh(part.solid.points_m, part.solid.faces, process=False)
+        shells = connected_component_labels(mesh.face_adjacency, len(mesh.faces))
+        for axis, face in zip(*np.nonzero(np.abs(mesh.face_normals.T) > 0.99999), strict=True):
+            corners = mesh.triangles[face]
+            level = round(float(corners[:, axis].mean()) / 1e-4)
+            plane = (axis, mesh.face_normals[face, axis] > 0, level)
+            flat = Polygon(np.delete(corners, axis, axis=1))
+            planes[plane][(part.name, shells[face])].append(flat)
+    planes.pop((2, False, 0), None)
+    for plane, shells_there in planes.items():
+        faces = {owner: union_all(pieces) for owner, pieces in shells_there.items()}
+        for first, second in combinations(faces, 2):
+            shared_m2 = faces[first].intersection(faces[second]).area
+            assert shared_m2 < 1e-4, f"{first} and {second} share {shared_m2:.5f} m² of {plane}"
+
+
+AT_THE_FRONT = ("Door_Handles", "Drawer_Handles", "Oven_Door", "Hoop", "Drawer_Knob", "Doors")
+AT_THE_BACK = ("Headboard", "Back", "Pillows", "Cistern", "Tap", "Television", "Riser")
+
+
+@every_design
+def test_fronts_face_the_front(design: Design) -> None:
+    """Handles, doors and drums are at -y; headboards, backs, cisterns and taps at +y."""
+    for part in parts_of(design):
+        name = part.name.removeprefix("Washer_").removeprefix("Dryer_")
+        middle = float(part.solid.bounds_m()[:, 1].mean())
+        if name in AT_THE_FRONT:
+            assert middle < -0.2 * design.size_m[1], part.name
+        if name in AT_THE_BACK and not (name == "Pillows" and design.category == "sofa"):
+            assert middle > 0.0, part.name
+
+
+def test_a_drawing_of_the_wrong_size_is_refused() -> None:
+    parts = (Part("Box", box((1.0, 1.0, 1.0)), "wood"),)
+    near = fitted(parts, (1.05, 1.0, 0.95), "near")
+    assert np.allclose(bounds_m(list(near))[1], [0.525, 0.5, 0.95])
+    with pytest.raises(AssetError, match="far: the drawing measures"):
+        fitted(parts, (1.5, 1.0, 1.0), "far")

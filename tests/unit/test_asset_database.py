@@ -1,0 +1,152 @@
+"""The mesh database: retrieval by the paper's rule, and indexes that are damaged."""
+
+from __future__ import annotations
+
+import json
+import random
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chord_usd.assets import database
+from chord_usd.assets.database import AssetDatabase, load_database, read_index, write_index
+from chord_usd.errors import AssetError, OutputError, SceneError
+from chord_usd.types import Asset
+
+SIDE = st.floats(0.1, 4.0).map(lambda side: round(side, 3))
+SIZE = st.tuples(SIDE, SIDE, SIDE)
+
+
+def bed(name: str, size_m: tuple[float, float, float]) -> Asset:
+    return Asset(name, "bed", size_m, Path(f"{name}/{name}.usda"))
+
+
+@given(sizes=st.lists(SIZE, min_size=1, max_size=12), wanted=SIZE, seed=st.integers(0, 99))
+def test_the_nearest_asset_has_the_least_squared_difference(
+    sizes: list[tuple[float, float, float]], wanted: tuple[float, float, float], seed: int
+) -> None:
+    assets = [bed(f"Bed_{i}", size) for i, size in enumerate(sizes)]
+    decoy = Asset("Sofa", "sofa", wanted, Path("Sofa.usda"))
+    found = AssetDatabase((*assets, decoy)).nearest("bed", wanted)
+
+    def difference(size: tuple[float, float, float]) -> float:
+        return (size[0] - wanted[0]) ** 2 + (size[1] - wanted[1]) ** 2
+
+    assert found.category == "bed"
+    assert difference(found.size_m) <= min(map(difference, sizes)) + 1e-9
+    random.Random(seed).shuffle(assets)
+    assert AssetDatabase(tuple(assets)).nearest("bed", wanted) == found
+
+
+def test_ties_go_to_the_nearer_height_then_to_the_lower_id() -> None:
+    low, high, twin = bed("C", (1, 2, 0.8)), bed("B", (1, 2, 1.2)), bed("A", (1, 2, 1.2))
+    beds = AssetDatabase((low, high, twin))
+    assert beds.nearest("bed", (1.1, 2, 0.9)) is low
+    assert beds.nearest("bed", (1.1, 2, 1.1)) is twin
+
+
+def test_a_category_without_asset_or_name_is_an_error() -> None:
+    beds = AssetDatabase((bed("A", (1, 2, 1)),))
+    assert beds.of_category("sofa") == ()
+    with pytest.raises(AssetError, match="nothing of the category 'sofa'"):
+        beds.nearest("sofa", (1, 1, 1))
+    with pytest.raises(SceneError, match="use 'sofa'"):
+        beds.nearest("sofas", (1, 1, 1))
+
+
+def stored(folder: Path, assets: list[Asset]) -> list[Asset]:
+    """Assets whose layers lie in folder, with an index."""
+    for asset in assets:
+        path = folder / asset.usd_path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("#usda 1.0\n")
+    placed = [
+        Asset(a.id, a.category, a.size_m, folder / a.usd_path, "CC0-1.0", "someone") for a in assets
+    ]
+    write_index(placed, folder)
+    return placed
+
+
+def test_an_index_reads_back_as_it_was_written(tmp_path: Path) -> None:
+    assets = stored(tmp_path, [bed("A", (1.0, 2.0, 0.9)), bed("B", (1.5, 2.1, 1.1))])
+    assert list(read_index(tmp_path)) == assets
+
+
+def test_a_folder_given_replaces_what_is_embedded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    embedded = tmp_path / "embedded"
+    stored(embedded, [bed("A", (1.0, 2.0, 0.9)), bed("B", (1.5, 2.1, 1.1))])
+    monkeypatch.setattr(database, "embedded_library", lambda progress=None: embedded)
+    (mine,) = stored(tmp_path / "mine", [bed("A", (0.9, 1.9, 0.8))])
+    found = load_database([tmp_path / "mine"])
+    assert {asset.id: asset for asset in found.assets}["A"] == mine
+    assert len(found.assets) == 2
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("size_m", [1.0, 2.0], "A: size_m is [1.0, 2.0]"),
+        ("size_m", [1.0, 2.0, -1.0], "A: size_m"),
+        ("size_m", [1.0, 2.0, float("nan")], "A: size_m"),
+        ("category", "bedd", "A: unknown category 'bedd'"),
+        ("path", "gone.usda", "A: gone.usda is missing"),
+    ],
+)
+def test_a_damaged_entry_is_named(tmp_path: Path, key: str, value: object, said: str) -> None:
+    stored(tmp_path, [bed("A", (1.0, 2.0, 0.9))])
+    index = tmp_path / "index.json"
+    data = json.loads(index.read_text())
+    data["assets"][0][key] = value
+    index.write_text(json.dumps(data))
+    with pytest.raises(AssetError) as caught:
+        read_index(tmp_path)
+    assert said in str(caught.value)
+    assert "index.json" in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"assets": 3}', '{"assets": [{}]}', "\udcff"])
+def test_a_damaged_index_is_an_asset_error(tmp_path: Path, text: str) -> None:
+    (tmp_path / "index.json").write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(AssetError, match=r"index\.json"):
+        read_index(tmp_path)
+
+
+def test_a_folder_without_index_is_an_asset_error(tmp_path: Path) -> None:
+    with pytest.raises(AssetError, match="no mesh database here"):
+        read_index(tmp_path)
+
+
+def test_the_cache_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "own"))
+    assert database.cache_folder() == tmp_path / "own"
+    monkeypatch.delenv("CHORD_USD_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert database.cache_folder() == tmp_path / "chord-usd"
+
+
+def test_half_a_library_is_never_left_behind(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path))
+
+    def interrupted(folder: Path, progress: object = None) -> None:
+        (folder / "Bed").mkdir()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(database, "build_assets", interrupted)
+    with pytest.raises(OutputError, match="CHORD_USD_CACHE"):
+        database.embedded_library()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cache_that_is_a_file_is_an_output_error(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "file"))
+    with pytest.raises(OutputError):
+        database.embedded_library()
