@@ -64,6 +64,8 @@ def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
         if len(floor.corners) >= 3:
             _furnish_well(floor, floors, floor is laundry)
     items = tuple(item for floor in floors for item in _items(floor))
+    for floor in floors:
+        floor.part()
     return SceneGraph(rooms=plan.rooms, openings=plan.openings, items=items, extra=plan.extra)
 
 

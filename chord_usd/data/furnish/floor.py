@@ -88,6 +88,13 @@ class Floor:
         """What chord_usd.data.furnish.paths knows about the empty room."""
         self._group = 0
 
+    def part(self) -> None:
+        """Let go of the neighbours: rooms that point at each other wait for the garbage collector,
+        which takes a third of the time in a stream of houses.
+        """
+        self.touching.clear()
+        self.doors.clear()
+
     def new_group(self) -> None:
         """What is put down from now on goes together."""
         self._group += 1
