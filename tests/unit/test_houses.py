@@ -37,6 +37,9 @@ def test_rooms_are_simple_counter_clockwise_and_apart_by_one_wall(plans):
     for plan in plans:
         floors = {room.id: room_polygon(room) for room in plan.rooms}
         for floor in floors.values():
+            steps = np.abs(np.diff(floor.exterior.coords, axis=0))
+            # Level and upright walls are so exactly, beside slanted ones too.
+            assert not ((steps > 0.0) & (steps < 1e-6)).any()
             assert floor.is_valid
             assert floor.exterior.is_ccw
             assert floor.area > 0.9

@@ -37,6 +37,10 @@ _LEAST_NIB = 110
 """Least width of the part of a room that reaches round a corridor's end."""
 
 
+_DEEPER = 90
+"""How much deeper than its row a single room may be."""
+
+
 @dataclass(slots=True)
 class Slot:
     """A room in a row, with the small rooms that are cut out of it."""
@@ -205,7 +209,7 @@ def draw_leg(
         for slot in row.slots:
             depth = row.depth
             if slot.kind in ("bedroom", "study") and not slot.annexes and dice.chance(0.25):
-                depth += dice.pick([dice.steps(-60, -30), dice.steps(30, 90)])
+                depth += dice.pick([dice.steps(-60, -30), dice.steps(30, _DEEPER)])
             cell = _place_slot(dice, sketch, slot, (x, y), depth, side)
             x += slot.width
             if slot is row.slots[-1] and row is long and length < total:
@@ -271,10 +275,14 @@ def _bend(
 ) -> None:
     """A second corridor from the end of the first one, to the north, with rooms on both sides."""
     left = Row(dice.steps(290, 380))
-    under = [cell.bounds for cell in sketch.cells if cell.bounds[2] > end - left.depth]
+    # Single rooms are up to _DEEPER deeper than their row; past that, no gap too narrow to walk.
+    reach = left.depth + _DEEPER + 60
+    under = [cell.bounds for cell in sketch.cells if cell.bounds[2] > end - reach]
     left.start = int(max(top for _, _, _, top in under))
     flush = sum(
-        min(x1, end) - max(x0, end - left.depth) for x0, _, x1, y1 in under if y1 == left.start
+        max(min(x1, end) - max(x0, end - left.depth), 0)
+        for x0, _, x1, y1 in under
+        if y1 == left.start
     )
     if flush < left.depth:
         raise UnsoundError("a gap between the two rows of a bend")

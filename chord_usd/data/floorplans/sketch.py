@@ -224,6 +224,12 @@ def _inset(corners: list[Point], is_open: list[bool]) -> Face:
         else:
             # Move in by `before`, then along the first edge until the second is `after` away.
             along_u = (before * (ux * vx + uy * vy) - after) / turn
-            face.corners.append((x - before * uy + along_u * ux, y + before * ux + along_u * uy))
+            face_x, face_y = x - before * uy + along_u * ux, y + before * ux + along_u * uy
+            # Rounding must not bend a level or upright wall that meets a slanted one.
+            if vx == 0.0:
+                face_x = x - after * vy
+            elif vy == 0.0:
+                face_y = y + after * vx
+            face.corners.append((face_x, face_y))
         face.is_open.append(is_open[index])
     return face

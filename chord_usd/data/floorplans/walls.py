@@ -8,7 +8,16 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.sketch import HALF_WALL, WALL, Bounds, Cell, Face, Point, Sketch
+from chord_usd.data.floorplans.sketch import (
+    HALF_WALL,
+    WALL,
+    Bounds,
+    Cell,
+    Face,
+    Point,
+    Sketch,
+    is_free,
+)
 from chord_usd.types import OpeningKind, RoomKind
 
 MARGIN = 10
@@ -140,7 +149,7 @@ def _with_view(stretches: list[Stretch], boxes: list[Bounds]) -> list[Stretch]:
     clear = []
     for stretch in stretches:
         if not stretch.outward:
-            clear.append(stretch)
+            clear += [stretch] if _slanted_has_view(stretch, boxes) else []
             continue
         axis = 0 if stretch.direction[0] else 1
         low, line = stretch.start[axis], stretch.start[1 - axis]
@@ -155,6 +164,17 @@ def _with_view(stretches: list[Stretch], boxes: list[Bounds]) -> list[Stretch]:
         if high > low:
             clear.append(_upright(axis, line, low, high))
     return clear
+
+
+def _slanted_has_view(stretch: Stretch, boxes: list[Bounds]) -> bool:
+    """Whether points before both ends and the middle of a slanted wall are free."""
+    (x, y), (ux, uy) = stretch.start, stretch.direction
+    for along in (0.0, stretch.length / 2, stretch.length):
+        for ahead in (VIEW / 2, VIEW):
+            px, py = x + along * ux + ahead * uy, y + along * uy - ahead * ux
+            if not is_free((px, py, px, py), boxes):
+                return False
+    return True
 
 
 # --- placing ---------------------------------------------------------------------------------
