@@ -51,9 +51,7 @@ def polygon_from_mask(mask: BoolArray | ByteArray, noise_px: float = 0.0) -> Flo
     x, y, width, height = cv2.boundingRect(whole)
     region = largest_region(whole[y : y + height, x : x + width] != 0)
     outline = _crack_outline(region)
-    edges = _fit_edges(_Cracks(outline, _SLACK_PX + noise_px))
-    if noise_px == 0.0:
-        edges = [part for edge in edges for part in _part_at_jog(outline, edge)]
+    edges = _fit_edges(_Cracks(outline, noise_px))
     polygon = Polygon(_corners(outline, edges))
     if not polygon.is_valid or _differs(polygon, outline, noise_px):
         # Lines that meet where no corner is: keep to corners on the pixel grid.
@@ -182,10 +180,13 @@ class _Edge:
 class _Cracks:
     """The cracks along an outline, and the lines that cross stretches of them."""
 
-    def __init__(self, outline: IntArray, slack_px: float) -> None:
+    def __init__(self, outline: IntArray, noise_px: float) -> None:
         self.points = outline.astype(np.float64)
-        self.slack_px = slack_px
+        self.slack_px = _SLACK_PX + noise_px
+        # Without noise a line along an axis has no step at all: a whole pixel parts both sides.
+        self._axis_slack_px = self.slack_px if noise_px > 0.0 else _SLACK_PX - 1.0
         self.directions = np.roll(self.points, -1, axis=0) - self.points
+        self.jogs = _jogs(self.directions) if noise_px == 0.0 else set()
         self._middles = self.points + self.directions / 2
         self._outward = _left_of(self.directions)
         self._found: dict[tuple[int, int], tuple[float, _Line]] = {}
@@ -202,7 +203,7 @@ class _Cracks:
     def is_clean(self, start: int, stop: int) -> bool:
         """As is_straight, but a line along an axis must not pass over any step."""
         excess, line = self._best(start, stop)
-        return excess < (self.slack_px - 1.0 if 0.0 in line.normal else 0.0)
+        return excess < (_SLACK_PX - 1.0 if 0.0 in line.normal else 0.0)
 
     def excess(self, start: int, stop: int) -> float:
         """How far, in pixels, the best line fails to part the pixels on both sides."""
@@ -225,6 +226,16 @@ class _Cracks:
         missed = max((inner @ normal).max() - line.offset, line.offset - (outer @ normal).min())
         return line if missed <= max(excess, self.slack_px) + 0.1 else best
 
+    def _lone_run(self, cracks: IntArray) -> IntArray | None:
+        """The cracks without the first and the last if these turn off, if all others are a run.
+
+        A run is a line along its axis, whatever slanted line could pass as well.
+        """
+        turns = np.any(self.directions[cracks] != self.directions[cracks[len(cracks) // 2]], axis=1)
+        run = cracks[int(turns[0]) : len(cracks) - int(turns[-1])]
+        is_run = len(run) >= min(len(cracks), 2) and not turns[1:-1].any()
+        return run if is_run else None
+
     def edge(self, start: int, stop: int) -> _Edge:
         cracks = self.between(start, stop)
         return _Edge(cracks, self.directions[cracks], self.fit(start, stop))
@@ -241,6 +252,11 @@ class _Cracks:
 
     def _separate(self, cracks: IntArray) -> tuple[float, _Line]:
         """The line that best parts inner from outer pixels, an axis-parallel one if that parts."""
+        run = self._lone_run(cracks)
+        if run is not None:
+            normal = self._outward[run[0]]
+            line = _Line(normal, float(normal @ self._middles[run[0]]))
+            return -1.0 if len(run) == len(cracks) else _RUN_AND_END, line
         inner, outer = self._sides(cracks)
         # Two convex shapes that can be parted at all can be parted along an edge of one of them.
         hulls = [_hull(inner), _hull(outer)]
@@ -256,8 +272,10 @@ class _Cracks:
         low = (hulls[0] @ normals.T).max(axis=0)
         high = (hulls[1] @ normals.T).min(axis=0)
         excesses = low - high
-        on_axis = np.any(normals == 0.0, axis=1) & (excesses <= self.slack_px)
-        best = int(np.argmin(np.where(on_axis, -math.inf, excesses)))
+        on_axis = np.any(normals == 0.0, axis=1)
+        fits = on_axis & (excesses <= self._axis_slack_px)
+        excesses = np.where(on_axis & ~fits, math.inf, excesses)
+        best = int(np.argmin(np.where(fits, -math.inf, excesses)))
         return float(excesses[best]), _Line(normals[best], float(low[best] + high[best]) / 2)
 
 
@@ -278,7 +296,7 @@ def _fit_edges(cracks: _Cracks) -> list[_Edge]:
     points = cracks.points.astype(np.int32)
     rough = cv2.approxPolyDP(points.reshape(-1, 1, 2), 1.0 + cracks.slack_px, closed=True)
     index_of = {point: index for index, point in enumerate(map(tuple, points.tolist()))}
-    cuts = sorted({index_of[x, y] for x, y in rough.reshape(-1, 2).tolist()})
+    cuts = sorted({index_of[x, y] for x, y in rough.reshape(-1, 2).tolist()} | cracks.jogs)
     cuts = [cut for start, stop in _spans(cuts) for cut in _split(cracks, start, stop)]
     cuts = _absorb_tips(cracks, _merge(cracks, cuts))
     for _ in range(2):
@@ -286,24 +304,26 @@ def _fit_edges(cracks: _Cracks) -> list[_Edge]:
     return [cracks.edge(start, stop) for start, stop in _spans(cuts)]
 
 
-def _part_at_jog(outline: IntArray, edge: _Edge) -> list[_Edge]:
-    """The edge; or, where its stretch is straight but for one step of one pixel, two parallel ones.
+def _jogs(directions: FloatArray) -> set[int]:
+    """Grid points before and after each lone step of one pixel in an otherwise straight run.
 
-    One step may be a slant or a jog; drawn as a jog, either is met within half a pixel.
+    A lone step is a jog or a slant; taken for a jog, either is met within half a pixel. Slanted
+    lines show by several steps to the same side.
     """
-    along = np.abs(edge.directions).sum(axis=0)
-    steps = np.flatnonzero(edge.directions[:, int(np.argmin(along))])
-    # The first and the last crack may still belong to a corner.
-    steps = steps[(steps > 0) & (steps < len(edge.cracks) - 1)]
-    if len(steps) != 1 or not 2 <= steps[0] < len(edge.cracks) - 2:
-        return [edge]
-    step = int(steps[0])
-    parts = []
-    for span, sample in ((slice(0, step), step - 1), (slice(step + 1, None), step + 1)):
-        normal = _left_of(edge.directions)[sample]
-        line = _Line(normal, float(normal @ outline[edge.cracks[sample]]))
-        parts.append(_Edge(edge.cracks[span], edge.directions[span], line))
-    return parts
+    starts = np.flatnonzero(np.any(directions != np.roll(directions, 1, axis=0), axis=1))
+    lengths = (np.roll(starts, -1) - starts) % len(directions)
+    ways = directions[starts]
+
+    def same_way(shift: int) -> BoolArray:
+        return np.asarray((np.roll(ways, -shift, axis=0) == ways).all(axis=1))
+
+    before, after = np.roll(lengths, 1), np.roll(lengths, -1)
+    is_step = (lengths == 1) & (before >= 2) & (after >= 2)
+    is_step &= np.roll((np.roll(ways, -2, axis=0) == ways).all(axis=1), 1)
+    for shift in (-2, 2):
+        is_step &= ~((np.roll(lengths, -shift) == 1) & same_way(shift))
+    steps = starts[is_step]
+    return {*steps.tolist(), *((steps + 1) % len(directions)).tolist()}
 
 
 def _spans(cuts: list[int]) -> list[tuple[int, int]]:
@@ -327,7 +347,12 @@ def _merge(cracks: _Cracks, cuts: list[int]) -> list[int]:
     cuts = list(cuts)
     while len(cuts) > 3:
         neighbours = zip(cuts[-1:] + cuts[:-1], cuts, cuts[1:] + cuts[:1], strict=True)
-        excess, cut = min((cracks.excess(before, after), cut) for before, cut, after in neighbours)
+        costs = [
+            (cracks.excess(before, after), cut)
+            for before, cut, after in neighbours
+            if cut not in cracks.jogs
+        ]
+        excess, cut = min(costs, default=(math.inf, 0))
         if excess > cracks.slack_px:
             break
         cuts.remove(cut)
@@ -345,7 +370,7 @@ def _absorb_tips(cracks: _Cracks, cuts: list[int]) -> list[int]:
         stop, after = cuts[(index + 1) % len(cuts)], cuts[(index + 2) % len(cuts)]
         tip = cracks.between(start, stop)
         shared = None
-        if len(tip) <= _LONGEST_TIP:
+        if len(tip) <= _LONGEST_TIP and not {start, stop} & cracks.jogs:
             shared = _common_cut(cracks, before, [*tip.tolist(), stop], after)
         if shared is None:
             index += 1
@@ -377,7 +402,7 @@ def _move_cuts(cracks: _Cracks, cuts: list[int]) -> list[int]:
     moved = []
     for index, cut in enumerate(cuts):
         meeting = _meeting(lines[index - 1], lines[index])
-        if meeting is None:
+        if meeting is None or cut in cracks.jogs:
             moved.append(cut)
             continue
         back = min(_REACH, (cut - cuts[index - 1]) % count - 1)
@@ -387,6 +412,9 @@ def _move_cuts(cracks: _Cracks, cuts: list[int]) -> list[int]:
         moved.append(int(near[np.argmin(distances)]))
     return moved
 
+
+_RUN_AND_END = -0.9
+"""Excess of a line along a run with one more crack at an end: good, but not clean."""
 
 _LONGEST_TIP = 8
 """Cracks."""
