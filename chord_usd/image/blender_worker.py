@@ -37,7 +37,9 @@ GPU_BACKENDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 METER_WIDTH_PX = 96
 METER_SAMPLES = 16
 KEY = 0.36
-"""Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale."""
+KEY_FROM_ABOVE = 0.2
+"""Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale.
+From above one sees their floors instead, which are darker."""
 
 EXPOSURE_RANGE_EV = (-12.0, 12.0)
 
@@ -87,7 +89,7 @@ class Shot:
     """Distance that is sharp; used where f_stop > 0."""
     f_stop: float
     from_above: bool
-    """Ceilings are left out, and the house lies on a plain backdrop."""
+    """The camera sees through ceilings, and the house lies on a plain backdrop."""
 
 
 @dataclass(frozen=True)
@@ -175,8 +177,10 @@ def _render_job(job: Job, report: Callable[[dict[str, Any]], None]) -> None:
     for shot in job.shots:
         _aim(camera, shot)
         _open_roof(scene, shot.from_above)
+        key = KEY_FROM_ABOVE if shot.from_above else KEY
         _expose(
-            scene, _metered_exposure_ev(scene, job) if job.exposure_ev is None else job.exposure_ev
+            scene,
+            _metered_exposure_ev(scene, job, key) if job.exposure_ev is None else job.exposure_ev,
         )
         _take(scene, job, shot, report)
         report({"written": shot.name})
@@ -247,10 +251,13 @@ def _aim(camera: Any, shot: Shot) -> None:
 
 
 def _open_roof(scene: Any, is_open: bool) -> None:
-    """Leave ceilings out and make the sky see-through, or put both back."""
+    """Let the camera see through ceilings and sky, or not.
+
+    Ceilings go on casting shadows: so the rooms keep the light they have inside.
+    """
     for thing in bpy.data.objects:
         if thing.type == "MESH" and thing.name.startswith(CEILING):
-            thing.hide_render = is_open
+            thing.visible_camera = not is_open
     scene.render.film_transparent = is_open
 
 
@@ -316,8 +323,8 @@ def _expose(scene: Any, exposure_ev: float) -> None:
     scene.cycles.sample_clamp_indirect = FIREFLY_WHITE * 2.0**-exposure_ev
 
 
-def _metered_exposure_ev(scene: Any, job: Job) -> float:
-    """Stops that bring the picture's log-average luminance to KEY.
+def _metered_exposure_ev(scene: Any, job: Job, key: float) -> float:
+    """Stops that bring the picture's log-average luminance to key.
 
     Metered on a tiny noisy rendering of the whole view, so every tile of a picture gets the same.
     """
@@ -337,11 +344,11 @@ def _metered_exposure_ev(scene: Any, job: Job) -> float:
         rgb = rgba.reshape(-1, image.channels)[:, :3].astype(np.float64)
         bpy.data.images.remove(image)
     render.resolution_percentage, cycles.samples, cycles.use_denoising = kept
-    return exposure_ev(rgb @ np.array([0.2126, 0.7152, 0.0722]))
+    return exposure_ev(rgb @ np.array([0.2126, 0.7152, 0.0722]), key)
 
 
-def exposure_ev(luminance: Any) -> float:
-    """Stops from scene-linear luminances to a log-average of KEY.
+def exposure_ev(luminance: Any, key: float) -> float:
+    """Stops from scene-linear luminances to a log-average of key.
 
     The darkest tenth is left out: what no light reaches should stay dark. 0.0 for a black scene.
     """
@@ -351,7 +358,7 @@ def exposure_ev(luminance: Any) -> float:
     if not len(lit):
         return 0.0
     log_average = float(np.exp2(np.log2(lit).mean()))
-    return float(np.clip(math.log2(KEY / log_average), *EXPOSURE_RANGE_EV))
+    return float(np.clip(math.log2(key / log_average), *EXPOSURE_RANGE_EV))
 
 
 # --- pictures -----------------------------------------------------------------------------------
