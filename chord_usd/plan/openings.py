@@ -111,7 +111,7 @@ def _read_opening(
     if sides:
         along = sides[0].along
         center, width_px = _centered_in_wall(center, sides, thickness_px)
-        center, length_px = _lengthwise(bar.mask, center, along, width_px)
+        center, length_px = _lengthwise(bar.mask, center, along)
     yaw_deg = _yaw_deg(along)
     base_m, height_m = BASE_AND_HEIGHT_M[bar.kind]
     x, y = m_from_px(center, frame)
@@ -156,16 +156,13 @@ def _centered_in_wall(
     return center + near.outward * (width / 2 - near.distance_px), width
 
 
-def _lengthwise(
-    mask: BoolArray, center: FloatArray, along: FloatArray, width_px: float
-) -> tuple[FloatArray, float]:
+def _lengthwise(mask: BoolArray, center: FloatArray, along: FloatArray) -> tuple[FloatArray, float]:
     """The centre moved along the wall to the middle of the bar's pixels, and their length."""
     rows, columns = np.nonzero(mask)
     progress = (np.stack([columns, rows], axis=1) + 0.5 - center) @ along
-    if np.abs(along).max() > 1.0 - 1e-9:
-        low, high = progress.min() - 0.5, progress.max() + 0.5
-        return center + along * (low + high) / 2, float(high - low)
-    return center + along * progress.mean(), len(rows) / width_px
+    # The centres of n pixels in a row vary by (n^2 - 1) / 12.
+    length_px = math.sqrt(12.0 * float(progress.var()) + 1.0)
+    return center + along * progress.mean(), length_px
 
 
 def _yaw_deg(along: FloatArray) -> float:
