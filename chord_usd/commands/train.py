@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from chord_usd.commands.common import (
@@ -24,7 +25,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verbs."""
     group = add_group(verbs, "train", "train the networks; a run in the same folder is resumed")
     layout = add_verb(group, "plan2layout", run_plan2layout, "train the layout model")
-    _add_training_options(layout, minutes=60.0, batch=8)
+    _add_training_options(layout, minutes=60.0, batch=None)
     layout.add_argument(
         "--preset", default="default", metavar="NAME", help="default, large or paper (default)"
     )
@@ -33,6 +34,9 @@ def add(verbs: Verbs) -> None:
     )
     layout.add_argument(
         "--flats", type=Path, metavar="JSONL", help="real floor plans to furnish beside our own"
+    )
+    layout.add_argument(
+        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
     )
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
@@ -44,13 +48,17 @@ def add(verbs: Verbs) -> None:
     )
 
 
-def _add_training_options(parser: Parser, *, minutes: float, batch: int) -> None:
+def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
     add_output(parser, "folder of the run; the checkpoint comes to lie in it")
     parser.add_argument(
         "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
     )
     parser.add_argument(
-        "--batch", type=whole_number(1), default=batch, metavar="N", help=f"({batch})"
+        "--batch",
+        type=whole_number(1),
+        default=batch,
+        metavar="N",
+        help=f"({batch or 'the preset decides'})",
     )
     parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu or cuda (cpu)")
     add_seed(parser)
@@ -60,7 +68,7 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
     """Runs train plan2layout."""
     from chord_usd.data.flats import read_flats
     from chord_usd.layout.config import PRESETS
-    from chord_usd.training.plan2layout import LayoutTrainer, TrainingConfig
+    from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
     from chord_usd.training.stream import StreamConfig
 
     if options.preset not in PRESETS:
@@ -69,17 +77,21 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
             where="--preset",
             expected=f"one of {', '.join(PRESETS)}",
         )
-    config = TrainingConfig(
+    base = PAPER_TRAINING if options.preset == "paper" else TrainingConfig()
+    config = replace(
+        base,
         minutes=options.minutes,
-        batch=options.batch,
+        batch=options.batch or base.batch,
         workers=options.workers,
         seed=options.seed,
         device=options.device,
         stream=StreamConfig(seed=options.seed),
     )
-    flats = read_flats(options.flats) if options.flats else []
+    flats = read_flats(options.flats, part="train") if options.flats else []
     trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
     resumed = trainer.resume()
+    if options.start and not resumed:
+        trainer.warm_start(options.start)
     watch = stopwatch(options)
     with watch.step("train") as progress:
         trainer.train(

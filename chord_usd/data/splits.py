@@ -25,9 +25,9 @@ def is_test_seed(seed: int) -> bool:
 def part_of(plan_id: str) -> Part:
     """The part a real plan of this name belongs to: by the hash of its name, for ever.
 
-    Slashes count as underscores: a file named after a plan belongs where the plan belongs.
+    Underscores count as slashes: a file named after a plan belongs where the plan belongs.
     """
-    digest = hashlib.sha256(plan_id.replace("/", "_").encode()).digest()
+    digest = hashlib.sha256(plan_id.replace("_", "/").encode()).digest()
     return "test" if int.from_bytes(digest[:4], "big") < TEST_SHARE * 2**32 else "train"
 
 
