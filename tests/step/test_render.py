@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -313,3 +314,42 @@ def test_a_read_only_folder_is_refused(house, tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(OutputError):
         render_stage(house, tmp_path / "pictures", TINY)
+
+
+@pytest.fixture
+def tiny_disk(tmp_path):
+    """A disk with room for one page, where this user may mount one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", str(folder)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+        pytest.skip("mounting a tiny disk wants root")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_full_disk_leaves_no_picture(house, tiny_disk):
+    """Blender itself says "Saved" and goes on."""
+    options = RenderOptions(cameras=("Top",), resolution_px=(160, 90), samples=1, device="cpu")
+    with pytest.raises(OutputError, match="the disk is full"):
+        render_stage(house, tiny_disk, options)
+    assert list(tiny_disk.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["none.usda"], "none.usda"),
+        (["{house}", "--camera", "Attic"], "one of Bedroom_0, Top"),
+        (["{house}", "--passes", "depth"], "expected rgb"),
+        (["{house}", "--device", "toaster"], "--device"),
+    ],
+)
+def test_the_command_line_ends_with_2_and_one_line(house, tmp_path, arguments, says):
+    told = [argument.format(house=house) for argument in arguments]
+    command = [sys.executable, "-m", "chord_usd.cli", "render", *told, "-o", str(tmp_path / "p")]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
