@@ -42,7 +42,9 @@ def run_blender(job: dict[str, Any], on_message: Callable[[dict[str, Any]], None
         with process.stdin as job_file:
             job_file.write(json.dumps(job))
         for line in process.stdout:
-            on_message(json.loads(line))
+            # While bpy is imported, it may warn before the worker has claimed standard output.
+            if line.startswith("{"):
+                on_message(json.loads(line))
         code = process.wait()
         if code != 0:
             said.seek(0)
