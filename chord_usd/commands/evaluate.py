@@ -17,6 +17,7 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.files import write_atomic
+from chord_usd.types import Plan
 
 
 def add(verbs: Verbs) -> None:
@@ -27,6 +28,9 @@ def add(verbs: Verbs) -> None:
     )
     layouts.add_argument(
         "--plans", type=whole_number(1), default=100, metavar="N", help="held-out plans (100)"
+    )
+    layouts.add_argument(
+        "--flats", type=Path, metavar="JSONL", help="the held-out ones of these real floor plans"
     )
     layouts.add_argument(
         "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
@@ -45,16 +49,28 @@ def add(verbs: Verbs) -> None:
     add_device(layouts)
 
 
+def _held_out(options: argparse.Namespace) -> tuple[list[Plan], list[str]]:
+    """Plans that no training has seen, and their names."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.data.splits import TEST_SEED
+    from chord_usd.evaluation.layouts import held_out_plans
+
+    if options.flats:
+        flats = read_flats(options.flats, part="test")[: options.plans]
+        return flats, [str(flat.extra["source"]) for flat in flats]
+    names = [f"procedural/{TEST_SEED + index}" for index in range(options.plans)]
+    return held_out_plans(options.plans), names
+
+
 def run_layouts(options: argparse.Namespace) -> Outcome:
     """Runs evaluate layouts."""
-    from chord_usd.data.splits import TEST_SEED
     from chord_usd.evaluation import layouts
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.locations import checkpoint_folder
 
     watch = stopwatch(options)
     with watch.step("plans"):
-        plans = layouts.held_out_plans(options.plans)
+        plans, ids = _held_out(options)
     if options.furnisher:
         with watch.step("layout"):
             scenes = layouts.procedural_scenes(plans, options.seed)
@@ -75,7 +91,6 @@ def run_layouts(options: argparse.Namespace) -> Outcome:
                     progress=progress,
                 )
             )
-    ids = [f"procedural/{TEST_SEED + index}" for index in range(len(plans))]
     with watch.step("score"):
         scores = layouts.score_layouts(scenes, ids, name, steps)
     table = layouts.as_markdown(scores)
