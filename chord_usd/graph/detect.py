@@ -162,6 +162,8 @@ def save_model(kind: Kind, model: torch.nn.Module, folder: Path, facts: dict[str
         if value.is_floating_point()
     }
     save_file(tensors, folder / WEIGHTS_FILE)
+    # safetensors leaves the file readable to its owner alone.
+    (folder / WEIGHTS_FILE).chmod(0o644)
     config = {
         "format": FORMAT,
         "kind": kind,
@@ -175,29 +177,49 @@ def save_model(kind: Kind, model: torch.nn.Module, folder: Path, facts: dict[str
 
 def load_weights(kind: Kind, model: torch.nn.Module, folder: Path) -> None:
     """Fill model from folder. Raises CheckpointError when that cannot be done exactly."""
+    _check_config(kind, folder)
+    _fill(kind, model, _read_tensors(folder / WEIGHTS_FILE, _remedy(kind)), folder)
+
+
+def _fill(
+    kind: Kind, model: torch.nn.Module, tensors: dict[str, torch.Tensor], folder: Path
+) -> None:
+    expected = {n: v for n, v in model.state_dict().items() if v.is_floating_point()}
+    wrong = [n for n in expected if n not in tensors or tensors[n].shape != expected[n].shape]
+    if wrong or len(tensors) != len(expected):
+        raise CheckpointError(
+            f"{len(wrong) or len(tensors) - len(expected)} tensors do not fit the network",
+            where=str(folder / WEIGHTS_FILE),
+            expected=f"the weights of a {ARCHITECTURES[kind]}",
+            try_=_remedy(kind),
+        )
+    model.load_state_dict(tensors, strict=False)
+
+
+def load_matching(model: torch.nn.Module, folder: Path) -> int:
+    """Fill what fits by name and shape from a checkpoint of either kind; returns how many tensors.
+
+    Raises CheckpointError when the weights cannot be read.
+    """
+    tensors = _read_tensors(folder / WEIGHTS_FILE, "")
+    own = model.state_dict()
+    fitting = {n: v for n, v in tensors.items() if n in own and own[n].shape == v.shape}
+    model.load_state_dict(fitting, strict=False)
+    return len(fitting)
+
+
+def _read_tensors(path: Path, remedy: str) -> dict[str, torch.Tensor]:
     from safetensors import SafetensorError
     from safetensors.torch import load_file
 
-    _check_config(kind, folder)
-    path = folder / WEIGHTS_FILE
     try:
-        tensors = load_file(path)
-        expected = {n: v for n, v in model.state_dict().items() if v.is_floating_point()}
-        wrong = [n for n in expected if n not in tensors or tensors[n].shape != expected[n].shape]
-        if wrong or len(tensors) != len(expected):
-            raise CheckpointError(
-                f"{len(wrong) or len(tensors) - len(expected)} tensors do not fit the network",
-                where=str(path),
-                expected=f"the weights of a {ARCHITECTURES[kind]}",
-                try_=_remedy(kind),
-            )
-        model.load_state_dict(tensors, strict=False)
+        return load_file(path)
     except (OSError, SafetensorError) as error:
         raise CheckpointError(
             f"the weights cannot be read ({error})",
             where=str(path),
             expected="a safetensors file",
-            try_=_remedy(kind),
+            try_=remedy,
         ) from error
 
 
@@ -237,8 +259,11 @@ def _load(kind: Kind, folder: Path | None, device: str) -> torch.nn.Module:
             expected=f"a folder with {WEIGHTS_FILE} and {CONFIG_FILE}",
             try_=_remedy(kind),
         ) from None
+    # Files first: what is wrong with them is told before a second goes into the network.
+    _check_config(kind, folder)
+    tensors = _read_tensors(folder / WEIGHTS_FILE, _remedy(kind))
     model = build_model(kind)
-    load_weights(kind, model, folder)
+    _fill(kind, model, tensors, folder)
     return model.fuse(verbose=False).eval().to(device)  # type: ignore[operator]
 
 

@@ -26,11 +26,12 @@ from chord_usd.graph.detect import (
     WEIGHTS_FILE,
     Kind,
     build_model,
+    load_matching,
     load_weights,
     save_model,
 )
 from chord_usd.training.detector_card import write_card
-from chord_usd.training.detector_data import HELD_OUT_SEEDS, Sample, Spoiling, stream
+from chord_usd.training.detector_data import Sample, Spoiling, stream
 from chord_usd.training.detector_scores import Scores, score_checkpoint
 from chord_usd.types import CANVAS_PX
 
@@ -61,6 +62,8 @@ class DetectorTraining:
     save_minutes: float = 2.0
     score_houses: int = 200
     """Held-out houses to score the result on."""
+    start: Path | None = None
+    """Checkpoint of the other kind to take what fits from: both networks share their backbone."""
     facts: dict[str, Any] = field(default_factory=dict)
     """Further lines of the model card."""
 
@@ -98,9 +101,12 @@ class _Run:
         self.kind, self.out, self.config = kind, out, config
         self.images, self.minutes_before = 0, 0.0
         self.minutes, self.step, self.loss = 0.0, 0, math.nan
+        self.origin = config.start.name if config.start else ""
         self.model = build_model(kind)
         if resume:
             self._resume()
+        elif config.start:
+            load_matching(self.model, config.start)
         self.model = self.model.to(config.device).to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
         self.ema = {name: value.detach().clone() for name, value in self._floats()}
         self.optimizer = self._optimizer()
@@ -142,7 +148,7 @@ class _Run:
             "device": self.config.device,
             "threads": self.config.threads,
             "loss": round(self.loss, 4),
-            "held_out_seeds": [HELD_OUT_SEEDS.start, HELD_OUT_SEEDS.stop],
+            **({"start": self.origin} if self.origin else {}),
         }
 
     def _resume(self) -> None:
@@ -157,6 +163,7 @@ class _Run:
         before = json.loads((self.out / CONFIG_FILE).read_text(encoding="utf-8"))
         self.images = int(before.get("images", 0))
         self.minutes_before = float(before.get("minutes", 0.0))
+        self.origin = str(before.get("start", ""))
 
     def _floats(self) -> Iterator[tuple[str, Tensor]]:
         return (

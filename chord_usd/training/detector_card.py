@@ -13,25 +13,31 @@ _TASKS: dict[Kind, str] = {
 }
 
 
+def _origin(facts: dict[str, Any]) -> str:
+    start = facts.get("start")
+    return f"started from the backbone of `{start}`" if start else "trained from scratch"
+
+
 def write_card(kind: Kind, folder: Path, facts: dict[str, Any]) -> None:
     """Write README.md into folder. facts: as config.json has them."""
     scores = facts["scores"]
-    first, stop = facts["held_out_seeds"]
     lines = [
         f"# detector_{kind}",
         "",
-        f"Finds {_TASKS[kind]}. ultralytics `{ARCHITECTURES[kind]}`, trained from scratch; weights",
-        "in `weights.safetensors` (fp16), classes in `config.json`.",
+        f"Finds {_TASKS[kind]}.",
+        f"ultralytics `{ARCHITECTURES[kind]}`, {_origin(facts)}; weights in `weights.safetensors`",
+        "(fp16), classes in `config.json`.",
         "",
         "| | |",
         "|---|---|",
         "| data | procedural houses of this package, drawn as they were needed; edges frayed, "
         "marks lost, colours drifted, houses turned, rooms shaded or white |",
-        f"| split | house seeds {first} to {stop - 1} are held out, training draws from above |",
+        f"| split | scored on test houses (`chord_usd.data.splits`), hash `{scores['split']}`; "
+        "none of them was trained on |",
         f"| images seen | {facts['images']:,} |",
         f"| time | {facts['minutes']} minutes on {facts['device']}, {facts['threads']} thread(s) |",
         f"| mAP50 | {scores['map50']:.3f} over {scores['truths']:,} {kind} in {scores['houses']} "
-        "held-out clean layouts, half of them unshaded |",
+        "clean layouts of test houses, half of them unshaded |",
         "| licence | AGPL-3.0-or-later, as ultralytics and this package |",
         "",
         "Average precision at an overlap of one half, by class:",

@@ -7,32 +7,29 @@ fray, marks and whole patches go missing, specks appear, colours drift, houses s
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from chord_usd import raster
+from chord_usd.data.augment import Pose, posed
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.graph.detect import ROOM_CLASSES
 from chord_usd.palette import HOUSE_CATEGORIES, category
 from chord_usd.types import (
     CANVAS_PX,
     BoolArray,
-    Box,
     ByteArray,
     FloatArray,
     Item,
     PixelFrame,
     Room,
     SceneGraph,
-    frozen_array,
 )
-from chord_usd.units import px_from_m, rotation_2d
-
-HELD_OUT_SEEDS = range(1000)
-"""Houses that are never trained on; training draws its seeds from above."""
+from chord_usd.units import px_from_m
 
 MASK_STEP_PX = 4
 """Room masks have a quarter of the raster's resolution, as the network's own."""
@@ -81,22 +78,23 @@ def house(seed: int) -> SceneGraph:
 
 
 def stream(rng: np.random.Generator, spoiling: Spoiling) -> Iterator[Sample]:
-    """Samples without end, none of a held-out house."""
+    """Samples without end, none of a test house."""
     while True:
-        seed = int(rng.integers(HELD_OUT_SEEDS.stop, 2**40))
-        yield draw_sample(house(seed), spoiling, rng)
+        seed = int(rng.integers(2**40))
+        if not is_test_seed(seed):
+            yield draw_sample(house(seed), spoiling, rng)
 
 
 def held_out(count: int, spoiling: Spoiling = CLEAN) -> Iterator[Sample]:
-    """The first samples of the held-out houses, always the same."""
-    for seed in HELD_OUT_SEEDS[:count]:
+    """The first of the test houses, always the same."""
+    for seed in range(TEST_SEED, TEST_SEED + count):
         yield draw_sample(house(seed), spoiling, np.random.default_rng((1, seed)))
 
 
 def draw_sample(graph: SceneGraph, spoiling: Spoiling, rng: np.random.Generator) -> Sample:
     """Draw one house, spoilt by chance."""
     if rng.random() < spoiling.askew:
-        graph = turned(graph, float(rng.uniform(-45.0, 45.0)))
+        graph = posed(graph, Pose(yaw_deg=float(rng.uniform(-45.0, 45.0))))
     frame = raster.fit_frame(graph.plan, margin_px=int(rng.integers(*spoiling.margin_px)))
     plan_image = raster.draw_plan(graph.plan, frame, shade=rng.random() >= spoiling.unshaded)
     items = () if rng.random() < spoiling.unfurnished else graph.items
@@ -112,25 +110,6 @@ def draw_sample(graph: SceneGraph, spoiling: Spoiling, rng: np.random.Generator)
         rgb = drift(rgb, rng)
     classes, boxes, room_map = _rooms(graph.rooms, frame)
     return Sample(rgb, _boxes(items, frame), classes, boxes, room_map)
-
-
-def turned(graph: SceneGraph, yaw_deg: float) -> SceneGraph:
-    """The whole house turned about the origin."""
-    turn = rotation_2d(yaw_deg)
-
-    def box(old: Box) -> Box:
-        x, y = turn @ np.array(old.center_m[:2])
-        center = (float(x), float(y), old.center_m[2])
-        return Box(center, old.size_m, old.yaw_deg + yaw_deg)
-
-    return replace(
-        graph,
-        rooms=tuple(
-            replace(room, polygon_m=frozen_array(room.polygon_m @ turn.T)) for room in graph.rooms
-        ),
-        openings=tuple(replace(opening, box=box(opening.box)) for opening in graph.openings),
-        items=tuple(replace(item, box=box(item.box)) for item in graph.items),
-    )
 
 
 def fray(

@@ -10,6 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from chord_usd.data.splits import TEST_SEED, split_hash
 from chord_usd.graph.detect import CLASSES, Kind, load_item_detector, load_room_segmenter
 from chord_usd.training.detector_data import CLEAN, MASK_STEP_PX, Sample, held_out
 from chord_usd.types import FloatArray
@@ -32,6 +33,8 @@ class Scores:
     houses: int
     truths: int
     """How many items or rooms there were to find."""
+    split: str
+    """Hash of the names of these houses."""
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -60,7 +63,8 @@ def score_checkpoint(kind: Kind, folder: Path, houses: int) -> Scores:
         if count
     }
     mean = float(np.mean(list(by_class.values()))) if by_class else 0.0
-    return Scores(round(mean, 4), by_class, houses, int(counts.sum()))
+    split = split_hash(str(TEST_SEED + index) for index in range(houses))
+    return Scores(round(mean, 4), by_class, houses, int(counts.sum()), split)
 
 
 def average_precision(found: Iterable[_Found], truths: int) -> float:
