@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -46,6 +47,8 @@ SCHEMA = 1
 
 SUFFIXES = (".usda", ".usd", ".usdc", ".usdz")
 _RESOLUTION_PX = (1280, 720)
+_ARCHIVE_TIME_S = 500_000_000
+"""Any fixed time that a zip archive can hold, so that the same house is the same archive."""
 
 
 def author_stage(
@@ -77,6 +80,7 @@ def author_stage(
             content_hash = _pack(house, target)
         else:
             content_hash = _write_house(house, target, path.absolute().parent)
+    _reload(path)
     return StageFile(path, content_hash, graph.provenance)
 
 
@@ -94,7 +98,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
     """Write the stage to target, which will end up in final; returns the content hash."""
     layer = _open_house(house, target)
     walls = build_walls(house.graph.plan)
-    architecture = target.parent / f"{target.stem}_architecture"
+    architecture = _architecture(target)
     assets = Packages(target.parent, final, "assets")
     materials = Packages(target.parent, final, "materials")
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
@@ -187,8 +191,23 @@ def _pack(house: _House, target: Path) -> str:
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         stage = Path(folder) / f"{target.stem}.usda"
         content_hash = _write_house(house, stage, Path(folder))
+        for file in Path(folder).rglob("*"):  # the archive notes their times
+            os.utime(file, (_ARCHIVE_TIME_S, _ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))
     return content_hash
+
+
+def _reload(path: Path) -> None:
+    """Let stages that are open in this process see what was just written."""
+    for file in [path, *_architecture(path).glob("*")]:
+        layer = Sdf.Layer.Find(str(file))
+        if layer:
+            layer.Reload()
+
+
+def _architecture(path: Path) -> Path:
+    """Folder of the shell's layers, beside the stage; named after it, so that none clash."""
+    return path.with_name(f"{path.stem}_architecture")
 
 
 def _hash(files: Sequence[Path]) -> str:

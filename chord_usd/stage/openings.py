@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +21,8 @@ from shapely.ops import unary_union
 from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
 from chord_usd.stage.walls import Tunnel, lining_faces, sill_faces
 from chord_usd.units import rotation_2d
+
+PointM = tuple[float, float, float]
 
 _INTO_WALL_M = 0.01
 """How far hidden edges of frames and sills reach into the wall."""
@@ -51,6 +54,9 @@ _SILL_M = (0.022, 0.035)
 _BOARD_FROM_M = 0.3
 """Windows whose sill is lower have no board."""
 
+_FITTED_FROM_M = 0.25
+"""Holes that are narrower or lower stay bare."""
+
 _HANDLE_HEIGHT_M = 1.0
 
 
@@ -67,10 +73,8 @@ class Part:
 
 @dataclass(frozen=True)
 class Leaf:
-    """A part of a door that can swing about its left or right edge."""
+    """A part of a door, seen from its hinge: it can swing about its left or right edge."""
 
-    hinge_m: tuple[float, float, float]
-    """Of the hinge in the opening's frame, at the bottom."""
     width_m: float
     height_m: float
     hung_right: bool
@@ -86,6 +90,11 @@ class Span:
     """Lowest y: the face of the wall towards -y."""
     back: float
     height: float
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether the hole is large enough for a frame with something in it."""
+        return min(self.right - self.left, self.height) >= _FITTED_FROM_M
 
 
 def span_of(tunnel: Tunnel) -> Span:
@@ -104,6 +113,8 @@ def fixed_parts(tunnel: Tunnel, *, inside: int) -> list[Part]:
     """
     span = span_of(tunnel)
     parts = _linings(tunnel)
+    if not span.is_fitted:
+        return parts
     if tunnel.opening.kind == "door":
         parts.append(Part("Frame", _casing(span), "Trim"))
     elif tunnel.opening.kind == "window":
@@ -111,26 +122,30 @@ def fixed_parts(tunnel: Tunnel, *, inside: int) -> list[Part]:
     return parts
 
 
-def leaf_parts(leaf: Leaf, *, glazed: bool) -> list[Part]:
-    """Meshes of a leaf, in the frame of its hinge."""
-    return _glass_leaf(leaf) if glazed else _panel_leaf(leaf)
+@lru_cache(maxsize=64)
+def leaf_parts(leaf: Leaf, *, glazed: bool) -> tuple[Part, ...]:
+    """Meshes of a leaf, in the frame of its hinge. Most doors of a house are of one size."""
+    return tuple(_glass_leaf(leaf) if glazed else _panel_leaf(leaf))
 
 
-def leaves_of(tunnel: Tunnel) -> list[Leaf]:
-    """The leaves that fill the frame of a door, closed; two of them in a wide one."""
-    if tunnel.opening.kind != "door":
-        return []
+def leaves_of(tunnel: Tunnel) -> list[tuple[PointM, Leaf]]:
+    """The leaves that fill the frame of a door, closed; two of them in a wide one.
+
+    Each comes with its hinge in the opening's frame, at the bottom.
+    """
     span = span_of(tunnel)
+    if tunnel.opening.kind != "door" or not span.is_fitted:
+        return []
     left = span.left + _CASING_M[0] + _GAP_M
     right = span.right - _CASING_M[0] - _GAP_M
     height = span.height - _CASING_M[0] - 2 * _GAP_M
     middle = (span.front + span.back) / 2
     if right - left < _TWO_LEAVES_FROM_M:
-        return [Leaf((left, middle, 0.0), right - left, height, hung_right=False)]
-    half = (right - left - _GAP_M) / 2
+        return [((left, middle, 0.0), Leaf(round(right - left, 4), height, hung_right=False))]
+    half = round((right - left - _GAP_M) / 2, 4)
     return [
-        Leaf((left, middle, 0.0), half, height, hung_right=False),
-        Leaf((right, middle, 0.0), half, height, hung_right=True),
+        ((left, middle, 0.0), Leaf(half, height, hung_right=False)),
+        ((right, middle, 0.0), Leaf(half, height, hung_right=True)),
     ]
 
 
@@ -172,9 +187,9 @@ def _panel_leaf(leaf: Leaf) -> list[Part]:
     whole = box(across[0], _GAP_M, across[1], leaf.height_m)
     width = leaf.width_m
     panels = []
-    if width > 3 * _STILE_M:
+    if min(width, leaf.height_m / 3) > 3 * _STILE_M:
         inner = (across[0] + _STILE_M, across[1] - _STILE_M)
-        split = _HANDLE_HEIGHT_M
+        split = _handle_height_m(leaf)
         panels = [
             box(inner[0], 2 * _STILE_M, inner[1], split - _STILE_M / 2),
             box(inner[0], split + _STILE_M / 2, inner[1], leaf.height_m - _STILE_M),
@@ -210,11 +225,15 @@ def _across(leaf: Leaf) -> tuple[float, float]:
     return (-leaf.width_m, 0.0) if leaf.hung_right else (0.0, leaf.width_m)
 
 
+def _handle_height_m(leaf: Leaf) -> float:
+    return min(_HANDLE_HEIGHT_M, leaf.height_m / 2)
+
+
 def _handles(leaf: Leaf) -> list[Face]:
     """A rose and a lever on either side, near the edge that opens."""
     towards_edge = -1.0 if leaf.hung_right else 1.0
     x = towards_edge * (leaf.width_m - 0.055)
-    z = _HANDLE_HEIGHT_M
+    z = _handle_height_m(leaf)
     faces = []
     for side in (-1.0, 1.0):
         rose = sorted((side * _LEAF_M / 2, side * (_LEAF_M / 2 + 0.008)))

@@ -46,12 +46,16 @@ class Packages:
         return next(candidate for candidate in candidates if candidate not in taken)
 
     def _copy(self, source: Path, name: str) -> None:
+        """Copy what another house of the folder has not brought already."""
+        staged, final = self._staged / name, self._final / name
+        if not final.exists():
+            shutil.copytree(source, staged, copy_function=shutil.copyfile)
+            return
         for file in sorted(path for path in source.rglob("*") if path.is_file()):
             relative = file.relative_to(source)
-            if not _is_copy(file, self._final / name / relative):
-                target = self._staged / name / relative
-                target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(file, target)
+            if not _is_copy(file, final / relative):
+                (staged / relative).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(file, staged / relative)
 
 
 def _is_copy(file: Path, other: Path) -> bool:

@@ -60,6 +60,9 @@ from chord_usd.units import rotation_2d
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
 
+_TILED = ("bathroom", "balcony")
+"""Kinds of rooms without skirting boards."""
+
 _GLASS_DOOR_FROM_M = 1.5
 """Outer doors this wide are glass doors, whatever they lead to."""
 
@@ -163,19 +166,15 @@ def _draw_room(
     lines = [line for line in walls.lines if line.room == room.index]
     _draw_floor_and_ceiling(component, room, floor)
     for edge in sorted({line.edge for line in lines}):
-        faces = [
-            face
-            for line in lines
-            if line.edge == edge
-            for face in wall_faces(line, walls.tunnels.values())
-        ]
+        faces = [face for line in lines if line.edge == edge for face in wall_faces(line)]
         if faces:
             wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
             label(wall, "category", "wall")
             collide(wall)
-    skirting = _skirting(floor, lines, walls.tunnels.values())
-    if skirting:
-        component.mesh("Skirting", skirting, "Trim")
+    if room.room.kind not in _TILED:
+        skirting = _skirting(floor, lines, walls.tunnels.values())
+        if skirting:
+            component.mesh("Skirting", skirting, "Trim")
     for opening in room.openings:
         _draw_opening(component, opening, room, walls, rooms)
     component.save()
@@ -212,11 +211,11 @@ def _draw_opening(
     for part in fixed_parts(tunnel, inside=side_of(indoors, tunnel)):
         _draw_part(component, named.name, part, room, frame)
     glazed = _is_glazed(opening, rooms)
-    for index, leaf in enumerate(leaves_of(tunnel)):
+    for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
         name = f"{named.name}/Leaf_{index}"
-        place(component.group(name), at_m=leaf.hinge_m, yaw_deg=0.0)
+        place(component.group(name), at_m=hinge_m, yaw_deg=0.0)
         for part in leaf_parts(leaf, glazed=glazed):
-            _draw_part(component, name, part, room, frame.inner(leaf.hinge_m))
+            _draw_part(component, name, part, room, frame.inner(hinge_m))
 
 
 def _draw_part(
@@ -243,12 +242,12 @@ def _skirting(floor: Polygon, lines: Iterable[WallLine], tunnels: Iterable[Tunne
     backed = [
         LineString(stretch).buffer(2 * depth, cap_style="square")
         for line in lines
-        for stretch in free_stretches(line, tunnels, below_m=height)
+        for stretch in free_stretches(line, below_m=height)
     ]
     frames = [
         footprint_polygon(tunnel.opening.box).buffer(CASING_WIDTH_M, join_style="mitre")
         for tunnel in tunnels
-        if tunnel.low_m < height
+        if tunnel.low_m < height and tunnel.area_m.distance(floor) < CASING_WIDTH_M
     ]
     boards = ring.intersection(unary_union(backed)).difference(unary_union(frames))
     faces: list[Face] = []
@@ -273,12 +272,7 @@ def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
 def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
     component = _Component(folder / "Exterior.usdc", "Exterior")
-    facade = [
-        face
-        for line in walls.lines
-        if line.room is None
-        for face in wall_faces(line, walls.tunnels.values())
-    ]
+    facade = [face for line in walls.lines if line.room is None for face in wall_faces(line)]
     if facade:
         component.mesh("Facade", facade, "Facade")
         component.mesh("WallTop", top_faces(walls), "WallTop")

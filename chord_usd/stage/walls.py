@@ -9,7 +9,7 @@ the outside. Together the faces enclose the solid exactly once.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -68,6 +68,17 @@ class Tunnel:
         return [edge for edge, end in zip(self.edges_m(), self.is_end, strict=True) if end]
 
 
+@dataclass(frozen=True)
+class Hole:
+    """Where a tunnel ends on a wall line."""
+
+    from_m: float
+    to_m: float
+    """Along the line, from its start."""
+    low_m: float
+    high_m: float
+
+
 @dataclass(frozen=True, eq=False)
 class WallLine:
     """A straight piece of the boundary of the walls, seen from above; it faces its right side."""
@@ -78,6 +89,13 @@ class WallLine:
     """Index of the room it looks into; None outside."""
     edge: int
     """Which edge of that room's polygon it lies on; outside, a running number."""
+    holes: tuple[Hole, ...] = ()
+    """In no particular order."""
+
+    @property
+    def length_m(self) -> float:
+        """From start to end."""
+        return float(np.hypot(*(self.end_m - self.start_m)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +124,14 @@ def build_walls(plan: Plan) -> Walls:
         tunnel = _tunnel(opening, solid)
         if tunnel is not None:
             tunnels[opening.id] = tunnel
-    return Walls(rooms, tuple(_floors(rooms)), solid, tuple(_lines(rooms, solid)), tunnels)
+    lines = _with_holes(_lines(rooms, solid), tunnels.values())
+    return Walls(rooms, tuple(_floors(rooms)), solid, tuple(lines), tunnels)
 
 
-def wall_faces(line: WallLine, tunnels: Iterable[Tunnel]) -> list[Face]:
-    """The faces of one line from floor to ceiling, less the holes of the tunnels that end on it."""
+def wall_faces(line: WallLine) -> list[Face]:
+    """The faces of a line from floor to ceiling, less its holes."""
     faces = []
-    for start, end, holes in _columns(line, tunnels):
+    for start, end, holes in _columns(line):
         along = float(np.hypot(*(start - line.start_m)))
         for low, high in _free_heights(holes):
             faces.append(upright(start, end, low, high, along_m=along))
@@ -139,14 +158,12 @@ def top_faces(walls: Walls) -> list[Face]:
     return [face for part in walls.solid_m.geoms for face in flat(part, ROOM_HEIGHT_M, up=True)]
 
 
-def free_stretches(
-    line: WallLine, tunnels: Iterable[Tunnel], below_m: float
-) -> list[tuple[FloatArray, FloatArray]]:
+def free_stretches(line: WallLine, below_m: float) -> list[tuple[FloatArray, FloatArray]]:
     """(start, end) of the parts of a line with wall behind them, from the floor up to below_m."""
     return [
         (start, end)
-        for start, end, holes in _columns(line, tunnels)
-        if all(low >= below_m for low, _ in holes)
+        for start, end, holes in _columns(line)
+        if all(hole.low_m >= below_m for hole in holes)
     ]
 
 
@@ -289,41 +306,43 @@ def _nearest_edge(point: FloatArray, starts: FloatArray, ends: FloatArray) -> in
     return best if distance[best] < _ON_LINE_M else None
 
 
-def _columns(
-    line: WallLine, tunnels: Iterable[Tunnel]
-) -> Iterator[tuple[FloatArray, FloatArray, list[tuple[float, float]]]]:
-    """(start, end, [(low, high) of each hole]) from one end of the line to the other."""
-    length = float(np.hypot(*(line.end_m - line.start_m)))
-    spans = [
-        (max(span[0], 0.0), min(span[1], length), tunnel)
-        for tunnel in tunnels
-        for end in tunnel.ends_m()
-        if (span := _span_on(line, end, length)) is not None
-    ]
-    stops = np.sort(np.array([0.0, length, *[s for span in spans for s in span[:2]]]))
-    stops = np.array(_distinct(stops))
+def _with_holes(lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> Iterator[WallLine]:
+    """The lines with the holes of all tunnels that end on them."""
+    ends = [(start, end, tunnel) for tunnel in tunnels for start, end in tunnel.ends_m()]
+    corners = np.array([[start, end] for start, end, _ in ends]).reshape(-1, 2, 2)
+    for line in lines:
+        along, off = _along_and_off(line.start_m, line.end_m, corners)
+        low, high, length = along.min(axis=1), along.max(axis=1), line.length_m
+        met = (off.max(axis=1) < _ON_LINE_M) & (high > _ON_LINE_M) & (low < length - _ON_LINE_M)
+        holes = tuple(
+            Hole(
+                max(float(low[index]), 0.0),
+                min(float(high[index]), length),
+                ends[index][2].low_m,
+                ends[index][2].high_m,
+            )
+            for index in np.flatnonzero(met)
+        )
+        yield replace(line, holes=holes)
+
+
+def _columns(line: WallLine) -> Iterator[tuple[FloatArray, FloatArray, list[Hole]]]:
+    """(start, end, holes) of the parts of a line, each with the same holes all along."""
+    length = line.length_m
+    stops = [0.0, length, *(stop for hole in line.holes for stop in (hole.from_m, hole.to_m))]
+    stops = _distinct(np.sort(np.array(stops)))
     stops[-1] = length
     unit = (line.end_m - line.start_m) / length
     for low, high in pairwise(stops):
-        middle = (low + high) / 2
-        holes = [(t.low_m, t.high_m) for first, last, t in spans if first < middle < last]
+        holes = [hole for hole in line.holes if hole.from_m < (low + high) / 2 < hole.to_m]
         yield line.start_m + unit * low, line.start_m + unit * high, holes
 
 
-def _span_on(
-    line: WallLine, end: tuple[FloatArray, FloatArray], length: float
-) -> tuple[float, float] | None:
-    along, off = _along_and_off(line.start_m, line.end_m, np.array(end))
-    low, high = float(along.min()), float(along.max())
-    on_line = float(off.max()) < _ON_LINE_M and high > _ON_LINE_M and low < length - _ON_LINE_M
-    return (low, high) if on_line else None
-
-
-def _free_heights(holes: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+def _free_heights(holes: Iterable[Hole]) -> list[tuple[float, float]]:
     """What is left of floor to ceiling between the holes."""
     free, height = [], 0.0
-    for low, high in sorted(holes):
-        if low > height:
-            free.append((height, low))
-        height = max(height, high)
+    for hole in sorted(holes, key=lambda hole: hole.low_m):
+        if hole.low_m > height:
+            free.append((height, hole.low_m))
+        height = max(height, hole.high_m)
     return [*free, (height, ROOM_HEIGHT_M)]

@@ -387,6 +387,13 @@ def test_same_graph_and_seed_give_the_same_bytes(
     } == set()  # fmt: skip
 
 
+def test_an_open_stage_sees_the_house_that_replaces_it(graph: SceneGraph, tmp_path: Path) -> None:
+    path = author_stage(graph, tmp_path / "house.usda", looks=()).path
+    opened = Usd.Stage.Open(str(path))
+    author_stage(replace(graph, rooms=graph.rooms[:1], items=(), openings=()), path, looks=())
+    assert len(opened.GetPrimAtPath("/House/Rooms").GetChildren()) == 1
+
+
 def test_a_different_house_gives_different_bytes(graph: SceneGraph, tmp_path: Path) -> None:
     first = author_stage(graph, tmp_path / "first.usda", looks=())
     fewer = replace(graph, items=graph.items[1:])

@@ -31,7 +31,7 @@ def door(at_m: tuple[float, float], yaw_deg: float, kind: str = "door") -> Openi
 
 
 def upright_faces(walls: Walls) -> list[Face]:
-    return [face for line in walls.lines for face in wall_faces(line, walls.tunnels.values())]
+    return [face for line in walls.lines for face in wall_faces(line)]
 
 
 def all_faces(walls: Walls) -> list[Face]:
