@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
     Outcome,
@@ -17,7 +18,9 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.files import write_atomic
-from chord_usd.types import Plan
+
+if TYPE_CHECKING:
+    from chord_usd.types import Plan
 
 
 def add(verbs: Verbs) -> None:
