@@ -36,7 +36,9 @@ def add(verbs: Verbs) -> None:
     _add_import(group)
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
     stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    split = add_verb(group, "split", run_split, "divide houses into training and test, by their names")
+    split = add_verb(
+        group, "split", run_split, "divide houses into training and test, by their names"
+    )
     split.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(split, "the split, a JSON file of names")
     draw = add_verb(group, "draw", run_draw, "draw layout rasters on one sheet, to look at")
