@@ -1,0 +1,78 @@
+"""A house on a stage, shared by the tests of the stages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from pxr import Gf, Kind, Usd, UsdGeom
+
+from chord_usd.stage.author import author_stage
+from chord_usd.types import Asset, Box, Item, Provenance, SceneGraph
+
+BLOCK_SIZE_M = (0.5, 0.4, 0.25)
+
+
+@pytest.fixture(scope="session")
+def block(tmp_path_factory: pytest.TempPathFactory) -> Asset:
+    """A component with its mesh behind a payload: a block that stands on the origin."""
+    folder = tmp_path_factory.mktemp("database") / "Block"
+    folder.mkdir()
+    length, width, height = BLOCK_SIZE_M
+    payload = Usd.Stage.CreateNew(str(folder / "payload.usda"))
+    UsdGeom.Xform.Define(payload, "/Block")
+    UsdGeom.Scope.Define(payload, "/Block/Geometry")
+    mesh = UsdGeom.Mesh.Define(payload, "/Block/Geometry/Body")
+    corners = [
+        Gf.Vec3f(x * length / 2, y * width / 2, z * height)
+        for z in (0, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]  # fmt: skip
+    mesh.CreatePointsAttr(corners)
+    mesh.CreateFaceVertexCountsAttr([4] * 6)
+    mesh.CreateFaceVertexIndicesAttr(
+        [3, 2, 1, 0, 4, 5, 6, 7, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7]
+    )
+    extent = [corners[0], corners[6]]
+    mesh.CreateExtentAttr(extent)
+    payload.SetDefaultPrim(payload.GetPrimAtPath("/Block"))
+    _set_units(payload)
+    payload.Save()
+    interface = Usd.Stage.CreateNew(str(folder / "Block.usda"))
+    root = UsdGeom.Xform.Define(interface, "/Block").GetPrim()
+    Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
+    UsdGeom.ModelAPI(root).SetExtentsHint(extent)
+    root.GetPayloads().AddPayload("./payload.usda")
+    interface.SetDefaultPrim(root)
+    _set_units(interface)
+    interface.Save()
+    return Asset("Block", "table", BLOCK_SIZE_M, folder / "Block.usda")
+
+
+def _set_units(stage: Usd.Stage) -> None:
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+
+
+@pytest.fixture(scope="session")
+def staged_graph(furnished_house: SceneGraph, block: Asset) -> SceneGraph:
+    """A furnished house; its first item that can carries two things, its last has no mesh."""
+    items = [replace(item, asset=block) for item in furnished_house.items]
+    items[-1] = replace(items[-1], asset=None)
+    cup = Item("cup", "coffee_cup", Box((0.1, 0.05, 0.4), (0.1, 0.1, 0.1), 45.0), asset=block)
+    book = Item("book", "lying_book", Box((-0.1, 0.0, 0.4), (0.15, 0.2, 0.03), 0.0), asset=block)
+    at = next(n for n, item in enumerate(items) if item.category == "bedside_table")
+    items[at] = replace(items[at], children=(cup, book))
+    made = Provenance(input_hash="cafe", seed=5, configuration={"steps": 20})
+    return replace(furnished_house, items=tuple(items), provenance=made)
+
+
+@pytest.fixture(scope="session")
+def staged_house(staged_graph: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("stage") / "house.usda"
+    return author_stage(staged_graph, path, seed=3).path
+
+
+@pytest.fixture
+def stage(staged_house: Path) -> Usd.Stage:
+    return Usd.Stage.Open(str(staged_house))
