@@ -35,6 +35,13 @@ class Directions:
     of_segment: npt.NDArray[np.intp]
     """(S,) index into angles_deg."""
 
+    def weight(self, angle_deg: float) -> float:
+        """Length of wall in a direction, as a share of that in the most frequent one; [0, 1]."""
+        lengths = np.hypot(*(self.segments[:, 2:] - self.segments[:, :2]).T)
+        totals = np.bincount(self.of_segment, lengths, minlength=len(self.angles_deg))
+        own = totals[self.angles_deg == angle_deg].sum()
+        return float(own / totals.max()) if totals.size and totals.max() > 0.0 else 1.0
+
     def near(self, point: FloatArray) -> list[float]:
         """All directions, that of the side nearest to an upright point (2,) first."""
         if not len(self.segments):

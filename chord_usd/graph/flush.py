@@ -1,7 +1,8 @@
 """The last half pixel: items stand flush with walls and beside each other, not inside.
 
 A raster gives edges to half a pixel, about three centimetres. An edge that close to a wall of its
-room is on it, and neighbours that overlap by less than that touch. Metres, world axes.
+room is on it. Boxes around torn patches stand out farther, into walls and neighbours; there they
+are cut back. Metres, world axes.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from shapely.geometry import Polygon
 
 from chord_usd.graph.rectangles import Rectangle, fold_deg
 from chord_usd.types import Box, FloatArray
@@ -17,6 +19,14 @@ from chord_usd.units import wrap_deg
 
 ALIGN_DEG = 4.0
 """Items this close to the direction of the nearest side of their room are along it."""
+
+OVERLAP_SHARE = 0.35
+"""Neighbours that overlap by less than this share of their smaller sides are moved apart: pixels
+belong to one item only. Deeper overlaps are meant, as of a chair pushed under a table."""
+
+_OUT_SHARE = 0.005
+"""Share of a footprint that may lie out of its room."""
+_STEPS = 24
 
 _PARALLEL_DEG = 0.2
 _TURN_EPSILON_DEG = 1e-6
@@ -96,28 +106,62 @@ def flush_with_walls(standing: Standing, polygon_m: FloatArray, reach_m: float) 
     return replace(standing, rectangle=moved)
 
 
-def part(standings: Sequence[Standing], reach_m: float) -> list[Standing]:
-    """Neighbours of one direction that overlap by less than reach_m share the overlap and touch."""
+def pull_into(standing: Standing, polygon_m: FloatArray) -> Standing:
+    """Cut off what stands out of the room, edge by edge, each time the cut that costs least."""
+    room = Polygon(polygon_m)
+    rectangle = standing.rectangle
+    for _ in range(4):
+        if _out_share(rectangle, room) <= _OUT_SHARE:
+            break
+        cuts = [_cut(rectangle, name, room) for name in ("u0", "u1", "v0", "v1")]
+        rectangle = max(cuts, key=lambda cut: (cut[0], cut[1].area_px))[1]
+    return replace(standing, rectangle=rectangle)
+
+
+def _cut(rectangle: Rectangle, name: str, room: Polygon) -> tuple[bool, Rectangle]:
+    """One edge moved in by the least that puts the rest into the room, half way at most.
+
+    Also whether that does it.
+    """
+    opposite = name[0] + ("1" if name[1] == "0" else "0")
+    start, limit = getattr(rectangle, name), getattr(rectangle, opposite)
+    for step in range(1, _STEPS + 1):
+        place = start + (limit - start) * 0.5 * step / _STEPS
+        cut = replace(rectangle, **{name: place})
+        if _out_share(cut, room) <= _OUT_SHARE:
+            return True, cut
+    return False, cut
+
+
+def _out_share(rectangle: Rectangle, room: Polygon) -> float:
+    shape = Polygon(rectangle.corners_px() * (1.0, -1.0))
+    return float(shape.difference(room).area / max(shape.area, 1e-9))
+
+
+def part(standings: Sequence[Standing]) -> list[Standing]:
+    """Neighbours of one direction that overlap a little share the overlap and touch."""
     result = list(standings)
     for i in range(len(result)):
         for j in range(i + 1, len(result)):
             turns = fold_deg(result[i].rectangle.angle_deg - result[j].rectangle.angle_deg)
             if abs(turns) < _TURN_EPSILON_DEG:
-                result[i], result[j] = _parted(result[i], result[j], reach_m)
+                result[i], result[j] = _parted(result[i], result[j])
     return result
 
 
-def _parted(first: Standing, second: Standing, reach_m: float) -> tuple[Standing, Standing]:
+def _parted(first: Standing, second: Standing) -> tuple[Standing, Standing]:
     depths = []
     for axis in (0, 1):
         (a0, a1), (b0, b1) = _span(first.rectangle, axis), _span(second.rectangle, axis)
         depths += [(a1 - b0, axis, True), (b1 - a0, axis, False)]
     depth, axis, first_below = min(depths)
-    if not 0.0 < depth <= reach_m:
+    lower, upper = (first, second) if first_below else (second, first)
+    below, above = _span(lower.rectangle, axis), _span(upper.rectangle, axis)
+    reach = OVERLAP_SHARE * min(below[1] - below[0], above[1] - above[0])
+    if not 0.0 < depth <= reach:
         return first, second
     names = (("u0", "u1"), ("v0", "v1"))[axis]
-    lower, upper = (first, second) if first_below else (second, first)
-    middle = (_span(lower.rectangle, axis)[1] + _span(upper.rectangle, axis)[0]) / 2
+    middle = (below[1] + above[0]) / 2
     lower = replace(lower, rectangle=replace(lower.rectangle, **{names[1]: middle}))
     upper = replace(upper, rectangle=replace(upper.rectangle, **{names[0]: middle}))
     return (lower, upper) if first_below else (upper, lower)

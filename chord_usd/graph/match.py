@@ -11,7 +11,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.graph.flush import Standing, align, flush_with_walls, part
+from chord_usd.graph.flush import Standing, align, flush_with_walls, part, pull_into
 from chord_usd.graph.snap import FoundItem
 from chord_usd.palette import category
 from chord_usd.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
@@ -107,11 +107,8 @@ def _room_of(box: Box, floors: Sequence[Polygon], m_per_px: float) -> int | None
 
 def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: float) -> list[Item]:
     reach_m = FLUSH_PX * m_per_px
-    standings = [
-        flush_with_walls(align(Standing.of(box), room.polygon_m), room.polygon_m, reach_m)
-        for _, box in found
-    ]
-    standings = part(standings, reach_m)
+    standings = [_settled(Standing.of(box), room, reach_m) for _, box in found]
+    standings = part(standings)
     placed = [
         (one, standing.on(box)) for (one, box), standing in zip(found, standings, strict=True)
     ]
@@ -123,6 +120,11 @@ def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: floa
         items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
         counts[name] += 1
     return items
+
+
+def _settled(standing: Standing, room: Room, reach_m: float) -> Standing:
+    aligned = align(standing, room.polygon_m)
+    return pull_into(flush_with_walls(aligned, room.polygon_m, reach_m), room.polygon_m)
 
 
 def _order(one: FoundItem, box: Box) -> tuple[int, float, float]:

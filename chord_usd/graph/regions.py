@@ -35,8 +35,9 @@ _OTHER_ITEM_WEIGHT = 0.6
 
 _WRONG_MARK_COST = 0.5
 _LOST_MARK_COST = 0.25
-_PIECE_COST = 1.0
-"""Cost of each further piece, in pixels: the simplest explanation wins."""
+_PIECE_COST, _PIECE_SHARE = 1.0, 0.15
+"""Cost of each further piece, in pixels and as a share of what one piece leaves unexplained: the
+simplest explanation wins, and torn edges are no reason for more pieces."""
 _ODD_SIZE_COST = 4.0
 """Cost of a piece shorter or longer, or narrower or wider, than pieces of its category are."""
 _ODD_SHARE = (0.65, 1.3)
@@ -44,6 +45,13 @@ _ODD_SHARE = (0.65, 1.3)
 
 _GOOD_SHARE = 0.02
 """An explanation that errs on a smaller share of the pixels needs no rival."""
+
+_RARE_SHARE = 0.05
+"""Cost, as a share of the pixels, of a direction that hardly any wall has."""
+_CLEAR_SHARE = 0.05
+"""A rectangle that errs on a smaller share of the pixels is drawn clearly."""
+_LEAST_FREE_PX = 60
+"""Fewer pixels have no direction of their own."""
 
 _LEAST_MARK_OVERLAP = 0.2
 
@@ -119,6 +127,7 @@ def explain(
     """The pieces a patch is made of, and the cost of the explanation in pixels."""
     best = [_single(patch, directions)]
     cost = _cost(patch, best)
+    further = _PIECE_COST + _PIECE_SHARE * cost
     blobs = _mark_blobs(patch)
     if cost <= _GOOD_SHARE * patch.size and len(blobs) < 2:
         return best, cost
@@ -130,15 +139,16 @@ def explain(
         rivals.append(_split_by_proposals(patch, proposals, best[0].rectangle.angle_deg))
     rivals += [_refit(patch, rival) for rival in rivals if rival]
     for rival in rivals:
-        if rival and _cost(patch, rival) < cost:
-            best, cost = rival, _cost(patch, rival)
+        rival_cost = _cost(patch, rival) + further * (len(rival) - 1)
+        if rival and rival_cost < cost:
+            best, cost = rival, rival_cost
     return best, drawing_cost(patch, best)
 
 
 def _cost(patch: Patch, pieces: Sequence[Piece]) -> float:
     """Drawing cost plus what makes an explanation unlikely by itself."""
     odd = sum(patch.usual_px.odd_sides(piece) for piece in pieces)
-    return drawing_cost(patch, pieces) + _PIECE_COST * (len(pieces) - 1) + _ODD_SIZE_COST * odd
+    return drawing_cost(patch, pieces) + _ODD_SIZE_COST * odd
 
 
 def drawing_cost(patch: Patch, pieces: Sequence[Piece]) -> float:
@@ -167,23 +177,29 @@ def uncovered(patch: Patch, pieces: Sequence[Piece]) -> BoolArray:
 
 
 def fit(evidence: Evidence, directions: Directions) -> Rectangle:
-    """The rectangle of some pixels: along a wall's direction if that explains them as well."""
-    low, high = evidence.members.min(axis=0) - 0.5, evidence.members.max(axis=0) + 0.5
+    """The rectangle of some pixels, along a wall's direction.
+
+    Torn patches are often a little rounder than they should be, which a slanted rectangle suits
+    well: only pixels that draw a direction of their own clearly are given it.
+    """
+    members = evidence.members
+    low, high = members.min(axis=0) - 0.5, members.max(axis=0) + 0.5
     box = Rectangle(0.0, low[0], high[0], low[1], high[1])
-    if round(box.area_px) == len(evidence.members):
+    if round(box.area_px) == len(members):
         return box
-    angles = directions.near(evidence.members.mean(axis=0))
+    angles = directions.near(members.mean(axis=0))
     fitted = [fit_at_angle(evidence, angle) for angle in angles]
-    costs = [evidence.cost(rectangle) for rectangle in fitted]
-    slack = 0.5 + 0.01 * len(evidence.members)
-    if min(costs) <= slack:
-        return fitted[next(i for i, cost in enumerate(costs) if cost <= min(costs) + slack)]
-    free = fit_free(evidence)
-    free_cost = evidence.cost(free)
-    for rectangle, cost in zip(fitted, costs, strict=True):
-        if cost <= free_cost + 1.0 + 0.03 * len(evidence.members):
-            return rectangle
-    return free
+    costs = np.array([evidence.cost(rectangle) for rectangle in fitted])
+    slack, clear = 0.5 + 0.01 * len(members), 1.0 + _CLEAR_SHARE * len(members)
+    if costs.min() <= clear:
+        # Nearer walls come first.
+        return fitted[int(np.flatnonzero(costs <= costs.min() + slack)[0])]
+    if len(members) >= _LEAST_FREE_PX:
+        free = fit_free(evidence)
+        if evidence.cost(free) <= min(clear, 0.5 * float(costs.min())):
+            return free
+    rare = np.array([1.0 - directions.weight(angle) for angle in angles])
+    return fitted[int(np.argmin(costs + _RARE_SHARE * len(members) * rare))]
 
 
 def mark_fits(rectangle: Rectangle, marked: FloatArray) -> FloatArray:

@@ -33,7 +33,7 @@ LEAST_SHARE = 0.35
 LEAST_SHARE_SEEN = 0.15
 """...unless the detector proposes a piece there: then they may be this small."""
 
-LEAST_FIT = 0.3
+LEAST_FIT = 0.1
 """Pieces that the pixels bear out worse, [0, 1], are noise unless the detector has them."""
 LEAST_SIDE_SHARE = 0.4
 """So are pieces with a side shorter than this share of the smallest usual one, less a pixel."""

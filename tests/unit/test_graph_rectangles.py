@@ -137,9 +137,7 @@ def test_neighbours_never_overlap_and_are_not_pulled_together(gap: float) -> Non
     ]
     moved = [
         standing.on(box)
-        for standing, box in zip(
-            part([Standing.of(box) for box in boxes], 0.05), boxes, strict=True
-        )
+        for standing, box in zip(part([Standing.of(box) for box in boxes]), boxes, strict=True)
     ]
     first, second = (footprint_polygon(box) for box in moved)
     assert first.intersection(second).area < 1e-9
