@@ -75,7 +75,7 @@ def align(standing: Standing, polygon_m: FloatArray) -> Standing:
         angle = _direction_deg(sides[side])
         turn = fold_deg(old.angle_deg - angle)
         if abs(turn) <= ALIGN_DEG:
-            return standing if abs(turn) < _TURN_EPSILON_DEG else _turned(standing, -turn)
+            return _turned(standing, -turn) if turn else standing
     return standing
 
 
