@@ -6,7 +6,7 @@ and where two rooms of one kind touch without a wall, they are one room.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -62,7 +62,30 @@ def decode_plan(image: PlanImage | ByteArray, m_per_px: float | None = None) -> 
     rooms = _rooms(outlines, polygons, frame)
     room_ids = [room.id for room in rooms]
     openings = read_openings(bars, polygons, room_ids, thickness_px, frame)
-    return Plan(rooms, openings, placement(frame))
+    plan = Plan(rooms, openings, placement(frame))
+    return _without_courts(plan) if ink.is_shaded else plan
+
+
+def _without_courts(plan: Plan) -> Plan:
+    """Without white areas of a shaded plan that only windows look onto: those are outside."""
+    entered = {i for o in plan.openings if o.kind != "window" for i in o.room_ids}
+    looked_onto = {i for o in plan.openings if o.kind == "window" for i in o.room_ids}
+    courts = {
+        room.id
+        for room in plan.rooms
+        if room.kind == "unknown" and room.id in looked_onto - entered
+    }
+    if len(courts) == len(plan.rooms):
+        return plan
+    openings = tuple(
+        replace(opening, room_ids=tuple(i for i in opening.room_ids if i not in courts))
+        for opening in plan.openings
+    )
+    return replace(
+        plan,
+        rooms=tuple(room for room in plan.rooms if room.id not in courts),
+        openings=openings,
+    )
 
 
 def _frame(image: PlanImage | ByteArray, ink: Ink, m_per_px: float | None) -> PixelFrame:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.gaps import Gap, close_gaps, find_gaps, find_swings
+from chord_usd.plan.gaps import Gap, close_gaps, find_gaps
 from chord_usd.plan.ink import border_values
 from chord_usd.plan.openings import Bar, read_openings
 from chord_usd.plan.placement import placement
@@ -103,7 +103,7 @@ class _Reading:
 
 
 def _read(strokes: Strokes, m_per_px: float | None) -> _Reading:
-    gaps = find_swings(_parting_gaps(strokes, find_gaps(strokes)), strokes)
+    gaps = _parting_gaps(strokes, find_gaps(strokes))
     m_per_px = m_per_px or _measure_scale(strokes, gaps)
     gaps = _without_open_plan(strokes, gaps, m_per_px)
     regions = _regions(strokes, gaps)
@@ -143,7 +143,8 @@ def _regions(strokes: Strokes, gaps: list[Gap]) -> Labels:
     open_air = border_values(labels)
     reached = np.isin(np.arange(labels.max() + 1), open_air[open_air > 0])[labels]
     outside = cv2.dilate(reached.astype(np.uint8), _BLOCK) > 0
-    side = max(round(0.5 * strokes.thickness_px), 3)
+    # Odd, so that opening does not shift the region.
+    side = 2 * max(round(0.25 * strokes.thickness_px), 1) + 1
     square = np.ones((side, side), np.uint8)
     inside = cv2.morphologyEx((~closed & ~outside).astype(np.uint8), cv2.MORPH_OPEN, square)
     count, labels = cv2.connectedComponents(inside, connectivity=4)
@@ -161,7 +162,7 @@ def _sides(gap: Gap, regions: Labels) -> tuple[int, int]:
     along = np.linspace(0.25, 0.75, 7) * gap.length_px
     found = []
     for side in (-1.0, 1.0):
-        beside = side * (gap.width_px / 2 + np.array([1.5, 3.0]))
+        beside = side * (gap.width_px / 2 + np.array([2.5, 4.5]))
         points = gap.start + gap.along * along[:, None, None] + gap.across * beside[None, :, None]
         columns = points[..., 0].astype(int).clip(0, regions.shape[1] - 1).ravel()
         rows = points[..., 1].astype(int).clip(0, regions.shape[0] - 1).ravel()
@@ -180,8 +181,11 @@ def _without_open_plan(strokes: Strokes, gaps: list[Gap], m_per_px: float) -> li
     regions = _regions(strokes, gaps)
     kept = []
     for gap in gaps:
-        empty = not (gap.has_pane or gap.has_arc or gap.has_leaf)
-        if empty and gap.length_px * m_per_px > _LARGEST_PASSAGE_M and all(_sides(gap, regions)):
+        if (
+            gap.is_empty
+            and gap.length_px * m_per_px > _LARGEST_PASSAGE_M
+            and all(_sides(gap, regions))
+        ):
             continue
         kept.append(gap)
     return _parting_gaps(strokes, kept)
@@ -218,7 +222,9 @@ def _measure_scale(strokes: Strokes, gaps: list[Gap]) -> float:
         [g for g in gaps if g.has_leaf and not g.has_pane],
     ):
         if len(doors) >= _ENOUGH_DOORS:
-            return _USUAL_DOOR_M / float(np.median([gap.length_px for gap in doors]))
+            # Wider ones are double doors, or lead to a balcony.
+            lengths_px = [gap.length_px for gap in doors]
+            return _USUAL_DOOR_M / float(np.percentile(lengths_px, 25))
     return WALL_THICKNESS_M / strokes.thickness_px
 
 

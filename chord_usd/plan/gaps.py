@@ -17,6 +17,9 @@ from chord_usd.types import BoolArray, ByteArray, FloatArray
 _END_WIDTHS = (0.3, 2.2)
 """A wall ends in an edge so many usual wall thicknesses long."""
 
+_SHORTEST_FLANK = 0.25
+"""The faces beside a wall's end are at least this share of its thickness long."""
+
 _EMPTY_REACH = 12.0
 _DRAWN_REACH = 22.0
 """A gap is at most so many wall thicknesses long; longer if something is drawn all along it."""
@@ -27,7 +30,9 @@ _MOST_ENDS = 1000
 """A drawing with more wall ends is no plan."""
 
 _AXIS_SINE = 0.17
-"""Walls within 10 degrees of an axis run along it."""
+"""Walls within 10 degrees of an axis run along it; long ones are sure of a tenth of that."""
+
+_LONG_FLANK = 2.5
 
 _PANE_SHARE = 0.7
 """A window or sliding door is drawn along at least so much of its gap."""
@@ -57,6 +62,11 @@ class Gap:
     """The arc along which a door swings is drawn beside it."""
 
     @property
+    def is_empty(self) -> bool:
+        """Nothing is drawn at it."""
+        return not (self.has_pane or self.has_leaf or self.has_arc)
+
+    @property
     def across(self) -> FloatArray:
         return np.array([-self.along[1], self.along[0]])
 
@@ -81,29 +91,27 @@ class Gap:
 
 
 def find_gaps(strokes: Strokes) -> list[Gap]:
-    """Every stretch that may be an opening, the shortest first."""
+    """Every stretch that may be an opening: drawn ones first, then the shortest.
+
+    None crosses another: of two that do, the later one sees through a door.
+    """
     panes = strokes.ink & ~strokes.wall
+    drawn = cv2.dilate(strokes.thin.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     found = [_gap_before(end, strokes, panes) for end in _wall_ends(strokes)]
+    candidates = [_with_swing(gap, drawn) for gap in found if gap is not None]
     gaps: list[Gap] = []
     taken: list[Polygon] = []
-    for gap in sorted((g for g in found if g is not None), key=lambda gap: gap.length_px):
+    for gap in sorted(candidates, key=lambda gap: (gap.is_empty, gap.length_px)):
         shape = Polygon(gap.corners)
-        # The wall ends on both sides of a gap both see it; a longer one that crosses it sees
-        # through a door.
         if not any(shape.intersects(other) for other in taken):
             gaps.append(gap)
             taken.append(shape)
     return gaps
 
 
-def find_swings(gaps: Sequence[Gap], strokes: Strokes) -> list[Gap]:
-    """The same gaps, each looked at for the leaf or the arc of a door."""
-    drawn = cv2.dilate(strokes.thin.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    swings = [_swing_shares(gap, drawn) for gap in gaps]
-    return [
-        replace(gap, has_arc=arc >= _SWING_SHARE, has_leaf=leaf >= _SWING_SHARE)
-        for gap, (arc, leaf) in zip(gaps, swings, strict=True)
-    ]
+def _with_swing(gap: Gap, drawn: BoolArray) -> Gap:
+    arc, leaf = _swing_shares(gap, drawn)
+    return replace(gap, has_arc=arc >= _SWING_SHARE, has_leaf=leaf >= _SWING_SHARE)
 
 
 def close_gaps(wall: BoolArray, gaps: Sequence[Gap]) -> BoolArray:
@@ -131,7 +139,7 @@ def _wall_ends(strokes: Strokes) -> list[_End]:
     )
     ends = []
     for contour in contours:
-        corners = cv2.approxPolyDP(contour, 1.0 + 0.15 * strokes.thickness_px, closed=True)
+        corners = cv2.approxPolyDP(contour, 1.0 + 0.1 * strokes.thickness_px, closed=True)
         if len(corners) >= 4:
             ends += _ends_of(corners.reshape(-1, 2) + 0.5, strokes)
     return ends if len(ends) <= _MOST_ENDS else []
@@ -149,10 +157,11 @@ def _ends_of(corners: FloatArray, strokes: Strokes) -> list[_End]:
         before, after = index - 1, (index + 1) % len(units)
         # The wall's direction shows in its long faces, not in its short end.
         flank = units[before] if lengths[before] >= lengths[after] else -units[after]
-        outward = _upright(flank)
+        is_long = max(lengths[before], lengths[after]) > _LONG_FLANK * widths[index]
+        outward = _upright(flank, _AXIS_SINE / 10 if is_long else _AXIS_SINE)
         if units[before] @ outward < 0.8 or units[after] @ outward > -0.8:
             continue
-        if max(lengths[before], lengths[after]) < 0.5 * widths[index]:
+        if max(lengths[before], lengths[after]) < _SHORTEST_FLANK * widths[index]:
             continue
         middle = corners[index] + edges[index] / 2
         if not _value_at(strokes.wall, middle + 2.5 * outward):
@@ -161,10 +170,10 @@ def _ends_of(corners: FloatArray, strokes: Strokes) -> list[_End]:
     return ends
 
 
-def _upright(direction: FloatArray) -> FloatArray:
-    """The direction, along an axis if it nearly is."""
+def _upright(direction: FloatArray, slack: float) -> FloatArray:
+    """The direction, along an axis if its sine to that is no more than slack."""
     axis = int(np.argmax(np.abs(direction)))
-    if abs(direction[1 - axis]) > _AXIS_SINE:
+    if abs(direction[1 - axis]) > slack:
         return direction
     snapped = np.zeros(2)
     snapped[axis] = np.sign(direction[axis])

@@ -28,6 +28,13 @@ _ELONGATED = 4.0
 _THINNEST_WALL = 0.35
 """Inner walls are at least this share of the usual wall's thickness."""
 
+_SHORTEST_WALL = 2.5
+"""Loose pieces shorter than so many thicknesses are symbols or letters, unless they are piers."""
+
+_SHORTEST_PIER = 0.75
+_PIER_FILL = 0.7
+"""What is left of a wall between two openings fills its bounds, even at a corner."""
+
 
 @dataclass(frozen=True, eq=False)
 class Strokes:
@@ -106,7 +113,9 @@ def _thick_parts(ink: BoolArray, thickness_px: float) -> BoolArray:
     side = max(round(_THINNEST_WALL * thickness_px), _LEAST_WALL_PX)
     opened = cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, np.ones((side, side), np.uint8))
     count, labels, stats, _ = cv2.connectedComponentsWithStats(opened, connectivity=8)
-    extent = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
-    keep = extent >= 2.5 * thickness_px
+    width, height = stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]
+    extent, area = np.maximum(width, height), stats[:, cv2.CC_STAT_AREA]
+    is_pier = (extent >= _SHORTEST_PIER * thickness_px) & (area >= _PIER_FILL * width * height)
+    keep = (extent >= _SHORTEST_WALL * thickness_px) | is_pier
     keep[0] = False
     return np.asarray(keep[labels]) if count > 1 else np.zeros(ink.shape, bool)
