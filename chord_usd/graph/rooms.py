@@ -15,7 +15,7 @@ from shapely.geometry import LineString, Point
 
 from chord_usd.errors import SceneError
 from chord_usd.geometry import room_polygon
-from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels
+from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels, read_pixels
 from chord_usd.graph.detect import RoomProposal
 from chord_usd.palette import PLAN_CATEGORIES, ROOM_SHADES, category
 from chord_usd.types import (
@@ -23,6 +23,7 @@ from chord_usd.types import (
     BoolArray,
     Box,
     FloatArray,
+    LayoutImage,
     Opening,
     OpeningKind,
     PixelFrame,
@@ -54,14 +55,15 @@ _SURE = 0.1
 """Least confidence times overlap with the room at which the network's word for it is taken."""
 
 
-def bare_plan(pixels: LayoutPixels, frame: PixelFrame) -> PlanImage:
+def bare_plan(layout: LayoutImage) -> PlanImage:
     """The plan raster under a layout: the same picture without its items."""
+    pixels = read_pixels(layout.rgb)
     shades = np.array(list(ROOM_SHADES.values()), dtype=np.uint8)
     rgb = shades[pixels.shade]
     for name, label in _CLASSES.items():
         rgb[pixels.structure == label] = category(name).rgb
     rgb.setflags(write=False)
-    return PlanImage(rgb, frame)
+    return PlanImage(rgb, layout.frame)
 
 
 def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:
