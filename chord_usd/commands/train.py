@@ -115,5 +115,5 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     with watch.step("train") as progress:
         scores = train_detector(options.kind, options.output, config, resumed, progress)
     data = {"checkpoint": str(options.output), "resumed": resumed, "scores": scores.as_dict()}
-    told = ", ".join(f"{name} {value}" for name, value in scores.as_dict().items())
-    return Outcome(f"{options.output}: {told}", data)
+    text = f"mAP50 {scores.map50:.3f}, n = {scores.truths} {options.kind} in {scores.houses} houses"
+    return Outcome(f"{options.output}: {text}", data)
