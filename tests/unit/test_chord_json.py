@@ -161,7 +161,7 @@ def assert_same(first: Any, second: Any) -> None:
         assert first == second
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(scenes())
 def test_a_scene_comes_back_as_it_was_written(scene: SceneGraph) -> None:
     text = json_text(scene_to_json(scene))
@@ -170,7 +170,7 @@ def test_a_scene_comes_back_as_it_was_written(scene: SceneGraph) -> None:
     assert json_text(scene_to_json(again)) == text
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=20)
 @given(scenes())
 def test_a_plan_comes_back_as_it_was_written(scene: SceneGraph) -> None:
     text = json_text(plan_to_json(scene.plan))
