@@ -34,7 +34,7 @@ endef
 
 house: setup
 	$(BIN)/chord-usd generate $(PLAN) -o out/house.usda --layout-out out/layout.png --preview out/plan.png
-	$(BIN)/chord-usd render out/house.usda -o out/pictures --camera LivingRoom_0 --camera Top --samples 32 --resolution 960x540
+	$(BIN)/chord-usd render out/house.usda -o out/pictures $(CAMERAS:%=--camera %) --samples 32 --resolution 960x540
 
 test: setup
 	$(BIN)/python -m pytest tests/unit tests/step tests/end_to_end

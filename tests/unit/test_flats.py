@@ -196,7 +196,11 @@ def test_plans_survive_keeping(tmp_path, plan):
     assert floors[0] == pytest.approx(floors[1])
 
 
-@pytest.mark.parametrize("content", [b"", b"not gzip", gzip.compress(b"{]"), gzip.compress(b"[1]")])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"not gzip", gzip.compress(b"{]"), gzip.compress(b"[1]")],
+    ids=["empty", "not gzip", "not JSON", "not a flat"],
+)
 def test_what_is_no_file_of_flats_is_refused(tmp_path, content):
     path = tmp_path / "flats.jsonl.gz"
     path.write_bytes(content)
