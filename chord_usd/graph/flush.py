@@ -7,7 +7,7 @@ are cut back. Metres, world axes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,6 +29,7 @@ _OUT_SHARE = 0.005
 _STEPS = 24
 
 _PARALLEL_DEG = 0.2
+_TOUCH_M2 = 1e-5
 _TURN_EPSILON_DEG = 1e-6
 
 
@@ -79,31 +80,51 @@ def align(standing: Standing, polygon_m: FloatArray) -> Standing:
     return standing
 
 
-def flush_with_walls(standing: Standing, polygon_m: FloatArray, reach_m: float) -> Standing:
-    """Move each edge within reach_m of a parallel side of the room onto it."""
-    edges: dict[str, float] = {}
-    rectangle = standing.rectangle
+def flush_with_walls(
+    standing: Standing,
+    polygon_m: FloatArray,
+    reach_m: float,
+    others: Sequence[Standing] = (),
+) -> Standing:
+    """Move each edge within reach_m of a parallel side of the room onto it.
+
+    Not where one of the others stands in between, as a headboard panel behind a bed.
+    """
+    moved = standing.rectangle
+    blocked = [_outline(other.rectangle) for other in others]
+    for name, place in _walls_near(moved, polygon_m, reach_m):
+        trial = replace(moved, **{name: place})
+        if min(trial.u1 - trial.u0, trial.v1 - trial.v0) < reach_m / 2:
+            continue
+        gained = _outline(trial).difference(_outline(moved))
+        if all(gained.intersection(other).area < _TOUCH_M2 for other in blocked):
+            moved = trial
+    return replace(standing, rectangle=moved)
+
+
+def _walls_near(
+    rectangle: Rectangle, polygon_m: FloatArray, reach_m: float
+) -> Iterator[tuple[str, float]]:
+    """Edges of a rectangle and the places of parallel sides of the room that they nearly lie on."""
     local = rectangle.local(polygon_m)
     for start, stop in zip(local, np.roll(local, -1, axis=0), strict=True):
         for axis, names in ((0, ("u0", "u1")), (1, ("v0", "v1"))):
-            slope = abs(stop[axis] - start[axis])
-            span = abs(stop[1 - axis] - start[1 - axis])
-            if slope > span * np.tan(np.radians(_PARALLEL_DEG)):
-                continue
+            slope, span = abs(stop - start)[[axis, 1 - axis]]
             low, high = sorted((start[1 - axis], stop[1 - axis]))
             near, far = _span(rectangle, 1 - axis)
-            if min(high, far) - max(low, near) < 0.3 * (far - near):
+            is_parallel = slope <= span * np.tan(np.radians(_PARALLEL_DEG))
+            if not is_parallel or min(high, far) - max(low, near) < 0.3 * (far - near):
                 continue
             # Counter-clockwise: the room lies to the left of its sides.
             upper = (stop[1 - axis] > start[1 - axis]) == (axis == 0)
             name = names[int(upper)]
             place = float(start[axis] + stop[axis]) / 2
             if abs(place - getattr(rectangle, name)) <= reach_m:
-                edges[name] = place
-    moved = replace(rectangle, **edges)
-    if moved.u1 - moved.u0 < reach_m / 2 or moved.v1 - moved.v0 < reach_m / 2:
-        return standing
-    return replace(standing, rectangle=moved)
+                yield name, place
+
+
+def _outline(rectangle: Rectangle) -> Polygon:
+    return Polygon(rectangle.corners_px() * (1.0, -1.0))
 
 
 def pull_into(standing: Standing, polygon_m: FloatArray) -> Standing:
@@ -134,7 +155,7 @@ def _cut(rectangle: Rectangle, name: str, room: Polygon) -> tuple[bool, Rectangl
 
 
 def _out_share(rectangle: Rectangle, room: Polygon) -> float:
-    shape = Polygon(rectangle.corners_px() * (1.0, -1.0))
+    shape = _outline(rectangle)
     return float(shape.difference(room).area / max(shape.area, 1e-9))
 
 

@@ -107,7 +107,11 @@ def _room_of(box: Box, floors: Sequence[Polygon], m_per_px: float) -> int | None
 
 def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: float) -> list[Item]:
     reach_m = FLUSH_PX * m_per_px
-    standings = [_settled(Standing.of(box), room, reach_m) for _, box in found]
+    standings = [align(Standing.of(box), room.polygon_m) for _, box in found]
+    for index, standing in enumerate(standings):
+        others = standings[:index] + standings[index + 1 :]
+        flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
+        standings[index] = pull_into(flush, room.polygon_m)
     standings = part(standings)
     placed = [
         (one, standing.on(box)) for (one, box), standing in zip(found, standings, strict=True)
@@ -120,11 +124,6 @@ def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: floa
         items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
         counts[name] += 1
     return items
-
-
-def _settled(standing: Standing, room: Room, reach_m: float) -> Standing:
-    aligned = align(standing, room.polygon_m)
-    return pull_into(flush_with_walls(aligned, room.polygon_m, reach_m), room.polygon_m)
 
 
 def _order(one: FoundItem, box: Box) -> tuple[int, float, float]:
