@@ -52,10 +52,11 @@ def polygon_from_mask(mask: BoolArray | ByteArray, noise_px: float = 0.0) -> Flo
     region = largest_region(whole[y : y + height, x : x + width] != 0)
     outline = _crack_outline(region)
     edges = _fit_edges(_Cracks(outline, noise_px))
-    polygon = Polygon(_corners(outline, edges))
-    if not polygon.is_valid or _differs(polygon, outline, noise_px):
+    corners = _corners(outline, edges)
+    if not _is_outline(corners, outline, noise_px):
         # Lines that meet where no corner is: keep to corners on the pixel grid.
-        polygon = Polygon(_grid_corners(outline))
+        corners = _grid_corners(outline).astype(np.float64)
+    polygon = Polygon(corners)
     if not polygon.is_valid:
         # A region that touches itself at a grid point; a hair less does not.
         polygon = max(polygons_of(polygon.buffer(-_HAIR_PX)), key=lambda part: part.area)
@@ -63,12 +64,14 @@ def polygon_from_mask(mask: BoolArray | ByteArray, noise_px: float = 0.0) -> Flo
     return corners + np.array([x, y])
 
 
-def _differs(polygon: Polygon, outline: IntArray, noise_px: float) -> bool:
-    """Whether the polygon strays from the outline by more than it may."""
-    strayed = LineString(np.concatenate([outline, outline[:1]])).hausdorff_distance(
-        polygon.exterior
-    )
-    return bool(strayed > 2.0 + 2 * noise_px)
+def _is_outline(corners: FloatArray, outline: IntArray, noise_px: float) -> bool:
+    """Whether these corners make a simple polygon that keeps close to the outline."""
+    if len(corners) < 3:
+        return False
+    polygon = Polygon(corners)
+    closed = LineString(np.concatenate([outline, outline[:1]]))
+    strayed = closed.hausdorff_distance(polygon.exterior)
+    return bool(polygon.is_valid and strayed <= 2.0 + 2 * noise_px)
 
 
 def largest_region(mask: BoolArray) -> BoolArray:
@@ -82,7 +85,7 @@ def largest_region(mask: BoolArray) -> BoolArray:
 
 
 def rotated_box_from_mask(mask: BoolArray | ByteArray) -> RotatedBox:
-    """The rectangle that a mask shows: by its moments, or its bounds where it fills them.
+    """The rectangle that a mask shows: its bounds where it fills them, else along its long axis.
 
     Raises ValueError for an empty mask.
     """
@@ -96,13 +99,16 @@ def rotated_box_from_mask(mask: BoolArray | ByteArray) -> RotatedBox:
         length, width = float(size.max()), float(size.min())
         angle = 0.0 if size[0] >= size[1] else 90.0
         return RotatedBox((float(center[0]), float(center[1])), length, width, angle)
-    points = np.stack([columns + 0.5, rows + 0.5])
-    # Centres of n pixels in a row vary by (n^2 - 1) / 12.
-    variances, axes = np.linalg.eigh(np.cov(points, bias=True) + np.eye(2) / 12)
-    width, length = np.sqrt(12 * variances)
+    points = np.stack([columns, rows], axis=1) + 0.5
+    middle = points.mean(axis=0)
+    axes = np.linalg.eigh(np.cov(points.T, bias=True))[1]
+    spread = (points - middle) @ axes
+    low, high = spread.min(axis=0), spread.max(axis=0)
+    middle = middle + axes @ (low + high) / 2
+    # The outermost centres of a row of pixels lie half a pixel inside its ends.
+    width, length = high - low + np.abs(axes).max(axis=0)
     angle = math.degrees(math.atan2(axes[1, 1], axes[0, 1])) % 180.0
-    center = points.mean(axis=1)
-    return RotatedBox((float(center[0]), float(center[1])), float(length), float(width), angle)
+    return RotatedBox((float(middle[0]), float(middle[1])), float(length), float(width), angle)
 
 
 # Cracks ------------------------------------------------------------------------------------------
@@ -227,14 +233,20 @@ class _Cracks:
         return line if missed <= max(excess, self.slack_px) + 0.1 else best
 
     def _lone_run(self, cracks: IntArray) -> IntArray | None:
-        """The cracks without the first and the last if these turn off, if all others are a run.
+        """The run that all cracks are of, but for the first and the last, or a few of very many.
 
         A run is a line along its axis, whatever slanted line could pass as well.
         """
-        turns = np.any(self.directions[cracks] != self.directions[cracks[len(cracks) // 2]], axis=1)
-        run = cracks[int(turns[0]) : len(cracks) - int(turns[-1])]
-        is_run = len(run) >= min(len(cracks), 2) and not turns[1:-1].any()
-        return run if is_run else None
+        middle = len(cracks) // 2
+        directions = self.directions[cracks]
+        turns = np.flatnonzero(np.any(directions != directions[middle], axis=1))
+        start = int(turns[turns < middle].max(initial=-1)) + 1
+        stop = int(turns[turns > middle].min(initial=len(cracks)))
+        ends_only = start <= 1 and stop >= len(cracks) - 1 and stop - start >= min(len(cracks), 2)
+        outward = self._outward[cracks[middle]]
+        strays = [np.abs(part @ outward).sum() for part in (directions[:start], directions[stop:])]
+        is_long = stop - start >= max(_LONG_RUN, 0.95 * len(cracks)) and max(strays) <= 1.0
+        return cracks[start:stop] if ends_only or is_long else None
 
     def edge(self, start: int, stop: int) -> _Edge:
         cracks = self.between(start, stop)
@@ -412,6 +424,9 @@ def _move_cuts(cracks: _Cracks, cuts: list[int]) -> list[int]:
         moved.append(int(near[np.argmin(distances)]))
     return moved
 
+
+_LONG_RUN = 20
+"""Cracks."""
 
 _RUN_AND_END = -0.9
 """Excess of a line along a run with one more crack at an end: good, but not clean."""

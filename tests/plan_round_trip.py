@@ -16,6 +16,9 @@ from chord_usd.plan.openings import BASE_AND_HEIGHT_M
 from chord_usd.types import Opening, Plan, RoomKind
 
 HALF_PX = 0.5
+SLANTED_PX = 0.8
+"""A wall that slants by a single pixel may be taken for one with a jog."""
+
 HALF_DIAGONAL_PX = HALF_PX * np.sqrt(2) + 1e-6
 
 
@@ -36,13 +39,18 @@ def assert_decoded(plan: Plan, decoded: Plan, m_per_px: float) -> None:
         assert found.kind == kind
         assert room_polygon(found).is_valid
         strayed = room_polygon(found).exterior.hausdorff_distance(shape.exterior) / m_per_px
-        assert strayed <= HALF_DIAGONAL_PX
+        assert strayed <= (HALF_DIAGONAL_PX if is_upright(shape) else SLANTED_PX)
     if some_merge(plan, m_per_px):
         return
     kinds = Counter(opening.kind for opening in plan.openings)
     assert kinds == Counter(opening.kind for opening in decoded.openings)
     for opening in plan.openings:
         assert_opening(opening, plan, decoded, m_per_px)
+
+
+def is_upright(shape: Polygon) -> bool:
+    edges = np.diff(np.asarray(shape.exterior.coords), axis=0)
+    return bool((np.abs(edges).min(axis=1) < 1e-6).all())
 
 
 def some_merge(plan: Plan, m_per_px: float) -> bool:
@@ -63,7 +71,7 @@ def assert_opening(opening: Opening, plan: Plan, decoded: Plan, m_per_px: float)
     strayed = np.abs(corners[:, None] - wanted).max(axis=2).min(axis=0).max() / m_per_px
     slanted = opening.box.yaw_deg % 90.0 != 0.0
     # In a slanted wall nothing but a few stepped pixels tells where an opening ends.
-    assert strayed <= (1.0 if slanted else HALF_PX + 1e-6)
+    assert strayed <= (1.2 if slanted else HALF_PX + 1e-6)
     assert len(found.room_ids) == len(opening.room_ids)
     assert {decoded.room(i).kind for i in found.room_ids} == {
         plan.room(i).kind for i in opening.room_ids

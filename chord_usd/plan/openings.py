@@ -160,9 +160,10 @@ def _lengthwise(mask: BoolArray, center: FloatArray, along: FloatArray) -> tuple
     """The centre moved along the wall to the middle of the bar's pixels, and their length."""
     rows, columns = np.nonzero(mask)
     progress = (np.stack([columns, rows], axis=1) + 0.5 - center) @ along
-    # The centres of n pixels in a row vary by (n^2 - 1) / 12.
-    length_px = math.sqrt(12.0 * float(progress.var()) + 1.0)
-    return center + along * progress.mean(), length_px
+    low, high = float(progress.min()), float(progress.max())
+    # The outermost centres of a row of pixels lie half a pixel inside its ends.
+    length_px = high - low + float(np.abs(along).max())
+    return center + along * (low + high) / 2, length_px
 
 
 def _yaw_deg(along: FloatArray) -> float:

@@ -116,8 +116,8 @@ def test_a_bar_comes_back_as_its_box(
 ) -> None:
     corners = cv2.boxPoints(((x, y), (length, width), angle_deg)).astype(float)
     found = rotated_box_from_mask(drawn(corners))
-    assert np.hypot(found.center_px[0] - x, found.center_px[1] - y) < 0.75
-    assert found.length_px == pytest.approx(length, abs=1.7)
+    assert np.hypot(found.center_px[0] - x, found.center_px[1] - y) < 0.8
+    assert found.length_px == pytest.approx(length, abs=1.2)
     assert found.width_px == pytest.approx(width, abs=1.2)
     turn = (found.angle_deg - angle_deg + 90) % 180 - 90
     assert abs(np.radians(turn)) * length / 2 < 1.0
