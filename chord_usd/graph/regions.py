@@ -43,6 +43,9 @@ _ODD_SIZE_COST = 4.0
 _ODD_SHARE = (0.65, 1.3)
 """Tolerance of the usual range of sizes; a pixel more at either end."""
 
+_ODD_AGREEMENT = 0.2
+"""What an odd side costs a piece among those that one mark may belong to."""
+
 _GOOD_SHARE = 0.02
 """An explanation that errs on a smaller share of the pixels needs no rival."""
 
@@ -289,7 +292,7 @@ def _mark_rectangle(patch: Patch, blob: BoolArray, angle_deg: float) -> Rectangl
 
 
 def _from_mark(patch: Patch, mark: Rectangle, quarter_turns: int) -> tuple[float, Piece]:
-    """The piece whose front mark this is if it faces so, and how well the pixels agree, [0, 1]."""
+    """The piece whose front mark this is if it faces so, and how well the pixels agree, to 1."""
     along_u = quarter_turns % 2 == 0
     (a, b), (near, far) = (
         ((mark.u0, mark.u1), (mark.v0, mark.v1))
@@ -325,13 +328,14 @@ def _run_depth(into: FloatArray, mark_depth: float) -> float:
 
 
 def _agreement(patch: Patch, piece: Piece) -> float:
-    """Share of the pixels in a piece that are as it would be drawn."""
+    """Share of the pixels in a piece that are as it would be drawn, less for an odd size."""
     assert piece.quarter_turns is not None
     inside = piece.rectangle.covers(patch.evidence.members)
     spilt = piece.rectangle.covers(patch.evidence.outsiders).sum()
     expected = piece.rectangle.mark(piece.quarter_turns).covers(patch.evidence.members)
     right = (expected == patch.marked)[inside].sum()
-    return float(right / max(inside.sum() + spilt, 1))
+    odd = _ODD_AGREEMENT * patch.usual_px.odd_sides(piece)
+    return float(right / max(inside.sum() + spilt, 1)) - odd
 
 
 def _split_by_proposals(
