@@ -49,8 +49,8 @@ _BLANK, _WALL, _DOOR, _WINDOW, _FIRST_KIND, _UNSHADED = 0, 1, 2, 3, 64, 255
 _OPENING_CODES = {"door": _DOOR, "window": _WINDOW, "passage": _BLANK}
 _KIND_CODES = {kind: _FIRST_KIND + index for index, kind in enumerate(ROOM_KINDS)}
 
-_ROOM_WEIGHT = 4096
-"""More than the number of walls that can lie over one pixel, so that one sum carries both."""
+_WALL_BITS = 12
+"""Bits for the number of walls over one pixel, so that one sum carries it and the room's code."""
 
 _TIE_PX = 1e-4
 """Openings are drawn this much wider than the wall, so that rounding leaves no sliver of wall."""
@@ -97,11 +97,11 @@ def _draw_shell(rooms: Sequence[Room], frame: PixelFrame, shade: bool) -> ByteAr
     """(H, W) codes of walls and rooms."""
     if not rooms:
         return np.full((frame.height_px, frame.height_px), _BLANK, np.uint8)
-    # Both outlines go into one sum: how many walled rooms a pixel lies in, and (in steps of
-    # _ROOM_WEIGHT) the code of the room whose floor it is.
+    # Both outlines go into one sum: how many walled rooms a pixel lies in, and, above the lowest
+    # _WALL_BITS, the code of the room whose floor it is.
     counts = [len(room.polygon_m) for room in rooms]
     kinds = [_KIND_CODES[room.kind] if shade else _UNSHADED for room in rooms]
-    weights = np.repeat(np.multiply(kinds, _ROOM_WEIGHT), counts)
+    weights = np.repeat(np.left_shift(kinds, _WALL_BITS), counts)
     floors = px_from_m(np.concatenate([room.polygon_m for room in rooms]), frame)
     following = _following(counts)
     corners = px_from_m(np.stack(_wall_outlines(rooms, WALL_THICKNESS_M), axis=1), frame)
@@ -110,8 +110,9 @@ def _draw_shell(rooms: Sequence[Room], frame: PixelFrame, shade: bool) -> ByteAr
     ends = np.concatenate([floors[following], loop[:, 1:].reshape(-1, 2)])
     weights = np.concatenate([weights, np.ones(len(starts) - len(floors), weights.dtype)])
     sums = _winding(starts, ends, weights, frame.height_px)
-    codes = np.minimum(sums // _ROOM_WEIGHT, _UNSHADED).astype(np.uint8)
-    codes[(sums > 0) & (sums < _ROOM_WEIGHT)] = _WALL
+    floor_codes = sums >> _WALL_BITS
+    codes = np.minimum(floor_codes, _UNSHADED).astype(np.uint8)
+    codes[(floor_codes == 0) & (sums != 0)] = _WALL
     return codes
 
 

@@ -42,6 +42,8 @@ class Mesh:
     """(C,) point of each corner, C being the sum of counts."""
     uvs_m: FloatArray
     """(C, 2), one per corner."""
+    normals: FloatArray
+    """(C, 3), one per corner: faces are flat."""
 
     def extent_m(self) -> FloatArray:
         """(2, 3) lowest and highest corner of the bounds."""
@@ -59,6 +61,7 @@ def mesh_of(faces: Sequence[Face]) -> Mesh:
         counts=np.array([len(face.corners_m) for face in faces], dtype=np.int32),
         indices=indices.reshape(-1).astype(np.int32),
         uvs_m=np.round(np.concatenate([face.uvs_m for face in faces]), _SAME_POINT_DECIMALS) + 0.0,
+        normals=_corner_normals([face.corners_m for face in faces]),
     )
 
 
@@ -124,6 +127,14 @@ def moved(
     turn = np.eye(3)
     turn[:2, :2] = rotation
     return [Face(face.corners_m @ turn.T + np.asarray(offset_m), face.uvs_m) for face in faces]
+
+
+def _corner_normals(rings: Sequence[FloatArray]) -> FloatArray:
+    """(C, 3) normals by Newell's sum, which does not mind three corners in a line."""
+    sums = np.array([np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0) for ring in rings])
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    units = np.round(sums / np.maximum(lengths, 1e-12), _SAME_POINT_DECIMALS) + 0.0
+    return np.repeat(units, [len(ring) for ring in rings], axis=0)
 
 
 def _flat_face(ring: FloatArray, height_m: float) -> Face:

@@ -159,6 +159,8 @@ def write_mesh(layer: Sdf.Layer, path: Sdf.Path | str, mesh: Mesh) -> Sdf.PrimSp
     attribute(prim, "extent", Types.Float3Array, _float3(mesh.extent_m()))
     attribute(prim, "faceVertexCounts", Types.IntArray, Vt.IntArray.FromNumpy(mesh.counts))
     attribute(prim, "faceVertexIndices", Types.IntArray, Vt.IntArray.FromNumpy(mesh.indices))
+    normals = attribute(prim, "normals", Types.Normal3fArray, _float3(mesh.normals))
+    normals.SetInfo("interpolation", "faceVarying")
     attribute(prim, "points", Types.Point3fArray, _float3(mesh.points_m))
     uvs = Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(mesh.uvs_m, dtype=np.float32))
     st = attribute(prim, "primvars:st", Types.TexCoord2fArray, uvs)

@@ -166,7 +166,7 @@ def _draw_room(
     lines = [line for line in walls.lines if line.room == room.index]
     _draw_floor_and_ceiling(component, room, floor)
     for edge in sorted({line.edge for line in lines}):
-        faces = [face for line in lines if line.edge == edge for face in wall_faces(line)]
+        faces = wall_faces([line for line in lines if line.edge == edge])
         if faces:
             wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
             label(wall, "category", "wall")
@@ -272,7 +272,7 @@ def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
 def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
     component = _Component(folder / "Exterior.usdc", "Exterior")
-    facade = [face for line in walls.lines if line.room is None for face in wall_faces(line)]
+    facade = wall_faces([line for line in walls.lines if line.room is None])
     if facade:
         component.mesh("Facade", facade, "Facade")
         component.mesh("WallTop", top_faces(walls), "WallTop")

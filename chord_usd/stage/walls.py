@@ -128,13 +128,21 @@ def build_walls(plan: Plan) -> Walls:
     return Walls(rooms, tuple(_floors(rooms)), solid, tuple(lines), tunnels)
 
 
-def wall_faces(line: WallLine) -> list[Face]:
-    """The faces of a line from floor to ceiling, less its holes."""
+def wall_faces(lines: Sequence[WallLine]) -> list[Face]:
+    """The faces of lines that become one mesh, from floor to ceiling, less their holes.
+
+    All lines are cut at the same heights, so that faces share whole edges with their neighbours.
+    """
+    holes = [hole for line in lines for hole in line.holes]
+    heights = {0.0, ROOM_HEIGHT_M, *(h for hole in holes for h in (hole.low_m, hole.high_m))}
+    rows = list(pairwise(sorted(heights)))
     faces = []
-    for start, end, holes in _columns(line):
-        along = float(np.hypot(*(start - line.start_m)))
-        for low, high in _free_heights(holes):
-            faces.append(upright(start, end, low, high, along_m=along))
+    for line in lines:
+        for start, end, cut in _columns(line):
+            along = float(np.hypot(*(start - line.start_m)))
+            for low, high in rows:
+                if not any(hole.low_m <= low and high <= hole.high_m for hole in cut):
+                    faces.append(upright(start, end, low, high, along_m=along))
     return faces
 
 
@@ -208,8 +216,8 @@ def _tunnel(opening: Opening, solid: BaseGeometry) -> Tunnel | None:
     centre = shapely.Point(opening.box.center_m[:2])
     best = min(parts, key=lambda part: (round(part.distance(centre), 3), -part.area))
     area = orient(shapely.set_precision(best, _GRID_M))
-    low = max(0.0, opening.box.center_m[2])
-    high = min(low + height, ROOM_HEIGHT_M - LINTEL_M)
+    low = _on_grid(max(0.0, opening.box.center_m[2]))
+    high = _on_grid(min(low + height, ROOM_HEIGHT_M - LINTEL_M))
     if not isinstance(area, Polygon) or area.is_empty or high <= low:
         return None
     boundary = solid.boundary
@@ -217,6 +225,10 @@ def _tunnel(opening: Opening, solid: BaseGeometry) -> Tunnel | None:
     middles = shapely.points((ring[:-1] + ring[1:]) / 2)
     is_end = tuple(bool(near) for near in shapely.distance(middles, boundary) < _ON_LINE_M)
     return Tunnel(opening, area, low, high, is_end)
+
+
+def _on_grid(height_m: float) -> float:
+    return round(height_m / _GRID_M) * _GRID_M
 
 
 def _blocked(opening: Opening, solid: BaseGeometry, reach: float, side: float) -> BaseGeometry:
@@ -336,13 +348,3 @@ def _columns(line: WallLine) -> Iterator[tuple[FloatArray, FloatArray, list[Hole
     for low, high in pairwise(stops):
         holes = [hole for hole in line.holes if hole.from_m < (low + high) / 2 < hole.to_m]
         yield line.start_m + unit * low, line.start_m + unit * high, holes
-
-
-def _free_heights(holes: Iterable[Hole]) -> list[tuple[float, float]]:
-    """What is left of floor to ceiling between the holes."""
-    free, height = [], 0.0
-    for hole in sorted(holes, key=lambda hole: hole.low_m):
-        if hole.low_m > height:
-            free.append((height, hole.low_m))
-        height = max(height, hole.high_m)
-    return [*free, (height, ROOM_HEIGHT_M)]

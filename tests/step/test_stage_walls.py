@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from chord_usd.data.houses import random_plan
-from chord_usd.stage.mesh import Face
+from chord_usd.stage.mesh import Face, mesh_of
 from chord_usd.stage.walls import (
     ROOM_HEIGHT_M,
     Walls,
@@ -31,7 +31,7 @@ def door(at_m: tuple[float, float], yaw_deg: float, kind: str = "door") -> Openi
 
 
 def upright_faces(walls: Walls) -> list[Face]:
-    return [face for line in walls.lines for face in wall_faces(line)]
+    return wall_faces(walls.lines)
 
 
 def all_faces(walls: Walls) -> list[Face]:
@@ -81,6 +81,20 @@ def test_every_face_looks_out_of_the_wall_into_the_space_that_owns_it(seed: int)
         assert not walls.solid_m.contains(shapely.Point(ahead))
         owners = [i for i, floor in enumerate(walls.floors_m) if shapely.contains_xy(floor, *ahead)]
         assert owners == ([] if line.room is None else [line.room])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_facade_has_no_corner_in_the_middle_of_an_edge(seed: int) -> None:
+    """Such corners open hairline cracks, and other programs call the mesh non-manifold."""
+    walls = build_walls(random_plan(np.random.default_rng(seed)))
+    mesh = mesh_of(wall_faces([line for line in walls.lines if line.room is None]))
+    points = mesh.points_m
+    corners = mesh.indices.reshape(-1, 4)
+    for first, second in zip(corners.T, np.roll(corners, -1, axis=1).T, strict=True):
+        a, b = points[first][:, None], points[second][:, None]
+        along = np.sum((points - a) * (b - a), axis=2) / np.sum((b - a) ** 2, axis=2)
+        off = np.linalg.norm(a + along[..., None] * (b - a) - points, axis=2)
+        assert not np.any((off < 1e-6) & (along > 1e-6) & (along < 1 - 1e-6))
 
 
 @pytest.mark.parametrize("seed", range(10))
