@@ -11,11 +11,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from chord_usd.layout.clearance import clearance_planes, passage_mask
 from chord_usd.palette import BACKGROUND_RGB, PLAN_CATEGORIES, ROOM_SHADES
 from chord_usd.types import ROOM_KINDS, BoolArray, ByteArray
 
-PIXEL_PLANES = 4
-"""Walls, doors, windows, floor."""
+PIXEL_PLANES = 6
+"""Walls, doors, windows, floor, and the floor that doors and that windows keep free."""
+
+FLOOR_PLANE = 3
 
 GRID_PLANES = 1 + len(ROOM_KINDS) + 10
 """Floor, room kind one-hot, then room area, width and height, free length in the four directions,
@@ -23,6 +26,7 @@ distance to the nearest door and window, and the raster's scale."""
 
 COLOR_TOLERANCE = 24
 SHADE_TOLERANCE = 3
+_UNKNOWN = ROOM_KINDS.index("unknown")
 FAR_M = 4.0
 """Distances to doors and windows saturate here."""
 
@@ -45,7 +49,9 @@ def plan_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
     half = cell_px // 2
     coarse = regions[half::cell_px, half::cell_px]
     inside = regions > 0
-    pixels = np.stack([wall, door, window, inside]).astype(np.uint8)
+    gaps = passage_mask(regions, boxes_px, kinds == _UNKNOWN, m_per_px)
+    kept_free = clearance_planes(door | gaps, window, np.where(gaps, 0, regions), m_per_px)
+    pixels = np.stack([wall, door, window, inside, *kept_free]).astype(np.uint8)
     grid = np.concatenate(
         [
             (coarse > 0)[None],

@@ -14,7 +14,7 @@ from chord_usd import __version__
 from chord_usd.errors import ChordError
 from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint
 from chord_usd.layout.codes import STATE_CHANNELS
-from chord_usd.layout.condition import plan_condition
+from chord_usd.layout.condition import FLOOR_PLANE, plan_condition
 from chord_usd.layout.network import RGB_CHANNELS
 from chord_usd.layout.schedule import sampling_scheduler
 from chord_usd.raster import paint_layout
@@ -87,7 +87,7 @@ class LayoutModel:
             plan_condition(image.rgb, image.frame.m_per_px, cell) for image in plan_images
         ]
         masks = torch.from_numpy(np.stack([condition.pixels for condition in conditions]))
-        inside = masks[:, 3:4].to(self.device, torch.float32)
+        inside = masks[:, FLOOR_PLANE : FLOOR_PLANE + 1].to(self.device, torch.float32)
         if self.config.condition == "rgb":
             rgb = torch.from_numpy(np.stack([image.rgb for image in plan_images]))
             pixels = rgb.permute(0, 3, 1, 2).to(self.device, torch.float32) / 127.5 - 1.0

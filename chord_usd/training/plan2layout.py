@@ -14,6 +14,7 @@ from torch.nn import functional
 
 from chord_usd.layout.checkpoint import load_checkpoint, save_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
+from chord_usd.layout.condition import FLOOR_PLANE
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
@@ -87,6 +88,7 @@ class LayoutTrainer:
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
         self.started = time.monotonic()
+        self.is_mixed = config.mixed_precision and _has_bfloat16(self.device)
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
@@ -170,7 +172,7 @@ class LayoutTrainer:
         for group in self.optimiser.param_groups:
             group["lr"] = rate
         batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in sample.items()}
-        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.device.type == "cuda"):
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.is_mixed):
             losses = self._run_step(batch)
         self.optimiser.zero_grad(set_to_none=True)
         losses["loss"].backward()
@@ -196,7 +198,7 @@ class LayoutTrainer:
         """Means over floor pixels: nothing belongs outside, so nothing is learned there."""
         logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
         labels = batch["labels"].long()
-        inside = (batch["pixels"][:, 3] > 0) | (labels > 0)
+        inside = (batch["pixels"][:, FLOOR_PLANE] > 0) | (labels > 0)
         category = functional.cross_entropy(logits.float(), labels, reduction="none")
         category = (category * inside).sum() / inside.sum()
         item = labels > 0
@@ -265,6 +267,13 @@ class LayoutTrainer:
         from chord_usd.training.sheets import draw_sheet
 
         draw_sheet(self.average, self.folder / "sheets" / f"step_{self.step:07d}.png", self.device)
+
+
+def _has_bfloat16(device: torch.device) -> bool:
+    """Whether bfloat16 is faster here; CPUs without the instructions emulate it slowly."""
+    if device.type == "cuda":
+        return torch.cuda.is_bf16_supported()
+    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
 
 
 def _continued(stream: StreamConfig, step: int) -> StreamConfig:

@@ -54,3 +54,26 @@ def test_mirroring_the_plan_mirrors_the_condition():
     assert np.array_equal(there.pixels, here.pixels[:, ::-1])
     unchanged = list(range(AREA_PLANE + 5))
     assert np.allclose(there.grid[unchanged], here.grid[unchanged, ::-1])
+
+
+def test_the_floor_before_a_door_is_kept_free_on_both_sides():
+    door_plane, window_plane = plan_condition(_two_rooms(), 0.1, 4).pixels[FLOOR_PLANE + 1 :]
+    # The door is 0.8 m wide, so it keeps 0.8 m free in either room.
+    expected = np.zeros((64, 64), bool)
+    expected[24:32, 24:32] = expected[24:32, 36:44] = True
+    assert np.array_equal(door_plane > 0, expected)
+    assert not window_plane.any()
+
+
+def test_a_passage_of_a_shaded_plan_is_kept_free_like_a_door():
+    rgb = _two_rooms()
+    rgb[24:32, 32:36] = 255
+    assert plan_condition(rgb, 0.05, 4).pixels[FLOOR_PLANE + 1, 24:32, 24:32].all()
+
+
+def test_a_window_keeps_half_a_metre_free_inside_only():
+    rgb = _two_rooms()
+    rgb[20:30, 4:8] = CATEGORIES["window"].rgb
+    kept = plan_condition(rgb, 0.1, 4).pixels[FLOOR_PLANE + 2]
+    assert np.array_equal(np.argwhere(kept).min(axis=0), [20, 8])
+    assert kept.sum() == 10 * 5

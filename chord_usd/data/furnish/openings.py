@@ -27,6 +27,9 @@ OPEN_SIDE_M = 0.02
 PARALLEL = 0.1
 """Largest sine between an opening and the wall it is in."""
 
+SIDE_MARGIN_M, DEPTH_MARGIN_M = 0.06, 0.08
+"""What stays free beyond that where the room allows it: a pixel of a layout raster."""
+
 _ROOMY_KINDS = ("living", "bedroom", "study")
 
 _ENTRANCE_KINDS = ("corridor", "living", "unknown", "dining", "kitchen", "store")
@@ -93,11 +96,19 @@ def _keep_both_sides(floor: Floor, opening: Opening, side: Door, deep: float, si
 
 
 def keep_ways_in(floor: Floor) -> None:
-    """Keep a larger room open beyond its doors, too, so that nobody walks into a bed."""
-    if floor.kind in _ROOMY_KINDS:
-        for wall, s_from, s_to, *_ in floor.doors:
-            deep = min(s_to - s_from, DEEPEST_DOOR_ZONE_M)
+    """Keep a margin around what doors and windows need, and in larger rooms the way in beyond.
+
+    Whoever furnishes by eye, as a layout model does, must not learn to stop at the last centimetre.
+    """
+    margin = SIDE_MARGIN_M
+    for wall, s_from, s_to, *_ in floor.doors:
+        deep = min(s_to - s_from, DEEPEST_DOOR_ZONE_M)
+        floor.keep(wall, s_from - margin, s_to + margin, 0.0, deep + DEPTH_MARGIN_M, REACH)
+        if floor.kind in _ROOMY_KINDS:
             floor.keep(wall, s_from, s_to, deep, deep + WAY_IN_M, REACH)
+    for wall, s_from, s_to, sill in floor.windows:
+        deep = WINDOW_ZONE_M + DEPTH_MARGIN_M
+        floor.keep(wall, s_from - margin, s_to + margin, 0.0, deep, REACH, sill)
 
 
 def _side_of(
