@@ -19,6 +19,9 @@ IntArray = npt.NDArray[np.int32]
 _SAME_POINT_DECIMALS = 6
 """Corners closer than a micrometre are one point of the mesh."""
 
+_SLIVER_M2 = 1e-8
+"""Triangles smaller than this join three corners in a line: they cover nothing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Face:
@@ -155,4 +158,5 @@ def _triangles(area: Polygon) -> Iterable[FloatArray]:
     for triangle in mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3):
         a, b, c = points[triangle]
         turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        yield np.array([a, b, c] if turn >= 0.0 else [a, c, b])
+        if abs(turn) / 2 > _SLIVER_M2:
+            yield np.array([a, b, c] if turn > 0.0 else [a, c, b])

@@ -250,6 +250,7 @@ def _skirting(floor: Polygon, lines: Iterable[WallLine], tunnels: Iterable[Tunne
         if tunnel.low_m < height and tunnel.area_m.distance(floor) < CASING_WIDTH_M
     ]
     boards = ring.intersection(unary_union(backed)).difference(unary_union(frames))
+    boards = boards.simplify(_SKIRTING_M[0] / 40)
     faces: list[Face] = []
     for board in map(orient, polygons_of(boards)):
         faces += flat(board, height, up=True) + _fronts(board, floor, height)
