@@ -15,6 +15,7 @@ from chord_usd.data.furnish.floor import Floor, Placed
 from chord_usd.data.furnish.guess import guess_kinds
 from chord_usd.data.furnish.hints import attach_fixtures
 from chord_usd.data.furnish.kitchen import furnish_kitchen
+from chord_usd.data.furnish.least import furnish_least
 from chord_usd.data.furnish.living import furnish_living
 from chord_usd.data.furnish.openings import (
     attach_open_sides,
@@ -89,6 +90,8 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     if best:
         floor.placed, floor.walked = best[1], -1
         _repair(floor)
+    if not floor.placed:
+        furnish_least(floor)
 
 
 def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:

@@ -59,6 +59,7 @@ class Grid:
         self.floor = self.inside((self.x0, self.y0, x1, y1)) if fills else self.within(corners)
         self.doors = [self.inside(_door_bounds(door)) for door in floor.doors]
         self._pieces: list[tuple[Placed, int, int]] = []
+        self._connected: dict[int, list[int]] = {}
 
     def inside(self, box: Bounds) -> int:
         """Cells whose centre lies in the box."""
@@ -95,6 +96,19 @@ class Grid:
                 cells |= self.inside((xs[i], low, xs[i + 1], high))
         return cells
 
+    def walkable(self, free: int, path_cells: int, doors: Sequence[int]) -> int:
+        """Where one can walk on these free cells, from the first door that lets anybody in."""
+        standing = _eroded(free, self.stride, path_cells)
+        seed = next((door & standing for door in doors if door & standing), standing & -standing)
+        return _flooded(standing, seed, self.stride)
+
+    def connected_doors(self, path_cells: int) -> list[int]:
+        """The doors that a path of this width joins while the room is empty."""
+        if path_cells not in self._connected:
+            walk = self.walkable(self.floor, path_cells, self.doors)
+            self._connected[path_cells] = [door for door in self.doors if door & walk]
+        return self._connected[path_cells]
+
     def pieces(self, placed: Sequence[Placed]) -> list[tuple[Placed, int, int]]:
         """Each piece with the cells under it and those from which it is used.
 
@@ -129,10 +143,10 @@ def _count_faults(floor: Floor) -> int:
     for _, under, _ in pieces:
         free &= ~under
     narrow = floor.is_tight or floor.kind == "bathroom"
-    standing = _eroded(free, grid.stride, NARROW_PATH_CELLS if narrow else PATH_CELLS)
-    seed = next((door & standing for door in grid.doors if door & standing), standing & -standing)
-    walk = _flooded(standing, seed, grid.stride)
-    faults = CUT_OFF * sum(not door & walk for door in grid.doors)
+    path_cells = NARROW_PATH_CELLS if narrow else PATH_CELLS
+    doors = grid.connected_doors(path_cells)
+    walk = grid.walkable(free, path_cells, doors)
+    faults = CUT_OFF * sum(not door & walk for door in doors)
     for piece, _, beside in pieces:
         if not beside & walk and piece.category not in NEEDS_NO_ACCESS:
             faults += CORE_LOST if piece.core else LOST
