@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -15,6 +15,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
+from chord_usd.data.floorplans.traced import FIXTURES
 from chord_usd.data.floorplans.traced_rooms import TracedRoom
 from chord_usd.errors import PlanError
 from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, OpeningKind, RoomKind
@@ -26,6 +27,11 @@ _LEAST_WIDTH_M = 0.5
 _LEAST_OVERLAP_M = 0.2
 _LEAST_DOOR_M = 0.6
 _WIDEST_ENTRANCE_M = 1.4
+
+_TOILET_ROOM_M2 = 2.0
+_TOILET_DOOR_M, _WET_DOOR_M = 0.65, 0.8
+"""Clear width of the doors of toilets and of other wet rooms; drawings add frames and pockets."""
+
 _ENTRANCE_M = 3.5
 """The entrance is at most this far from the label that names it."""
 
@@ -84,7 +90,7 @@ def traced_openings(
     more are missing.
     """
     holes = [hole for door in doors if (hole := _hole(rooms, door)) is not None]
-    holes = _without_overlaps(_without_inward(rooms, holes))
+    holes = [_clear(rooms, hole) for hole in _without_overlaps(_without_inward(rooms, holes))]
     entrance = _entrance(rooms, holes)
     inferred: list[_Hole] = []
     if entrance is None:
@@ -208,6 +214,21 @@ def _hole(rooms: Sequence[TracedRoom], door: LineString) -> _Hole | None:
     offset = found[0].offset - math.copysign(WALL_THICKNESS_M / 2, found[0].offset)
     center = start + middle * direction + offset * normal
     return _Hole(tuple(sorted(s.room for s in found)), center, direction, width)
+
+
+def _clear(rooms: Sequence[TracedRoom], hole: _Hole) -> _Hole:
+    """The part of a wet room's door that opens, at the end away from what stands in there."""
+    wet = [rooms[i] for i in hole.rooms if rooms[i].kind == "bathroom"]
+    if len(hole.rooms) != 2 or not wet:
+        return hole
+    smallest = min(wet, key=lambda room: room.face.area)
+    width = _TOILET_DOOR_M if smallest.face.area < _TOILET_ROOM_M2 else _WET_DOOR_M
+    if hole.width <= width:
+        return hole
+    fixtures = [mark.center for mark in smallest.marks if mark.label in FIXTURES]
+    aside = float(np.mean((np.array(fixtures) - hole.center) @ hole.direction)) if fixtures else 0.0
+    shift = -np.sign(aside) * (hole.width - width) / 2
+    return replace(hole, center=hole.center + shift * hole.direction, width=width)
 
 
 def _sides(index: int, room: TracedRoom, start: FloatArray, end: FloatArray) -> list[_Side]:

@@ -27,6 +27,15 @@ _LEAST_SHAFT_M2 = 1.5
 _LARGE_KITCHEN_M2 = 13.0
 """A kitchen larger than this is a dining kitchen."""
 
+_LEAST_LIVING_M2 = 10.0
+"""What is left of a dining kitchen beside its counter is a place to eat unless it is larger."""
+
+_NICHE_M2 = 0.8
+"""No bathroom is smaller: such a cell is the niche of a washing machine."""
+
+_NICHE_SHARE = 0.55
+"""Nor does a basin take as much of one; a washing machine, drawn alike, fills its niche."""
+
 
 @dataclass(eq=False)
 class TracedRoom:
@@ -58,6 +67,8 @@ def traced_rooms(
     rooms = _without_narrow(rooms)
     for room in rooms:
         room.face = _inner_face(room)
+        if room.kind == "bathroom" and _is_laundry_niche(room):
+            room.kind = "store"
     return [part for room in rooms for part in _opened_up(room, rooms)]
 
 
@@ -152,6 +163,15 @@ def _inner_face(room: TracedRoom) -> Polygon:
     return parts[0]
 
 
+def _is_laundry_niche(room: TracedRoom) -> bool:
+    """Whether this is the place of a washing machine rather than a room to wash oneself in."""
+    fixtures = [mark for mark in room.marks if mark.label in FIXTURES]
+    if any(mark.label in ("toilet", "bathtub") for mark in fixtures):
+        return False
+    drawn_m2 = sum((mark.x1 - mark.x0) * (mark.y1 - mark.y0) for mark in fixtures)
+    return room.face.area < _NICHE_M2 or drawn_m2 > _NICHE_SHARE * room.face.area
+
+
 # --- open plan -------------------------------------------------------------------------------
 
 
@@ -170,6 +190,8 @@ def _opened_up(room: TracedRoom, rooms: Sequence[TracedRoom]) -> list[TracedRoom
     if parts is None:
         return [room]
     kitchen, rest = parts
+    if other == "living" and room.kind == "kitchen" and rest.area < _LEAST_LIVING_M2:
+        other = "dining"
     return [
         TracedRoom("kitchen", room.cell, frozenset({"kitchen"}), room.marks, kitchen),
         TracedRoom(other, room.cell, room.names - {"kitchen"}, room.marks, rest),
