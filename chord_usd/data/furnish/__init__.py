@@ -75,7 +75,7 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     empty = floor.mark()
     best: tuple[int, list[Placed]] | None = None
     for attempt in range(ATTEMPTS):
-        floor.is_tight = attempt > 0
+        floor.let_tight(attempt > 0)
         if not floor.is_tight:
             keep_ways_in(floor)
         _furnish_room(floor, floors, is_laundry)

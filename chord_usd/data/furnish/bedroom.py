@@ -8,7 +8,7 @@ from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
 from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_armchair, put_cabinet
-from chord_usd.data.furnish.walls import REACH, SOLID, Wall
+from chord_usd.data.furnish.walls import MARGIN_M, REACH, SOLID, Wall
 from chord_usd.data.furnish.workplace import put_desk
 
 SIDE_M = 0.5
@@ -167,7 +167,7 @@ def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool
     wanted = dice.choices((0, 1, 2), (0.46, 0.18, 0.36) if size[0] > 1.3 else (0.5, 0.45, 0.05))[0]
     table = sizes.sampled(dice, "bedside_table", longest=0.55)
     table = (table[0], min(table[1], table[0]), table[2])
-    gap = dice.choice((0.0, 0.02, 0.05))
+    gap = dice.choice((0.0, MARGIN_M, 0.1))
     sides = [-1, 1] if dice.random() < 0.5 else [1, -1]
     put = {-1: False, 1: False}
     for side in sides:

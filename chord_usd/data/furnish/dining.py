@@ -8,7 +8,7 @@ from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size
 from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_dining_cabinet
-from chord_usd.data.furnish.walls import REACH, Wall
+from chord_usd.data.furnish.walls import MARGIN_M, REACH, Wall
 
 PULL_OUT_M = 0.3
 """Free floor behind the chairs, to pull them out."""
@@ -92,9 +92,11 @@ def _group(floor: Floor, seats: int, *, at_wall: bool) -> Group:
         sizes.between(dice, 0.45, 0.53, 0.02),
         sizes.between(dice, 0.8, HIGHEST_M),
     )
-    off = sizes.between(dice, 0.0, 0.05, 0.01) + chair[1] / 2
     ends = 2 if seats == 8 or (at_wall and seats == 4) else int(at_wall and seats == 3)
     sides = (1,) if at_wall else (-1, 1)
+    most_m = table[0] * len(sides) / max(seats - ends, 1) - MARGIN_M
+    chair = (min(chair[0], most_m), chair[1], chair[2])
+    off = sizes.between(dice, 0.0, 0.05, 0.01) + chair[1] / 2
     chairs = [
         (along, side * (table[1] / 2 + off), 2 if side > 0 else 0)
         for side in sides

@@ -7,7 +7,7 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from chord_usd.data.furnish.walls import NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
+from chord_usd.data.furnish.walls import MARGIN_M, NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import Room, RoomKind
 from chord_usd.units import wrap_deg
@@ -83,7 +83,7 @@ class Floor:
         self.walked = -1
         """How many pieces stood here when the paths were last found free; -1 where not known."""
         self.is_tight = False
-        """Whether narrow paths have to do."""
+        """Whether narrow paths have to do; see let_tight."""
         self.cells: Any = None
         """What chord_usd.data.furnish.paths knows about the empty room."""
         self._group = 0
@@ -94,6 +94,14 @@ class Floor:
         """
         self.touching.clear()
         self.doors.clear()
+
+    def let_tight(self, is_tight: bool) -> None:
+        """Whether narrow paths have to do, and pieces may touch that do not belong together."""
+        self.is_tight = is_tight
+        # What stands in a bathroom is built in side by side.
+        margin_m = 0.0 if is_tight or self.kind == "bathroom" else MARGIN_M
+        for wall in self.walls:
+            wall.margin_m = margin_m
 
     def new_group(self) -> None:
         """What is put down from now on goes together."""

@@ -13,7 +13,7 @@ from chord_usd.data.furnish.storage import (
     put_dining_cabinet,
     put_shoe_cabinet,
 )
-from chord_usd.data.furnish.walls import REACH, Wall
+from chord_usd.data.furnish.walls import MARGIN_M, REACH, Wall
 
 NEAREST_M, FARTHEST_M = 2.3, 6.0
 """Distance between the walls of sofa and television."""
@@ -193,7 +193,7 @@ def _put_side_table(floor: Floor, wall: Wall, s: float, sofa_length: float) -> N
         return
     size = sizes.square(dice, "side_coffee_table")
     for side in dice.sample((-1, 1), 2):
-        middle = s + side * (sofa_length / 2 + 0.05 + size[0] / 2)
+        middle = s + side * (sofa_length / 2 + MARGIN_M + size[0] / 2)
         low, high = middle - size[0] / 2, middle + size[0] / 2
         if wall.fits(low, high, 0.0, size[1], size[2]):
             floor.new_group()

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
+from chord_usd.data.furnish.walls import MARGIN_M
 from chord_usd.palette import CATEGORIES
 
 Score = Callable[[Floor, Spot, float], float]
@@ -112,7 +113,7 @@ def put_armchair(floor: Floor, beside_table: float = 0.4) -> bool:
     if dice.random() < beside_table:
         table = sizes.square(dice, "side_coffee_table")
         for side in (-1, 1):
-            middle = s + side * (size[0] / 2 + 0.05 + table[0] / 2)
+            middle = s + side * (size[0] / 2 + MARGIN_M + table[0] / 2)
             low, high = middle - table[0] / 2, middle + table[0] / 2
             if best.wall.fits(low, high, 0.0, table[1], table[2]):
                 floor.put("side_coffee_table", best.wall, middle, table)

@@ -19,6 +19,11 @@ REACH = 4
 """Blocks that people use: in front of a cabinet, beside a bed. Two of these may overlap."""
 ANY = SOLID | ZONE | REACH
 
+MARGIN_M = 0.08
+"""Pieces that do not belong together stand no nearer to each other than this where they can: about
+a pixel of a layout raster.
+"""
+
 NO_SILL_M = -1.0
 """Sill of a block that keeps out things of every height."""
 
@@ -39,7 +44,7 @@ class Wall:
     """One side of a room, seen from inside: corners run counter-clockwise, the room is left."""
 
     __slots__ = ("_blocks", "_things", "edges", "has_door", "has_window", "index", "length",
-                 "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
+                 "margin_m", "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
 
     def __init__(
         self, index: int, start: Sequence[float], end: Sequence[float], things: list[Thing]
@@ -56,6 +61,8 @@ class Wall:
         self.edges: list[tuple[float, float, float, float]] = []
         self.has_door = False
         self.has_window = False
+        self.margin_m = 0.0
+        """What gaps keep from furniture; fits does not, for pieces that belong together."""
 
     def local(self, x: float, y: float) -> tuple[float, float]:
         """(s, t) of a world point."""
@@ -98,16 +105,20 @@ class Wall:
 
         The thing takes t in [near, near + depth], is `height` high (its top above the floor), and
         needs `reach` in front of it free of walls and furniture. Spans shorter than `least` are
-        left out. Everything in a span is seen from the wall, hence inside the room.
+        left out. Everything in a span is seen from the wall, hence inside the room, and margin_m
+        from all furniture.
         """
-        far = near + depth
+        far, margin = near + depth, self.margin_m
         reached = far + reach - TOUCH_M
         cuts = _edge_cuts(self.edges, far + reach)
         near, far = near + TOUCH_M, far - TOUCH_M
         for s_from, s_to, t_from, t_to, bits, sill in self._seen():
-            if t_to <= near or t_from >= reached:
+            if t_from >= reached:
                 continue
-            if (t_from < far and height > sill) or (bits == SOLID and reach):
+            if bits == SOLID:
+                if t_to > near - margin and (reach or t_from < far):
+                    cuts.append((s_from - margin, s_to + margin))
+            elif t_to > near and t_from < far and height > sill:
                 cuts.append((s_from, s_to))
         return self._between(cuts, least)
 
