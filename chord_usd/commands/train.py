@@ -66,7 +66,7 @@ def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) 
 
 def run_plan2layout(options: argparse.Namespace) -> Outcome:
     """Runs train plan2layout."""
-    from chord_usd.data.flats import read_flats
+    from chord_usd.data.flats import furnishable, read_flats
     from chord_usd.layout.config import PRESETS
     from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
     from chord_usd.training.stream import StreamConfig
@@ -87,7 +87,8 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
         device=options.device,
         stream=StreamConfig(seed=options.seed),
     )
-    flats = read_flats(options.flats, part="train") if options.flats else []
+    real = read_flats(options.flats, part="train") if options.flats else []
+    flats = furnishable(real)
     trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
     resumed = trainer.resume()
     if options.start and not resumed:
@@ -97,7 +98,12 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
         trainer.train(
             flats, lambda row: progress(round(trainer.minutes * 60), round(options.minutes * 60))
         )
-    record = {"checkpoint": str(options.output / "checkpoint"), "resumed": resumed}
+    record = {
+        "checkpoint": str(options.output / "checkpoint"),
+        "resumed": resumed,
+        "real_plans": len(flats),
+        "real_plans_left_out": len(real) - len(flats),
+    }
     data = {**record, **trainer.training_record()}
     return Outcome(f"{data['checkpoint']}: {trainer.step} steps", data)
 

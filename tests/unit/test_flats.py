@@ -2,6 +2,7 @@
 
 import gzip
 import json
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -11,6 +12,7 @@ from shapely.ops import unary_union
 
 from chord_usd.data.flats import (
     flat_from_lines,
+    furnishable,
     read_flats,
     read_flats_or_why,
     read_plans,
@@ -20,7 +22,7 @@ from chord_usd.data.floorplans.traced import closed_cells
 from chord_usd.data.splits import part_of
 from chord_usd.errors import PlanError
 from chord_usd.geometry import footprint_polygon, room_polygon, wall_area
-from chord_usd.types import WALL_THICKNESS_M, Plan
+from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan
 
 PX_PER_M = 40
 
@@ -178,6 +180,20 @@ def test_files_are_read_and_split(tmp_path, plan):
     assert [len(part) for part in parts] == [
         sum(part_of(f"flat/{n}") == name for n in range(12)) for name in ("train", "test")
     ]
+
+
+def test_a_plan_with_a_room_of_nothing_but_doors_is_not_furnishable(plan):
+    bedroom = next(room for room in plan.rooms if room.kind == "bedroom")
+    low, high = bedroom.polygon_m.min(axis=0), bedroom.polygon_m.max(axis=0)
+    (x0, y0), (x1, y1) = low, high
+    walls = [((x0 + x1) / 2, y, x1 - x0, 0.0) for y in (y0 - 0.12, y1 + 0.12)]
+    walls += [(x, (y0 + y1) / 2, y1 - y0, 90.0) for x in (x0 - 0.12, x1 + 0.12)]
+    doors = tuple(
+        Opening(f"all{i}", "door", Box((x, y, 0.0), (length, 0.24, 2.1), yaw), (bedroom.id,))
+        for i, (x, y, length, yaw) in enumerate(walls)
+    )
+    all_doors = replace(plan, openings=(*plan.openings, *doors))
+    assert furnishable([all_doors, plan]) == [plan]
 
 
 def test_plans_survive_keeping(tmp_path, plan):
