@@ -27,6 +27,7 @@ from chord_usd.commands import (
     graph,
     layout,
     plan,
+    regenerate,
     render,
     stage,
     train,
@@ -34,7 +35,10 @@ from chord_usd.commands import (
 from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
 
-VERBS = (generate, plan, layout, graph, stage, render, check, dataset, train, evaluate, assets)
+VERBS = (
+    generate, plan, layout, graph, stage, render, check, regenerate, dataset, train, evaluate,
+    assets,
+)  # fmt: skip
 """In the order of the line, then the workshop."""
 
 DONE, NOT_HELD, UNUSABLE, INTERRUPTED = 0, 1, 2, 130

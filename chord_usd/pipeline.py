@@ -13,7 +13,15 @@ from chord_usd.errors import PlanError
 from chord_usd.files import hash_file
 from chord_usd.locations import checkpoint_folder
 from chord_usd.progress import Progress, Stopwatch
-from chord_usd.types import Item, LayoutImage, Plan, PlanImage, SceneGraph, StageFile
+from chord_usd.types import (
+    Item,
+    LayoutImage,
+    Plan,
+    PlanImage,
+    Room,
+    SceneGraph,
+    StageFile,
+)
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
@@ -158,6 +166,104 @@ def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> Stag
     from chord_usd.stage.author import author_stage
 
     return author_stage(graph, stage_path, seed=settings.seed)
+
+
+@dataclass(frozen=True, eq=False)
+class Regenerated:
+    """A house of which one room is to be furnished anew."""
+
+    source: Path
+    room_name: str
+    room: Room
+    before: LayoutImage
+    """The house as it stands, drawn from its stage."""
+    layout: LayoutImage
+    """The same with the room sampled anew; every pixel outside the room is that of before."""
+    graph: SceneGraph
+    """The house with the room's new furniture."""
+
+
+def regenerate(
+    source: Path,
+    room_name: str,
+    settings: Settings | None = None,
+    stopwatch: Stopwatch | None = None,
+    seed: int | None = None,
+) -> Regenerated:
+    """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
+
+    room_name: name of the room's prim. seed: in place of that of settings; None takes the one
+    after the room's last. The stopwatch times read, load, layout and graph. Raises ChordError.
+    """
+    settings = settings or Settings()
+    watch = stopwatch or Stopwatch()
+    with watch.step("read"):
+        from chord_usd.stage.refurnish import read_house
+
+        house = read_house(source)
+        room = house.room(room_name, source)
+        seed = house.seeds[room_name] + 1 if seed is None else seed
+    with watch.step("load") as progress:
+        model = load_model(settings)
+        reader = load_reader(settings, progress)
+    with watch.step("layout") as progress:
+        drawn = redraw_room(house.graph, room, model, replace(settings, seed=seed), progress)
+    with watch.step("graph"):
+        found = reader.read(drawn.alone, house.graph.plan)
+        others = [item for item in house.graph.items if item.room_id != room.id]
+        items = (*others, *found.items_of(room.id))
+        graph = replace(house.graph, items=items, provenance=drawn.layout.provenance)
+    return Regenerated(source, room_name, room, drawn.before, drawn.layout, graph)
+
+
+def write_regenerated(made: Regenerated, target: Path) -> StageFile:
+    """Write the stage with its one room changed; target may be the stage it came from."""
+    from chord_usd.stage.refurnish import NewFurniture, refurnish
+
+    items = tuple(made.graph.items_of(made.room.id))
+    new = NewFurniture(made.room_name, made.room, items, made.graph.provenance)
+    return refurnish(made.source, target, new)
+
+
+@dataclass(frozen=True, eq=False)
+class RedrawnRoom:
+    """Layout rasters of a house of which one room was sampled anew."""
+
+    before: LayoutImage
+    layout: LayoutImage
+    alone: LayoutImage
+    """The new furniture without that of other rooms, which would run into it where rooms touch."""
+
+
+def redraw_room(
+    graph: SceneGraph,
+    room: Room,
+    model: LayoutModel,
+    settings: Settings,
+    progress: Progress | None = None,
+) -> RedrawnRoom:
+    """Sample the floor of one room anew, given what stands in the others."""
+    import numpy as np
+
+    from chord_usd import raster
+
+    plan_image = raster.draw_plan(graph.plan)
+    bare = LayoutImage(plan_image.rgb, plan_image.frame)
+    region = raster.room_pixels(room, plan_image.frame)
+    others = [item for item in graph.items if item.room_id != room.id]
+    labels, front = raster.draw_items(others, plan_image.frame)
+    layout = model.resample(
+        plan_image, labels, front, region,
+        seed=settings.seed, steps=settings.steps, progress=progress,
+    )  # fmt: skip
+    before = raster.layout_image(plan_image, graph.items)
+
+    def in_room_else(around: LayoutImage) -> LayoutImage:
+        rgb = np.where(region[..., None], layout.rgb, around.rgb)
+        rgb.setflags(write=False)
+        return replace(layout, rgb=rgb)
+
+    return RedrawnRoom(before, layout=in_room_else(before), alone=in_room_else(bare))
 
 
 def read_scene_file(

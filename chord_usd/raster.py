@@ -213,6 +213,14 @@ def _plan_colors() -> ByteArray:
     return colors
 
 
+def room_pixels(room: Room, frame: PixelFrame) -> BoolArray:
+    """(H, W) pixels whose centres lie in a room's floor, whatever stands on it."""
+    corners = px_from_m(room.polygon_m, frame)
+    weights = np.ones(len(corners), np.int64)
+    winding = _winding(corners, np.roll(corners, -1, axis=0), weights, frame.height_px)
+    return np.asarray(winding != 0, np.bool_)
+
+
 # Items -------------------------------------------------------------------------------------------
 
 _MOUNT_ORDER = {Mount.UNDERFOOT: 0, Mount.FLOOR: 1, Mount.WALL: 2}

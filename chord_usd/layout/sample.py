@@ -1,36 +1,55 @@
-"""PlanImage -> LayoutImage: the reverse diffusion."""
+"""PlanImage -> LayoutImage: the reverse diffusion, of a whole house or of some of its floor."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from chord_usd import __version__
-from chord_usd.errors import ChordError
 from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint
-from chord_usd.layout.codes import STATE_CHANNELS
+from chord_usd.layout.codes import CLASS_COUNT, STATE_CHANNELS
 from chord_usd.layout.condition import FLOOR_PLANE, plan_condition
+from chord_usd.layout.device import choose_device, half_precision
 from chord_usd.layout.network import RGB_CHANNELS
 from chord_usd.layout.schedule import sampling_scheduler
 from chord_usd.raster import paint_layout
-from chord_usd.types import LayoutImage, PlanImage, Provenance, frozen_array
+from chord_usd.types import (
+    BoolArray,
+    ByteArray,
+    LayoutImage,
+    PlanImage,
+    Provenance,
+    frozen_array,
+)
 
 Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
-class _Plans:
+class Plans:
     """A batch of plans as tensors."""
 
     pixels: Tensor
     grid: Tensor | None
     inside: Tensor
     """(B, 1, H, W) floor; items exist nowhere else."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What masked diffusion leaves alone."""
+
+    clean: Tensor
+    """(B, C, H, W) clean state."""
+    redrawn: Tensor
+    """(B, 1, H, W) bool: where it does not hold."""
 
 
 class LayoutModel:
@@ -40,6 +59,7 @@ class LayoutModel:
         self.checkpoint = checkpoint
         self.config = checkpoint.config
         self.device = device
+        checkpoint.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @classmethod
     def load(cls, folder: Path, device: str = "auto") -> LayoutModel:
@@ -48,7 +68,7 @@ class LayoutModel:
         Raises CheckpointError for an unusable folder, ChordError where CUDA is asked for and
         absent.
         """
-        chosen = _device(device)
+        chosen = choose_device(device)
         return cls(load_checkpoint(folder, chosen), chosen)
 
     def sample(
@@ -57,10 +77,13 @@ class LayoutModel:
         *,
         seed: int = 0,
         steps: int | None = None,
+        sampler: str = "ddim",
         progress: Progress | None = None,
     ) -> LayoutImage:
         """One layout for one plan. The same plan, seed and steps give the same pixels."""
-        return self.sample_batch([plan_image], seeds=[seed], steps=steps, progress=progress)[0]
+        return self.sample_batch(
+            [plan_image], seeds=[seed], steps=steps, sampler=sampler, progress=progress
+        )[0]
 
     def sample_batch(
         self,
@@ -68,32 +91,116 @@ class LayoutModel:
         *,
         seeds: Sequence[int],
         steps: int | None = None,
+        sampler: str = "ddim",
         progress: Progress | None = None,
     ) -> list[LayoutImage]:
-        """One layout per plan and seed, in one batch; each is what sample would give it."""
-        steps = steps or self.config.default_steps
-        plans = self._plans(plan_images)
-        noise = self._noise(seeds, *plans.pixels.shape[-2:])
-        with torch.inference_mode():
-            final = self._denoise(plans, noise, steps, progress)
+        """One layout per plan and seed, in one batch; each is what sample would give it.
+
+        sampler: one of schedule.SAMPLERS.
+        """
+        run = _Run(steps or self.config.default_steps, sampler, tuple(seeds), progress)
+        plans = self.plans(plan_images)
+        final = self._denoise(plans, run, kept=None)
         return [
-            self._picture(plan_image, final[index], seed, steps)
-            for index, (plan_image, seed) in enumerate(zip(plan_images, seeds, strict=True))
+            self._picture(plan_image, final[index], run, index)
+            for index, plan_image in enumerate(plan_images)
         ]
 
-    def _plans(self, plan_images: Sequence[PlanImage]) -> _Plans:
+    def resample(
+        self,
+        plan_image: PlanImage,
+        labels: ByteArray,
+        front: BoolArray,
+        region: BoolArray,
+        *,
+        seed: int = 0,
+        steps: int | None = None,
+        sampler: str = "ddim",
+        progress: Progress | None = None,
+    ) -> LayoutImage:
+        """The layout of these labels, sampled anew in a region of its floor: masked diffusion.
+
+        labels, front: (H, W) as raster.draw_items gives them; what they hold in the region is not
+        looked at. region: (H, W). Outside of it every pixel is that of the layout given, which the
+        noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
+        """
+        run = _Run(steps or self.config.default_steps, sampler, (seed,), progress)
+        before = paint_layout(plan_image, labels, front)
+        kept = _Kept(
+            self.encode(labels, front, before),
+            torch.from_numpy(region.copy())[None, None].to(self.device),
+        )
+        final = self._denoise(self.plans([plan_image]), run, kept)
+        image = self._picture(plan_image, final[0], run, 0)
+        rgb = np.where(region[..., None], image.rgb, before)
+        return LayoutImage(frozen_array(rgb, np.uint8), image.frame, image.provenance)
+
+    def plans(self, plan_images: Sequence[PlanImage]) -> Plans:
+        """Plan rasters as what the network is conditioned on."""
         cell = self.config.patch_px
         conditions = [
             plan_condition(image.rgb, image.frame.m_per_px, cell) for image in plan_images
         ]
         masks = torch.from_numpy(np.stack([condition.pixels for condition in conditions]))
-        inside = masks[:, FLOOR_PLANE : FLOOR_PLANE + 1].to(self.device, torch.float32)
+        inside = masks[:, FLOOR_PLANE, None].to(self.device, torch.float32)
         if self.config.condition == "rgb":
             rgb = torch.from_numpy(np.stack([image.rgb for image in plan_images]))
             pixels = rgb.permute(0, 3, 1, 2).to(self.device, torch.float32) / 127.5 - 1.0
-            return _Plans(pixels, None, inside)
+            return Plans(pixels, None, inside)
         grid = torch.from_numpy(np.stack([condition.grid for condition in conditions]))
-        return _Plans(masks.to(self.device, torch.float32), grid.to(self.device), inside)
+        return Plans(masks.to(self.device, torch.float32), grid.to(self.device), inside)
+
+    def encode(self, labels: ByteArray, front: BoolArray, rgb: ByteArray) -> Tensor:
+        """(1, C, H, W) clean state of a layout: its code words, or its (H, W, 3) picture."""
+        if self.config.state == "rgb":
+            picture = torch.from_numpy(rgb.copy()).permute(2, 0, 1)[None]
+            return picture.to(self.device, torch.float32) / 127.5 - 1.0
+        marks = torch.from_numpy(front & (labels > 0))[None].to(self.device)
+        names = torch.from_numpy(labels.astype(np.int64))[None].to(self.device)
+        return self.checkpoint.network.encode(names, marks)
+
+    def predict(self, state: Tensor, times: Tensor, plans: Plans) -> Tensor:
+        """The network's output for a noisy batch, float32 (network.LayoutNetwork.forward)."""
+        with half_precision(self.device):
+            output = self.checkpoint.network(state, times, plans.pixels, plans.grid)
+        return output.float()
+
+    def clean_estimate(self, output: Tensor, plans: Plans) -> Tensor:
+        """The clean state that category logits stand for: bare wherever there is no floor."""
+        expected = self.checkpoint.network.expected_state(output)
+        return torch.where(plans.inside > 0, expected, self._bare_floor(output))
+
+    @torch.inference_mode()
+    def _denoise(self, plans: Plans, run: _Run, kept: _Kept | None) -> Tensor:
+        """The reverse process; returns category and front logits, or the clean RGB state."""
+        scheduler = sampling_scheduler(self.config, run.sampler)
+        scheduler.set_timesteps(run.steps, device=self.device)
+        noise = self._noise(run.seeds, *plans.pixels.shape[-2:])
+        times = [*scheduler.timesteps, None]
+        state = self._held(noise, noise, kept, scheduler, times[0])
+        output = state
+        for done, (time, after) in enumerate(pairwise(times), start=1):
+            output = self.predict(state, time.expand(len(state)), plans)
+            sample = output if self.config.state == "rgb" else self.clean_estimate(output, plans)
+            stepped = scheduler.step(sample, time, state, **run.randomness()).prev_sample
+            state = self._held(stepped, noise, kept, scheduler, after)
+            if run.progress:
+                run.progress(done, run.steps)
+        if self.config.state == "rgb":
+            return state
+        return torch.where(plans.inside > 0, output, _NOTHING.to(output.device))
+
+    @staticmethod
+    def _held(
+        state: Tensor, noise: Tensor, kept: _Kept | None, scheduler: Any, time: Tensor | None
+    ) -> Tensor:
+        """The state with what is kept at its own noise level, which is none after the last step."""
+        if kept is None:
+            return state
+        held = kept.clean
+        if time is not None:
+            held = scheduler.add_noise(kept.clean, noise, time.reshape(1))
+        return torch.where(kept.redrawn, state, held)
 
     def _noise(self, seeds: Sequence[int], height: int, width: int) -> Tensor:
         """Noise is drawn per seed on the CPU, so that batch size and device do not change it."""
@@ -107,34 +214,11 @@ class LayoutModel:
             ]
         ).to(self.device)
 
-    def _denoise(
-        self, plans: _Plans, state: Tensor, steps: int, progress: Progress | None
-    ) -> Tensor:
-        """The reverse process; returns category and front logits, or the clean RGB state."""
-        network = self.checkpoint.network
-        scheduler = sampling_scheduler(self.config)
-        scheduler.set_timesteps(steps, device=self.device)
-        bare = self._bare_floor(state)
-        output = state
-        for done, time in enumerate(scheduler.timesteps, start=1):
-            output = network(state, time.expand(len(state)), plans.pixels, plans.grid)
-            sample = output
-            if self.config.state == "codes":
-                sample = torch.where(plans.inside > 0, network.expected_state(output), bare)
-            state = scheduler.step(sample, time, state).prev_sample
-            if progress:
-                progress(done, steps)
-        if self.config.state == "rgb":
-            return state
-        return torch.where(plans.inside > 0, output, _NOTHING)
-
-    def _bare_floor(self, state: Tensor) -> Tensor:
-        if self.config.state == "rgb":
-            return state
-        labels = torch.zeros((1, *state.shape[-2:]), dtype=torch.long, device=state.device)
+    def _bare_floor(self, like: Tensor) -> Tensor:
+        labels = torch.zeros((1, *like.shape[-2:]), dtype=torch.long, device=like.device)
         return self.checkpoint.network.encode(labels, labels > 0)
 
-    def _picture(self, plan_image: PlanImage, final: Tensor, seed: int, steps: int) -> LayoutImage:
+    def _picture(self, plan_image: PlanImage, final: Tensor, run: _Run, index: int) -> LayoutImage:
         if self.config.state == "rgb":
             rgb = ((final + 1.0) * 127.5).round().clamp(0, 255).byte()
             pixels = rgb.permute(1, 2, 0).cpu().numpy()
@@ -144,23 +228,28 @@ class LayoutModel:
             pixels = paint_layout(plan_image, labels, front)
         provenance = Provenance(
             checkpoint_hash=self.checkpoint.content_hash,
-            seed=seed,
+            seed=run.seeds[index],
             version=__version__,
-            configuration={"steps": steps, "sampler": "ddim"},
+            configuration={"steps": run.steps, "sampler": run.sampler},
         )
         return LayoutImage(frozen_array(pixels, np.uint8), plan_image.frame, provenance)
 
 
-_NOTHING = torch.cat([torch.full((1,), 50.0), torch.full((29,), -50.0)])[None, :, None, None]
+class _Run:
+    """How one batch is sampled."""
+
+    def __init__(
+        self, steps: int, sampler: str, seeds: tuple[int, ...], progress: Progress | None
+    ) -> None:
+        self.steps, self.sampler, self.seeds, self.progress = steps, sampler, seeds, progress
+        # Ancestral sampling draws noise at every step: from its own generators, per picture.
+        self._generators = [torch.Generator().manual_seed(seed + 2**32) for seed in seeds]
+
+    def randomness(self) -> dict[str, Any]:
+        """What scheduler.step needs so that it never draws from torch's global generator."""
+        return {"generator": self._generators} if self.sampler == "ddpm" else {}
+
+
+_NOTHING = torch.full((1, CLASS_COUNT + 1, 1, 1), -50.0)
+_NOTHING[:, 0] = 50.0
 """Logits of bare floor without a front mark."""
-
-
-def _device(name: str) -> str:
-    has_cuda = torch.cuda.is_available()
-    if name == "auto":
-        return "cuda" if has_cuda else "cpu"
-    if name.startswith("cuda") and not has_cuda:
-        raise ChordError(
-            "no CUDA device here", where=f"--device {name}", try_="--device cpu or --device auto"
-        )
-    return name

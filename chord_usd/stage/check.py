@@ -70,7 +70,7 @@ class Report:
 
 def check_stage(path: Path) -> Report:
     """Check a stage. Raises StageError for a file that cannot be opened."""
-    stage = _open(path)
+    stage = open_stage(path)
     # USD tells unresolved files on standard error as well; they are in the report.
     quiet = UsdUtils.CoalescingDiagnosticDelegate()
     errors = broken_rules(stage)
@@ -105,7 +105,8 @@ def certificate(report: Report) -> dict[str, Any]:
     }
 
 
-def _open(path: Path) -> Usd.Stage:
+def open_stage(path: Path) -> Usd.Stage:
+    """The stage at path, payloads loaded. Raises StageError for what is none."""
     try:
         if path.is_file():
             return Usd.Stage.Open(str(path))

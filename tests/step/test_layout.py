@@ -11,10 +11,12 @@ from chord_usd.errors import CheckpointError, ChordError
 from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import PRESETS, LayoutConfig
+from chord_usd.layout.device import in_batches
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.schedule import sampling_scheduler, training_scheduler
+from chord_usd.layout.schedule import SAMPLERS, sampling_scheduler, training_scheduler
 from chord_usd.palette import CATEGORIES
+from chord_usd.raster import paint_layout
 from chord_usd.types import PixelFrame, PlanImage
 
 TINY = replace(
@@ -66,6 +68,36 @@ def test_nothing_is_painted_outside_the_house():
     floor[36:214, 26:194] = True
     assert np.array_equal(layout.rgb[~floor], plan.rgb[~floor])
     assert not np.array_equal(layout.rgb[floor], plan.rgb[floor])
+
+
+def test_resampling_a_region_leaves_every_other_pixel(model):
+    plan = _plan_image()
+    labels = np.zeros((256, 256), np.uint8)
+    labels[40:80, 30:90], labels[150:200, 120:180] = 3, 5
+    front = np.zeros(labels.shape, bool)
+    front[70:80, 40:80] = True
+    region = np.zeros(labels.shape, bool)
+    region[36:120, 26:194] = True
+    before = paint_layout(plan, labels, front)
+    after = model.resample(plan, labels, front, region, seed=1)
+    assert np.array_equal(after.rgb[~region], before[~region])
+    assert not np.array_equal(after.rgb[region], before[region])
+    again = model.resample(
+        plan, np.where(region, 7, labels).astype(np.uint8), front, region, seed=1
+    )
+    assert np.array_equal(again.rgb[region], after.rgb[region]), (
+        "the region's own labels are looked at"
+    )
+
+
+@pytest.mark.parametrize("sampler", SAMPLERS)
+def test_every_sampler_takes_the_steps_it_is_given(model, sampler):
+    one = model.sample(_plan_image(), seed=3, steps=4, sampler=sampler)
+    assert one.provenance.configuration == {"steps": 4, "sampler": sampler}
+    torch.manual_seed(1)
+    assert np.array_equal(
+        one.rgb, model.sample(_plan_image(), seed=3, steps=4, sampler=sampler).rgb
+    )
 
 
 def test_progress_counts_every_step(model):
@@ -170,3 +202,32 @@ def test_cuda_asked_for_and_absent(tmp_path):
     save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
     with pytest.raises(ChordError, match="no CUDA device"):
         LayoutModel.load(tmp_path, "cuda")
+
+
+class TestMemory:
+    def test_a_batch_is_halved_until_it_fits(self):
+        told, sizes = [], []
+
+        def work(jobs):
+            sizes.append(len(jobs))
+            if len(jobs) > 2:
+                raise torch.OutOfMemoryError("CUDA out of memory")
+            return [2 * job for job in jobs]
+
+        assert list(in_batches(work, range(7), 8, told.append)) == [0, 2, 4, 6, 8, 10, 12]
+        assert sizes == [7, 4, 2, 2, 2, 1]
+        assert told == [f"out of memory: went on with a batch of {size}" for size in (4, 2)]
+
+    def test_one_job_too_large_is_an_error_with_a_next_step(self):
+        def work(jobs):
+            raise RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried 1 EB")
+
+        with pytest.raises(ChordError, match=r"out of memory.*Try:"):
+            list(in_batches(work, [1], 1))
+
+    def test_other_errors_pass(self):
+        def work(jobs):
+            raise RuntimeError("shapes differ")
+
+        with pytest.raises(RuntimeError, match="shapes differ"):
+            list(in_batches(work, [1], 1))

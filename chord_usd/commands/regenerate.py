@@ -1,0 +1,76 @@
+"""regenerate: stage -> stage, one room furnished anew."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_assets,
+    add_device,
+    add_verb,
+    existing_file,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.files import deliver
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(
+        verbs, "regenerate", run, "furnish one room of a stage anew and leave the rest as it is"
+    )
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument(
+        "--room", required=True, metavar="NAME", help="name of the room's prim, such as Bedroom_0"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="PATH", help="the new stage (STAGE itself)"
+    )
+    parser.add_argument(
+        "--seed", type=whole_number(0), metavar="N", help="(one more than the room's last)"
+    )
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
+    parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
+    add_assets(parser)
+    add_device(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb. All outputs appear together, at the end."""
+    from chord_usd.chord_json import write_scene
+    from chord_usd.pipeline import Settings, regenerate, write_regenerated
+    from chord_usd.raster_files import write_raster
+
+    source = existing_file(options.stage)
+    target = options.output or source
+    settings = Settings(
+        steps=options.steps, device=options.device, asset_folders=tuple(options.assets)
+    )
+    watch = stopwatch(options)
+    with deliver() as delivery:
+        layout_out = delivery.place(options.layout_out) if options.layout_out else None
+        graph_out = delivery.place(options.graph_out) if options.graph_out else None
+        made = regenerate(source, options.room, settings, watch, options.seed)
+        if layout_out:
+            write_raster(made.layout, layout_out)
+        if graph_out:
+            write_scene(made.graph, graph_out)
+        with watch.step("stage"):
+            write_regenerated(made, target)
+    furniture = sum(1 for _ in made.graph.items_of(made.room.id))
+    seed = made.layout.provenance.seed
+    data = {
+        "stage": str(target),
+        "room": options.room,
+        "seed": seed,
+        "furniture": furniture,
+        "seconds": watch.seconds,
+    }
+    return Outcome(f"{target}: {furniture} new pieces in {options.room}, seed {seed}", data)

@@ -1,0 +1,88 @@
+"""Where a network runs and how: device, precision, memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, TypeVar
+
+import torch
+
+from chord_usd.errors import ChordError
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+_NO_MEMORY_WORDS = ("not enough memory", "can't allocate memory", "out of memory")
+"""What torch's CPU allocator and other back ends say in a plain RuntimeError."""
+
+
+def choose_device(name: str) -> str:
+    """auto, cpu or cuda to what torch takes. Raises ChordError where CUDA is absent."""
+    has_cuda = torch.cuda.is_available()
+    if name == "auto":
+        return "cuda" if has_cuda else "cpu"
+    if name.startswith("cuda") and not has_cuda:
+        raise ChordError(
+            "no CUDA device here", where=f"--device {name}", try_="--device cpu or --device auto"
+        )
+    return name
+
+
+def half_precision(device: str) -> AbstractContextManager[Any]:
+    """A context in which convolutions run in bfloat16 where that is faster, else one that does
+    nothing.
+
+    Processors without bfloat16 instructions would emulate them, at several times the cost.
+    """
+    kind = torch.device(device).type
+    fast = torch.cuda.is_bf16_supported() if kind == "cuda" else _cpu_has_bfloat16()
+    return torch.autocast(kind, torch.bfloat16) if fast else nullcontext()
+
+
+def _cpu_has_bfloat16() -> bool:
+    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
+
+
+def in_batches(
+    work: Callable[[Sequence[Job]], Sequence[Result]],
+    jobs: Sequence[Job],
+    batch: int,
+    warn: Callable[[str], None] | None = None,
+) -> Iterator[Result]:
+    """Results of all jobs in order, worked on in batches that are halved where memory ends.
+
+    warn is told of each halving. Raises ChordError where one job alone is too much.
+    """
+    start = 0
+    while start < len(jobs):
+        try:
+            results = work(jobs[start : start + batch])
+        except (MemoryError, RuntimeError) as error:
+            if not is_out_of_memory(error):
+                raise
+            if batch == 1:
+                raise ChordError(
+                    "out of memory with a batch of one",
+                    expected="a few hundred MiB free",
+                    try_="--device cpu, or a machine with more memory",
+                ) from error
+            batch = max(batch // 2, 1)
+            if warn:
+                warn(f"out of memory: went on with a batch of {batch}")
+            _give_memory_back()
+            continue
+        yield from results
+        start += batch
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether an error of torch or Python says that memory ended."""
+    if isinstance(error, MemoryError | torch.OutOfMemoryError):
+        return True
+    return any(words in str(error).lower() for words in _NO_MEMORY_WORDS)
+
+
+def _give_memory_back() -> None:
+    if torch.cuda.is_available():
+        torch.cuda.empty_cache()

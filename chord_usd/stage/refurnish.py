@@ -1,0 +1,240 @@
+"""New furniture for one room of a written stage; every other opinion stays as it is, byte for byte.
+
+The stage's own layer is edited and not written anew, so that what an artist has changed elsewhere,
+looks chosen and lights moved, survives.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+
+import shapely
+from pxr import Gf, Sdf, UsdUtils
+
+from chord_usd.errors import StageError
+from chord_usd.files import deliver, hash_file
+from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.stage.cameras import EYE_M, choose_view
+from chord_usd.stage.check import open_stage
+from chord_usd.stage.check_rules import NODE_ID
+from chord_usd.stage.check_scene import read_scene
+from chord_usd.stage.furniture import place_furniture
+from chord_usd.stage.names import NamedRoom, name_items
+from chord_usd.stage.packages import Packages
+from chord_usd.stage.prims import Types, attribute
+from chord_usd.types import Item, Provenance, Room, SceneGraph, StageFile
+
+SEED = "chord:seed"
+"""Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
+
+CHECKPOINT = "chord:checkpoint_hash"
+
+_ROOM_FOR_CAMERA_M = 0.1
+"""A camera moves when a piece that reaches its height comes nearer than this."""
+
+_ARCHIVE_TIME_S = 500_000_000
+"""Any fixed time that a zip archive can hold, so that the same house is the same archive."""
+
+
+@dataclass(frozen=True, eq=False)
+class StagedHouse:
+    """A house read back from its stage."""
+
+    graph: SceneGraph
+    """As it stands: boxes from meshes and transforms, ids as the author noted them. Items have no
+    assets."""
+    room_ids: dict[str, str]
+    """Id of each room by the name of its prim, such as Bedroom_0."""
+    seeds: dict[str, int]
+    """The seed each room was furnished with, by the name of its prim."""
+
+    def room(self, name: str, where: Path) -> Room:
+        """The room whose prim has this name. Raises StageError, suggesting the nearest."""
+        if name not in self.room_ids:
+            near = get_close_matches(name, self.room_ids, n=1)
+            raise StageError(
+                f"has no room {name!r}",
+                where=str(where),
+                expected=f"one of {', '.join(self.room_ids)}",
+                try_=f"--room {near[0]}" if near else "",
+            )
+        return self.graph.plan.room(self.room_ids[name])
+
+
+def read_house(path: Path) -> StagedHouse:
+    """Read rooms, openings and items of a stage. Raises StageError."""
+    stage = open_stage(path)
+    graph = read_scene(stage).graph
+    if not graph.rooms:
+        raise StageError(
+            "holds no rooms that can be read",
+            where=str(path),
+            expected="a house that chord-usd wrote",
+            try_=f"chord-usd check {path.name}",
+        )
+    noted = {
+        str(prim.GetPath()): prim.GetAttribute(NODE_ID).Get() or str(prim.GetPath())
+        for prim in stage.TraverseAll()
+        if prim.HasAttribute(NODE_ID)
+    }
+    house_seed = int(stage.GetRootLayer().customLayerData.get("chord", {}).get("seed", 0))
+    seeds = {}
+    for room in graph.rooms:
+        own = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
+        seeds[room.name] = int(own.Get()) if own else house_seed
+    room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
+    return StagedHouse(_with_noted_ids(graph, noted), room_ids, seeds)
+
+
+@dataclass(frozen=True, eq=False)
+class NewFurniture:
+    """What a room gets."""
+
+    room_name: str
+    """Name of the room's prim."""
+    room: Room
+    items: Sequence[Item]
+    """Posed in the world, as in the scene graph."""
+    made: Provenance
+
+
+def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
+    """Write source to target with one room's furniture taken out and new furniture put in.
+
+    target may be source itself; elsewhere, everything the stage points to is copied beside it.
+    Nothing is left behind on failure. Raises StageError for a stage that chord-usd did not write,
+    AssetError, OutputError.
+    """
+    if source.suffix != target.suffix and ".usdz" in (source.suffix, target.suffix):
+        raise StageError(
+            f"cannot become a {target.suffix}",
+            where=str(source),
+            expected=f"-o with the suffix {source.suffix}",
+        )
+    with deliver() as delivery:
+        staged = delivery.place(target)
+        if source.suffix == ".usdz":
+            _edit_archive(source, staged, new)
+        else:
+            final = target.absolute().parent
+            if final != source.absolute().parent:
+                final = staged.parent
+                _copy_what_it_points_to(source, final)
+            _copy_layer(source, staged)
+            _edit(staged, final, new)
+        content_hash = hash_file(staged)
+    layer = Sdf.Layer.Find(str(target))
+    if layer:
+        layer.Reload()
+    return StageFile(target, content_hash, new.made)
+
+
+def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
+    """The graph under the ids of its author in place of prim paths."""
+
+    def item(one: Item) -> Item:
+        return replace(
+            one,
+            id=noted.get(one.id, one.id),
+            room_id=noted.get(one.room_id, one.room_id),
+            children=tuple(map(item, one.children)),
+        )
+
+    return replace(
+        graph,
+        rooms=tuple(replace(room, id=noted.get(room.id, room.id)) for room in graph.rooms),
+        openings=tuple(replace(one, id=noted.get(one.id, one.id)) for one in graph.openings),
+        items=tuple(map(item, graph.items)),
+    )
+
+
+def _copy_layer(source: Path, staged: Path) -> None:
+    """The root layer under its new name; an identifier that is its file name follows."""
+    shutil.copyfile(source, staged)
+    if source.name == staged.name:
+        return
+    layer = Sdf.Layer.FindOrOpen(str(staged))
+    root = layer.GetPrimAtPath(f"/{layer.defaultPrim}")
+    info = dict(root.GetInfo("assetInfo")) if root and root.HasInfo("assetInfo") else {}
+    if info.get("identifier") == Sdf.AssetPath(f"./{source.name}"):
+        info["identifier"] = Sdf.AssetPath(f"./{staged.name}")
+        root.SetInfo("assetInfo", info)
+        layer.Save()
+
+
+def _copy_what_it_points_to(source: Path, folder: Path) -> None:
+    """Layers and textures of a stage, at the same places relative to another folder."""
+    home = source.absolute().parent
+    layers, textures, _ = UsdUtils.ComputeAllDependencies(str(source))
+    for file in [*(Path(layer.realPath) for layer in layers), *map(Path, textures)]:
+        if file == source.absolute() or not file.is_relative_to(home):
+            continue
+        place = folder / file.relative_to(home)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, place)
+
+
+def _edit_archive(source: Path, staged: Path, new: NewFurniture) -> None:
+    """Unpack, edit the root layer, which is an archive's first file, and pack again."""
+    with tempfile.TemporaryDirectory(dir=staged.parent) as scratch:
+        folder = Path(scratch)
+        with zipfile.ZipFile(source) as archive:
+            root = folder / archive.namelist()[0]
+            archive.extractall(folder)
+        _edit(root, folder, new)
+        for file in folder.rglob("*"):
+            os.utime(file, (_ARCHIVE_TIME_S, _ARCHIVE_TIME_S))
+        UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
+
+
+def _edit(path: Path, final: Path, new: NewFurniture) -> None:
+    """Refurnish the layer at path. final: the folder that holds what it points to."""
+    layer = Sdf.Layer.FindOrOpen(str(path))
+    furniture = layer.GetPrimAtPath(f"/House/Rooms/{new.room_name}/Furniture")
+    if not furniture:
+        raise StageError(
+            f"the furniture of {new.room_name!r} is not in this layer",
+            where=str(path),
+            expected="the stage as chord-usd wrote it, not one that refers to it",
+        )
+    for name in list(furniture.nameChildren.keys()):
+        del furniture.nameChildren[name]
+    named = NamedRoom(0, new.room_name, new.room, name_items(new.items), ())
+    with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
+        place_furniture(layer, named, Packages(path.parent, final, "assets"), Path(scratch))
+    _note_making(furniture, new.made)
+    _clear_camera(layer, new)
+    layer.Save()
+
+
+def _note_making(furniture: Sdf.PrimSpec, made: Provenance) -> None:
+    for name, type_, value in (
+        (SEED, Types.Int, made.seed),
+        (CHECKPOINT, Types.String, made.checkpoint_hash),
+    ):
+        if name in furniture.attributes:
+            furniture.attributes[name].default = value
+        else:
+            attribute(furniture, name, type_, value, custom=True)
+
+
+def _clear_camera(layer: Sdf.Layer, new: NewFurniture) -> None:
+    """Find the room's camera another place where new furniture stands in its way."""
+    camera = layer.GetPrimAtPath(f"/House/Cameras/{new.room_name}")
+    if not camera or "xformOp:translate" not in camera.attributes:
+        return
+    x_m, y_m, _ = camera.attributes["xformOp:translate"].default
+    tall = [item for item in new.items if item.box.center_m[2] + item.box.size_m[2] > EYE_M]
+    eye = shapely.Point(x_m, y_m)
+    if all(footprint_polygon(item.box).distance(eye) > _ROOM_FOR_CAMERA_M for item in tall):
+        return
+    view = choose_view(room_polygon(new.room), new.items)
+    camera.attributes["xformOp:translate"].default = Gf.Vec3d(*view.position_m, EYE_M)
+    camera.attributes["xformOp:rotateXYZ"].default = Gf.Vec3f(90.0, 0.0, view.yaw_deg - 90.0)

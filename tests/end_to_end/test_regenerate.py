@@ -1,0 +1,75 @@
+"""regenerate as a user runs it: a stage in, the same stage with one room furnished anew out."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from chord_usd import raster
+from chord_usd.chord_json import read_scene
+from chord_usd.raster_files import read_layout
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.refurnish import read_house
+from chord_usd.types import SceneGraph
+
+RunCli = Callable[..., subprocess.CompletedProcess[str]]
+
+ROOM = "LivingRoom_0"
+WORDS = ("--room", ROOM, "--steps", 2, "--progress", "none", "--json")
+
+
+@pytest.fixture(scope="module")
+def house(furnished_house: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("regenerate") / "house.usda"
+    author_stage(furnished_house, path, seed=4)
+    return path
+
+
+def test_one_room_changes_in_stage_graph_and_picture(
+    house: Path, tmp_path: Path, run_cli: RunCli
+) -> None:
+    folder = Path(shutil.copytree(house.parent, tmp_path / "house"))
+    stage = folder / "house.usda"
+    before = read_house(stage)
+    done = run_cli(
+        "regenerate", stage, *WORDS,
+        "--layout-out", tmp_path / "layout.png", "--graph-out", tmp_path / "scene.json",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["room"] == ROOM
+    assert told["seed"] == 5, "one more than the house's"
+    after = read_house(stage)
+    room_id = before.room_ids[ROOM]
+
+    def others(graph: SceneGraph) -> list[tuple[object, ...]]:
+        return [(item.id, item.box) for item in graph.items if item.room_id != room_id]
+
+    assert others(after.graph) == others(before.graph)
+    assert others(read_scene(tmp_path / "scene.json")) != []
+    assert len(list(after.graph.items_of(room_id))) == told["furniture"]
+    plan_image = raster.draw_plan(before.graph.plan)
+    layout = read_layout(tmp_path / "layout.png")
+    region = raster.room_pixels(before.room(ROOM, stage), plan_image.frame)
+    drawn = raster.layout_image(plan_image, before.graph.items)
+    assert np.array_equal(layout.rgb[~region], drawn.rgb[~region])
+    assert not np.array_equal(layout.rgb[region], drawn.rgb[region])
+    with Image.open(tmp_path / "layout.png") as picture:
+        assert "chord" in picture.text  # type: ignore[attr-defined]
+
+
+def test_an_unknown_room_leaves_everything(house: Path, run_cli: RunCli) -> None:
+    text = house.read_bytes()
+    done = run_cli("regenerate", house, "--room", "LivingRoom_1", "--progress", "none")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("error: ")
+    assert f"--room {ROOM}" in done.stderr
+    assert house.read_bytes() == text

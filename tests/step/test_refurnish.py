@@ -1,0 +1,173 @@
+"""New furniture for one room of a stage: only that room changes."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd, UsdUtils
+
+from chord_usd.errors import StageError
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.check import check_stage
+from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
+from chord_usd.types import Item, Provenance, SceneGraph
+
+MADE = Provenance(checkpoint_hash="feed", seed=8)
+
+
+@pytest.fixture
+def folder(staged_house: Path, tmp_path: Path) -> Path:
+    """A copy of the shared house, to change."""
+    return Path(shutil.copytree(staged_house.parent, tmp_path / "house"))
+
+
+def room_with_items(path: Path) -> str:
+    house = read_house(path)
+    return next(
+        name for name, room_id in house.room_ids.items() if len(list(house.graph.items_of(room_id)))
+    )
+
+
+def new_furniture(path: Path, name: str, count: int = 1) -> NewFurniture:
+    """The room with only its first pieces, turned round."""
+    house = read_house(path)
+    room = house.room(name, path)
+    kept = list(house.graph.items_of(room.id))[:count]
+    turned = [replace(item, box=replace(item.box, yaw_deg=item.box.yaw_deg + 180)) for item in kept]
+    return NewFurniture(name, room, turned, MADE)
+
+
+def elsewhere(path: Path, name: str) -> str:
+    """The root layer as text, without what is below the room's Furniture."""
+    layer = Sdf.Layer.OpenAsAnonymous(str(path))
+    furniture = layer.GetPrimAtPath(f"/House/Rooms/{name}/Furniture")
+    for child in list(furniture.nameChildren.keys()):
+        del furniture.nameChildren[child]
+    for own in list(furniture.attributes.keys()):
+        del furniture.properties[own]
+    return layer.ExportToString()
+
+
+def test_what_is_read_is_what_was_written(staged_house: Path, staged_graph: SceneGraph) -> None:
+    house = read_house(staged_house)
+    assert {room.id for room in house.graph.rooms} == {room.id for room in staged_graph.rooms}
+    assert set(house.seeds.values()) == {3}
+
+    def placed(graph: SceneGraph) -> dict[str, tuple[object, ...]]:
+        return {
+            item.id: (item.category, item.room_id, *(round(v, 3) for v in item.box.center_m[:2]))
+            for item in graph.items
+        }
+
+    assert placed(house.graph) == placed(staged_graph)
+
+
+def broken_rules(path: Path) -> set[str]:
+    return {finding.rule for finding in check_stage(path).errors}
+
+
+def test_only_the_room_changes(folder: Path, staged_house: Path) -> None:
+    path = folder / "house.usda"
+    name = room_with_items(path)
+    before = elsewhere(path, name)
+    text = path.read_text()
+    refurnish(path, path, new_furniture(path, name))
+    assert elsewhere(path, name) == before
+    start = text.index(f'def Xform "{name}"')
+    assert path.read_text()[:start] == text[:start]
+    house = read_house(path)
+    assert len(list(house.graph.items_of(house.room_ids[name]))) == 1
+    assert house.seeds[name] == 8
+    assert broken_rules(path) <= broken_rules(staged_house)
+
+
+def test_the_same_furniture_gives_the_same_file(folder: Path) -> None:
+    path = folder / "house.usda"
+    new = new_furniture(path, room_with_items(path))
+    refurnish(path, path, new)
+    first = path.read_bytes()
+    refurnish(path, path, new)
+    assert path.read_bytes() == first
+
+
+def test_what_an_artist_changed_elsewhere_stays(folder: Path) -> None:
+    path = folder / "house.usda"
+    name = room_with_items(path)
+    stage = Usd.Stage.Open(str(path))
+    other = next(
+        p for p in stage.GetPrimAtPath("/House/Rooms").GetChildren() if p.GetName() != name
+    )
+    other.GetVariantSet("wallMaterial").SetVariantSelection(
+        other.GetVariantSet("wallMaterial").GetVariantNames()[-1]
+    )
+    other.CreateAttribute("mine", Sdf.ValueTypeNames.String).Set("kept")
+    stage.Save()
+    before = elsewhere(path, name)
+    refurnish(path, path, new_furniture(path, name))
+    assert elsewhere(path, name) == before
+
+
+def test_another_folder_gets_everything_the_stage_points_to(
+    folder: Path, tmp_path: Path, staged_house: Path
+) -> None:
+    path, target = folder / "house.usda", tmp_path / "elsewhere" / "copy.usda"
+    refurnish(path, target, new_furniture(path, room_with_items(path)))
+    shutil.rmtree(folder)
+    assert UsdUtils.ComputeAllDependencies(str(target))[2] == []
+    assert broken_rules(target) <= broken_rules(staged_house)
+
+
+def test_an_archive_stays_an_archive(staged_graph: SceneGraph, tmp_path: Path) -> None:
+    path = tmp_path / "house.usdz"
+    author_stage(staged_graph, path, seed=3)
+    name = room_with_items(path)
+    refurnish(path, path, new_furniture(path, name))
+    assert list(tmp_path.iterdir()) == [path]
+    house = read_house(path)
+    assert len(list(house.graph.items_of(house.room_ids[name]))) == 1
+    assert house.seeds[name] == 8
+
+
+def test_a_camera_steps_out_of_new_furniture(folder: Path) -> None:
+    path = folder / "house.usda"
+    name = room_with_items(path)
+
+    def camera() -> tuple[float, float]:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+        place = layer.GetAttributeAtPath(f"/House/Cameras/{name}.xformOp:translate")
+        return tuple(place.default[:2])
+
+    new = new_furniture(path, name)
+    x_m, y_m = camera()
+    tall = Item("tall", "cabinet", replace(new.items[0].box, center_m=(x_m, y_m, 0.0),
+                size_m=(0.3, 0.3, 2.2)), new.room.id)  # fmt: skip
+    refurnish(path, path, replace(new, items=[tall]))
+    assert camera() != (x_m, y_m)
+
+
+def test_a_wrong_room_suggests_the_right_one(staged_house: Path) -> None:
+    house = read_house(staged_house)
+    name = next(iter(house.room_ids))
+    with pytest.raises(StageError, match=rf"has no room.*--room {name}"):
+        house.room(name.lower().replace("_", "-"), staged_house)
+
+
+def test_a_stage_of_something_else_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.usda"
+    path.write_text('#usda 1.0\n(\n    defaultPrim = "Thing"\n)\ndef Xform "Thing"\n{\n}\n')
+    with pytest.raises(StageError, match="holds no rooms"):
+        read_house(path)
+
+
+def test_nothing_is_left_behind_on_failure(folder: Path) -> None:
+    path = folder / "house.usda"
+    name = room_with_items(path)
+    text, names = path.read_text(), sorted(folder.rglob("*"))
+    new = replace(new_furniture(path, name), room_name="Nowhere_0")
+    with pytest.raises(StageError, match="Nowhere_0"):
+        refurnish(path, path, new)
+    assert path.read_text() == text
+    assert sorted(folder.rglob("*")) == names
