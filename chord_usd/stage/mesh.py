@@ -59,12 +59,13 @@ def mesh_of(faces: Sequence[Face]) -> Mesh:
     points, indices = np.unique(
         np.round(corners, _SAME_POINT_DECIMALS), axis=0, return_inverse=True
     )
+    counts = np.array([len(face.corners_m) for face in faces], dtype=np.int32)
     return Mesh(
         points_m=points + 0.0,  # turns -0.0 into 0.0, so that files do not differ by a sign
-        counts=np.array([len(face.corners_m) for face in faces], dtype=np.int32),
+        counts=counts,
         indices=indices.reshape(-1).astype(np.int32),
         uvs_m=np.round(np.concatenate([face.uvs_m for face in faces]), _SAME_POINT_DECIMALS) + 0.0,
-        normals=_corner_normals([face.corners_m for face in faces]),
+        normals=_corner_normals(corners, counts),
     )
 
 
@@ -132,12 +133,15 @@ def moved(
     return [Face(face.corners_m @ turn.T + np.asarray(offset_m), face.uvs_m) for face in faces]
 
 
-def _corner_normals(rings: Sequence[FloatArray]) -> FloatArray:
+def _corner_normals(corners: FloatArray, counts: IntArray) -> FloatArray:
     """(C, 3) normals by Newell's sum, which does not mind three corners in a line."""
-    sums = np.array([np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0) for ring in rings])
+    starts = np.cumsum(counts) - counts
+    following = np.arange(1, len(corners) + 1)
+    following[starts + counts - 1] = starts
+    sums = np.add.reduceat(np.cross(corners, corners[following]), starts)
     lengths = np.linalg.norm(sums, axis=1, keepdims=True)
     units = np.round(sums / np.maximum(lengths, 1e-12), _SAME_POINT_DECIMALS) + 0.0
-    return np.repeat(units, [len(ring) for ring in rings], axis=0)
+    return np.repeat(units, counts, axis=0)
 
 
 def _flat_face(ring: FloatArray, height_m: float) -> Face:
