@@ -119,7 +119,7 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
 def _laundry_balcony(floors: Sequence[Floor], dice: random.Random) -> Floor | None:
     """The balcony with the washing machine, if the house has its laundry on a balcony."""
     balconies = [floor for floor in floors if floor.kind == "balcony"]
-    if not balconies or dice.random() > 0.85:
+    if not balconies or dice.random() > 0.98:
         return None
     return dice.choice(balconies)
 

@@ -66,11 +66,14 @@ def _programme(floor: Floor) -> list[str]:
         return [name for name in REACH_M if name in (*shown, *twin)]
     if floor.area_m2 < 1.9:
         return ["toilet", "washbasin"] if floor.area_m2 > 1.1 else ["toilet"]
-    bathing = "bathtub" if floor.area_m2 > 4.0 and dice.random() < 0.22 else "shower"
-    wanted = [bathing, "toilet", "washbasin"]
+    bathing = "bathtub" if floor.area_m2 > 4.0 and dice.random() < 0.08 else "shower"
+    wanted = [bathing, "toilet"]
+    # Now and then the basin stands outside, in front of the bathroom.
+    if floor.area_m2 > 5.5 or dice.random() < 0.78:
+        wanted.append("washbasin")
     if floor.area_m2 > 7.0 and bathing == "bathtub":
         wanted.insert(1, "shower")
-    if floor.area_m2 > 5.0 and dice.random() < 0.08:
+    if floor.area_m2 > 5.0 and dice.random() < 0.06:
         wanted.append("washing_machine")
     return wanted
 
@@ -184,7 +187,7 @@ def _score(floor: Floor, category: str, wall: Wall, s: float, corners: int) -> f
         return 0.3 * corners - 2.0 * hinted_distance(floor, category, x, y)
     away = floor.distance_to_door(x, y)
     if category in _BATHING:
-        return 1.2 * min(away, 3.0) + 0.7 * corners
+        return 1.2 * min(away, 3.0) + 1.4 * corners
     if category == "washbasin":
         return 0.3 * corners - 0.3 * abs(away - 1.2) - 0.2 * wall.has_window
     return 0.4 * corners + 0.3 * min(away, 2.0)

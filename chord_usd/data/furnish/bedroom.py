@@ -40,16 +40,16 @@ def furnish_bedroom(floor: Floor) -> None:
     """Furnish in the order of importance; what no longer fits is left out."""
     dice = floor.dice
     place = _put_bed(floor)
-    wardrobe = 0.9 if floor.area_m2 > 8.0 else 0.75
+    wardrobe = 0.68 if floor.area_m2 > 8.0 else 0.5
     if dice.random() < wardrobe:
         put_cabinet(floor, tall=True, longest=_wardrobe_length(floor))
-    if place and floor.area_m2 > 10.0 and dice.random() < 0.35:
+    if place and floor.area_m2 > 10.0 and dice.random() < 0.25:
         _put_television(floor, place)
     if dice.random() < 0.5:
         put_desk(floor)
-    if floor.area_m2 > 15.0 and dice.random() < 0.4:
+    if floor.area_m2 > 15.0 and dice.random() < 0.36:
         put_armchair(floor)
-    if floor.area_m2 > 16.0 and dice.random() < 0.15:
+    if floor.area_m2 > 16.0 and dice.random() < 0.08:
         put_cabinet(floor, tall=False, longest=1.4)
 
 
@@ -66,7 +66,7 @@ def _put_bed(floor: Floor) -> BedPlace | None:
         if length > 0.9 and length > 0.75 + 0.085 * floor.area_m2 + dice.uniform(-0.1, 0.25):
             continue
         size = sizes.bed(dice, length)
-        has_panel = length >= 1.2 and dice.random() < 0.72
+        has_panel = length >= 1.2 and dice.random() < 0.8
         panel = sizes.panel(dice, "bed_background", length) if has_panel else None
         for place in _places(floor, size, panel[1] if panel else 0.0)[:MOST_PLACES]:
             mark = floor.mark()
@@ -164,7 +164,7 @@ def _put_bed_group(floor: Floor, place: BedPlace, size: Size, panel: Size | None
 def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool, bool]:
     """None, one or two of the same kind, beside the headboard, flush with the wall."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.46, 0.18, 0.36) if size[0] > 1.3 else (0.5, 0.45, 0.05))[0]
+    wanted = dice.choices((0, 1, 2), (0.62, 0.14, 0.24) if size[0] > 1.3 else (0.66, 0.32, 0.02))[0]
     table = sizes.sampled(dice, "bedside_table", longest=0.55)
     table = (table[0], min(table[1], table[0]), table[2])
     gap = dice.choice((0.0, MARGIN_M, 0.1))

@@ -136,7 +136,7 @@ def _fill(floor: Floor, runs: list[Run], depth: float, height: float) -> None:
     wanted = {"sink_cabinet", "cooker_cabinet"}
     if dice.random() < 0.35:
         wanted.add("refrigerator")
-    if dice.random() < 0.25:
+    if dice.random() < 0.4:
         wanted.add("electrical_floor_cabinet")
     runs = _trimmed(runs)
     sink_run = _sink_run(floor, runs)

@@ -37,15 +37,15 @@ def furnish_living(floor: Floor, *, with_dining: bool) -> None:
     """with_dining: the house has no other place for the dining table."""
     dice = floor.dice
     put_sofa_group(floor)
-    if with_dining and floor.area_m2 > 12.0:
+    if with_dining and dice.random() < (0.3 if floor.area_m2 > 24.0 else 0.06):
         put_dining_table(floor)
-    if dice.random() < 0.6:
+    if dice.random() < 0.8:
         put_shoe_cabinet(floor)
-    if dice.random() < (0.6 if floor.has("dining_table") else 0.12):
+    if dice.random() < (0.6 if floor.has("dining_table") else 0.4):
         put_dining_cabinet(floor, dice.uniform(0.9, 1.8))
     if floor.area_m2 > 14.0 and dice.random() < 0.55:
         put_armchair(floor)
-    if floor.area_m2 > 12.0 and dice.random() < 0.2:
+    if floor.area_m2 > 12.0 and dice.random() < 0.1:
         put_cabinet(floor, tall=dice.random() < 0.4, longest=dice.uniform(0.8, 1.8))
 
 
@@ -55,7 +55,7 @@ def put_sofa_group(floor: Floor) -> None:
     usual = min(3.0, 1.5 + 0.07 * floor.area_m2)
     for length in (usual + dice.uniform(-0.2, 0.3), 1.9, 1.5):
         sofa = _sofa(floor, length)
-        panel = sizes.panel(dice, "sofa_background", sofa[0]) if dice.random() < 0.84 else None
+        panel = sizes.panel(dice, "sofa_background", sofa[0]) if dice.random() < 0.97 else None
         tv_m = min(2.6, sofa[0] + 0.2)
         tv = sizes.sampled(dice, "tv_cabinet", shortest=0.7 * tv_m, longest=tv_m, deepest=0.45)
         axis = _best_axis(floor, sofa, tv, panel[1] if panel else 0.0)
@@ -204,7 +204,7 @@ def _put_side_table(floor: Floor, wall: Wall, s: float, sofa_length: float) -> N
 def _put_single_sofas(floor: Floor, axis: Axis, sofa: Size, back: float) -> None:
     """At the sides of the coffee table, facing it."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.4, 0.38, 0.22))[0]
+    wanted = dice.choices((0, 1, 2), (0.25, 0.4, 0.35))[0]
     size = sizes.sampled(dice, "single_sofa", longest=0.95, deepest=0.95)
     wall, front = axis.sofa_wall, back + sofa[1]
     for side in dice.sample((-1, 1), 2)[:wanted]:

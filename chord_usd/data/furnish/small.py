@@ -18,9 +18,9 @@ def furnish_balcony(floor: Floor, *, with_laundry: bool) -> None:
     """Laundry at one end, else an armchair, else nothing."""
     dice = floor.dice
     if with_laundry:
-        category = "washing_set" if dice.random() < 0.8 else "washing_machine"
+        category = "washing_set" if dice.random() < 0.93 else "washing_machine"
         _put_laundry(floor, category)
-    if floor.area_m2 > 3.0 and dice.random() < 0.2:
+    if floor.area_m2 > 3.0 and dice.random() < 0.3:
         put_armchair(floor)
 
 
@@ -34,7 +34,7 @@ def _put_laundry(floor: Floor, category: str) -> None:
 
 def furnish_corridor(floor: Floor) -> None:
     """A shoe cabinet at the entrance, now and then a cabinet."""
-    if floor.dice.random() < 0.8:
+    if floor.dice.random() < 0.95:
         put_shoe_cabinet(floor)
     if floor.area_m2 > 6.0 and floor.dice.random() < 0.15:
         put_cabinet(floor, tall=False, longest=1.2)
@@ -44,9 +44,9 @@ def furnish_study(floor: Floor) -> None:
     """Desk and chair, a cabinet for books, an armchair where there is room."""
     dice = floor.dice
     put_desk(floor, core=True)
-    if dice.random() < 0.7:
+    if dice.random() < 0.5:
         put_cabinet(floor, tall=True, longest=dice.uniform(1.0, 2.4))
-    if floor.area_m2 > 8.0 and dice.random() < 0.5:
+    if floor.area_m2 > 8.0 and dice.random() < 0.4:
         put_armchair(floor)
 
 
