@@ -41,6 +41,11 @@ class LayoutConfig:
     default_steps: int = 20
     """Sampler steps unless asked otherwise."""
 
+    @property
+    def window_multiple_px(self) -> int:
+        """What the sides of an image must be a multiple of: the fold and the U-Net's halvings."""
+        return int(self.patch_px * 2 ** (len(self.channels) - 1))
+
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready mapping; from_dict reads it back."""
         return {

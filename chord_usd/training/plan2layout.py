@@ -19,7 +19,7 @@ from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.training.memory import keep_freed_memory
-from chord_usd.training.stream import LayoutStream, Sample, StreamConfig, sample_loader
+from chord_usd.training.stream import Batch, LayoutStream, StreamConfig, batch_loader
 from chord_usd.types import Plan
 
 STATE_FILE = "state.pt"
@@ -78,7 +78,8 @@ class LayoutTrainer:
         self.config, self.folder = config, folder
         self.device = torch.device(config.device)
         self.network = LayoutNetwork(network_config).to(self.device)
-        self.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        if self.device.type == "cuda":  # on a CPU the conversions cost more than they give
+            self.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
         self.average = LayoutNetwork(network_config).to(self.device).eval()
         self.average.requires_grad_(False)
         self.average.load_state_dict(self.network.state_dict())
@@ -147,12 +148,12 @@ class LayoutTrainer:
         """Runs until the minutes are spent, saving every save_minutes and at the end."""
         config = self.config
         keep_freed_memory()
-        cell_px = self.network.config.patch_px
-        stream = LayoutStream(_continued(config.stream, self.step), real_plans, cell_px)
+        stream_config = _continued(config.stream, self.step)
+        stream = LayoutStream(stream_config, real_plans, self.network.config, config.batch)
         last_save = last_sheet = self.started = time.monotonic()
         self.first_step = self.step
-        for sample in sample_loader(stream, config.batch, config.workers):
-            losses = self._step(sample)
+        for batch in batch_loader(stream, config.workers):
+            losses = self._step(batch)
             if self.step % 25 == 0:
                 self._log(losses, report)
             now = time.monotonic()
@@ -167,11 +168,11 @@ class LayoutTrainer:
         self.save()
         self._draw_sheet()
 
-    def _step(self, sample: Sample) -> dict[str, Tensor]:
+    def _step(self, batch: Batch) -> dict[str, Tensor]:
         rate = self._learning_rate()
         for group in self.optimiser.param_groups:
             group["lr"] = rate
-        batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in sample.items()}
+        batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in batch.items()}
         with torch.autocast(self.device.type, torch.bfloat16, enabled=self.is_mixed):
             losses = self._run_step(batch)
         self.optimiser.zero_grad(set_to_none=True)
@@ -182,7 +183,7 @@ class LayoutTrainer:
         self._update_average()
         return losses
 
-    def _losses(self, batch: Sample) -> dict[str, Tensor]:
+    def _losses(self, batch: Batch) -> dict[str, Tensor]:
         """Cross-entropy of the categories at a random noise level, or the paper's noise error."""
         network = self.network
         clean = self._clean_state(batch)
@@ -194,7 +195,7 @@ class LayoutTrainer:
             return {"loss": functional.mse_loss(output.float(), noise)}
         return self._category_losses(output, batch)
 
-    def _category_losses(self, output: Tensor, batch: Sample) -> dict[str, Tensor]:
+    def _category_losses(self, output: Tensor, batch: Batch) -> dict[str, Tensor]:
         """Means over floor pixels: nothing belongs outside, so nothing is learned there."""
         logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
         labels = batch["labels"].long()
@@ -209,23 +210,23 @@ class LayoutTrainer:
         loss = category + self.config.front_weight * front
         return {"loss": loss, "category": category.detach(), "front": front.detach()}
 
-    def _clean_state(self, batch: Sample) -> Tensor:
+    def _clean_state(self, batch: Batch) -> Tensor:
         if self.network.config.state == "rgb":
             return batch["layout"].permute(0, 3, 1, 2).float() / 127.5 - 1.0
         return self.network.encode(batch["labels"], batch["front"])
 
-    def _plan_pixels(self, batch: Sample) -> Tensor:
+    def _plan_pixels(self, batch: Batch) -> Tensor:
         if self.network.config.condition == "rgb":
             return batch["rgb"].permute(0, 3, 1, 2).float() / 127.5 - 1.0
         return batch["pixels"].float()
 
-    def _plan_grid(self, batch: Sample) -> Tensor | None:
+    def _plan_grid(self, batch: Batch) -> Tensor | None:
         return None if self.network.config.condition == "rgb" else batch["grid"]
 
-    def _compiled(self) -> Callable[[Sample], dict[str, Tensor]]:
+    def _compiled(self) -> Callable[[Batch], dict[str, Tensor]]:
         if self.device.type != "cuda":
             return self._losses
-        return torch.compile(self._losses)
+        return torch.compile(self._losses, dynamic=True)
 
     def _learning_rate(self) -> float:
         config = self.config

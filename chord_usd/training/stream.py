@@ -1,4 +1,4 @@
-"""Houses as an endless stream of training samples, made by worker processes as they are needed."""
+"""Houses as an endless stream of training batches, made by worker processes as they are needed."""
 
 from __future__ import annotations
 
@@ -16,9 +16,14 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import is_test_seed
 from chord_usd.layout.condition import plan_condition
-from chord_usd.types import Plan, SceneGraph
+from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.window import WindowSize, window_of, window_size
+from chord_usd.types import BoolArray, ByteArray, Plan, PlanImage, SceneGraph
 
-Sample = dict[str, Tensor]
+Batch = dict[str, Tensor]
+
+POOL_BATCHES = 4
+"""Batches drawn ahead and sorted by size, so that houses of a batch fill windows of one size."""
 
 
 @dataclass(frozen=True)
@@ -34,41 +39,74 @@ class StreamConfig:
     """Free border of the canvas, which varies the scale."""
 
 
-class LayoutStream(IterableDataset[Sample]):
-    """Samples of plan and layout, never ending; each worker has its own random stream.
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """One house on the whole canvas."""
 
-    A sample holds rgb (H, W, 3) uint8 and pixels (PIXEL_PLANES, H, W) uint8 and grid
-    (GRID_PLANES, H/cell, W/cell) float32 of the plan, labels (H, W) uint8, front (H, W) bool and
-    layout (H, W, 3) uint8.
+    plan_image: PlanImage
+    labels: ByteArray
+    front: BoolArray
+    window: WindowSize
+
+
+class LayoutStream(IterableDataset[Batch]):
+    """Batches of plans and layouts, never ending; each worker has its own random stream.
+
+    A batch holds, for windows of height H and width W around the houses, rgb (B, H, W, 3) uint8 and
+    pixels (B, PIXEL_PLANES, H, W) uint8 and grid (B, GRID_PLANES, H/patch, W/patch) float32 of the
+    plans, labels (B, H, W) uint8, front (B, H, W) bool and layout (B, H, W, 3) uint8.
     """
 
-    def __init__(self, config: StreamConfig, real_plans: Sequence[Plan], cell_px: int) -> None:
+    def __init__(
+        self,
+        config: StreamConfig,
+        real_plans: Sequence[Plan],
+        network: LayoutConfig,
+        batch: int,
+    ) -> None:
         self.config = config
         self.real_plans = real_plans
-        self.cell_px = cell_px
+        self.network = network
+        self.batch = batch
 
-    def __iter__(self) -> Iterator[Sample]:
+    def __iter__(self) -> Iterator[Batch]:
         worker = get_worker_info()
         rng = np.random.default_rng((self.config.seed, worker.id if worker else 0))
         while True:
-            yield self._sample(rng)
+            pool = [self._draw(rng) for _ in range(self.batch * POOL_BATCHES)]
+            pool.sort(key=lambda drawn: drawn.window)
+            for first in rng.permutation(POOL_BATCHES) * self.batch:
+                yield self._batch(pool[first : first + self.batch])
 
-    def _sample(self, rng: np.random.Generator) -> Sample:
+    def _draw(self, rng: np.random.Generator) -> _Drawn:
         house = random_pose(self._furnished_house(rng), rng)
         frame = raster.fit_frame(house.plan, margin_px=int(rng.integers(*self.config.margin_px)))
         shade = bool(rng.random() < self.config.shading_chance)
         plan_image = raster.draw_plan(house.plan, frame, shade=shade)
         labels, front = raster.draw_items(house.items, frame)
-        condition = plan_condition(plan_image.rgb, frame.m_per_px, self.cell_px)
-        arrays = {
-            "rgb": plan_image.rgb,
+        size = window_size(plan_image.rgb, self.network.window_multiple_px)
+        return _Drawn(plan_image, labels, front, size)
+
+    def _batch(self, houses: Sequence[_Drawn]) -> Batch:
+        size = (max(house.window[0] for house in houses), max(house.window[1] for house in houses))
+        samples = [self._sample(house, size) for house in houses]
+        return {
+            name: torch.from_numpy(np.stack([sample[name] for sample in samples]))
+            for name in samples[0]
+        }
+
+    def _sample(self, house: _Drawn, size: WindowSize) -> dict[str, np.ndarray]:
+        image = house.plan_image
+        window = window_of(image.rgb, size)
+        condition = plan_condition(image.rgb[window], image.frame.m_per_px, self.network.patch_px)
+        return {
+            "rgb": image.rgb[window],
             "pixels": condition.pixels,
             "grid": condition.grid,
-            "labels": labels,
-            "front": front,
-            "layout": raster.paint_layout(plan_image, labels, front),
+            "labels": house.labels[window],
+            "front": house.front[window],
+            "layout": raster.paint_layout(image, house.labels, house.front)[window],
         }
-        return {name: torch.from_numpy(np.array(array)) for name, array in arrays.items()}
 
     def _furnished_house(self, rng: np.random.Generator) -> SceneGraph:
         if self.real_plans and rng.random() < self.config.real_share:
@@ -81,13 +119,13 @@ class LayoutStream(IterableDataset[Sample]):
         return furnish(random_plan(house_rng), house_rng)
 
 
-def sample_loader(stream: LayoutStream, batch: int, workers: int) -> DataLoader[Sample]:
-    """Batches of the stream; with workers = 0 they are made in this process."""
+def batch_loader(stream: LayoutStream, workers: int) -> DataLoader[Batch]:
+    """The stream's batches; with workers = 0 they are made in this process."""
     return DataLoader(
         stream,
-        batch_size=batch,
+        batch_size=None,
         num_workers=workers,
-        prefetch_factor=4 if workers else None,
+        prefetch_factor=2 * POOL_BATCHES if workers else None,
         worker_init_fn=_single_thread if workers else None,
         persistent_workers=bool(workers),
         pin_memory=torch.cuda.is_available(),

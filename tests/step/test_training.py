@@ -12,7 +12,7 @@ from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import PRESETS, LayoutConfig
 from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 from chord_usd.training.sheets import draw_sheet
-from chord_usd.training.stream import LayoutStream, StreamConfig, sample_loader
+from chord_usd.training.stream import LayoutStream, StreamConfig, batch_loader
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,
@@ -36,8 +36,7 @@ def _no_sheets(monkeypatch):
 def test_one_batch_is_learned(tmp_path, config: LayoutConfig, left: float):
     """left: how much of the first loss remains; noise prediction starts at 1 and falls slowly."""
     trainer = LayoutTrainer(config, replace(QUICK, minutes=30.0), tmp_path)
-    stream = LayoutStream(StreamConfig(seed=1), [], config.patch_px)
-    batch = next(iter(sample_loader(stream, batch=2, workers=0)))
+    batch = next(iter(batch_loader(LayoutStream(StreamConfig(seed=1), [], config, 2), workers=0)))
     losses = [float(trainer._step(batch)["loss"].detach()) for _ in range(50)]
     assert np.mean(losses[-10:]) < left * np.mean(losses[:5])
 
@@ -67,9 +66,11 @@ def test_the_checkpoint_is_the_moving_average_and_says_how_it_was_trained(tmp_pa
 
 
 def test_samples_hold_what_the_network_needs():
-    stream = LayoutStream(StreamConfig(seed=5), [], TINY.patch_px)
-    sample = next(iter(sample_loader(stream, batch=3, workers=0)))
-    assert sample["labels"].shape == (3, 256, 256)
+    sample = next(iter(batch_loader(LayoutStream(StreamConfig(seed=5), [], TINY, 3), workers=0)))
+    height, width = sample["labels"].shape[1:]
+    assert sample["labels"].shape[0] == 3
+    assert height % TINY.window_multiple_px == width % TINY.window_multiple_px == 0
+    assert sample["grid"].shape[2:] == (height // TINY.patch_px, width // TINY.patch_px)
     assert int(sample["labels"].max()) < CLASS_COUNT
     assert bool((sample["labels"][sample["front"]] > 0).all()), "marks lie on items"
     inside = sample["pixels"][:, 3] > 0
@@ -78,8 +79,8 @@ def test_samples_hold_what_the_network_needs():
 
 def test_the_stream_is_seeded_and_workers_differ():
     def first_labels(seed: int) -> np.ndarray:
-        stream = LayoutStream(StreamConfig(seed=seed), [], 4)
-        return next(iter(sample_loader(stream, batch=1, workers=0)))["labels"].numpy()
+        stream = LayoutStream(StreamConfig(seed=seed), [], TINY, 1)
+        return next(iter(batch_loader(stream, workers=0)))["labels"].numpy()
 
     assert np.array_equal(first_labels(1), first_labels(1))
     assert not np.array_equal(first_labels(1), first_labels(2))
