@@ -14,6 +14,7 @@ from chord_usd.files import hash_file
 from chord_usd.locations import checkpoint_folder
 from chord_usd.progress import Progress, Stopwatch
 from chord_usd.types import (
+    OOD,
     Item,
     LayoutImage,
     Plan,
@@ -66,7 +67,7 @@ def generate(
 ) -> House:
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
-    The stopwatch times plan, load, layout, graph and stage. Raises ChordError.
+    The stopwatch times plan, load, layout, graph, outliers and stage. Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -83,6 +84,8 @@ def generate(
         layout = draw_layout(plan_image, model, plan_file, settings, progress)
     with watch.step("graph"):
         graph = reader.read(layout, plan)
+    with watch.step("outliers"):
+        graph = score_outliers(graph, plan_image, model)
     with watch.step("stage"):
         stage = write_stage(graph, stage_path, settings)
     return House(plan, plan_image, layout, graph, stage)
@@ -156,6 +159,18 @@ class GraphReader:
         return extract_graph(layout, plan, self.database, self.detector)
 
 
+def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:
+    """The graph with each item's out-of-distribution score in its extra, under types.OOD."""
+    from chord_usd.layout.outlier import NoiseError
+
+    scores = NoiseError(model).item_scores(plan_image, graph.items)
+    items = tuple(
+        replace(item, extra={**item.extra, OOD: scores[item.id]}) if item.id in scores else item
+        for item in graph.items
+    )
+    return replace(graph, items=items)
+
+
 def load_usd() -> None:
     """Import what writes stages, so that the time of the step is its own."""
     import chord_usd.stage.author  # noqa: F401
@@ -193,7 +208,8 @@ def regenerate(
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
     room_name: name of the room's prim. seed: in place of that of settings; None takes the one
-    after the room's last. The stopwatch times read, load, layout and graph. Raises ChordError.
+    after the room's last. The stopwatch times read, load, layout, graph and outliers. Raises
+    ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -213,6 +229,8 @@ def regenerate(
         others = [item for item in house.graph.items if item.room_id != room.id]
         items = (*others, *found.items_of(room.id))
         graph = replace(house.graph, items=items, provenance=drawn.layout.provenance)
+    with watch.step("outliers"):
+        graph = score_outliers(graph, draw_plan(house.graph.plan), model)
     return Regenerated(source, room_name, room, drawn.before, drawn.layout, graph)
 
 

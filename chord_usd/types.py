@@ -37,6 +37,11 @@ CANVAS_PX = 256
 """Width and height of plan and layout rasters (paper, section 5)."""
 
 
+OOD = "ood"
+"""Key of Item.extra: how far from the layout model's expectation the item is, from 0; about 1 for
+one that it would not have put there (layout.outlier)."""
+
+
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
     """A copy of values that cannot be written to."""
     array = np.array(values, dtype=dtype)

@@ -8,6 +8,9 @@ from typing import Any
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 
+OUTLIERS_TOLD = 3
+"""How many of the least expected items the report names."""
+
 
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
@@ -38,4 +41,14 @@ def _text(stage: Path, holds: bool, data: dict[str, Any]) -> str:
         f"  walkable {data['walkable']:.0%}, reachable rooms {data['reachable_rooms']:.0%}, "
         f"POR {data['por']:.4f} and PIoU {data['piou']:.4f} over {data['pairs']} pairs"
     )
+    lines += _outliers(data["ood"])
     return "\n".join(lines)
+
+
+def _outliers(ood: list[dict[str, Any]]) -> list[str]:
+    """What the layout model expected least."""
+    if not ood:
+        return []
+    mean = sum(one["score"] for one in ood) / len(ood)
+    lines = [f"  out of distribution: {mean:.2f} on average over {len(ood)} items; most:"]
+    return lines + [f"    {one['score']:.2f} {one['path']}" for one in ood[:OUTLIERS_TOLD]]

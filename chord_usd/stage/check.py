@@ -6,6 +6,7 @@ by chord_usd.metrics on the scene that is read back from it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -21,13 +22,22 @@ from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_scene
-from chord_usd.types import Item
+from chord_usd.types import OOD, Item
 
 WALL_GAP_M = 0.01
 """What has its back no further than this from the wall can hang on it."""
 
 PLUMBED = frozenset(("toilet", "washbasin"))
 """Floor categories whose designs may be hung on the wall they are plumbed to."""
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """How far from the layout model's expectation an item is (layout.outlier)."""
+
+    path: str
+    score: float
+    """0 for what it would paint exactly so, about 1 for what it would not have put there."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +55,8 @@ class Report:
     por: float
     piou: float
     pairs: int
+    ood: tuple[Outlier, ...]
+    """Items that the layout model was asked about, the least expected first."""
 
     @property
     def valid(self) -> bool:
@@ -55,8 +67,8 @@ class Report:
     def holds(self) -> bool:
         """Whether the certificate holds: a valid stage of a house in which nothing is amiss.
 
-        walkable, reachable_rooms, por and piou are scores, not conditions: they also judge the
-        plan, which is given.
+        walkable, reachable_rooms, por, piou and ood are scores, not conditions: they also judge
+        the plan, which is given.
         """
         faults = (
             self.collisions,
@@ -91,7 +103,13 @@ def check_stage(path: Path) -> Report:
         por=scores.overlap.por,
         piou=scores.overlap.piou,
         pairs=scores.overlap.pairs,
+        ood=_outliers(scene.graph.items),
     )
+
+
+def _outliers(items: Iterable[Item]) -> tuple[Outlier, ...]:
+    asked = [Outlier(item.id, item.extra[OOD]) for item in items if OOD in item.extra]
+    return tuple(sorted(asked, key=lambda one: -one.score))
 
 
 def certificate(report: Report) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from chord_usd.geometry import polygons_of
 from chord_usd.stage.check_contact import Body, Solid
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.types import (
+    OOD,
     ROOM_KINDS,
     Box,
     FloatArray,
@@ -36,6 +37,9 @@ from chord_usd.units import wrap_deg
 CATEGORY = "chord:category"
 SIZE = "chord:size_m"
 """Attributes of the prims of items and openings."""
+
+OOD_NOTE = "chord:ood"
+"""Attribute of the prims of items that the layout model was asked about."""
 
 _KINDS: dict[str, OpeningKind] = {"door": "door", "window": "window", "passage": "passage"}
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -135,6 +139,7 @@ class _Reader:
             box=_own_box(body, self._matrix(piece), piece.GetAttribute(SIZE).Get()),
             room_id=room,
             children=tuple(child for child in children if child is not None),
+            extra=_noted_extra(piece),
         )
 
     def _matrix(self, prim: Usd.Prim) -> FloatArray:
@@ -157,6 +162,11 @@ def _children(prim: Usd.Prim, name: str) -> list[Usd.Prim]:
 def _text(prim: Usd.Prim, name: str) -> str:
     value = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
     return value if isinstance(value, str) else ""
+
+
+def _noted_extra(prim: Usd.Prim) -> dict[str, float]:
+    noted = prim.GetAttribute(OOD_NOTE).Get() if prim.HasAttribute(OOD_NOTE) else None
+    return {OOD: noted} if isinstance(noted, float) else {}
 
 
 def _room_kind(prim: Usd.Prim) -> RoomKind:

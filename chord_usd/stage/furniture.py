@@ -17,6 +17,7 @@ from chord_usd.palette import category
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
 from chord_usd.stage.packages import Packages
+from chord_usd.stage.physics import let_move
 from chord_usd.stage.prims import (
     bind,
     collide,
@@ -33,7 +34,7 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.types import Asset, Box, FloatArray, Item
+from chord_usd.types import OOD, Asset, Box, FloatArray, Item
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
@@ -98,6 +99,8 @@ def _refer(
         place(prim, scale=scale)
     label(prim, "category", item.category)
     note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
+    if OOD in item.extra:
+        note(prim, ood=float(item.extra[OOD]))
     note_size(prim, box.size_m)
 
 

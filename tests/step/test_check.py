@@ -16,7 +16,7 @@ from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import Report, certificate, check_stage
 from chord_usd.stage.check_contact import Body, Solid, collisions, unsupported
 from chord_usd.stage.check_scene import read_scene
-from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.types import OOD, Box, Item, Opening, Room, SceneGraph, frozen_array
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 
@@ -73,11 +73,20 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
     fields = certificate(check(tmp_path, house(*SOUND)))
     assert list(fields) == [
         "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
-        "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs",
+        "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs", "ood",
     ]  # fmt: skip
     crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))
     (first, *_) = certificate(crowded)["collisions"]
     assert set(first) == {"a", "b", "depth_m"}
+
+
+def test_out_of_distribution_scores_travel_to_the_report(tmp_path):
+    bed, *others = (replace(BED, extra={OOD: 0.9}), replace(SHOES, extra={OOD: 0.2}), PANEL)
+    report = check(tmp_path, house(bed, *others))
+    assert [(one.path.rsplit("/", 1)[-1], one.score) for one in report.ood] == [
+        ("Bed_0", 0.9),
+        ("ShoeCabinet_0", 0.2),
+    ]
 
 
 def test_items_in_one_place_collide(tmp_path):
