@@ -36,6 +36,7 @@ def add(verbs: Verbs) -> None:
     _add_import(group)
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
     stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    stats.add_argument("--plot", type=Path, metavar="PNG", help="also draw the tables")
     split = add_verb(
         group, "split", run_split, "divide houses into training and test, by their names"
     )
@@ -78,15 +79,18 @@ def run_synth(options: argparse.Namespace) -> Outcome:
     """Runs dataset synth. House i depends on seed + i only."""
     import numpy as np
 
+    from chord_usd.data.floorplans.programme import spread_room_count
     from chord_usd.data.furnish import furnish
     from chord_usd.data.houses import random_plan
 
     watch = stopwatch(options)
     with output_folder(options.output) as folder, watch.step("synth") as progress:
         for index in range(options.count):
-            rng = np.random.default_rng(options.seed + index)
-            scene = furnish(random_plan(rng, options.rooms), rng)
-            _write_house(scene, folder / f"house_{options.seed + index:06d}", options.rasters)
+            seed = options.seed + index
+            rooms = options.rooms or spread_room_count(seed)
+            rng = np.random.default_rng(seed)
+            scene = furnish(random_plan(rng, rooms), rng)
+            _write_house(scene, folder / f"house_{seed:06d}", options.rasters)
             progress(index + 1, options.count)
     data = {"folder": str(options.output), "houses": options.count, "seconds": watch.seconds}
     return Outcome(f"{options.output}: {options.count} houses", data)
@@ -118,6 +122,10 @@ def run_stats(options: argparse.Namespace) -> Outcome:
 
     with stopwatch(options).step("stats"):
         statistics = count_houses(scene for _, scene in _houses(options.houses))
+    if options.plot:
+        from chord_usd.data.statistics_plots import plot_statistics
+
+        plot_statistics(statistics, options.plot)
     return Outcome(as_text(statistics), statistics.as_json())
 
 

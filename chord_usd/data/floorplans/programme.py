@@ -20,6 +20,8 @@ The paper's single house of 28 rooms is left out. Mean 9.78.
 
 MOST_ROOMS = max(ROOM_COUNT_HISTOGRAM)
 
+_GOLDEN = 0.6180339887498949
+
 AREA_M2: dict[RoomKind, tuple[float, float]] = {
     "living": (15.0, 38.0),
     "dining": (8.0, 16.0),
@@ -75,6 +77,20 @@ _EXTRA_WEIGHTS: dict[str, tuple[float, ...]] = {
 def room_count(dice: Dice) -> int:
     """A number of rooms, distributed as in the paper."""
     return dice.weighted(list(ROOM_COUNT_HISTOGRAM.items()))
+
+
+def spread_room_count(seed: int) -> int:
+    """The number of rooms of the house of this seed: any run of seeds has the paper's shares.
+
+    Seeds step through the distribution by the golden ratio, so that even a hundred houses in a row
+    hold each number about as often as the paper's thousands do.
+    """
+    left = seed * _GOLDEN % 1.0 * sum(ROOM_COUNT_HISTOGRAM.values())
+    for rooms, houses in ROOM_COUNT_HISTOGRAM.items():
+        left -= houses
+        if left < 0.0:
+            return rooms
+    return MOST_ROOMS
 
 
 def draw_programme(dice: Dice, rooms: int) -> Programme:
