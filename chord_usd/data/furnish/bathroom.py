@@ -69,7 +69,7 @@ def _programme(floor: Floor) -> list[str]:
     bathing = "bathtub" if floor.area_m2 > 4.0 and dice.random() < 0.08 else "shower"
     wanted = [bathing, "toilet"]
     # Now and then the basin stands outside, in front of the bathroom.
-    if floor.area_m2 > 5.5 or dice.random() < 0.78:
+    if floor.area_m2 > 5.5 or dice.random() < 0.72:
         wanted.append("washbasin")
     if floor.area_m2 > 7.0 and bathing == "bathtub":
         wanted.insert(1, "shower")

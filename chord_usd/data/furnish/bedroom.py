@@ -42,7 +42,7 @@ def furnish_bedroom(floor: Floor) -> None:
     place = _put_bed(floor)
     wardrobe = 0.68 if floor.area_m2 > 8.0 else 0.5
     if dice.random() < wardrobe:
-        put_cabinet(floor, tall=True, longest=_wardrobe_length(floor))
+        _put_wardrobe(floor)
     if place and floor.area_m2 > 10.0 and dice.random() < 0.25:
         _put_television(floor, place)
     if dice.random() < 0.5:
@@ -53,9 +53,14 @@ def furnish_bedroom(floor: Floor) -> None:
         put_cabinet(floor, tall=False, longest=1.4)
 
 
-def _wardrobe_length(floor: Floor) -> float:
-    usual = 1.0 + 0.1 * floor.area_m2
-    return min(2.8, max(0.8, usual + floor.dice.uniform(-0.4, 0.6)))
+def _put_wardrobe(floor: Floor) -> None:
+    """A wardrobe, or a chest of drawers, which is as often all the storage there is."""
+    dice = floor.dice
+    if dice.random() < 0.45:
+        put_cabinet(floor, tall=False, longest=dice.uniform(0.8, 1.3))
+    else:
+        usual = min(2.8, max(0.8, 0.8 + 0.08 * floor.area_m2 + dice.uniform(-0.4, 0.6)))
+        put_cabinet(floor, tall=True, longest=usual)
 
 
 def _put_bed(floor: Floor) -> BedPlace | None:
@@ -164,10 +169,10 @@ def _put_bed_group(floor: Floor, place: BedPlace, size: Size, panel: Size | None
 def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool, bool]:
     """None, one or two of the same kind, beside the headboard, flush with the wall."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.62, 0.14, 0.24) if size[0] > 1.3 else (0.66, 0.32, 0.02))[0]
-    table = sizes.sampled(dice, "bedside_table", longest=0.55)
+    wanted = dice.choices((0, 1, 2), (0.64, 0.14, 0.22) if size[0] > 1.3 else (0.66, 0.32, 0.02))[0]
+    table = sizes.sampled(dice, "bedside_table", shortest=0.4, longest=0.6)
     table = (table[0], min(table[1], table[0]), table[2])
-    gap = dice.choice((0.0, MARGIN_M, 0.1))
+    gap = dice.choice((0.0, 0.0, MARGIN_M))
     sides = [-1, 1] if dice.random() < 0.5 else [1, -1]
     put = {-1: False, 1: False}
     for side in sides:
@@ -202,7 +207,7 @@ def _keep_bed_sides(
 def _put_television(floor: Floor, place: BedPlace) -> None:
     """A low cabinet opposite the bed, on its axis."""
     dice = floor.dice
-    size = sizes.sampled(dice, "tv_cabinet", longest=1.8, deepest=0.4)
+    size = sizes.sampled(dice, "tv_cabinet", longest=1.8, deepest=0.45)
     x, y = place.wall.world(place.s, 0.0)
     for wall in floor.facing(place.wall):
         axis, _ = wall.local(x, y)

@@ -83,13 +83,13 @@ def _group(floor: Floor, seats: int, *, at_wall: bool) -> Group:
     dice = floor.dice
     length, width = _TABLE_M[max(seats, 3) if at_wall else seats]
     table = (
-        length + sizes.between(dice, 0.0, 0.2 if seats in (2, 3, 8) else 0.3),
-        width + sizes.between(dice, 0.0, 0.1 if seats > 3 else 0.0),
+        length + sizes.between(dice, 0.0, 0.2 if seats in (2, 3, 8) else 0.5),
+        width + sizes.between(dice, 0.0, 0.2 if 3 < seats < 8 else 0.0),
         sizes.between(dice, 0.72, 0.78, 0.01),
     )
     chair = (
-        sizes.between(dice, 0.42, 0.48, 0.02),
-        sizes.between(dice, 0.45, 0.53, 0.02),
+        sizes.between(dice, 0.44, 0.56, 0.02),
+        sizes.between(dice, 0.48, 0.58, 0.02),
         sizes.between(dice, 0.8, HIGHEST_M),
     )
     ends = 2 if seats == 8 or (at_wall and seats == 4) else int(at_wall and seats == 3)

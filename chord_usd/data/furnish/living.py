@@ -18,7 +18,7 @@ from chord_usd.data.furnish.walls import MARGIN_M, REACH, Wall
 NEAREST_M, FARTHEST_M = 2.3, 6.0
 """Distance between the walls of sofa and television."""
 
-PASS_M = 0.45
+PASS_M = 0.4
 """Least gap between the coffee table and the television."""
 
 
@@ -52,12 +52,12 @@ def furnish_living(floor: Floor, *, with_dining: bool) -> None:
 def put_sofa_group(floor: Floor) -> None:
     """The longest sofa that fits with a television opposite; else a sofa alone; else armchairs."""
     dice = floor.dice
-    usual = min(3.0, 1.5 + 0.07 * floor.area_m2)
-    for length in (usual + dice.uniform(-0.2, 0.3), 1.9, 1.5):
+    usual = min(3.0, 1.7 + 0.06 * floor.area_m2)
+    for length in (usual + dice.uniform(-0.2, 0.3), 2.1, 1.8, 1.5):
         sofa = _sofa(floor, length)
         panel = sizes.panel(dice, "sofa_background", sofa[0]) if dice.random() < 0.97 else None
         tv_m = min(2.6, sofa[0] + 0.2)
-        tv = sizes.sampled(dice, "tv_cabinet", shortest=0.7 * tv_m, longest=tv_m, deepest=0.45)
+        tv = sizes.sampled(dice, "tv_cabinet", shortest=0.7 * tv_m, longest=tv_m, shallowest=0.4)
         axis = _best_axis(floor, sofa, tv, panel[1] if panel else 0.0)
         if axis:
             _stand_group(floor, axis, sofa, tv, panel)
@@ -72,7 +72,7 @@ def put_sofa_group(floor: Floor) -> None:
 def _sofa(floor: Floor, length: float) -> Size:
     dice = floor.dice
     length = min(3.2, max(1.4, round(length * 20) / 20))
-    return length, sizes.between(dice, 0.85, 1.0), sizes.between(dice, 0.7, 0.9)
+    return length, sizes.between(dice, 0.85, 1.1), sizes.between(dice, 0.75, 0.95)
 
 
 def _put_lone_sofa(floor: Floor, sofa: Size) -> bool:
@@ -127,7 +127,7 @@ def _axes(
             if low > high + 1e-6:
                 continue
             s = min(max(_liked(floor, s_from, s_to, sofa[0]), low), max(low, high))
-            score = floor.dice.uniform(0.0, 0.8) - abs(across - 3.6) * 0.5
+            score = floor.dice.uniform(0.0, 0.8) - abs(across - 3.3) * 0.5
             score += 0.3 * min(s_to - s_from, 5.0) - 0.8 * wall.has_window - 0.3 * wall.has_door
             score -= 0.7 * facing.has_window
             found.append(Axis(score, wall, s, facing, mirror - s, across))
@@ -169,13 +169,13 @@ def _put_coffee_table(
 ) -> float:
     """In front of the sofa. Returns where its far side is."""
     dice = floor.dice
-    gap = sizes.between(dice, 0.3, 0.45)
+    gap = sizes.between(dice, 0.25, 0.4)
     deepest = free - gap - PASS_M
     if deepest < 0.5:
         return front
     size = sizes.sampled(
-        dice, "coffee_table", shortest=0.35 * sofa_length, longest=max(0.7, 0.6 * sofa_length),
-        deepest=min(0.9, deepest),
+        dice, "coffee_table", shortest=0.42 * sofa_length, longest=max(0.7, 0.65 * sofa_length),
+        shallowest=0.6, deepest=min(0.9, deepest),
     )  # fmt: skip
     size = (size[0], min(size[1], size[0]), size[2])
     near = front + gap

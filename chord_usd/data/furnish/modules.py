@@ -146,11 +146,11 @@ def fill(dice: random.Random, length: float) -> list[Module]:
         return []
     if length < 0.6 - 1e-6:
         return [Module(SINGLE, min(length, 0.55))]
-    if length < 0.9 or (length <= 1.1 and dice.random() < 0.3):
+    if length < 0.9 or (length <= 1.1 and dice.random() < 0.2):
         return [Module(DOUBLE, max(length, 0.6))] if length >= 0.6 - 1e-6 else []
     if length <= 1.1:
         return [Module(SINGLE, length / 2), Module(SINGLE, length / 2)]
-    first = dice.choice((0.4, 0.45, 0.5, 0.55, 0.4, 0.8))
+    first = dice.choice((0.4, 0.45, 0.5, 0.55, 0.4, 0.45, 0.8))
     rest = length - first
     if not _is_fillable(rest):
         first = 0.4 if _is_fillable(length - 0.4) else 0.5

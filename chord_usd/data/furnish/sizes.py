@@ -25,6 +25,7 @@ def sampled(
     *,
     shortest: float = 0.0,
     longest: float = 9.0,
+    shallowest: float = 0.0,
     deepest: float = 9.0,
     step: float = 0.05,
 ) -> Size:
@@ -32,14 +33,15 @@ def sampled(
     row = CATEGORIES[category]
     low, high = row.length_m
     length = between(dice, max(low, min(shortest, high)), min(longest, high), step)
-    width = between(dice, row.width_m[0], min(deepest, row.width_m[1]), step)
+    shallow, deep = row.width_m
+    width = between(dice, max(shallow, min(shallowest, deepest)), min(deepest, deep), step)
     height = between(dice, row.height_m[0], row.height_m[1])
     return length, width, height
 
 
 def bed(dice: random.Random, length: float) -> Size:
     """A bed this wide; narrow ones are shorter, as for children."""
-    low, high = (1.9, 2.05) if length < 1.3 else (2.0, 2.2)
+    low, high = (1.95, 2.1) if length < 1.3 else (2.05, 2.2)
     return length, between(dice, low, high), between(dice, 0.85, 1.1)
 
 

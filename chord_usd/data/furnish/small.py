@@ -12,6 +12,7 @@ from chord_usd.data.furnish.storage import (
     put_shoe_cabinet,
 )
 from chord_usd.data.furnish.workplace import put_desk
+from chord_usd.palette import CATEGORIES
 
 
 def furnish_balcony(floor: Floor, *, with_laundry: bool) -> None:
@@ -25,11 +26,15 @@ def furnish_balcony(floor: Floor, *, with_laundry: bool) -> None:
 
 
 def _put_laundry(floor: Floor, category: str) -> None:
-    size = sizes.sampled(floor.dice, category, deepest=0.65)
-    spot = best_spot(floor, size, 0.6, size[0], lambda f, s, _: -abs(s.length - size[0]))
-    if spot:
-        floor.new_group()
-        floor.put(category, spot.wall, anchored(floor, spot, size[0]), size, reach=0.6)
+    """The usual size, else the smallest, as balconies are narrow."""
+    row = CATEGORIES[category]
+    usual = sizes.sampled(floor.dice, category, deepest=0.65)
+    for size in (usual, (row.length_m[0], row.width_m[0], usual[2])):
+        spot = best_spot(floor, size, 0.55, size[0], lambda f, s, wanted: -abs(s.length - wanted))
+        if spot:
+            floor.new_group()
+            floor.put(category, spot.wall, anchored(floor, spot, size[0]), size, reach=0.55)
+            return
 
 
 def furnish_corridor(floor: Floor) -> None:

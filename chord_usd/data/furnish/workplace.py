@@ -14,8 +14,8 @@ SEAT_M = 0.75
 def put_desk(floor: Floor, *, core: bool = False) -> bool:
     """A desk along a wall, at a window where possible, and a chair that faces it."""
     dice = floor.dice
-    usual = sizes.sampled(dice, "table", longest=1.6, deepest=0.65)
-    chair = sizes.sampled(dice, "chair", longest=0.55, deepest=0.55)
+    usual = sizes.sampled(dice, "table", shortest=1.0, longest=1.6, deepest=0.6)
+    chair = sizes.sampled(dice, "chair", shortest=0.45, longest=0.58, shallowest=0.5)
     gap = sizes.between(dice, 0.0, 0.05, 0.01)
     for length, depth in ((usual[0], max(usual[1], 0.5)), (0.8, 0.5)):
         best = best_spot(
