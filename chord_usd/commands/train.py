@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from chord_usd.commands.common import (
@@ -45,6 +45,19 @@ def add(verbs: Verbs) -> None:
         choices=("items", "rooms"),
         default="items",
         help="oriented boxes of items, or masks of rooms (items)",
+    )
+    detector.add_argument(
+        "--start",
+        type=Path,
+        metavar="DIR",
+        help="checkpoint, of either kind, to take what fits from where no run is there",
+    )
+    detector.add_argument(
+        "--score-houses",
+        type=whole_number(1),
+        default=200,
+        metavar="N",
+        help="held-out houses to score the result on (200)",
     )
 
 
@@ -110,16 +123,29 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
 
 def run_detector(options: argparse.Namespace) -> Outcome:
     """Runs train detector."""
+    from chord_usd.data.splits import split_hash
+    from chord_usd.evaluation.detector_cases import clean_cases
+    from chord_usd.evaluation.detector_networks import score_checkpoint
     from chord_usd.graph.detect import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
+    from chord_usd.training.detector_card import write_card
 
     config = DetectorTraining(
-        minutes=options.minutes, batch=options.batch, seed=options.seed, device=options.device
+        minutes=options.minutes,
+        batch=options.batch,
+        seed=options.seed,
+        device=options.device,
+        start=options.start,
     )
     resumed = (options.output / WEIGHTS_FILE).exists()
     watch = stopwatch(options)
     with watch.step("train") as progress:
-        scores = train_detector(options.kind, options.output, config, resumed, progress)
-    data = {"checkpoint": str(options.output), "resumed": resumed, "scores": scores.as_dict()}
-    text = f"mAP50 {scores.map50:.3f}, n = {scores.truths} {options.kind} in {scores.houses} houses"
-    return Outcome(f"{options.output}: {text}", data)
+        facts = train_detector(options.kind, options.output, config, resumed, progress)
+    with watch.step("score"):
+        cases = list(clean_cases(options.score_houses))
+        scores = asdict(score_checkpoint(options.kind, options.output, cases))
+    scores |= {"layouts": len(cases), "split": split_hash(case.name for case in cases)}
+    write_card(options.kind, options.output, facts, scores)
+    data = {"checkpoint": str(options.output), "resumed": resumed, **facts, "scores": scores}
+    text = f"mAP50 {scores['map50']:.3f}, n = {scores['truths']} {options.kind}"
+    return Outcome(f"{options.output}: {text} in {len(cases)} houses", data)

@@ -20,6 +20,7 @@ from chord_usd.palette import (
     HOUSE_CATEGORIES,
     PLAN_CATEGORIES,
     ROOM_SHADES,
+    Mount,
     painted,
 )
 from chord_usd.types import BoolArray, ByteArray
@@ -100,6 +101,12 @@ def _item_table() -> npt.NDArray[np.float32]:
 
 _TABLE = _item_table()
 _FLOOR = _TABLE.shape[1] - 1
+_PANEL_CODES = {
+    2 * row.detector_class + marked
+    for row in HOUSE_CATEGORIES
+    if row.mount is Mount.WALL
+    for marked in (0, 1)
+}
 _STRUCTURE_RGB = np.array([row.rgb for row in PLAN_CATEGORIES], dtype=np.int16)
 
 
@@ -232,8 +239,9 @@ def _without_rings(
     levels = rgb.astype(np.float32)
     least = np.full(code.shape, np.inf, dtype=np.float32)
     nearest = code.copy()
+    by_wall = cv2.dilate((~clear).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     for label in np.unique(code):
-        core = cv2.erode(((code == label) & clear).astype(np.uint8), np.ones((3, 3), np.uint8))
+        core = _core((code == label) & clear, by_wall if label in _PANEL_CODES else None)
         reach = cv2.dilate(core, np.ones((7, 7), np.uint8)) > 0
         cost = ((levels[reach] - _TABLE[shade[reach], label]) ** 2).sum(axis=-1)
         better = cost < least[reach]
@@ -243,6 +251,16 @@ def _without_rings(
     code = np.where(clear & (own > _MIXED_COST) & np.isfinite(least), nearest, code)
     found = np.where(code == _FLOOR, NO_ITEM, code // 2).astype(np.int16)
     return found, (code != _FLOOR) & (code % 2 == 1)
+
+
+def _core(member: BoolArray, by_wall: BoolArray | None) -> ByteArray:
+    """Where an area is flat; with by_wall, also lines there, which are panels and not mixtures."""
+    whole = member.astype(np.uint8)
+    core = cv2.erode(whole, np.ones((3, 3), np.uint8)) > 0
+    if by_wall is not None:
+        for line in (np.ones((1, 5), np.uint8), np.ones((5, 1), np.uint8)):
+            core = core | ((cv2.erode(whole, line) > 0) & by_wall)
+    return np.asarray(core.astype(np.uint8))
 
 
 def _settle(

@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import cv2
 import numpy as np
 
 from chord_usd.errors import CheckpointError
@@ -24,12 +25,15 @@ from chord_usd.types import (
     CANVAS_PX,
     ROOM_KINDS,
     BoolArray,
+    Box,
     ByteArray,
     Detection,
     FloatArray,
+    PixelFrame,
     RoomKind,
     frozen_array,
 )
+from chord_usd.units import px_from_m
 
 if TYPE_CHECKING:
     import torch
@@ -42,6 +46,16 @@ CLASSES: dict[Kind, tuple[str, ...]] = {
     "items": tuple(row.name for row in HOUSE_CATEGORIES),
     "rooms": ROOM_CLASSES,
 }
+
+IMAGE_PX: dict[Kind, int] = {"items": CANVAS_PX, "rooms": 192}
+"""What the networks look at. Rooms are large: three quarters of the canvas cost half as much."""
+
+LEAST_SIDE_PX = 8.0
+"""Items are taught and proposed with boxes at least this long and wide.
+
+A box must hold a point of the output grid to be proposed, and the finest grid has one every 8
+pixels: of panels drawn at their true thickness, a pixel or two, most could not be told.
+"""
 
 WEIGHTS_FILE = "weights.safetensors"
 CONFIG_FILE = "config.json"
@@ -112,23 +126,41 @@ class RoomSegmenter:
 
     def segment_batch(self, rgb: ByteArray, min_score: float) -> list[list[RoomProposal]]:
         """As segment, for (B, CANVAS_PX, CANVAS_PX, 3)."""
-        library = _ultralytics()
-        (outputs, protos), _ = _forward(self._model, rgb)
-        found = library.nms.non_max_suppression(
+        import torch
+
+        nms = _ultralytics().nms.non_max_suppression
+        small = np.stack([scaled(one, IMAGE_PX["rooms"]) for one in rgb])
+        (outputs, protos), _ = _forward(self._model, small)
+        found = nms(
             outputs, min_score, _ROOM_OVERLAP, max_det=_MOST_PROPOSALS, nc=len(ROOM_CLASSES)
         )
         batch = []
         for rows, proto in zip(found, protos, strict=True):
-            masks = library.ops.process_mask(
-                proto, rows[:, 6:], rows[:, :4], rgb.shape[1:3], upsample=True
-            )
+            planes = torch.einsum("nc,chw->nhw", rows[:, 6:], proto)[:, None]
+            masks = torch.nn.functional.interpolate(planes, CANVAS_PX, mode="bilinear")[:, 0] > 0
+            boxes = rows[:, :4] * (CANVAS_PX / IMAGE_PX["rooms"])
             batch.append(
                 [
-                    RoomProposal(ROOM_CLASSES[int(row[5])], float(row[4]), mask.cpu().numpy() > 0)
-                    for row, mask in zip(rows, masks, strict=True)
+                    RoomProposal(ROOM_CLASSES[int(row[5])], float(row[4]), _within(mask, box))
+                    for row, mask, box in zip(
+                        rows.cpu().numpy(), masks.cpu().numpy(), boxes.cpu().numpy(), strict=True
+                    )
                 ]
             )
         return batch
+
+
+def taught_box(box: Box, frame: PixelFrame) -> FloatArray:
+    """(5,) x, y, length, width, radians of an item on the canvas, as the network is taught it.
+
+    Sides are LEAST_SIDE_PX at least; the angle is clockwise as seen, in [-pi/4, pi/4).
+    """
+    x, y = px_from_m(np.array(box.center_m[:2]), frame)
+    length, width = (max(side / frame.m_per_px, LEAST_SIDE_PX) for side in box.size_m[:2])
+    quarters, rest = divmod(-box.yaw_deg + 45.0, 90.0)
+    if int(quarters) % 2:
+        length, width = width, length
+    return np.array([x, y, length, width, np.radians(rest - 45.0)])
 
 
 def load_item_detector(folder: Path | None = None, device: str = "cpu") -> ItemDetector:
@@ -169,7 +201,7 @@ def save_model(kind: Kind, model: torch.nn.Module, folder: Path, facts: dict[str
         "kind": kind,
         "architecture": ARCHITECTURES[kind],
         "classes": list(CLASSES[kind]),
-        "image_px": CANVAS_PX,
+        "image_px": IMAGE_PX[kind],
         **facts,
     }
     (folder / CONFIG_FILE).write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
@@ -276,6 +308,22 @@ def _forward(model: torch.nn.Module, rgb: ByteArray) -> Any:
         return model(images.float() / 255.0)
 
 
+def scaled(rgb: ByteArray, side_px: int) -> ByteArray:
+    """A square raster (H, H, 3) at another size; areas keep their mean colour."""
+    if rgb.shape[0] == side_px:
+        return rgb
+    small = cv2.resize(rgb, (side_px, side_px), interpolation=cv2.INTER_AREA)
+    return np.asarray(small, dtype=np.uint8)
+
+
+def _within(mask: BoolArray, box: FloatArray) -> BoolArray:
+    """The part of a mask (H, W) inside a box (4,) of x0, y0, x1, y1."""
+    x0, y0, x1, y1 = np.clip(np.rint(box), 0, mask.shape[0]).astype(int)
+    part = np.zeros_like(mask)
+    part[y0:y1, x0:x1] = mask[y0:y1, x0:x1]
+    return part
+
+
 def _box_corners(row: FloatArray) -> FloatArray:
     x, y, length, width, _, _, radians = row
     cos, sin = np.cos(radians), np.sin(radians)
@@ -289,7 +337,6 @@ class _Library:
 
     tasks: Any
     nms: Any
-    ops: Any
     default_arguments: Any
 
 
@@ -304,11 +351,11 @@ def _ultralytics() -> _Library:
         try:
             from ultralytics.cfg import get_cfg
             from ultralytics.nn import tasks
-            from ultralytics.utils import LOGGER, nms, ops
+            from ultralytics.utils import LOGGER, nms
         finally:
             for name, value in before.items():
                 os.environ.pop(name, None)
                 if value is not None:
                     os.environ[name] = value
     LOGGER.setLevel(logging.ERROR)
-    return _Library(tasks, nms, ops, get_cfg())
+    return _Library(tasks, nms, get_cfg())

@@ -24,6 +24,9 @@ OVERLAP_SHARE = 0.35
 """Neighbours that overlap by less than this share of their smaller sides are moved apart: pixels
 belong to one item only. Deeper overlaps are meant, as of a chair pushed under a table."""
 
+_ROUNDING_SHARE = 0.7
+"""So much of a thin panel may overlap by rounding alone."""
+
 _OUT_SHARE = 0.005
 """Share of a footprint that may lie out of its room."""
 _STEPS = 24
@@ -102,6 +105,22 @@ def flush_with_walls(
     return replace(standing, rectangle=moved)
 
 
+def kept_deep(before: Standing, after: Standing) -> Standing:
+    """After its back has moved to a wall, a panel is as deep as before: its front moves along.
+
+    The depth of what is painted a pixel thick is known better than where it stands.
+    """
+    lower, upper = (("v0", "v1"), ("u0", "u1"))[before.quarter_turns % 2]
+    depth = getattr(before.rectangle, upper) - getattr(before.rectangle, lower)
+    low, high = getattr(after.rectangle, lower), getattr(after.rectangle, upper)
+    # The back is the upper edge after no and three quarter turns of the front at v0, u1, v1, u0.
+    if before.quarter_turns in (0, 3):
+        low = high - depth
+    else:
+        high = low + depth
+    return replace(after, rectangle=replace(after.rectangle, **{lower: low, upper: high}))
+
+
 def _walls_near(
     rectangle: Rectangle, polygon_m: FloatArray, reach_m: float
 ) -> Iterator[tuple[str, float]]:
@@ -159,18 +178,21 @@ def _out_share(rectangle: Rectangle, room: Polygon) -> float:
     return float(shape.difference(room).area / max(shape.area, 1e-9))
 
 
-def part(standings: Sequence[Standing]) -> list[Standing]:
-    """Neighbours of one direction that overlap a little share the overlap and touch."""
+def part(standings: Sequence[Standing], rounding_m: float = 0.0) -> list[Standing]:
+    """Neighbours of one direction that overlap a little share the overlap and touch.
+
+    rounding_m: overlaps up to here may come from drawing in pixels, however thin the piece.
+    """
     result = list(standings)
     for i in range(len(result)):
         for j in range(i + 1, len(result)):
             turns = fold_deg(result[i].rectangle.angle_deg - result[j].rectangle.angle_deg)
             if abs(turns) < _TURN_EPSILON_DEG:
-                result[i], result[j] = _parted(result[i], result[j])
+                result[i], result[j] = _parted(result[i], result[j], rounding_m)
     return result
 
 
-def _parted(first: Standing, second: Standing) -> tuple[Standing, Standing]:
+def _parted(first: Standing, second: Standing, rounding_m: float) -> tuple[Standing, Standing]:
     depths = []
     for axis in (0, 1):
         (a0, a1), (b0, b1) = _span(first.rectangle, axis), _span(second.rectangle, axis)
@@ -178,7 +200,8 @@ def _parted(first: Standing, second: Standing) -> tuple[Standing, Standing]:
     depth, axis, first_below = min(depths)
     lower, upper = (first, second) if first_below else (second, first)
     below, above = _span(lower.rectangle, axis), _span(upper.rectangle, axis)
-    reach = OVERLAP_SHARE * min(below[1] - below[0], above[1] - above[0])
+    thinner = min(below[1] - below[0], above[1] - above[0])
+    reach = max(OVERLAP_SHARE * thinner, min(rounding_m, _ROUNDING_SHARE * thinner))
     if not 0.0 < depth <= reach:
         return first, second
     names = (("u0", "u1"), ("v0", "v1"))[axis]

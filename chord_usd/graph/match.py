@@ -11,9 +11,9 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.graph.flush import Standing, align, flush_with_walls, part, pull_into
+from chord_usd.graph.flush import Standing, align, flush_with_walls, kept_deep, part, pull_into
 from chord_usd.graph.snap import FoundItem
-from chord_usd.palette import category
+from chord_usd.palette import Mount, category
 from chord_usd.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
 from chord_usd.units import m_from_px, wrap_deg
 
@@ -111,8 +111,10 @@ def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: floa
     for index, standing in enumerate(standings):
         others = standings[:index] + standings[index + 1 :]
         flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
+        if category(found[index][0].detection.category).mount is Mount.WALL:
+            flush = kept_deep(standing, flush)
         standings[index] = pull_into(flush, room.polygon_m)
-    standings = part(standings)
+    standings = part(standings, reach_m)
     placed = [
         (one, standing.on(box)) for (one, box), standing in zip(found, standings, strict=True)
     ]

@@ -17,6 +17,7 @@ from chord_usd.errors import SceneError
 from chord_usd.geometry import room_polygon
 from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels, read_pixels
 from chord_usd.graph.detect import RoomProposal
+from chord_usd.graph.faces import settle_faces
 from chord_usd.palette import PLAN_CATEGORIES, ROOM_SHADES, category
 from chord_usd.types import (
     WALL_THICKNESS_M,
@@ -171,10 +172,12 @@ def _filled(labels: IntArray, slivers: BoolArray) -> IntArray:
 def _rooms(labels: IntArray, pixels: LayoutPixels, frame: PixelFrame) -> list[Room]:
     """Rooms from top to bottom, left to right."""
     outlines = []
+    thickness_px = WALL_THICKNESS_M / frame.m_per_px
     for label in range(1, int(labels.max()) + 1):
         mask = labels == label
         kind = SHADE_KINDS[int(np.bincount(pixels.shade[mask]).argmax())]
-        outlines.append((kind, polygon_from_mask(mask)))
+        outline = polygon_from_mask(mask)
+        outlines.append((kind, settle_faces(outline, pixels.structure, thickness_px)))
     outlines.sort(key=lambda outline: tuple(outline[1].min(axis=0)[::-1]))
     counts: dict[str, int] = {}
     rooms = []

@@ -9,6 +9,7 @@ too few pixels of their colour are dropped; patches that the detector missed are
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,7 @@ import cv2
 import numpy as np
 
 from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels, read_pixels
+from chord_usd.graph.detect import LEAST_SIDE_PX
 from chord_usd.graph.directions import Directions, raster_directions
 from chord_usd.graph.facing import facing
 from chord_usd.graph.joining import Piece
@@ -43,7 +45,11 @@ _NEAR_PX = 2
 """Fragments this near to a patch of their category belong to it."""
 _SUPPORT = 0.3
 """Share of a proposal that pixels of its colour must cover, and overlap that makes a match."""
+_NETWORK_PX = 1.0
+"""What the network's edges may be off."""
 _THIN_PX = 2.5
+_ONE_ROW_PX = 1.5
+"""Depths up to here are painted as one row of pixels, mostly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +101,11 @@ def _of_category(
     directions: Directions,
     proposals: Sequence[Detection],
 ) -> list[FoundItem]:
-    seen = [(proposal, _as_rectangle(proposal.corners_px)) for proposal in proposals]
     usual_px = UsualSize.of(row, m_per_px)
+    seen = [
+        (proposal, _true_sized(_as_rectangle(proposal.corners_px), usual_px))
+        for proposal in proposals
+    ]
     thin = usual_px.width[0] < _THIN_PX
     found: list[FoundItem] = []
     for mask in _patches(pixels, row.detector_class, thin):
@@ -210,11 +219,13 @@ def _found_item(
 
 
 def _thinned(rectangle: Rectangle, turns: int, row: Category, m_per_px: float) -> Rectangle:
-    """Painted at least a pixel thick, growing to the front: back to the thickest usual piece."""
-    excess = 1.0 - row.width_m[1] / m_per_px
+    """Whatever is painted a single row of pixels thick, growing to the front, given back the
+    depth that is most likely: the middle, as ratios go, of the depths that look so."""
     depth = rectangle.v1 - rectangle.v0 if turns % 2 == 0 else rectangle.u1 - rectangle.u0
-    if excess <= 0.0 or depth > 1.5:
+    least, most = (side / m_per_px for side in row.width_m)
+    if least >= _ONE_ROW_PX or depth > _ONE_ROW_PX:
         return rectangle
+    excess = depth - math.sqrt(least * min(most, _ONE_ROW_PX))
     if turns == 0:
         return replace(rectangle, v0=rectangle.v0 + excess)
     if turns == 1:
@@ -234,12 +245,33 @@ def _as_rectangle(corners_px: FloatArray) -> Rectangle:
     return Rectangle(angle, float(u0), float(u1), float(v0), float(v1))
 
 
+def _true_sized(proposal: Rectangle, usual_px: UsualSize) -> Rectangle:
+    """A proposal without what the network adds to small pieces (detect.LEAST_SIDE_PX)."""
+    most = sorted((usual_px.length[1], usual_px.width[1]))
+    u, v = proposal.u1 - proposal.u0, proposal.v1 - proposal.v0
+    across = min(u, most[u > v]) if u <= LEAST_SIDE_PX + _NETWORK_PX else u
+    along = min(v, most[v >= u]) if v <= LEAST_SIDE_PX + _NETWORK_PX else v
+    return _resized(proposal, across, along)
+
+
+def _resized(rectangle: Rectangle, across: float, along: float) -> Rectangle:
+    """The same centre and direction, other sides."""
+    u, v = (rectangle.u0 + rectangle.u1) / 2, (rectangle.v0 + rectangle.v1) / 2
+    spans = (u - across / 2, u + across / 2, v - along / 2, v + along / 2)
+    return Rectangle(rectangle.angle_deg, *spans)
+
+
 def _support(patch: Patch, proposal: Rectangle) -> float:
-    """Share of a proposal that the pixels of a patch cover."""
-    return float(proposal.covers(patch.evidence.members).sum()) / max(proposal.area_px, 1.0)
+    """Share of a proposal, which may be a pixel off, that the pixels of a patch cover."""
+    covered = proposal.grown(_NETWORK_PX).covers(patch.evidence.members).sum()
+    return float(covered) / max(proposal.area_px, 1.0)
 
 
 def _overlap(first: Rectangle, second: Rectangle) -> float:
-    """Intersection over union."""
+    """Intersection over union, both as large as the network is taught them."""
+    first, second = (
+        _resized(one, max(one.u1 - one.u0, LEAST_SIDE_PX), max(one.v1 - one.v0, LEAST_SIDE_PX))
+        for one in (first, second)
+    )
     both = covered_share(first, second) * first.area_px
     return both / max(first.area_px + second.area_px - both, 1e-9)

@@ -5,6 +5,7 @@
     openings   doors, windows and passages with something in front of them
     walk       walkable floor, rooms one can reach
     fidelity   plans, orientations and rasters against the truth
+    detection  average precision of proposals, errors of edges
     scores     all of these for a scene, and means over a set
 
 Numpy and shapely only. Every mean carries its sample count and denominator (scores.Score).

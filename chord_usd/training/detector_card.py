@@ -2,42 +2,57 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from chord_usd.graph.detect import ARCHITECTURES, Kind
+from chord_usd.files import write_atomic
+from chord_usd.graph.detect import ARCHITECTURES, IMAGE_PX, LEAST_SIDE_PX, Kind
+
+CARD_FILE = "README.md"
 
 _TASKS: dict[Kind, str] = {
-    "items": "oriented boxes of the 28 house categories in layout rasters",
+    "items": "oriented boxes of the house categories in layout rasters",
     "rooms": "masks and kinds of the rooms in plan and layout rasters, shaded or white",
+}
+_CONVENTIONS: dict[Kind, str] = {
+    "items": f"Boxes are {LEAST_SIDE_PX:g} pixels long and wide at least, in training and in the "
+    "scores: a box must hold a point of\nthe output grid, which has one every 8 pixels. What is "
+    "thinner gets its true edges from its pixels.",
+    "rooms": f"The raster is looked at {IMAGE_PX['rooms']} pixels wide. The network only names "
+    "rooms: their outlines are read from the walls.",
 }
 
 
-def _origin(facts: dict[str, Any]) -> str:
+def write_card(
+    kind: Kind, folder: Path, facts: Mapping[str, Any], scores: Mapping[str, Any]
+) -> None:
+    """Write the card into folder.
+
+    facts: what training tells. scores: map50, by_class, truths, layouts, split.
+    """
     start = facts.get("start")
-    return f"started from the backbone of `{start}`" if start else "trained from scratch"
-
-
-def write_card(kind: Kind, folder: Path, facts: dict[str, Any]) -> None:
-    """Write README.md into folder. facts: as config.json has them."""
-    scores = facts["scores"]
+    origin = f"started from the weights of `{start}`" if start else "trained from scratch"
     lines = [
         f"# detector_{kind}",
         "",
         f"Finds {_TASKS[kind]}.",
-        f"ultralytics `{ARCHITECTURES[kind]}`, {_origin(facts)}; weights in `weights.safetensors`",
-        "(fp16), classes in `config.json`.",
+        f"ultralytics `{ARCHITECTURES[kind]}`, {origin}; weights in",
+        "`weights.safetensors` (fp16), classes in `config.json`.",
+        "",
+        _CONVENTIONS[kind],
         "",
         "| | |",
         "|---|---|",
-        "| data | procedural houses of this package, drawn as they were needed; edges frayed, "
-        "marks lost, colours drifted, houses turned, rooms shaded or white |",
+        "| data | procedural houses of this package, drawn as they were needed, each shown in "
+        "several views; edges frayed, marks lost, colours drifted, houses turned, rooms shaded "
+        "or white |",
         f"| split | scored on test houses (`chord_usd.data.splits`), hash `{scores['split']}`; "
         "none of them was trained on |",
         f"| images seen | {facts['images']:,} |",
         f"| time | {facts['minutes']} minutes on {facts['device']}, {facts['threads']} thread(s) |",
-        f"| mAP50 | {scores['map50']:.3f} over {scores['truths']:,} {kind} in {scores['houses']} "
-        "clean layouts of test houses, half of them unshaded |",
+        f"| mAP50 | {scores['map50']:.3f} over {scores['truths']:,} {kind} in "
+        f"{scores['layouts']} clean layouts of test houses, half of them unshaded |",
         "| licence | AGPL-3.0-or-later, as ultralytics and this package |",
         "",
         "Average precision at an overlap of one half, by class:",
@@ -46,7 +61,8 @@ def write_card(kind: Kind, folder: Path, facts: dict[str, Any]) -> None:
         "|---|---|",
         *(f"| {name} | {value:.3f} |" for name, value in scores["by_class"].items()),
         "",
-        f"Made by `chord-usd train detector --kind {kind}`.",
+        f"Made by `chord-usd train detector --kind {kind}`; `chord-usd evaluate detector` scores "
+        "it again.",
         "",
     ]
-    (folder / "README.md").write_text("\n".join(lines), encoding="utf-8")
+    write_atomic(folder / CARD_FILE, "\n".join(lines))

@@ -7,7 +7,7 @@ fray, marks and whole patches go missing, specks appear, colours drift, houses s
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -17,7 +17,7 @@ from chord_usd.data.augment import Pose, posed
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
-from chord_usd.graph.detect import ROOM_CLASSES
+from chord_usd.graph.detect import IMAGE_PX, ROOM_CLASSES, Kind, taught_box
 from chord_usd.palette import HOUSE_CATEGORIES, category
 from chord_usd.types import (
     CANVAS_PX,
@@ -31,11 +31,15 @@ from chord_usd.types import (
 )
 from chord_usd.units import px_from_m
 
-MASK_STEP_PX = 4
-"""Room masks have a quarter of the raster's resolution, as the network's own."""
+MASK_SIDE = IMAGE_PX["rooms"] // 4
+"""Room masks are as fine as the network's own: a quarter of what it looks at."""
 
-_LEAST_SIDE_PX = 2.0
-"""ultralytics leaves thinner boxes out of its loss."""
+_SHELF = 192
+"""Samples to choose the next one from: views of one drawing come far apart."""
+_VIEWS, _RARE_VIEWS = 3, 6
+"""How often a drawing is shown, each time turned or mirrored; the latter if it holds..."""
+_RARE_SHARE = 0.3
+"""...a class that so few houses have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,11 @@ class Sample:
     room_boxes: FloatArray
     """(R, 4) x, y, width, height in pixels."""
     room_map: ByteArray
-    """(CANVAS_PX / MASK_STEP_PX,) squared; 1 + index of the room, 0 elsewhere."""
+    """(MASK_SIDE, MASK_SIDE); 1 + index of the room, 0 elsewhere."""
+
+    def classes(self, kind: Kind) -> FloatArray:
+        """(N,) the class of each item or room."""
+        return self.boxes[:, 0] if kind == "items" else self.room_classes
 
 
 @dataclass(frozen=True)
@@ -77,12 +85,45 @@ def house(seed: int) -> SceneGraph:
     return furnish(random_plan(rng), rng)
 
 
-def stream(rng: np.random.Generator, spoiling: Spoiling) -> Iterator[Sample]:
-    """Samples without end, none of a test house."""
+def stream(rng: np.random.Generator, spoiling: Spoiling, kind: Kind = "items") -> Iterator[Sample]:
+    """Samples without end, none of a test house.
+
+    Drawing costs half as much as learning from it, so each drawing is shown in several views;
+    those with classes that few houses have, in more.
+    """
+    holding = np.zeros(max(len(HOUSE_CATEGORIES), len(ROOM_CLASSES)))
+    drawn = 0
+    shelf: list[Sample] = []
     while True:
-        seed = int(rng.integers(2**40))
-        if not is_test_seed(seed):
-            yield draw_sample(house(seed), spoiling, rng)
+        while len(shelf) < _SHELF:
+            seed = int(rng.integers(2**40))
+            if is_test_seed(seed):
+                continue
+            sample = draw_sample(house(seed), spoiling, rng)
+            classes = np.unique(sample.classes(kind)).astype(int)
+            drawn += 1
+            holding[classes] += 1
+            rare = (holding[classes] < _RARE_SHARE * drawn).any()
+            shelf += [sample] * (_RARE_VIEWS if rare else _VIEWS)
+        chosen = int(rng.integers(len(shelf)))
+        shelf[chosen], shelf[-1] = shelf[-1], shelf[chosen]
+        yield turned(shelf.pop(), int(rng.integers(4)), bool(rng.integers(2)))
+
+
+def turned(sample: Sample, quarter_turns: int, mirrored: bool) -> Sample:
+    """The sample turned counter-clockwise as seen, then mirrored left to right. Exact."""
+    rgb, room_map = np.rot90(sample.rgb, quarter_turns), np.rot90(sample.room_map, quarter_turns)
+    boxes, room_boxes = sample.boxes.copy(), sample.room_boxes.copy()
+    for _ in range(quarter_turns % 4):
+        boxes[:, 1:5] = boxes[:, [2, 1, 4, 3]]
+        boxes[:, 2] = CANVAS_PX - boxes[:, 2]
+        room_boxes = room_boxes[:, [1, 0, 3, 2]]
+        room_boxes[:, 1] = CANVAS_PX - room_boxes[:, 1]
+    if mirrored:
+        rgb, room_map = rgb[:, ::-1], room_map[:, ::-1]
+        boxes[:, 1], boxes[:, 5] = CANVAS_PX - boxes[:, 1], -boxes[:, 5]
+        room_boxes[:, 0] = CANVAS_PX - room_boxes[:, 0]
+    return replace(sample, rgb=rgb, boxes=boxes, room_boxes=room_boxes, room_map=room_map)
 
 
 def held_out(count: int, spoiling: Spoiling = CLEAN) -> Iterator[Sample]:
@@ -99,8 +140,8 @@ def draw_sample(graph: SceneGraph, spoiling: Spoiling, rng: np.random.Generator)
     plan_image = raster.draw_plan(graph.plan, frame, shade=rng.random() >= spoiling.unshaded)
     items = () if rng.random() < spoiling.unfurnished else graph.items
     labels, front = raster.draw_items(items, frame)
-    floor = plan_image.rgb.max(axis=-1) == plan_image.rgb.min(axis=-1)
-    floor &= plan_image.rgb[..., 0] > 0
+    red, green, blue = np.moveaxis(plan_image.rgb, -1, 0)
+    floor = (red == green) & (green == blue) & (red > 0)
     if rng.random() < spoiling.frayed:
         labels, front = fray(labels, front, floor, rng)
     if rng.random() < spoiling.patchy:
@@ -162,23 +203,15 @@ def drift(rgb: ByteArray, rng: np.random.Generator) -> ByteArray:
 
 
 def _boxes(items: tuple[Item, ...], frame: PixelFrame) -> FloatArray:
-    rows = []
-    for item in items:
-        x, y = px_from_m(item.box.center_m[:2], frame)
-        length, width = (max(side / frame.m_per_px, _LEAST_SIDE_PX) for side in item.box.size_m[:2])
-        quarters, rest = divmod(-item.box.yaw_deg + 45.0, 90.0)
-        if int(quarters) % 2:
-            length, width = width, length
-        rows.append(
-            [category(item.category).detector_class, x, y, length, width, np.radians(rest - 45.0)]
-        )
+    rows = [
+        [category(item.category).detector_class, *taught_box(item.box, frame)] for item in items
+    ]
     return np.array(rows, dtype=np.float64).reshape(-1, 6)
 
 
 def _rooms(rooms: tuple[Room, ...], frame: PixelFrame) -> tuple[FloatArray, FloatArray, ByteArray]:
     """Classes, boxes and map of the rooms whose kind is known."""
-    side = CANVAS_PX // MASK_STEP_PX
-    room_map = np.zeros((side, side), dtype=np.uint8)
+    room_map = np.zeros((MASK_SIDE, MASK_SIDE), dtype=np.uint8)
     classes, boxes = [], []
     for room in rooms:
         if room.kind == "unknown":
@@ -188,7 +221,7 @@ def _rooms(rooms: tuple[Room, ...], frame: PixelFrame) -> tuple[FloatArray, Floa
         classes.append(ROOM_CLASSES.index(room.kind))
         boxes.append([*(low + high) / 2, *(high - low)])
         # fillPoly counts pixel centres as whole numbers.
-        points = np.rint((corners / MASK_STEP_PX - 0.5) * 16).astype(np.int32)
+        points = np.rint((corners * MASK_SIDE / CANVAS_PX - 0.5) * 16).astype(np.int32)
         cv2.fillPoly(room_map, [points], (len(classes),), shift=4)
     return (
         np.array(classes, dtype=np.float64),

@@ -6,13 +6,19 @@ import json
 import shutil
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from chord_usd.data.splits import TEST_SEED
 from chord_usd.errors import CheckpointError
+from chord_usd.evaluation.detector import ROWS, as_markdown, score_detector
+from chord_usd.evaluation.detector_cases import clean_cases
+from chord_usd.evaluation.detector_networks import score_checkpoint
+from chord_usd.evaluation.detector_sheet import COLUMNS, ENLARGE, draw_sheet
 from chord_usd.graph.detect import (
     CLASSES,
     CONFIG_FILE,
@@ -26,9 +32,18 @@ from chord_usd.graph.detect import (
 from chord_usd.graph.extract import extract_graph
 from chord_usd.locations import checkpoint_folder
 from chord_usd.raster import draw_plan, layout_image
-from chord_usd.training.detector import DetectorTraining, train_detector
-from chord_usd.training.detector_data import CLEAN, draw_sample, held_out, house
-from chord_usd.training.detector_scores import average_precision, score_checkpoint
+from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector
+from chord_usd.training.detector_card import write_card
+from chord_usd.training.detector_data import (
+    CLEAN,
+    MASK_SIDE,
+    Sample,
+    Spoiling,
+    draw_sample,
+    house,
+    turned,
+)
+from chord_usd.types import CANVAS_PX
 
 KINDS: tuple[Kind, ...] = ("items", "rooms")
 
@@ -90,25 +105,49 @@ def test_ultralytics_is_silent_and_leaves_the_home_folder_alone(tmp_path: Path) 
     assert not list(tmp_path.rglob("*ltralytics*"))
 
 
+def samples(count: int) -> list[Sample]:
+    return [draw_sample(house(seed), CLEAN, np.random.default_rng(seed)) for seed in range(count)]
+
+
+def check_labels(sample: Sample) -> None:
+    """Every box has a pixel of colour at its centre, every room its floor within its box."""
+    step = CANVAS_PX / MASK_SIDE
+    for label, x, y, *_ in sample.boxes:
+        assert 0 <= label < len(CLASSES["items"])
+        red, green, blue = sample.rgb[int(y), int(x)].astype(int)
+        assert (red, green) != (green, blue)
+    for index, label in enumerate(sample.room_classes):
+        assert 0 <= label < len(CLASSES["rooms"])
+        rows, columns = np.nonzero(sample.room_map == index + 1)
+        x, y, width, height = sample.room_boxes[index]
+        if len(rows):
+            assert np.abs((columns + 0.5) * step - x).max() <= width / 2 + step
+            assert np.abs((rows + 0.5) * step - y).max() <= height / 2 + step
+
+
 def test_labels_outline_what_is_painted() -> None:
-    """Every box of a clean sample covers pixels of one colour that is not the floor's."""
-    for sample in held_out(5, CLEAN):
-        for label, x, y, *_ in sample.boxes:
-            assert 0 <= label < len(CLASSES["items"])
-            red, green, blue = sample.rgb[int(y), int(x)].astype(int)
-            assert (red, green) != (green, blue)
-        for index, label in enumerate(sample.room_classes):
-            assert 0 <= label < len(CLASSES["rooms"])
-            rows, columns = np.nonzero(sample.room_map == index + 1)
-            x, y, width, height = sample.room_boxes[index]
-            if len(rows):
-                assert np.abs((columns * 4 + 2) - x).max() <= width / 2 + 4
-                assert np.abs((rows * 4 + 2) - y).max() <= height / 2 + 4
+    for sample in samples(5):
+        check_labels(sample)
+
+
+@pytest.mark.parametrize("mirrored", [False, True], ids=["turned", "mirrored"])
+@pytest.mark.parametrize("quarter_turns", range(4))
+def test_labels_turn_with_the_picture(quarter_turns: int, mirrored: bool) -> None:
+    for sample in samples(2):
+        view = turned(sample, quarter_turns, mirrored)
+        check_labels(view)
+        assert len(view.boxes) == len(sample.boxes)
+    # Four quarter turns, or two mirrors, are nothing.
+    again = sample
+    for _ in range(4):
+        again = turned(again, 1, False)
+    again = turned(turned(again, 0, True), 0, True)
+    np.testing.assert_array_equal(again.rgb, sample.rgb)
+    np.testing.assert_allclose(again.boxes, sample.boxes)
+    np.testing.assert_allclose(again.room_boxes, sample.room_boxes)
 
 
 def test_spoilt_samples_are_reproducible() -> None:
-    from chord_usd.training.detector_data import Spoiling
-
     graph = house(5)
     spoiling = Spoiling(1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
     first, second = (draw_sample(graph, spoiling, np.random.default_rng(1)) for _ in range(2))
@@ -116,31 +155,19 @@ def test_spoilt_samples_are_reproducible() -> None:
     np.testing.assert_array_equal(first.boxes, second.boxes)
 
 
-def test_average_precision_on_known_rankings() -> None:
-    from chord_usd.training.detector_scores import _Found
-
-    right, wrong = True, False
-
-    def score(*order: bool, truths: int) -> float:
-        return average_precision([_Found(1 - i / 9, r) for i, r in enumerate(order)], truths)
-
-    assert score(right, right, truths=2) == 1.0
-    assert score(right, wrong, truths=2) == 0.5
-    assert score(wrong, right, truths=1) == 0.5
-    assert score(truths=3) == 0.0
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_training_leaves_a_checkpoint_and_goes_on_from_it(kind: Kind, tmp_path: Path) -> None:
-    config = DetectorTraining(minutes=0.01, batch=2, score_houses=1, warmup_steps=1)
-    train_detector(kind, tmp_path, config)
-    before = json.loads((tmp_path / CONFIG_FILE).read_text())
-    train_detector(kind, tmp_path, config, resume=True)
-    after = json.loads((tmp_path / CONFIG_FILE).read_text())
+    config = DetectorTraining(minutes=0.01, batch=2, warmup_steps=1)
+    before = train_detector(kind, tmp_path, config)
+    after = train_detector(kind, tmp_path, config, resume=True)
     assert after["images"] > before["images"] >= 2
-    assert after["scores"]["houses"] == 1
+    assert json.loads((tmp_path / CONFIG_FILE).read_text())["images"] == after["images"]
+    log = [json.loads(line) for line in (tmp_path / LOG_FILE).read_text().splitlines()]
+    assert log[-1]["images"] == after["images"]
+    assert all(np.isfinite(value) for row in log for value in row.values())
+    scores = score_checkpoint(kind, tmp_path, list(clean_cases(1)))
+    write_card(kind, tmp_path, after, {**asdict(scores), "layouts": 1, "split": "0"})
     assert "mAP50" in (tmp_path / "README.md").read_text()
-    assert score_checkpoint(kind, tmp_path, 1).map50 == after["scores"]["map50"]
 
 
 def test_resuming_from_nothing_is_an_error(tmp_path: Path) -> None:
@@ -149,8 +176,7 @@ def test_resuming_from_nothing_is_an_error(tmp_path: Path) -> None:
 
 
 def test_the_shipped_detector_finds_most_furniture() -> None:
-    folder = checkpoint_folder("detector_items")
-    scores = score_checkpoint("items", folder, 6)
+    scores = score_checkpoint("items", checkpoint_folder("detector_items"), list(clean_cases(6)))
     assert scores.by_class["bed"] > 0.8
     assert scores.map50 > 0.5
 
@@ -161,3 +187,23 @@ def test_the_shipped_detector_and_the_pixels_agree() -> None:
     found = extract_graph(layout, graph.plan, detector=load_item_detector())
     assert len(found.items) == len(graph.items)
     assert np.mean([item.extra["detected"] for item in found.items]) > 0.6
+
+
+def test_the_table_of_scores_and_the_sheet(untrained: Path, tmp_path: Path) -> None:
+    """By colour alone drawn layouts come back right, so that a blind network loses nothing."""
+    save_model("rooms", build_model("rooms"), tmp_path / "rooms", {})
+    items, rooms = load_item_detector(untrained), load_room_segmenter(tmp_path / "rooms")
+    cases = list(clean_cases(2))
+    scores = score_detector(cases, items, rooms)
+    assert scores.items.map50 < 0.1
+    for step in (scores.with_plan, scores.alone):
+        assert step is not None
+        assert step.truths == sum(len(case.items) for case in cases)
+        assert step.recall > 0.97
+        assert step.orientation > 0.97
+        assert step.edge_px < 0.5
+    table = as_markdown({"clean": scores})
+    assert table.count("\n") == 2 + len(ROWS)
+    assert f"{scores.alone.recall:.4f}" in table
+    sheet = cv2.imdecode(np.frombuffer(draw_sheet(cases, items, rooms), np.uint8), 1)
+    assert sheet.shape == (2 * ENLARGE * CANVAS_PX, COLUMNS * ENLARGE * CANVAS_PX, 3)

@@ -1,0 +1,114 @@
+"""evaluate detector: layouts whose furniture is known -> scores of the networks and the step."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_device,
+    add_verb,
+    existing_file,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.files import write_atomic
+from chord_usd.progress import Stopwatch
+
+if TYPE_CHECKING:
+    from chord_usd.evaluation.detector_cases import Case
+
+CLEAN, GENERATED, GIVEN = "clean", "generated", "given"
+
+
+def add(group: Verbs) -> None:
+    """Adds the verb to the verbs of evaluate."""
+    parser = add_verb(
+        group, "detector", run, "score the detector, by itself and with the whole graph step"
+    )
+    parser.add_argument(
+        "--houses",
+        type=whole_number(0),
+        default=300,
+        metavar="N",
+        help="drawings of held-out houses (300)",
+    )
+    parser.add_argument(
+        "--generated",
+        type=whole_number(0),
+        default=60,
+        metavar="N",
+        help="samples of the layout model (60)",
+    )
+    parser.add_argument(
+        "--layouts",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="PNG",
+        help="layout rasters of yours; their colours are taken for the truth",
+    )
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    parser.add_argument(
+        "--items", type=Path, metavar="DIR", help="instead of the shipped detector_items"
+    )
+    parser.add_argument(
+        "--rooms", type=Path, metavar="DIR", help="instead of the shipped detector_rooms"
+    )
+    parser.add_argument("-o", "--output", type=Path, metavar="MD", help="also write the table")
+    parser.add_argument(
+        "--sheet", type=Path, metavar="PNG", help="also draw what the networks propose, to look at"
+    )
+    add_device(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs evaluate detector."""
+    from chord_usd.evaluation import detector, detector_sheet
+    from chord_usd.graph.detect import load_item_detector, load_room_segmenter
+
+    watch = stopwatch(options)
+    with watch.step("load"):
+        items = load_item_detector(options.items)
+        rooms = load_room_segmenter(options.rooms)
+    cases = _cases(options, watch)
+    columns = {}
+    for name, these in cases.items():
+        with watch.step(f"score {name}") as progress:
+            columns[name] = detector.score_detector(these, items, rooms, progress)
+    table = detector.as_markdown(columns)
+    if options.output:
+        write_atomic(options.output, table)
+    if options.sheet:
+        shown = [case for these in cases.values() for case in these[: detector_sheet.COLUMNS]]
+        write_atomic(options.sheet, detector_sheet.draw_sheet(shown, items, rooms))
+    data = {name: asdict(scores) for name, scores in columns.items()}
+    return Outcome(table.rstrip(), {**data, "seconds": watch.seconds})
+
+
+def _cases(options: argparse.Namespace, watch: Stopwatch) -> dict[str, list[Case]]:
+    """The layouts to score, by the name of their column."""
+    from chord_usd.evaluation import detector_cases
+    from chord_usd.layout.sample import LayoutModel
+    from chord_usd.locations import checkpoint_folder
+
+    files = [existing_file(file) for file in options.layouts]
+    cases: dict[str, list[Case]] = {}
+    if options.houses:
+        with watch.step("draw"):
+            cases[CLEAN] = list(detector_cases.clean_cases(options.houses))
+    if options.generated:
+        with watch.step("layout") as progress:
+            model = LayoutModel.load(checkpoint_folder("plan2layout"), options.device)
+            cases[GENERATED] = list(
+                detector_cases.generated_cases(model, options.generated, options.steps, progress)
+            )
+    if files:
+        cases[GIVEN] = list(detector_cases.cases_of_files(files))
+    return cases

@@ -1,0 +1,83 @@
+"""Layouts whose furniture is known: drawn ones by construction, generated ones by their colours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from chord_usd import raster
+from chord_usd.data.furnish import furnish
+from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import TEST_SEED
+from chord_usd.graph.match import box_of
+from chord_usd.graph.snap import decode_items
+from chord_usd.layout.sample import LayoutModel
+from chord_usd.raster_files import read_layout
+from chord_usd.types import Item, LayoutImage, Plan
+
+BATCH = 6
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One layout raster and what is in it."""
+
+    name: str
+    layout: LayoutImage
+    items: tuple[Item, ...]
+    plan: Plan | None
+    """None where only the picture is known."""
+    shaded: bool
+    """Whether the floors tell the kinds of the rooms."""
+
+
+def clean_cases(count: int) -> Iterator[Case]:
+    """Drawings of the first held-out houses, every second one unshaded."""
+    for index in range(count):
+        rng = np.random.default_rng(TEST_SEED + index)
+        graph = furnish(random_plan(rng), rng)
+        shaded = index % 2 == 0
+        layout = raster.layout_image(raster.draw_plan(graph.plan, shade=shaded), graph.items)
+        yield Case(f"{TEST_SEED + index}", layout, graph.items, graph.plan, shaded)
+
+
+def generated_cases(
+    model: LayoutModel, count: int, steps: int | None = None, progress: Progress | None = None
+) -> Iterator[Case]:
+    """Samples of the layout model for the first held-out plans, every second one unshaded.
+
+    Nobody drew these, so what their colours say, read without the networks, is the truth.
+    """
+    for start in range(0, count, BATCH):
+        indices = range(start, min(start + BATCH, count))
+        plans = [random_plan(np.random.default_rng(TEST_SEED + index)) for index in indices]
+        images = [
+            raster.draw_plan(plan, shade=index % 2 == 0)
+            for index, plan in zip(indices, plans, strict=True)
+        ]
+        layouts = model.sample_batch(images, seeds=list(indices), steps=steps)
+        for index, layout, plan in zip(indices, layouts, plans, strict=True):
+            name = f"{TEST_SEED + index}"
+            yield Case(name, layout, read_by_colour(layout), plan, index % 2 == 0)
+        if progress:
+            progress(indices.stop, count)
+
+
+def cases_of_files(files: Sequence[Path]) -> Iterator[Case]:
+    """Layout rasters of anybody's; their colours are the truth. Raises RasterError."""
+    for file in files:
+        layout = read_layout(file)
+        yield Case(file.stem, layout, read_by_colour(layout), None, False)
+
+
+def read_by_colour(layout: LayoutImage) -> tuple[Item, ...]:
+    """Items by colour alone, without room."""
+    return tuple(
+        Item(f"{found.category}_{index}", found.category, box_of(found, layout.frame), "")
+        for index, found in enumerate(decode_items(layout))
+    )

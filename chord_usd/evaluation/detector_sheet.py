@@ -1,0 +1,69 @@
+"""A sheet of what the networks propose, drawn over the layouts, to be looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from chord_usd.evaluation.detector_cases import Case
+from chord_usd.graph.detect import ItemDetector, RoomSegmenter
+from chord_usd.palette import category
+from chord_usd.types import ByteArray, RoomKind
+
+COLUMNS = 4
+ENLARGE = 3
+_ROOM_OPACITY = 0.45
+_ROOM_RGB: dict[RoomKind, tuple[int, int, int]] = {
+    "living": (230, 120, 60), "dining": (240, 200, 60), "bedroom": (90, 130, 220),
+    "kitchen": (200, 60, 60), "bathroom": (60, 190, 200), "balcony": (100, 180, 80),
+    "corridor": (150, 150, 150), "study": (160, 90, 200), "store": (130, 100, 70),
+}  # fmt: skip
+
+
+def draw_sheet(cases: Sequence[Case], detector: ItemDetector, segmenter: RoomSegmenter) -> bytes:
+    """A PNG: per row COLUMNS layouts with the boxes proposed, below them the rooms proposed."""
+    rows = []
+    for start in range(0, len(cases), COLUMNS):
+        part = cases[start : start + COLUMNS]
+        blank = [np.full_like(_boxes(part[0], detector), 255)] * (COLUMNS - len(part))
+        rows.append(np.hstack([_boxes(case, detector) for case in part] + blank))
+        rows.append(np.hstack([_rooms(case, segmenter) for case in part] + blank))
+    done, png = cv2.imencode(".png", cv2.cvtColor(np.vstack(rows), cv2.COLOR_RGB2BGR))
+    assert done
+    return bytes(png.tobytes())
+
+
+def _boxes(case: Case, detector: ItemDetector) -> ByteArray:
+    picture = _enlarged(case.layout.rgb)
+    for found in detector.detect(case.layout.rgb):
+        corners = np.rint(found.corners_px * ENLARGE).astype(np.int32)
+        row = category(found.category)
+        # Colours darkened: they lie over the same colour.
+        colour = tuple(int(value * 0.6) for value in row.rgb)
+        cv2.polylines(picture, [corners], True, colour, 1, cv2.LINE_AA)
+        at = (int(corners[:, 0].min()), int(corners[:, 1].min()) - 1)
+        cv2.putText(picture, row.label[:7], at, cv2.FONT_HERSHEY_PLAIN, 0.6, colour)
+    return picture
+
+
+def _rooms(case: Case, segmenter: RoomSegmenter) -> ByteArray:
+    rgb = case.layout.rgb.astype(np.float32)
+    proposals = segmenter.segment(case.layout.rgb)
+    for found in reversed(proposals):
+        tint = np.array(_ROOM_RGB[found.kind], dtype=np.float32)
+        rgb[found.mask] = (1 - _ROOM_OPACITY) * rgb[found.mask] + _ROOM_OPACITY * tint
+    picture = _enlarged(rgb.astype(np.uint8))
+    for found in proposals:
+        rows, columns = np.nonzero(found.mask)
+        if len(rows):
+            at = (int(columns.mean() - 8) * ENLARGE, int(rows.mean()) * ENLARGE)
+            text = f"{found.kind} {found.score:.2f}"
+            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_PLAIN, 0.8, (0, 0, 0))
+    return picture
+
+
+def _enlarged(rgb: ByteArray) -> ByteArray:
+    big = cv2.resize(rgb, None, fx=ENLARGE, fy=ENLARGE, interpolation=cv2.INTER_NEAREST)
+    return np.asarray(big, dtype=np.uint8)
