@@ -39,7 +39,7 @@ def clearance_planes(
         )
         for label in range(1, count):
             if stats[label, cv2.CC_STAT_AREA] >= LEAST_PX:
-                center, along, across = _rectangle(labels, label, stats[label])
+                center, along, across = _rectangle(np.asarray(labels), label, stats[label])
                 depth_px = WINDOW_M / m_per_px
                 if mask is door:
                     depth_px = min(2 * math.hypot(*along), DEEPEST_DOOR_M / m_per_px)
@@ -101,5 +101,5 @@ def _keep_free(
     # OpenCV fills the boundary's pixels as well, half a pixel too much on every side.
     inner = corners - low + 0.5 * np.sign(corners.mean(axis=0) - corners)
     fixed = np.rint(inner * (1 << _SUBPIXEL_BITS)).astype(np.int32)
-    cv2.fillConvexPoly(filled, fixed, 1, shift=_SUBPIXEL_BITS)
+    cv2.fillConvexPoly(filled, fixed, (1,), shift=_SUBPIXEL_BITS)
     plane[box] |= filled & np.isin(regions[box], list(rooms)).astype(np.uint8)

@@ -19,6 +19,7 @@ from chord_usd.layout.condition import FLOOR_PLANE, plan_condition
 from chord_usd.layout.device import choose_device, half_precision
 from chord_usd.layout.network import RGB_CHANNELS
 from chord_usd.layout.schedule import sampling_scheduler
+from chord_usd.layout.window import Window, WindowSize, window_of, window_size
 from chord_usd.raster import paint_layout
 from chord_usd.types import (
     BoolArray,
@@ -98,13 +99,22 @@ class LayoutModel:
 
         sampler: one of schedule.SAMPLERS.
         """
-        run = _Run(steps or self.config.default_steps, sampler, tuple(seeds), progress)
-        plans = self.plans(plan_images)
-        final = self._denoise(plans, run, kept=None)
-        return [
-            self._picture(plan_image, final[index], run, index)
-            for index, plan_image in enumerate(plan_images)
-        ]
+        sizes = [self._window_size(plan_image) for plan_image in plan_images]
+        pictures: dict[int, LayoutImage] = {}
+        for size in dict.fromkeys(sizes):
+            group = [index for index, other in enumerate(sizes) if other == size]
+            run = _Run(
+                steps or self.config.default_steps,
+                sampler,
+                tuple(seeds[index] for index in group),
+                _share(progress, len(pictures), len(group), len(sizes)),
+            )
+            images = [plan_images[index] for index in group]
+            windows = [window_of(image.rgb, size) for image in images]
+            final = self._denoise(self.plans(images, windows), run, kept=None)
+            for place, index in enumerate(group):
+                pictures[index] = self._picture(images[place], final[place], run, place, windows)
+        return [pictures[index] for index in range(len(sizes))]
 
     def resample(
         self,
@@ -126,25 +136,32 @@ class LayoutModel:
         """
         run = _Run(steps or self.config.default_steps, sampler, (seed,), progress)
         before = paint_layout(plan_image, labels, front)
+        window = window_of(plan_image.rgb, self._window_size(plan_image))
         kept = _Kept(
-            self.encode(labels, front, before),
-            torch.from_numpy(region.copy())[None, None].to(self.device),
+            self.encode(labels[window], front[window], before[window]),
+            torch.from_numpy(region[window].copy())[None, None].to(self.device),
         )
-        final = self._denoise(self.plans([plan_image]), run, kept)
-        image = self._picture(plan_image, final[0], run, 0)
+        final = self._denoise(self.plans([plan_image], [window]), run, kept)
+        image = self._picture(plan_image, final[0], run, 0, [window])
         rgb = np.where(region[..., None], image.rgb, before)
         return LayoutImage(frozen_array(rgb, np.uint8), image.frame, image.provenance)
 
-    def plans(self, plan_images: Sequence[PlanImage]) -> Plans:
-        """Plan rasters as what the network is conditioned on."""
+    def plans(
+        self, plan_images: Sequence[PlanImage], windows: Sequence[Window] | None = None
+    ) -> Plans:
+        """Plan rasters, or these windows of them, as what the network is conditioned on."""
         cell = self.config.patch_px
+        pictures = [image.rgb for image in plan_images]
+        if windows:
+            pictures = [rgb[window] for rgb, window in zip(pictures, windows, strict=True)]
         conditions = [
-            plan_condition(image.rgb, image.frame.m_per_px, cell) for image in plan_images
+            plan_condition(rgb, image.frame.m_per_px, cell)
+            for rgb, image in zip(pictures, plan_images, strict=True)
         ]
         masks = torch.from_numpy(np.stack([condition.pixels for condition in conditions]))
         inside = masks[:, FLOOR_PLANE, None].to(self.device, torch.float32)
         if self.config.condition == "rgb":
-            rgb = torch.from_numpy(np.stack([image.rgb for image in plan_images]))
+            rgb = torch.from_numpy(np.stack(pictures))
             pixels = rgb.permute(0, 3, 1, 2).to(self.device, torch.float32) / 127.5 - 1.0
             return Plans(pixels, None, inside)
         grid = torch.from_numpy(np.stack([condition.grid for condition in conditions]))
@@ -218,13 +235,30 @@ class LayoutModel:
         labels = torch.zeros((1, *like.shape[-2:]), dtype=torch.long, device=like.device)
         return self.checkpoint.network.encode(labels, labels > 0)
 
-    def _picture(self, plan_image: PlanImage, final: Tensor, run: _Run, index: int) -> LayoutImage:
+    def _window_size(self, plan_image: PlanImage) -> WindowSize:
+        """What the network looks at: the house alone, but the paper's network the whole canvas."""
+        if self.config.state == "rgb":
+            height, width = plan_image.rgb.shape[:2]
+            return height, width
+        return window_size(plan_image.rgb, self.config.window_multiple_px)
+
+    def _picture(
+        self,
+        plan_image: PlanImage,
+        final: Tensor,
+        run: _Run,
+        index: int,
+        windows: Sequence[Window],
+    ) -> LayoutImage:
         if self.config.state == "rgb":
             rgb = ((final + 1.0) * 127.5).round().clamp(0, 255).byte()
             pixels = rgb.permute(1, 2, 0).cpu().numpy()
         else:
-            labels = final[:-1].argmax(dim=0).cpu().numpy().astype(np.uint8)
-            front = (final[-1] > 0).cpu().numpy() & (labels > 0)
+            labels = np.zeros(plan_image.rgb.shape[:2], np.uint8)
+            front = np.zeros(labels.shape, np.bool_)
+            window = windows[index]
+            labels[window] = final[:-1].argmax(dim=0).cpu().numpy()
+            front[window] = (final[-1] > 0).cpu().numpy() & (labels[window] > 0)
             pixels = paint_layout(plan_image, labels, front)
         provenance = Provenance(
             checkpoint_hash=self.checkpoint.content_hash,
@@ -248,6 +282,13 @@ class _Run:
     def randomness(self) -> dict[str, Any]:
         """What scheduler.step needs so that it never draws from torch's global generator."""
         return {"generator": self._generators} if self.sampler == "ddpm" else {}
+
+
+def _share(progress: Progress | None, before: int, part: int, count: int) -> Progress | None:
+    """Progress of a part of the pictures as progress of them all."""
+    if progress is None:
+        return None
+    return lambda done, steps: progress(before * steps + part * done, count * steps)
 
 
 _NOTHING = torch.full((1, CLASS_COUNT + 1, 1, 1), -50.0)

@@ -13,6 +13,9 @@ BORDER_PX = 2
 WindowSize = tuple[int, int]
 """Height and width in pixels."""
 
+Window = tuple[slice, slice]
+"""Rows and columns of the canvas."""
+
 
 def window_size(rgb: ByteArray, multiple_px: int) -> WindowSize:
     """Smallest window around all that is drawn, sides a multiple of multiple_px, within the canvas.
@@ -25,7 +28,7 @@ def window_size(rgb: ByteArray, multiple_px: int) -> WindowSize:
     return int(sides[0]), int(sides[1])
 
 
-def window_of(rgb: ByteArray, size: WindowSize) -> tuple[slice, slice]:
+def window_of(rgb: ByteArray, size: WindowSize) -> Window:
     """Rows and columns of a window of this size with the drawing in its middle."""
     low, high = _extent(rgb)
     first = (low + high - np.array(size)) // 2
