@@ -1,4 +1,4 @@
-"""dataset: procedural houses, readers, statistics, splits and pictures.
+"""dataset: procedural houses, readers, cleaning, statistics, splits and pictures.
 
 A data set is a folder of CHOrD JSON files, one house each.
 """
@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Outcome,
@@ -26,7 +27,12 @@ from chord_usd.commands.common import (
 from chord_usd.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
+    from chord_usd.data.foreign import Found
+    from chord_usd.data.realism import Samples
     from chord_usd.types import SceneGraph
+
+MOST_TOLD = 5
+"""Reasons told of houses that cannot be read; --json lists all."""
 
 
 def add(verbs: Verbs) -> None:
@@ -34,9 +40,20 @@ def add(verbs: Verbs) -> None:
     group = add_group(verbs, "dataset", "procedural houses, readers, statistics, splits, pictures")
     _add_synth(group)
     _add_import(group)
+    cleaner = add_verb(
+        group, "clean", run_clean, "take out what is empty, out of its room, colliding or blocking"
+    )
+    cleaner.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    add_output(cleaner, "folder for the clean houses, replaced as a whole")
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
     stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
     stats.add_argument("--plot", type=Path, metavar="PNG", help="also draw the tables")
+    stats.add_argument(
+        "--against",
+        type=Path,
+        metavar="SOURCE",
+        help="also compare sizes and distances with these houses or rooms, e.g. of 3D-FRONT",
+    )
     split = add_verb(
         group, "split", run_split, "divide houses into training and test, by their names"
     )
@@ -66,7 +83,16 @@ def _add_synth(group: Verbs) -> None:
 def _add_import(group: Verbs) -> None:
     reader = add_verb(group, "import", run_import, "read houses from elsewhere as CHOrD JSON")
     reader.add_argument(
-        "source", type=Path, metavar="SOURCE", help="a CHOrD JSON folder, or flats (.jsonl, .gz)"
+        "source",
+        type=Path,
+        metavar="SOURCE",
+        help="CHOrD JSON, 3D-FRONT, ProcTHOR or flats: a folder, a .json, a .jsonl or .jsonl.gz",
+    )
+    reader.add_argument(
+        "--models",
+        type=Path,
+        metavar="JSON",
+        help="3D-FUTURE's model_info.json or ProcTHOR's asset-database.json",
     )
     add_output(reader, "folder for the houses, replaced as a whole")
     reader.add_argument(
@@ -97,36 +123,73 @@ def run_synth(options: argparse.Namespace) -> Outcome:
 
 
 def run_import(options: argparse.Namespace) -> Outcome:
-    """Runs dataset import."""
+    """Runs dataset import. What cannot be read is passed over, counted and listed."""
     import numpy as np
 
+    from chord_usd.data.foreign import Models, foreign_houses, read_models_file
     from chord_usd.data.furnish import furnish
 
-    count = 0
+    models = read_models_file(existing_file(options.models)) if options.models else Models()
+    if not options.source.is_dir():
+        existing_file(options.source)
+    reading = _Reading()
     watch = stopwatch(options)
     with output_folder(options.output) as folder, watch.step("import"):
-        for name, scene in _foreign_houses(options.source):
+        for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
-                scene = furnish(scene.plan, np.random.default_rng((options.seed, count)))
+                scene = furnish(scene.plan, np.random.default_rng((options.seed, reading.count)))
             _write_house(scene, folder / name, rasters=False)
-            count += 1
-        if not count:
-            raise UsageError("holds no house", where=str(options.source))
-    data = {"folder": str(options.output), "houses": count, "seconds": watch.seconds}
-    return Outcome(f"{options.output}: {count} houses", data)
+        reading.refuse_none(options.source)
+    data = {"folder": str(options.output), "houses": reading.count, "seconds": watch.seconds}
+    return reading.outcome(f"{options.output}: {reading.count} houses", data)
 
 
 def run_stats(options: argparse.Namespace) -> Outcome:
     """Runs dataset stats."""
+    from chord_usd.data import realism
     from chord_usd.data.statistics import as_text, count_houses
 
+    reading = _Reading()
     with stopwatch(options).step("stats"):
-        statistics = count_houses(scene for _, scene in _houses(options.houses))
+        scenes = [scene for _, scene in reading.of(_houses(options.houses))]
+        reading.refuse_none(options.houses)
+        statistics = count_houses(scenes)
     if options.plot:
         from chord_usd.data.statistics_plots import plot_statistics
 
         plot_statistics(statistics, options.plot)
-    return Outcome(as_text(statistics), statistics.as_json())
+    text, data = as_text(statistics), statistics.as_json()
+    if options.against:
+        rows = realism.compare(realism.measure(scenes), _measured(options.against, reading))
+        text += "\n\n" + realism.as_text(rows)
+        data["against"] = [row._asdict() for row in rows]
+    return reading.outcome(text, data)
+
+
+def run_clean(options: argparse.Namespace) -> Outcome:
+    """Runs dataset clean."""
+    from collections import Counter
+
+    from chord_usd.data.cleaning import clean
+
+    reading = _Reading()
+    removed: Counter[str] = Counter()
+    dropped: dict[str, str] = {}
+    watch = stopwatch(options)
+    with output_folder(options.output) as folder, watch.step("clean"):
+        for name, scene in reading.of(_houses(options.houses)):
+            cleaned = clean(scene)
+            removed.update(cleaned.counts())
+            if cleaned.is_kept:
+                _write_house(cleaned.house, folder / name, rasters=False)
+            else:
+                dropped[name] = f"{len(cleaned.empty)} rooms are empty"
+        reading.refuse_none(options.houses)
+    kept = reading.count - len(dropped)
+    told = ", ".join(f"{count} {fault}" for fault, count in sorted(removed.items())) or "none"
+    data = {"folder": str(options.output), "houses": kept, "dropped": dropped, "removed": removed}
+    text = f"{options.output}: {kept} of {reading.count} houses; items taken out: {told}"
+    return reading.outcome(text, data)
 
 
 def run_split(options: argparse.Namespace) -> Outcome:
@@ -153,9 +216,11 @@ def run_draw(options: argparse.Namespace) -> Outcome:
 
     from chord_usd.data.pictures import draw_sheet
 
-    scenes = [scene for _, scene in islice(_houses(options.houses), options.most)]
+    reading = _Reading()
+    scenes = [s for _, s in islice(reading.of(_houses(options.houses)), options.most)]
+    reading.refuse_none(options.houses)
     draw_sheet(scenes, options.output)
-    return Outcome(
+    return reading.outcome(
         f"{options.output}: {len(scenes)} houses",
         {"sheet": str(options.output), "houses": len(scenes)},
     )
@@ -173,27 +238,53 @@ def _write_house(scene: SceneGraph, stem: Path, rasters: bool) -> None:
         write_raster(layout_image(plan_image, scene.items), stem.with_suffix(".layout.png"))
 
 
-def _foreign_houses(source: Path) -> Iterator[tuple[str, SceneGraph]]:
-    """(name, house) of a folder of CHOrD JSON, one CHOrD JSON file, or a file of flats."""
-    from chord_usd.chord_json import read_scene
-    from chord_usd.data.flats import read_flats
-    from chord_usd.types import SceneGraph
+@dataclass
+class _Reading:
+    """Counts the houses that pass through it, and keeps why others could not be read."""
 
-    if source.is_dir():
-        yield from _houses(source)
-    elif source.suffix == ".json":
-        yield source.stem, read_scene(existing_file(source))
-    else:
-        for index, plan in enumerate(read_flats(existing_file(source))):
-            name = str(plan.extra.get("source", f"flat_{index:06d}")).replace("/", "_")
-            yield name, SceneGraph(plan.rooms, plan.openings, (), extra=plan.extra)
+    count: int = 0
+    skipped: dict[str, str] = field(default_factory=dict)
+
+    def of(self, found: Iterable[Found]) -> Iterator[tuple[str, SceneGraph]]:
+        for name, house, why in found:
+            if house is None:
+                self.skipped[name] = why
+                continue
+            self.count += 1
+            yield name, house
+
+    def refuse_none(self, source: Path) -> None:
+        """Raises UsageError where nothing could be read."""
+        if not self.count:
+            why = next(iter(self.skipped.values()), "")
+            raise UsageError("holds no house", where=str(source), expected=why)
+
+    def outcome(self, text: str, data: dict[str, Any]) -> Outcome:
+        """With a warning for each of the first that could not be read, and how many there are."""
+        warnings = [f"{name}: {why}" for name, why in self.skipped.items()][:MOST_TOLD]
+        if self.skipped:
+            warnings.append(f"{len(self.skipped)} of {self.count + len(self.skipped)} passed over")
+        return Outcome(text, {**data, "skipped": self.skipped}, warnings=warnings)
 
 
-def _houses(folder: Path) -> Iterator[tuple[str, SceneGraph]]:
-    from chord_usd.chord_json import read_scene
+def _measured(source: Path, reading: _Reading) -> Samples:
+    """What others' houses measure; what of them cannot be read is told with the rest."""
+    from chord_usd.data.foreign import Models, foreign_houses
+    from chord_usd.data.realism import measure
 
-    for path in _house_files(folder):
-        yield path.stem, read_scene(path)
+    if not source.is_dir():
+        existing_file(source)
+    others = _Reading(skipped=reading.skipped)
+    samples = measure(scene for _, scene in others.of(foreign_houses(source, Models())))
+    others.refuse_none(source)
+    return samples
+
+
+def _houses(folder: Path) -> Iterator[Found]:
+    from chord_usd.data.foreign import Models, foreign_houses
+
+    _house_files(folder)
+    return foreign_houses(folder, Models())
 
 
 def _house_files(folder: Path) -> list[Path]:

@@ -183,14 +183,15 @@ def read_rooms(path: Path) -> Iterator[SceneGraph]:
     try:
         with gzip.open(path, "rt", encoding="utf-8") as stream:
             for number, line in enumerate(stream, start=1):
-                yield _room(json.loads(line), f"{path} line {number}")
+                yield room_from_record(json.loads(line), f"{path} line {number}")
     except (OSError, EOFError, ValueError) as error:
         raise SceneError(
             f"cannot be read: {error}", where=str(path), expected="JSON lines, gzipped"
         ) from None
 
 
-def _room(record: Mapping[str, Any], where: str) -> SceneGraph:
+def room_from_record(record: Mapping[str, Any], where: str = "") -> SceneGraph:
+    """One room as a scene of its own; see read_rooms. Raises SceneError naming where."""
     try:
         outline = orient(Polygon([(x, -z) for x, z in record["floor"]]))
         kind = kind_of(record["room_type"])

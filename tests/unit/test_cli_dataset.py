@@ -86,3 +86,34 @@ def test_a_folder_without_houses_is_refused(
     assert main(["dataset", verb, str(tmp_path / "none"), *output]) == UNUSABLE
     assert capsys.readouterr().err.startswith("error: ")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_broken_files_are_passed_over_counted_and_listed(
+    houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "mixed"
+    folder.mkdir()
+    for path in houses.glob("*.json"):
+        (folder / path.name).write_bytes(path.read_bytes())
+    (folder / "broken.json").write_text("{")
+    data = told(capsys, "dataset", "import", folder, "-o", tmp_path / "read")
+    assert data["houses"] == HOUSES
+    assert list(data["skipped"]) == ["broken"]
+    assert told(capsys, "dataset", "stats", folder)["houses"] == HOUSES
+    assert main(["dataset", "stats", str(folder), "--progress", "none"]) == DONE
+    assert "warning: broken: no JSON" in capsys.readouterr().err
+
+
+def test_clean_leaves_good_houses_alone(
+    houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = told(capsys, "dataset", "clean", houses, "-o", tmp_path / "clean")
+    assert data["houses"] == HOUSES
+    assert data["removed"] == {}
+    for path in houses.glob("*.json"):
+        assert (tmp_path / "clean" / path.name).read_bytes() == path.read_bytes()
+
+
+def test_stats_compare_with_other_houses(houses: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = told(capsys, "dataset", "stats", houses, "--against", houses)["against"]
+    assert all(row["distance"] == 0.0 for row in rows)
