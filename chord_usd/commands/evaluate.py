@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from chord_usd.commands import evaluate_detector, evaluate_layouts, evaluate_ood
+from chord_usd.commands import (
+    evaluate_detector,
+    evaluate_diversity,
+    evaluate_layouts,
+    evaluate_ood,
+    evaluate_speed,
+)
 from chord_usd.commands.common import Verbs, add_group
 
-VERBS = (evaluate_layouts, evaluate_ood, evaluate_detector)
+VERBS = (
+    evaluate_layouts, evaluate_ood, evaluate_speed, evaluate_diversity, evaluate_detector,
+)  # fmt: skip
 
 
 def add(verbs: Verbs) -> None:

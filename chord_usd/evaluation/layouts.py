@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from chord_usd import raster
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.data.splits import TEST_SEED, split_hash
+from chord_usd.data.splits import split_hash
+from chord_usd.errors import SceneError
+from chord_usd.evaluation.cases import Case
 from chord_usd.graph.extract import extract_graph
+from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish
 from chord_usd.metrics.scores import Score, rooms_of_kind, score_scenes
-from chord_usd.types import Plan, RoomKind, SceneGraph
+from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
 """A house is furnished when none of these stands empty."""
@@ -23,6 +25,30 @@ MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom"
 BATCH = 8
 
 Progress = Callable[[int, int], None]
+Warn = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How layouts are sampled."""
+
+    seed: int = 0
+    steps: int | None = None
+    """None takes what the checkpoint was tuned for."""
+    sampler: str = "ddim"
+    shaded: bool = True
+    """Whether the plan tells the kind of its rooms."""
+
+
+@dataclass(frozen=True, eq=False)
+class Furnished:
+    """A case with its layout and the scene that is to be scored."""
+
+    case: Case
+    image: LayoutImage
+    scene: SceneGraph
+    read_plan: Plan | None = None
+    """Rooms and openings as one reads them off the image; None where none is."""
 
 
 @dataclass(frozen=True)
@@ -30,69 +56,100 @@ class LayoutScores:
     """One evaluation: a row of scores per part of the house, and what they were measured on."""
 
     rows: dict[str, dict[str, Score]]
-    """By part: house, bedroom, living, ...; then by score name (metrics.scores.score_scenes)."""
-    furnished_houses: Score
-    """Share of houses in which every room of MUST_FURNISH holds an item of its kind."""
-    items_per_house: Score
+    """By part: house, bedroom, living, ...; then by score name."""
     split: str
-    checkpoint: str
+    made_by: str
+    """Hash of the checkpoint, or who else made the layouts."""
     steps: int
+    sampler: str
 
 
-def held_out_plans(count: int) -> list[Plan]:
-    """The first plans of the procedural test range; training never draws from it."""
-    return [random_plan(np.random.default_rng(TEST_SEED + index)) for index in range(count)]
-
-
-def procedural_scenes(plans: Sequence[Plan], seed: int = 0) -> list[SceneGraph]:
-    """What the training data's own furnisher puts into these plans: the score to reach."""
-    return [furnish(plan, np.random.default_rng((seed, index))) for index, plan in enumerate(plans)]
-
-
-def sampled_scenes(
+def sampled(
     model: LayoutModel,
-    plans: Sequence[Plan],
-    *,
-    shaded: bool,
-    seed: int = 0,
-    steps: int | None = None,
+    cases: Sequence[Case],
+    sampling: Sampling,
     progress: Progress | None = None,
-) -> Iterator[SceneGraph]:
-    """Samples a layout for every plan and reads the items back; rooms come from the plan."""
-    for start in range(0, len(plans), BATCH):
-        part = plans[start : start + BATCH]
-        images = [raster.draw_plan(plan, shade=shaded) for plan in part]
-        seeds = [seed + start + index for index in range(len(part))]
-        layouts = model.sample_batch(images, seeds=seeds, steps=steps)
-        for layout, plan in zip(layouts, part, strict=True):
-            yield extract_graph(layout, plan=plan)
+    warn: Warn | None = None,
+) -> Iterator[Furnished]:
+    """Samples a layout for every plan and reads the items back; rooms come from the plan.
+
+    Case i gets the seed of sampling plus i. warn is told where memory ended and the batch was
+    halved.
+    """
+    jobs = [
+        (raster.draw_plan(case.plan, shade=sampling.shaded), sampling.seed + index)
+        for index, case in enumerate(cases)
+    ]
+
+    def work(part: Sequence[tuple[PlanImage, int]]) -> list[LayoutImage]:
+        images, seeds = zip(*part, strict=True)
+        return model.sample_batch(
+            images, seeds=seeds, steps=sampling.steps, sampler=sampling.sampler
+        )
+
+    for index, image in enumerate(in_batches(work, jobs, BATCH, warn)):
+        yield read_back(cases[index], image)
         if progress:
-            progress(min(start + BATCH, len(plans)), len(plans))
+            progress(index + 1, len(cases))
+
+
+def read_back(case: Case, image: LayoutImage) -> Furnished:
+    """The items of a layout in the rooms of its plan, and the plan as the layout shows it."""
+    scene = extract_graph(image, plan=case.plan)
+    try:
+        plan = extract_graph(image, detector=_Blind()).plan
+    except SceneError:
+        plan = None
+    return Furnished(case, image, scene, plan)
+
+
+def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
+    """The furniture a case comes with or, without any, what the furnisher puts in, as it is.
+
+    The score to reach, and how anybody's layouts in CHOrD JSON are scored.
+    """
+    for case in cases:
+        scene = case.truth(sampling.seed)
+        plan_image = raster.draw_plan(case.plan, shade=sampling.shaded)
+        yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
+
+
+class _Blind:
+    """A detector that proposes nothing: for reading plans."""
+
+    def detect(self, rgb: ByteArray) -> list[Detection]:
+        return []
 
 
 def score_layouts(
-    scenes: Sequence[SceneGraph], split_ids: Sequence[str], checkpoint: str, steps: int
+    furnished: Sequence[Furnished], made_by: str, steps: int, sampling: Sampling
 ) -> LayoutScores:
-    """All rows of the table for these scenes.
-
-    split_ids: one id per plan, in order; their hash is printed beside the scores.
-    """
-    rows = {"house": score_scenes(scenes)}
+    """All rows of the table for these layouts, whole houses and rooms by kind."""
+    scenes = [one.scene for one in furnished]
+    house = score_scenes(scenes)
+    rows = {"house": {**house, **_house_scores(scenes), **_fidelity(furnished)}}
     for kind in MUST_FURNISH:
         rows[kind] = score_scenes(rooms_of_kind(scenes, kind))
-    furnished = [_is_furnished(scene) for scene in scenes]
-    items = [len(scene.items) for scene in scenes]
     return LayoutScores(
         rows=rows,
-        furnished_houses=Score(float(np.mean(furnished)), len(scenes), "houses"),
-        items_per_house=Score(float(np.mean(items)), len(scenes), "houses"),
-        split=split_hash(split_ids),
-        checkpoint=checkpoint,
+        split=split_hash(one.case.id for one in furnished),
+        made_by=made_by,
         steps=steps,
+        sampler=sampling.sampler,
     )
 
 
-def _is_furnished(scene: SceneGraph) -> bool:
+def _house_scores(scenes: Sequence[SceneGraph]) -> dict[str, Score]:
+    furnished = [is_furnished(scene) for scene in scenes]
+    counts = [len(scene.items) for scene in scenes]
+    return {
+        "furnished_houses": Score(float(np.mean(furnished)), len(scenes), "houses"),
+        "items_per_house": Score(float(np.mean(counts)), len(scenes), "houses"),
+    }
+
+
+def is_furnished(scene: SceneGraph) -> bool:
+    """Whether no room of MUST_FURNISH stands empty."""
     empty = set(empty_rooms(scene))
     return not any(
         room.id in empty
@@ -101,21 +158,32 @@ def _is_furnished(scene: SceneGraph) -> bool:
     )
 
 
-def as_markdown(scores: LayoutScores) -> str:
-    """The table that goes into the model card, each figure with its denominator."""
-    names = list(scores.rows["house"])
-    lines = [
-        f"split {scores.split}, checkpoint {scores.checkpoint}, {scores.steps} steps; "
-        f"furnished houses {_text(scores.furnished_houses)}; "
-        f"items per house {_text(scores.items_per_house)}",
-        "",
-        "| part | " + " | ".join(names) + " |",
-        "|---|" + "---|" * len(names),
-    ]
-    for part, row in scores.rows.items():
-        lines.append(f"| {part} | " + " | ".join(_text(row[name]) for name in names) + " |")
-    return "\n".join(lines) + "\n"
+def _fidelity(furnished: Sequence[Furnished]) -> dict[str, Score]:
+    """Plan fidelity of the pictures, and how many items show where their front is."""
+    read = [one for one in furnished if one.image.provenance.checkpoint_hash]
+    if not read:
+        return {}
+    plans = [plan_fidelity(one.read_plan, one.case.plan) for one in read if one.read_plan]
+    lost = len(read) - len(plans)
+    scores = {
+        "plan_walls_f1": _summed([plan.walls for plan in plans], "m of wall faces"),
+        "plan_doors_f1": _summed([plan.doors for plan in plans], "doors"),
+        "plan_windows_f1": _summed([plan.windows for plan in plans], "windows"),
+    }
+    ious = [plan.room_iou for plan in plans] + [0.0] * lost
+    scores["plan_room_iou"] = Score(float(np.mean(ious)), len(ious), "houses")
+    fronts = [item.extra.get("front_from") for one in read for item in one.scene.items]
+    shown = fronts.count("mark")
+    scores["front_shown"] = Score(shown / max(len(fronts), 1), len(fronts), "items")
+    return scores
 
 
-def _text(score: Score) -> str:
-    return f"{score.value:.4f} (n = {score.count} {score.over})"
+def _summed(parts: Sequence[F1], over: str) -> Score:
+    """F1 over all houses together, so that a house without a door weighs nothing."""
+    total = F1(
+        sum(part.found for part in parts),
+        sum(part.truth for part in parts),
+        sum(part.found_right for part in parts),
+        sum(part.truth_found for part in parts),
+    )
+    return Score(total.value, round(total.truth), over)

@@ -1,0 +1,115 @@
+"""evaluate layouts: plans -> layouts -> scores, beside the paper's."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch
+from chord_usd.commands.evaluate_options import (
+    add_checkpoint,
+    add_fid,
+    add_plans,
+    add_report,
+    add_sampling,
+    load_cases,
+    load_encoder,
+    load_layout_model,
+    sampling_of,
+    told,
+)
+from chord_usd.progress import Stopwatch
+
+if TYPE_CHECKING:
+    from chord_usd.evaluation.cases import Cases
+    from chord_usd.evaluation.layouts import Furnished, Sampling
+    from chord_usd.evaluation.realism import Encoder, Realism
+
+
+def add(group: Verbs) -> None:
+    """Adds the verb to the verbs of evaluate."""
+    parser = add_verb(
+        group, "layouts", run, "score the layout model's raw output, nothing repaired"
+    )
+    add_plans(parser, count=100)
+    add_checkpoint(parser)
+    add_sampling(parser)
+    parser.add_argument(
+        "--furnisher", action="store_true", help="score the training data's furnisher instead"
+    )
+    parser.add_argument(
+        "--from", dest="source", type=Path, metavar="DIR",
+        help="score the furnished houses of a folder of CHOrD JSON instead",
+    )  # fmt: skip
+    add_fid(parser)
+    add_report(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.evaluation import layout_report, layouts
+
+    watch = stopwatch(options)
+    warnings: list[str] = []
+    encoder = load_encoder(options, warnings)
+    with watch.step("plans"):
+        cases = _cases(options)
+        warnings += cases.warnings
+    sampling = sampling_of(options)
+    furnished, made_by, steps = _furnished(options, cases, sampling, watch, warnings)
+    with watch.step("score"):
+        scores = layouts.score_layouts(furnished, made_by, steps, sampling)
+    found: dict[str, Realism] = {}
+    if encoder:
+        with watch.step("realism"):
+            found = _realism(furnished, cases, sampling, encoder, warnings)
+    data = {**layout_report.as_data(scores, found), "seconds": watch.seconds}
+    markdown = layout_report.as_markdown(scores, found)
+    return told(options, markdown, data, {"": layout_report.plot(scores)}, warnings)
+
+
+def _cases(options: argparse.Namespace) -> Cases:
+    if options.source:
+        options.houses, options.split = options.source, "all"
+    return load_cases(options)
+
+
+def _furnished(
+    options: argparse.Namespace,
+    cases: Cases,
+    sampling: Sampling,
+    watch: Stopwatch,
+    warnings: list[str],
+) -> tuple[list[Furnished], str, int]:
+    """The layouts to score, who made them, and in how many steps."""
+    from chord_usd.evaluation import layouts
+
+    if options.furnisher or options.source:
+        with watch.step("layout"):
+            made_by = str(options.source) if options.source else "furnisher"
+            return list(layouts.drawn(cases.cases, sampling)), made_by, 0
+    with watch.step("load"):
+        model = load_layout_model(options)
+    with watch.step("layout") as progress:
+        furnished = list(
+            layouts.sampled(model, cases.cases, sampling, progress, warn=warnings.append)
+        )
+    steps = options.steps or model.config.default_steps
+    return furnished, model.checkpoint.content_hash, steps
+
+
+def _realism(
+    furnished: list[Furnished],
+    cases: Cases,
+    sampling: Sampling,
+    encoder: Encoder,
+    warnings: list[str],
+) -> dict[str, Realism]:
+    """Against what the furnisher draws: in the same plans for the floor, in others for both."""
+    from chord_usd.evaluation.realism import LEAST_PICTURES, realism_by_part, reference_layouts
+
+    real, others = reference_layouts(cases.cases, sampling)
+    if len(real) < LEAST_PICTURES:
+        warnings.append(f"no FID and KID: they take at least {LEAST_PICTURES} pictures a set")
+    return realism_by_part(furnished[: len(real)], real, others, encoder)

@@ -1,0 +1,57 @@
+"""evaluate ood: are colliding layouts unlikely to the layout model?"""
+
+from __future__ import annotations
+
+import argparse
+
+from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch, whole_number
+from chord_usd.commands.evaluate_options import (
+    add_checkpoint,
+    add_plans,
+    add_report,
+    load_cases,
+    load_layout_model,
+    told,
+)
+
+
+def add(group: Verbs) -> None:
+    """Adds the verb to the verbs of evaluate."""
+    parser = add_verb(
+        group, "ood", run, "compare the noise-prediction error of clean and colliding layouts"
+    )
+    add_plans(parser, count=20)
+    add_checkpoint(parser)
+    parser.add_argument(
+        "--draws", type=whole_number(1), default=100, metavar="N", help="noises per layout (100)"
+    )
+    parser.add_argument(
+        "--per-room", type=whole_number(1), default=1, metavar="N",
+        help="pieces moved into others in each room (1)",
+    )  # fmt: skip
+    add_report(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.evaluation import ood
+    from chord_usd.layout.outlier import NoiseError
+
+    watch = stopwatch(options)
+    with watch.step("plans"):
+        cases = load_cases(options)
+    warnings = cases.warnings
+    with watch.step("load"):
+        errors = NoiseError(load_layout_model(options))
+    with watch.step("errors") as progress:
+        scores = ood.measure_ood(
+            errors,
+            cases.cases,
+            draws=options.draws,
+            per_room=options.per_room,
+            seed=options.seed,
+            progress=progress,
+            warn=warnings.append,
+        )
+    data = {**ood.as_data(scores), "seconds": watch.seconds}
+    return told(options, ood.as_markdown(scores), data, {"": ood.plot(scores)}, warnings)

@@ -1,0 +1,149 @@
+"""What the verbs of evaluate share: which plans, which model, where the report goes."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.commands.common import (
+    Outcome,
+    Parser,
+    UsageError,
+    add_device,
+    add_seed,
+    existing_file,
+    whole_number,
+)
+
+if TYPE_CHECKING:
+    from chord_usd.evaluation.cases import Cases
+    from chord_usd.evaluation.layouts import Sampling
+    from chord_usd.evaluation.realism import Encoder
+    from chord_usd.layout.sample import LayoutModel
+
+SPLITS = ("test", "train", "all")
+SAMPLERS = ("ddim", "dpm", "ddpm")
+
+
+def add_plans(parser: Parser, count: int) -> None:
+    """Options that say which plans."""
+    parser.add_argument(
+        "--split", default="test", metavar="NAME", help=f"{', '.join(SPLITS)} (test: held out)"
+    )
+    parser.add_argument(
+        "--n", "--plans", dest="plans", type=whole_number(1), default=count, metavar="N",
+        help=f"plans ({count})",
+    )  # fmt: skip
+    parser.add_argument("--flats", type=Path, metavar="JSONL", help="real floor plans")
+    parser.add_argument("--houses", type=Path, metavar="DIR", help="a folder of CHOrD JSON")
+    parser.add_argument(
+        "--unshaded", action="store_true", help="plans that do not tell the kind of a room"
+    )
+
+
+def add_checkpoint(parser: Parser) -> None:
+    """Options that say which model."""
+    parser.add_argument(
+        "--checkpoint", type=Path, metavar="DIR", help="instead of the shipped plan2layout"
+    )
+    add_seed(parser)
+    add_device(parser)
+
+
+def add_sampling(parser: Parser) -> None:
+    """Options that say how the model is sampled."""
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    parser.add_argument("--sampler", choices=SAMPLERS, default="ddim", help="(ddim)")
+
+
+def add_fid(parser: Parser) -> None:
+    """Option --fid."""
+    parser.add_argument(
+        "--fid", action=argparse.BooleanOptionalAction,
+        help="FID-EffLite0 and KID (where the extra 'evaluate' is installed)",
+    )  # fmt: skip
+
+
+def load_encoder(options: argparse.Namespace, warnings: list[str]) -> Encoder | None:
+    """The encoder behind FID and KID. Without its weights these are left out, and told; where
+    they were asked for, that is an error."""
+    from chord_usd.errors import MissingExtraError
+    from chord_usd.evaluation.realism import Encoder
+
+    if options.fid is False:
+        return None
+    try:
+        return Encoder()
+    except MissingExtraError as error:
+        if options.fid:
+            raise
+        warnings.append(f"no FID and KID: {error}")
+        return None
+
+
+def add_report(parser: Parser) -> None:
+    """Option -o."""
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="MD",
+        help="also write the report; a .json and .png appear beside it",
+    )  # fmt: skip
+
+
+def load_cases(options: argparse.Namespace) -> Cases:
+    """The plans that the options ask for. Raises UsageError for a split that does not exist."""
+    from chord_usd.evaluation import cases
+
+    split: Any = options.split
+    if split not in SPLITS:
+        raise UsageError(
+            f"there is no split {split!r}",
+            where="--split",
+            expected=f"one of {', '.join(SPLITS)}",
+            try_="chord-usd dataset split says which house belongs where",
+        )
+    if options.houses:
+        if not options.houses.is_dir():
+            raise UsageError("no such folder", where=str(options.houses), try_="check the path")
+        return cases.folder_cases(options.houses, split, options.plans)
+    if options.flats:
+        return cases.flat_cases(existing_file(options.flats), split, options.plans)
+    if split == "all":
+        raise UsageError(
+            "procedural houses have no end", where="--split all", expected="test or train"
+        )
+    return cases.procedural_cases(split, options.plans)
+
+
+def load_layout_model(options: argparse.Namespace) -> LayoutModel:
+    """The model that the options ask for. Raises CheckpointError, ChordError."""
+    from chord_usd.layout.sample import LayoutModel
+    from chord_usd.locations import checkpoint_folder
+
+    folder = options.checkpoint or checkpoint_folder("plan2layout")
+    return LayoutModel.load(folder, options.device)
+
+
+def sampling_of(options: argparse.Namespace) -> Sampling:
+    """How to sample, as the options say."""
+    from chord_usd.evaluation.layouts import Sampling
+
+    return Sampling(options.seed, options.steps, options.sampler, not options.unshaded)
+
+
+def told(
+    options: argparse.Namespace,
+    markdown: str,
+    data: Mapping[str, Any],
+    pictures: Mapping[str, bytes],
+    warnings: list[str],
+) -> Outcome:
+    """The outcome of an evaluation; its report is written where -o asks for one."""
+    from chord_usd.evaluation.report import write_report
+
+    if options.output:
+        write_report(options.output, markdown, data, pictures)
+    return Outcome(markdown.rstrip(), {**data, "warnings": warnings}, warnings=warnings)

