@@ -10,7 +10,7 @@ import numpy.typing as npt
 import shapely
 
 from chord_usd.geometry import room_polygon
-from chord_usd.metrics.footprints import footprints_of
+from chord_usd.metrics.footprints import GRID_M, footprints_of
 from chord_usd.types import FloatArray, Item, Opening, OpeningKind, Plan
 from chord_usd.units import rotation_2d, wrap_deg
 
@@ -172,9 +172,11 @@ def category_iou(
 
 def _iou_table(found: npt.NDArray, truth: npt.NDArray) -> FloatArray:
     """(len(found), len(truth)) intersection over union of polygons."""
-    shared = shapely.area(shapely.intersection(found[:, None], truth[None, :]))
-    either = shapely.area(found)[:, None] + shapely.area(truth)[None, :] - shared
-    iou: FloatArray = shared / np.maximum(either, 1e-12)
+    rows, columns = shapely.STRtree(truth).query(found, predicate="intersects")
+    shared = shapely.area(shapely.intersection(found[rows], truth[columns], grid_size=GRID_M))
+    areas = shapely.area(found)[rows] + shapely.area(truth)[columns] - shared
+    iou = np.zeros((len(found), len(truth)))
+    iou[rows, columns] = shared / np.maximum(areas, 1e-12)
     return iou
 
 

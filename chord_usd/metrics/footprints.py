@@ -14,6 +14,13 @@ from chord_usd.geometry import footprint
 from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.types import FloatArray, Item, SceneGraph
 
+GRID_M = 1e-9
+"""Overlays are computed on a grid this fine.
+
+In full floating point GEOS now and then calls two rectangles that share nearly parallel edges one
+inside the other; on a grid it does not.
+"""
+
 PolygonArray = npt.NDArray[Any]
 """One-dimensional object array of shapely polygons."""
 

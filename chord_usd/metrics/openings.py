@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
-from chord_usd.metrics.footprints import Footprints, footprints_of, is_underfoot
+from chord_usd.metrics.footprints import GRID_M, Footprints, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.types import WALL_THICKNESS_M, BoolArray, Box, Opening, Room, SceneGraph
 
@@ -120,7 +120,7 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
     for opening, clearance in _clearances(graph):
         for index in sorted(tree.query(clearance, predicate="intersects")):
             item = graph.items[index]
-            shared_m2 = prints.polygons[index].intersection(clearance).area
+            shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
             if (
                 shared_m2 > MIN_OVERLAP_M2
                 and not is_underfoot(item)

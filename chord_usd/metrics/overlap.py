@@ -16,7 +16,13 @@ from itertools import chain
 import numpy as np
 import shapely
 
-from chord_usd.metrics.footprints import Footprints, footprints_of, is_underfoot, sibling_groups
+from chord_usd.metrics.footprints import (
+    GRID_M,
+    Footprints,
+    footprints_of,
+    is_underfoot,
+    sibling_groups,
+)
 from chord_usd.types import Item, SceneGraph
 
 MIN_OVERLAP_M2 = 1e-4
@@ -98,7 +104,8 @@ def overlapping_pairs(prints: Footprints) -> list[PairOverlap]:
     first, second = tree.query(prints.polygons, predicate="intersects")
     once = first < second
     first, second = first[once], second[once]
-    shared_m2 = shapely.area(shapely.intersection(prints.polygons[first], prints.polygons[second]))
+    shared = shapely.intersection(prints.polygons[first], prints.polygons[second], grid_size=GRID_M)
+    shared_m2 = shapely.area(shared)
     iou = shared_m2 / (prints.areas_m2[first] + prints.areas_m2[second] - shared_m2)
     return [
         PairOverlap(

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import shapely
 
 from chord_usd.geometry import room_polygon
-from chord_usd.metrics.footprints import footprints_of
+from chord_usd.metrics.footprints import GRID_M, footprints_of
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import Item, Room, RoomKind, SceneGraph
 
@@ -35,7 +35,7 @@ def out_of_room(graph: SceneGraph) -> list[str]:
     floors = {room.id: room_polygon(room) for room in graph.rooms}
     prints = footprints_of(graph.items)
     homes = [floors.get(item.room_id, nowhere) for item in graph.items]
-    outside_m2 = shapely.area(shapely.difference(prints.polygons, homes))
+    outside_m2 = shapely.area(shapely.difference(prints.polygons, homes, grid_size=GRID_M))
     share = outside_m2 / prints.areas_m2
     return [item.id for item, s in zip(graph.items, share, strict=True) if s > MAX_SHARE_OUTSIDE]
 

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from chord_usd.geometry import footprint_polygon, polygons_of, room_polygon
-from chord_usd.metrics.footprints import footprints_of, is_underfoot
+from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.openings import rooms_beside
 from chord_usd.types import WALL_THICKNESS_M, Opening, RoomKind, SceneGraph
 
@@ -69,7 +69,8 @@ def free_floor(graph: SceneGraph) -> shapely.Geometry:
     ]
     if not standing:
         return floor
-    return floor.difference(shapely.union_all(footprints_of(standing).polygons))
+    stood_on = shapely.union_all(footprints_of(standing).polygons)
+    return floor.difference(stood_on, grid_size=GRID_M)
 
 
 def _doorway(opening: Opening) -> shapely.Polygon:

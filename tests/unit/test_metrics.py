@@ -106,6 +106,15 @@ def test_touching_and_a_sliver_do_not_count():
     assert items_overlap([item("p", "bed", 0, 0), item("q", "sofa", 1 - 1.1e-4, 0)]).por == 1
 
 
+def test_neighbours_askew_that_touch_do_not_overlap():
+    """In full floating point GEOS takes these two for one inside the other: 0.44 m² shared."""
+    size_m, yaw_deg = (0.7349999999999999, 0.6, 0.9), -45.441314528820826
+    first = item("a", "refrigerator", 0.6848577083881717, 17.167730125767246, (0.7, 0.6, 1.8))
+    second = item("b", "sink_cabinet", 0.18143140542944147, 17.67897195454234, size_m)
+    askew = [replace(one, box=replace(one.box, yaw_deg=yaw_deg)) for one in (first, second)]
+    assert items_overlap(askew).overlapping == ()
+
+
 def test_a_chair_under_a_table_is_natural_two_chairs_are_not():
     natural = items_overlap([item("p", "chair", 0, 0), item("q", "dining_table", 0.5, 0)])
     assert (natural.por, natural.por_all) == (0, 1)
@@ -342,10 +351,10 @@ def test_a_house_of_sixty_items_is_scored_in_milliseconds():
     graph = SceneGraph(rooms=rooms, openings=doors, items=items)
     seconds = []
     for _ in range(5):
-        start = time.perf_counter()
+        start = time.process_time()
         score_scene(graph)
-        seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 0.05  # a few milliseconds on an idle machine
+        seconds.append(time.process_time() - start)
+    assert min(seconds) < 0.05  # time of our own, whoever else computes here
 
 
 # --- against the truth --------------------------------------------------------------------------
