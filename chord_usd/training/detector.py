@@ -41,6 +41,14 @@ SPOILING: dict[Kind, Spoiling] = {
     "rooms": Spoiling(unfurnished=0.1, frayed=0.3, patchy=0.2, noisy=0.2),
 }
 
+_CHROMA_GAIN = 4.0
+"""What hues count beside brightness while training.
+
+Items are painted at 0.3 opacity: a washing machine is a few hundredths off white, a wall is black. Seen
+with hues four times as strong the network learns to tell them sooner; the gain is folded into its
+first layer when it is saved, which then takes the raster as it is.
+"""
+
 LOG_FILE = "log.jsonl"
 """One line per save: minutes, images, the mean of each part of the loss since the line before."""
 
@@ -105,6 +113,7 @@ class _Run:
             self._resume()
         elif config.start:
             load_matching(self.model, config.start)
+        self._turn_stem(1.0 / _CHROMA_GAIN)
         self.model = self.model.to(config.device).to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
         self.ema = {name: value.detach().clone() for name, value in self._floats()}
         self.optimizer = self._optimizer()
@@ -134,8 +143,15 @@ class _Run:
         """Write the running mean of the weights."""
         current = {name: value.clone() for name, value in self._floats()}
         self.model.load_state_dict(self.ema, strict=False)
+        self._turn_stem(_CHROMA_GAIN)
         save_model(self.kind, self.model, self.out, facts)
         self.model.load_state_dict(current, strict=False)
+
+    def _turn_stem(self, gain: float) -> None:
+        """Make the first layer take pictures whose hues are 1 / gain times as strong."""
+        weight = self.model.get_parameter("model.0.conv.weight")
+        with torch.no_grad():
+            weight.copy_(_with_chroma(weight, gain))
 
     def _log(self) -> None:
         means = {name: round(float(np.mean(values)), 4) for name, values in self.parts.items()}
@@ -197,7 +213,7 @@ class _Run:
 
     def _update(self, batch: dict[str, Tensor]) -> None:
         with torch.autocast(batch["img"].device.type, torch.bfloat16, self.config.bfloat16):
-            seen = self.model(batch["img"])
+            seen = self.model(_with_chroma(batch["img"], _CHROMA_GAIN))
         # Boxes to a fraction of a pixel need more digits than bfloat16 has.
         losses, parts = self.model.loss(batch, _as_float(seen))  # type: ignore[operator]
         loss = losses.sum()
@@ -237,6 +253,12 @@ def _batch(kind: Kind, samples: Iterator[Sample], config: DetectorTraining) -> d
     if kind == "rooms":
         batch["masks"] = torch.from_numpy(np.stack([sample.room_map for sample in chosen])).float()
     return {name: value.to(config.device) for name, value in batch.items()}
+
+
+def _with_chroma(planes: Tensor, gain: float) -> Tensor:
+    """(N, 3, H, W) with what the three channels differ from their mean multiplied."""
+    mean = planes.mean(dim=1, keepdim=True)
+    return mean + gain * (planes - mean)
 
 
 def _as_float(outputs: Any) -> Any:
