@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from chord_usd.data.nudge import nudged
+from chord_usd.geometry import room_polygon
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
@@ -21,6 +23,9 @@ Fault = Literal["size", "out of room", "colliding", "blocking"]
 
 LEAST_OF_USUAL, MOST_OF_USUAL = 0.5, 1.6
 """A piece shorter, shallower or larger than the usual ones by more than this is no such piece."""
+
+STEPS_M = 0.02, 0.05, 0.1
+"""What sticks out by no more than the last is moved in by one of these: skirting, not a fault."""
 
 MOST_EMPTY = 0.5
 """A house is dropped when more than this share of its rooms to furnish is empty."""
@@ -46,10 +51,11 @@ class Cleaned:
 def clean(house: SceneGraph) -> Cleaned:
     """The house without items of unnatural size, out of their room, colliding or blocking a door.
 
-    Of two that collide the smaller goes; overlaps by nature (a chair under its table) may stay.
+    What sticks out of its room by a few centimetres is moved in. Of two that collide the smaller
+    goes; overlaps by nature (a chair under its table) may stay.
     """
     removed: dict[str, Fault] = {item.id: "size" for item in house.items if not _is_usual(item)}
-    house = _without(house, removed)
+    house = _moved_in(_without(house, removed))
     removed |= dict.fromkeys(out_of_room(house), "out of room")
     house = _without(house, removed)
     removed |= dict.fromkeys(_colliding(house), "colliding")
@@ -59,6 +65,18 @@ def clean(house: SceneGraph) -> Cleaned:
     empty = tuple(empty_rooms(house))
     most = MOST_EMPTY * len(rooms_to_furnish(house.rooms))
     return Cleaned(house, removed, empty, bool(house.items) and len(empty) <= most)
+
+
+def _moved_in(house: SceneGraph) -> SceneGraph:
+    out = set(out_of_room(house))
+    floors = {room.id: room_polygon(room) for room in house.rooms}
+
+    def moved(item: Item) -> Item:
+        if item.id not in out or item.room_id not in floors:
+            return item
+        return replace(item, box=nudged(item.box, floors[item.room_id], STEPS_M))
+
+    return replace(house, items=tuple(moved(item) for item in house.items)) if out else house
 
 
 def _without(house: SceneGraph, removed: Iterable[str]) -> SceneGraph:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,9 @@ import numpy as np
 from shapely.geometry import Point, Polygon
 from shapely.geometry.polygon import orient
 
+from chord_usd.data.nudge import nudged
 from chord_usd.errors import SceneError
-from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.geometry import room_polygon
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import (
     WALL_THICKNESS_M,
@@ -155,17 +155,9 @@ def _item(own: Mapping[str, Any], rooms: Sequence[Room], sizes: Sizes, number: i
     size = sizes.get(own.get("assetId", ""), usual)
     yaw_deg = (180.0 - float(own["rotation"]["y"]) + 180.0) % 360.0 - 180.0
     box = Box((x, y, row.mount_height_m), (size[0], size[1], size[2]), yaw_deg)
-    return Item(f"{home.id}/{category}_{number}", category, _moved_in(box, home), home.id)
-
-
-def _moved_in(box: Box, room: Room) -> Box:
-    """The box, moved by half a wall where that brings it back into its room."""
-    floor, step = room_polygon(room), WALL_THICKNESS_M / 2
-    x, y, z = box.center_m
-    moved = [
-        replace(box, center_m=(x + dx, y + dy, z))
-        for dx in (0.0, -step, step)
-        for dy in (0.0, -step, step)
-    ]
-    # The first of the best is the one that moves least.
-    return min(moved, key=lambda own: round(footprint_polygon(own).difference(floor).area, 6))
+    return Item(
+        f"{home.id}/{category}_{number}",
+        category,
+        nudged(box, room_polygon(home), [WALL_THICKNESS_M / 2]),
+        home.id,
+    )

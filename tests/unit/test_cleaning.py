@@ -49,6 +49,13 @@ def test_each_fault_is_taken_out_and_named() -> None:
     assert scores.overlap.por == 0.0
 
 
+def test_what_sticks_out_a_little_is_moved_in() -> None:
+    cleaned = clean(_bedroom(BED, _item("cabinet", "cabinet", 4.44, 2.0, 1.2, 0.6)))
+    assert cleaned.removed == {}
+    assert np.allclose(cleaned.house.items[1].box.center_m, (4.39, 2.0, 0.0))
+    assert cleaned.house.items[0].box == BED.box
+
+
 def test_chairs_may_stand_under_their_table() -> None:
     house = _bedroom(
         BED,
