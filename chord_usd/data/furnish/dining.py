@@ -138,7 +138,10 @@ def _places(floor: Floor, group: Group) -> list[Place]:
             if wall.length < wide:
                 continue
             near = ELBOW_M if turned else PULL_OUT_M
-            middle = (_across(floor, wall) - deep) / 2
+            across = _across(floor, wall)
+            middle = (across[0] - deep) / 2
+            if across[1] and near + deep > across[1] + 0.05:
+                continue
             if middle > near - 0.05:
                 places += _places_at(floor, wall, wide, deep, max(near, middle), turned)
             if middle > near + 0.3 or middle < near - 0.05:
@@ -161,10 +164,10 @@ def _places_at(
     return places
 
 
-def _across(floor: Floor, wall: Wall) -> float:
-    """Distance to the nearest wall that faces this one; 0 where none does."""
+def _across(floor: Floor, wall: Wall) -> tuple[float, float]:
+    """Distances to the nearest and the farthest wall that face this one; 0 where none does."""
     depths = [wall.local(other.x, other.y)[1] for other in floor.facing(wall)]
-    return min(depths, default=0.0)
+    return min(depths, default=0.0), max(depths, default=0.0)
 
 
 def _stand(floor: Floor, place: Place, group: Group, core: bool) -> None:

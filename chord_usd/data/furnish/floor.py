@@ -163,7 +163,7 @@ class Floor:
             ux, uy = -uy, ux
         yaw_deg = wrap_deg(wall.yaw_deg + 90.0 * quarter_turns)
         self.placed.append(Placed(category, x, y, base, size, yaw_deg, ux, uy, self._group, core))
-        self._things.append((x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M))
+        self._take(x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M)
 
     def keep(
         self,
@@ -178,7 +178,17 @@ class Floor:
         """Keep a rectangle of the wall's frame free of things higher than sill."""
         x, y = wall.world((s_from + s_to) / 2, (t_from + t_to) / 2)
         half_s, half_t = (s_to - s_from) / 2, (t_to - t_from) / 2
-        self._things.append((x, y, wall.ux, wall.uy, half_s, half_t, bits, sill))
+        self._take(x, y, wall.ux, wall.uy, half_s, half_t, bits, sill)
+
+    def _take(
+        self, x: float, y: float, ux: float, uy: float,
+        half_length: float, half_width: float, bits: int, sill: float,
+    ) -> None:  # fmt: skip
+        """Add a thing, with its extent along the axes, which most walls run along."""
+        along, across = abs(ux), abs(uy)
+        half_x = along * half_length + across * half_width
+        half_y = across * half_length + along * half_width
+        self._things.append((x, y, ux, uy, half_length, half_width, bits, sill, half_x, half_y))
 
     def spots(
         self, depth: float, height: float, reach: float = 0.0, least: float = 0.3

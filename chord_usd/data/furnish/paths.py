@@ -100,12 +100,15 @@ class Grid:
         """Where one can walk on these free cells, from the first door that lets anybody in."""
         standing = _eroded(free, self.stride, path_cells)
         seed = next((door & standing for door in doors if door & standing), standing & -standing)
-        return _flooded(standing, seed, self.stride)
+        return _flooded(standing, seed, self.stride, self.columns, self.rows)
 
     def connected_doors(self, path_cells: int) -> list[int]:
         """The doors that a path of this width joins while the room is empty."""
         if path_cells not in self._connected:
-            walk = self.walkable(self.floor, path_cells, self.doors)
+            if len(self.doors) == 1:
+                walk = _eroded(self.floor, self.stride, path_cells)
+            else:
+                walk = self.walkable(self.floor, path_cells, self.doors)
             self._connected[path_cells] = [door for door in self.doors if door & walk]
         return self._connected[path_cells]
 
@@ -224,12 +227,36 @@ def _eroded(free: int, stride: int, cells: int) -> int:
     return free << (cells // 2) * (stride + 1)
 
 
-def _flooded(standing: int, seed: int, stride: int) -> int:
-    """Everything that connects to the seed, diagonal steps included."""
+def _flooded(standing: int, seed: int, stride: int, columns: int, rows: int) -> int:
+    """Everything that connects to the seed, diagonal steps included.
+
+    Each round runs to the ends of all free rows and columns at once, by steps of 1, 2, 4, ... cells
+    over what is free that far; a room without niches needs one or two rounds.
+    """
+    left = _runs(standing, 1, columns)
+    down = _runs(standing, stride, rows)
     walk, before = seed, 0
-    while walk != before:
+    while walk not in (before, standing):
         before = walk
         walk |= walk << 1 | walk >> 1
         walk |= walk << stride | walk >> stride
         walk &= standing
+        for shift, free in left:
+            walk |= free & walk >> shift
+        # Carries run up through every run of free cells that holds a walked one.
+        walk |= standing & ~(standing + walk)
+        for shift, free in down:
+            walk |= free & walk >> shift
+        for shift, free in down:
+            walk |= (free & walk) << shift & standing
     return walk
+
+
+def _runs(standing: int, step: int, most: int) -> list[tuple[int, int]]:
+    """Shifts of 1, 2, 4, ... steps, and the cells from which as many in a row are free."""
+    runs = []
+    while most > 0:
+        runs.append((step, standing))
+        standing &= standing >> step
+        step, most = 2 * step, most // 2
+    return runs

@@ -31,9 +31,10 @@ TOUCH_M = 1e-6
 """Things nearer than this only touch."""
 
 
-Thing = tuple[float, float, float, float, float, float, int, float]
+Thing = tuple[float, float, float, float, float, float, int, float, float, float]
 """What takes floor, in the world: middle x and y, the direction of its length, half length, half
-width, bits, sill. Only what is higher than the sill meets it.
+width, bits, sill, and half its extent along the world's x and y. Only what is higher than the sill
+meets it.
 """
 
 Block = tuple[float, float, float, float, int, float]
@@ -156,12 +157,17 @@ class Wall:
         blocks = self._blocks
         if len(blocks) < len(self._things):
             wx, wy, x0, y0 = self.ux, self.uy, self.x, self.y
-            for x, y, ux, uy, half_length, half_width, bits, sill in self._things[len(blocks) :]:
+            level, upright = wy == 0.0, wx == 0.0
+            new = self._things[len(blocks) :]
+            for x, y, ux, uy, half_length, half_width, bits, sill, half_s, half_t in new:
+                if upright:
+                    half_s, half_t = half_t, half_s
+                elif not level:
+                    along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
+                    half_s = along * half_length + across * half_width
+                    half_t = across * half_length + along * half_width
                 dx, dy = x - x0, y - y0
                 s, t = dx * wx + dy * wy, dy * wx - dx * wy
-                along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
-                half_s = along * half_length + across * half_width
-                half_t = across * half_length + along * half_width
                 blocks.append((s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
         return blocks
 
