@@ -1,6 +1,7 @@
 # make house   set up, furnish an example plan and render it into out/
 # make test    set up and run the tests
 # make lint    ruff and mypy
+# make extension   build the Blender extension into dist/
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
@@ -11,7 +12,10 @@ CAMERAS ?= LivingRoom_0 Top
 BLENDER_LIBRARIES := libegl1 libgl1 libgomp1 libice6 libopengl0 libsm6 libx11-6 libxext6 \
 	libxfixes3 libxi6 libxkbcommon0 libxrender1 libxt6 libxxf86vm1
 
-.PHONY: setup house test lint wheel clean
+# Blender's own tool, out of the bpy wheel.
+BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/5.0/scripts/addons_core/bl_pkg/cli/blender_ext.py
+
+.PHONY: setup house test lint wheel extension clean
 
 setup: .venv/.ready
 
@@ -46,6 +50,11 @@ lint: setup
 
 wheel: setup
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+extension: setup
+	@mkdir -p dist
+	$(BIN)/python $(BLENDER_EXT) build --source-dir blender_addon --output-dir dist
+	$(BIN)/python $(BLENDER_EXT) validate dist/chord_usd-*.zip
 
 clean:
 	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,1 @@
+"""What the panel decides, without Blender: testable on its own, imports no bpy."""

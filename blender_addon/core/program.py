@@ -1,0 +1,124 @@
+"""Finding and asking the chord-usd program that does the work in its own process."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+OLDEST = (0, 1, 0)
+"""The first version whose files and reports this panel understands."""
+
+HOW_TO_GET = (
+    "Install chord-usd into a Python 3.11 environment (its README tells how) and give the path of "
+    "its chord-usd program, or of that Python, in the preferences of this extension"
+)
+
+ANSWER_WITHIN_S = 20.0
+
+_VERSION = re.compile(r"chord-usd (\d+)\.(\d+)\.(\d+)")
+
+_OF_BLENDER = ("PYTHONHOME", "PYTHONPATH", "PYTHONSTARTUP", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
+"""Variables by which Blender's own Python would leak into the program's."""
+
+
+class ProgramError(Exception):
+    """The program cannot be used; the text says why and what to do, for people."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """A chord-usd that answered."""
+
+    command: tuple[str, ...]
+    """What a command line begins with."""
+    version: tuple[int, int, int]
+
+    @property
+    def label(self) -> str:
+        """As the preferences show it."""
+        return f"chord-usd {'.'.join(map(str, self.version))} ({self.command[0]})"
+
+
+def find_program(preference: str) -> Program:
+    """The program of the preference, or, where it is empty, the first one that answers.
+
+    Raises ProgramError.
+    """
+    if preference.strip():
+        return ask(command_of(Path(preference.strip()).expanduser()))
+    for candidate in candidates():
+        try:
+            return ask(command_of(candidate))
+        except ProgramError:
+            continue
+    raise ProgramError(f"No chord-usd was found. {HOW_TO_GET}.")
+
+
+def candidates() -> list[Path]:
+    """Where chord-usd usually is: on the path, in an active environment, in the user's folder."""
+    name = "chord-usd.exe" if sys.platform == "win32" else "chord-usd"
+    folder = "Scripts" if sys.platform == "win32" else "bin"
+    found = [Path(path) for path in [shutil.which("chord-usd")] if path]
+    roots = [os.environ.get("VIRTUAL_ENV"), os.environ.get("CONDA_PREFIX")]
+    homes = [Path(root) / folder for root in roots if root]
+    homes += [Path.home() / ".local" / "bin", Path.home() / "chord-usd" / ".venv" / folder]
+    found += [home / name for home in homes if (home / name).is_file()]
+    return list(dict.fromkeys(found))
+
+
+def command_of(path: Path) -> tuple[str, ...]:
+    """The command line's beginning for a chord-usd program, a Python, or an environment's folder.
+
+    Raises ProgramError where there is nothing that could be started.
+    """
+    if path.is_dir():
+        inside = [path / "bin" / "chord-usd", path / "Scripts" / "chord-usd.exe"]
+        existing = [file for file in inside if file.is_file()]
+        if not existing:
+            raise ProgramError(f"There is no chord-usd in the folder {path}. {HOW_TO_GET}.")
+        return (str(existing[0]),)
+    if not path.is_file():
+        raise ProgramError(f"There is no file {path}. {HOW_TO_GET}.")
+    if path.stem.lower().startswith("python"):
+        return (str(path), "-m", "chord_usd")
+    return (str(path),)
+
+
+def ask(command: Sequence[str]) -> Program:
+    """Ask the program for its version. Raises ProgramError where that is not its answer."""
+    try:
+        answer = subprocess.run(
+            [*command, "--version"],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=ANSWER_WITHIN_S,
+            env=clean_environment(os.environ),
+            stdin=subprocess.DEVNULL,
+            check=False,
+        )
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise ProgramError(f"{command[0]} cannot be started: {reason}. {HOW_TO_GET}.") from error
+    except subprocess.TimeoutExpired as error:
+        raise ProgramError(f"{command[0]} did not answer in {ANSWER_WITHIN_S:.0f} s.") from error
+    found = _VERSION.search(answer.stdout)
+    if answer.returncode or not found:
+        said = (answer.stderr.strip() or answer.stdout.strip() or "nothing").splitlines()[-1]
+        raise ProgramError(f"{command[0]} is not chord-usd (it said: {said}). {HOW_TO_GET}.")
+    version = int(found[1]), int(found[2]), int(found[3])
+    if version < OLDEST:
+        wanted = ".".join(map(str, OLDEST))
+        raise ProgramError(f"{found[0]} is too old for this panel, which needs {wanted} or newer.")
+    return Program(tuple(command), version)
+
+
+def clean_environment(environment: Mapping[str, str]) -> dict[str, str]:
+    """The environment without what belongs to Blender's own Python."""
+    return {name: value for name, value in environment.items() if name not in _OF_BLENDER}

@@ -1,0 +1,94 @@
+"""Which object of an imported stage is what: USD paths from names, and the collection tree."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+_COPY_NUMBER = re.compile(r"\.\d{3,}$")
+"""Blender numbers objects of one name; a prim's name holds no dot."""
+
+ROOMS, FURNITURE, ARCHITECTURE, LIGHTS, CAMERAS = (
+    "Rooms",
+    "Furniture",
+    "Architecture",
+    "Lights",
+    "Cameras",
+)
+
+
+@dataclass
+class Branch:
+    """A collection to make, with the objects and collections in it."""
+
+    name: str
+    objects: list[str] = field(default_factory=list)
+    branches: dict[str, Branch] = field(default_factory=dict)
+
+    def branch(self, key: str, name: str = "") -> Branch:
+        """The branch under this key, a new one of this name where there is none."""
+        return self.branches.setdefault(key, Branch(name or key))
+
+
+def prim_name(object_name: str) -> str:
+    """The prim's name behind an object's: Chair_0.001 was Chair_0."""
+    return _COPY_NUMBER.sub("", object_name)
+
+
+def usd_paths(parents: Mapping[str, str | None]) -> dict[str, str]:
+    """USD path of each object, from the parent of each (None at the top)."""
+
+    def path(name: str) -> str:
+        above = parents[name]
+        prefix = path(above) if above is not None and above in parents else ""
+        return f"{prefix}/{prim_name(name)}"
+
+    return {name: path(name) for name in parents}
+
+
+def collection_tree(paths: Mapping[str, str]) -> Branch:
+    """House > rooms > furniture, architecture and lights; cameras beside the rooms.
+
+    paths: object name to USD path. Objects that are not below a room or the cameras lie in the
+    house's own collection.
+    """
+    names = [path.split("/")[1] for path in paths.values()]
+    house = Branch(names[0] if names else "House")
+    for name, path in paths.items():
+        parts = path.split("/")[1:]
+        _place(house, parts).objects.append(name)
+    return house
+
+
+def _place(house: Branch, parts: list[str]) -> Branch:
+    if len(parts) > 1 and parts[1] == CAMERAS:
+        return house.branch(CAMERAS)
+    if len(parts) > 2 and parts[1] == ROOMS:
+        room = house.branch(parts[2])
+        if len(parts) > 3 and parts[3] in (FURNITURE, ARCHITECTURE, LIGHTS):
+            # Collections of one name would be numbered: Blender's names are unique in a file.
+            return room.branch(parts[3], f"{room.name} {parts[3]}")
+        return room
+    return house
+
+
+def room_names(paths: Iterable[str]) -> list[str]:
+    """The rooms of a house, in the order of the stage."""
+    parts = (path.split("/")[1:] for path in paths)
+    return list(dict.fromkeys(p[2] for p in parts if len(p) > 2 and p[1] == ROOMS))
+
+
+def furniture_paths(paths: Iterable[str], room: str) -> list[str]:
+    """The pieces that stand in a room, without what lies on them."""
+    found = []
+    for path in paths:
+        parts = path.split("/")[1:]
+        if len(parts) == 5 and parts[1] == ROOMS and parts[2] == room and parts[3] == FURNITURE:
+            found.append(path)
+    return found
+
+
+def is_ceiling(path: str) -> bool:
+    """Whether this is a part of a room's ceiling."""
+    return path.rsplit("/", 1)[-1].startswith("Ceiling")

@@ -1,0 +1,75 @@
+"""The extension's preferences: which chord-usd does the work."""
+
+from __future__ import annotations
+
+import bpy
+
+from .core.program import Program, ProgramError, find_program
+
+
+class ChordPreferences(bpy.types.AddonPreferences):
+    """Where chord-usd is, and what a check of it said."""
+
+    bl_idname = __package__
+
+    program: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="chord-usd or its Python",
+        description="Path of the chord-usd program, of the Python it is installed in, or of that "
+        "environment's folder; empty: found automatically",
+        subtype="FILE_PATH",
+    )
+    answer: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """The preferences' page."""
+        row = self.layout.row()
+        row.prop(self, "program")
+        row.operator(ChordCheckProgram.bl_idname, text="Check")
+        for line in self.answer.split(". "):
+            if line:
+                self.layout.label(text=line)
+
+
+class ChordCheckProgram(bpy.types.Operator):
+    """Start chord-usd and ask for its version"""
+
+    bl_idname = "chord.check_program"
+    bl_label = "Check chord-usd"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Leaves the answer in the preferences."""
+        own = preferences(context)
+        try:
+            own.answer = f"Found {find_program(own.program).label}"
+        except ProgramError as error:
+            own.answer = str(error)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, own.answer)
+        return {"FINISHED"}
+
+
+def preferences(context: bpy.types.Context) -> ChordPreferences:
+    """This extension's preferences."""
+    return context.preferences.addons[__package__].preferences
+
+
+def program(context: bpy.types.Context) -> Program:
+    """The program to use. Raises ProgramError."""
+    return find_program(preferences(context).program)
+
+
+_CLASSES = (ChordPreferences, ChordCheckProgram)
+
+
+def register() -> None:
+    """Makes the classes known."""
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    """Takes them back."""
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
