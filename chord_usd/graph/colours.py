@@ -8,11 +8,14 @@ flat areas before they are read.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
 import numpy.typing as npt
+from scipy import ndimage
 
 from chord_usd.errors import SceneError
 from chord_usd.palette import (
@@ -37,6 +40,10 @@ SHADE_KINDS = tuple(ROOM_SHADES)
 """Room kind of each shade label."""
 
 _SHADE_LEVELS = np.array([rgb[0] for rgb in ROOM_SHADES.values()], dtype=np.float32)
+_NEAREST_SHADE = (
+    np.abs(np.arange(3 * 255 + 1)[:, None] / 3 - _SHADE_LEVELS).argmin(axis=1).astype(np.int16)
+)
+"""Shade whose grey is nearest, by the sum of the channels."""
 _DARK = 64
 """Every structure colour has a channel below, its blends with black too; floors and items on them
 have none below 84."""
@@ -62,6 +69,12 @@ class LayoutPixels:
     """detector_class of a HOUSE category, or NO_ITEM."""
     front: BoolArray
     """Whether the pixel belongs to a front mark."""
+
+    def window(self, part: tuple[slice, slice]) -> LayoutPixels:
+        """The same of a part of the canvas."""
+        return LayoutPixels(
+            self.structure[part], self.shade[part], self.item[part], self.front[part]
+        )
 
 
 def read_pixels(rgb: ByteArray) -> LayoutPixels:
@@ -122,39 +135,65 @@ _EXACT = np.unique(
 )
 
 
+@lru_cache(maxsize=1)
+def _is_exact() -> BoolArray:
+    """(2^24,) whether a packed colour is one of the palette."""
+    table = np.zeros(1 << 24, dtype=bool)
+    table[_EXACT] = True
+    return table
+
+
 def _is_clean(rgb: ByteArray) -> bool:
     """Whether nearly every pixel has exactly a colour of the palette."""
-    codes, counts = np.unique(_packed(rgb), return_counts=True)
-    return bool(counts[np.isin(codes, _EXACT)].sum() >= 0.995 * counts.sum())
+    return bool(_is_exact()[_packed(rgb)].mean() >= 0.995)
+
+
+def _extremes(rgb: ByteArray) -> tuple[ByteArray, ByteArray]:
+    """(H, W) least and greatest of the channels; numpy is slow along short axes."""
+    red, green, blue = np.moveaxis(rgb, -1, 0)
+    least = np.minimum(np.minimum(red, green), blue)
+    return least, np.maximum(np.maximum(red, green), blue)
 
 
 def _read_structure(rgb: ByteArray) -> LabelArray:
-    spread = np.abs(rgb[:, :, None, :].astype(np.int16) - _STRUCTURE_RGB).max(axis=-1)
-    nearest = spread.argmin(axis=-1).astype(np.int16)
-    nearest[rgb.min(axis=-1) >= _DARK] = CLEAR
-    return nearest
+    least, _ = _extremes(rgb)
+    structure = np.full(least.shape, CLEAR, dtype=np.int16)
+    dark = least < _DARK
+    spread = np.abs(rgb[dark][:, None, :].astype(np.int16) - _STRUCTURE_RGB).max(axis=-1)
+    structure[dark] = spread.argmin(axis=-1)
+    return structure
 
 
 def _read_shades(
     rgb: ByteArray, regions: npt.NDArray[np.int32], least_share: float
 ) -> tuple[LabelArray, dict[int, list[int]]]:
     """Shade of the nearest bare floor in each pixel's region, and the shades each region has."""
-    level = rgb.astype(np.float32).mean(axis=-1)
-    spread = rgb.max(axis=-1).astype(np.int16) - rgb.min(axis=-1)
-    bare = (spread <= _GREY_REACH) & (level >= _SHADE_LEVELS.min() - 8) & (regions > 0)
-    nearest = np.abs(level[..., None] - _SHADE_LEVELS).argmin(axis=-1).astype(np.int16)
+    total = rgb[..., 0].astype(np.int16) + rgb[..., 1] + rgb[..., 2]
+    least, most = _extremes(rgb)
+    bare = (most - least <= _GREY_REACH) & (regions > 0)
+    bare &= total >= 3 * (_SHADE_LEVELS.min() - 8)
+    nearest = _NEAREST_SHADE[total]
     shade = np.zeros(regions.shape, dtype=np.int16)
     allowed: dict[int, list[int]] = {}
     flat = bare & (cv2.boxFilter(bare.astype(np.float32), -1, (3, 3)) > 0.6)
-    for region in range(1, int(regions.max()) + 1):
-        inside = regions == region
-        allowed[region] = _shades_of(nearest[inside & flat], nearest[inside & bare], least_share)
-        floor = bare & inside & np.isin(nearest, allowed[region])
-        if len(allowed[region]) == 1:
-            shade[inside] = allowed[region][0]
+    for region, window in _windows(regions):
+        inside = regions[window] == region
+        votes, seen = nearest[window], bare[window] & inside
+        shades = _shades_of(votes[seen & flat[window]], votes[seen], least_share)
+        allowed[region] = shades
+        floor = seen & np.isin(votes, shades)
+        if len(shades) == 1:
+            shade[window][inside] = shades[0]
         elif floor.any():
-            shade[inside] = _spread_nearest(nearest, floor)[inside]
+            shade[window][inside] = _spread_nearest(votes, floor)[inside]
     return shade, allowed
+
+
+def _windows(regions: npt.NDArray[np.int32]) -> Iterator[tuple[int, tuple[slice, slice]]]:
+    """Each region's number, from 1, and the window of the canvas it lies in."""
+    for index, window in enumerate(ndimage.find_objects(regions)):
+        if window is not None:
+            yield index + 1, window
 
 
 def _shades_of(flat: LabelArray, bare: LabelArray, least_share: float) -> list[int]:
@@ -193,7 +232,8 @@ def _read_items(
     front = np.zeros(regions.shape, dtype=bool)
     shade = shade.copy()
     floor_level = _SHADE_LEVELS[shade]
-    off_floor = np.abs(rgb.astype(np.float32) - floor_level[..., None]).max(axis=-1) > 2
+    least, most = _extremes(rgb)
+    off_floor = (most > floor_level + 2) | (least < floor_level - 2)
     rows, columns = np.nonzero(off_floor & (regions > 0))
     of_pixel = regions[rows, columns]
     for region in np.unique(of_pixel):

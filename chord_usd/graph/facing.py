@@ -21,9 +21,9 @@ _WALL_WORD, _SPLIT_WORD, _ODD_WORD, _LONG_WORD = 0.3, 0.2, 0.25, 0.3
 mark's fit. A clean mark fits by 0.6 or more better than at any other side, so it always wins."""
 
 _SAME_MARK = 0.7
-_LOOK_PX = (0.8, 1.6, 2.4)
+_LOOK_PX = np.array([0.8, 1.6, 2.4])
 """Distances behind an edge at which a wall is looked for."""
-_LOOK_SHARES = (0.15, 0.4, 0.6, 0.85)
+_LOOK_SHARES = np.array([0.15, 0.4, 0.6, 0.85])
 
 _DOOR = next(row.detector_class for row in PLAN_CATEGORIES if row.name == "door")
 
@@ -62,21 +62,16 @@ def _long_fronts(rectangle: Rectangle) -> FloatArray:
 
 def _walls_behind(pixels: LayoutPixels, rectangle: Rectangle, choices: Iterable[int]) -> FloatArray:
     """Share of wall or window right behind the back, for each choice of quarter turns."""
-    return np.array([_wall_behind(pixels, rectangle.corners_px(turns)) for turns in choices])
-
-
-def _wall_behind(pixels: LayoutPixels, corners_px: FloatArray) -> float:
-    back_left, front_left, _, back_right = corners_px
-    outward = (back_left - front_left) / max(np.hypot(*(back_left - front_left)), 1e-9)
-    points = np.array(
-        [
-            back_left + (back_right - back_left) * share + outward * reach
-            for share in _LOOK_SHARES
-            for reach in _LOOK_PX
-        ]
-    )
+    corners = np.array([rectangle.corners_px(turns) for turns in choices])
+    back_left, front_left, back_right = corners[:, 0], corners[:, 1], corners[:, 3]
+    outward = back_left - front_left
+    outward = outward / np.maximum(np.hypot(outward[:, 0], outward[:, 1]), 1e-9)[:, None]
+    along = back_left[:, None] + (back_right - back_left)[:, None] * _LOOK_SHARES[:, None]
+    points = along[:, :, None] + outward[:, None, None] * _LOOK_PX[:, None]
     height, width = pixels.structure.shape
-    columns, rows = np.floor(points).astype(int).T
+    columns, rows = np.moveaxis(np.floor(points).astype(int), -1, 0)
     inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    seen = pixels.structure[rows[inside], columns[inside]]
-    return float(((seen != CLEAR) & (seen != _DOOR)).sum() / len(points))
+    seen = pixels.structure[np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)]
+    solid = inside & (seen != CLEAR) & (seen != _DOOR)
+    shares: FloatArray = solid.mean(axis=(1, 2))
+    return shares

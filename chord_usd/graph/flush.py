@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.graph.rectangles import Rectangle, fold_deg
+from chord_usd.graph.rectangles import Rectangle, covered_share, fold_deg
 from chord_usd.types import Box, FloatArray
 from chord_usd.units import wrap_deg
 
@@ -30,6 +30,8 @@ _ROUNDING_SHARE = 0.7
 _OUT_SHARE = 0.005
 """Share of a footprint that may lie out of its room."""
 _STEPS = 24
+_GRID_M = 1e-9
+"""Without a grid GEOS errs now and then where edges lie on each other, as these do."""
 
 _PARALLEL_DEG = 0.2
 _TOUCH_M2 = 1e-5
@@ -94,15 +96,32 @@ def flush_with_walls(
     Not where one of the others stands in between, as a headboard panel behind a bed.
     """
     moved = standing.rectangle
-    blocked = [_outline(other.rectangle) for other in others]
     for name, place in _walls_near(moved, polygon_m, reach_m):
         trial = replace(moved, **{name: place})
         if min(trial.u1 - trial.u0, trial.v1 - trial.v0) < reach_m / 2:
             continue
-        gained = _outline(trial).difference(_outline(moved))
-        if all(gained.intersection(other).area < _TOUCH_M2 for other in blocked):
+        gained = _gained(moved, name, place)
+        if not any(_shared_m2(gained, other.rectangle) > _TOUCH_M2 for other in others):
             moved = trial
     return replace(standing, rectangle=moved)
+
+
+def _gained(rectangle: Rectangle, name: str, place: float) -> Rectangle:
+    """The strip that a rectangle gains where an edge moves out; none where it moves in."""
+    edge = getattr(rectangle, name)
+    if name in ("u0", "v0"):
+        return replace(rectangle, **{name: min(place, edge), name[0] + "1": edge})
+    return replace(rectangle, **{name: max(place, edge), name[0] + "0": edge})
+
+
+def _shared_m2(first: Rectangle, second: Rectangle) -> float:
+    if first.area_px <= _TOUCH_M2:
+        return 0.0
+    if first.angle_deg == second.angle_deg:
+        across = min(first.u1, second.u1) - max(first.u0, second.u0)
+        along = min(first.v1, second.v1) - max(first.v0, second.v0)
+        return max(across, 0.0) * max(along, 0.0)
+    return covered_share(first, second) * first.area_px
 
 
 def kept_deep(before: Standing, after: Standing) -> Standing:
@@ -146,9 +165,8 @@ def _outline(rectangle: Rectangle) -> Polygon:
     return Polygon(rectangle.corners_px() * (1.0, -1.0))
 
 
-def pull_into(standing: Standing, polygon_m: FloatArray) -> Standing:
+def pull_into(standing: Standing, room: Polygon) -> Standing:
     """Cut off what stands out of the room, edge by edge, each time the cut that costs least."""
-    room = Polygon(polygon_m)
     rectangle = standing.rectangle
     for _ in range(4):
         if _out_share(rectangle, room) <= _OUT_SHARE:
@@ -175,7 +193,8 @@ def _cut(rectangle: Rectangle, name: str, room: Polygon) -> tuple[bool, Rectangl
 
 def _out_share(rectangle: Rectangle, room: Polygon) -> float:
     shape = _outline(rectangle)
-    return float(shape.difference(room).area / max(shape.area, 1e-9))
+    out = shape.difference(room, grid_size=_GRID_M)
+    return float(out.area / max(shape.area, 1e-9))
 
 
 def part(standings: Sequence[Standing], rounding_m: float = 0.0) -> list[Standing]:

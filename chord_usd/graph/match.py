@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
@@ -39,16 +40,16 @@ def place_items(
     An item goes to the room that covers most of it. What lies in no room is dropped. Ids are
     room/category_n, counted in a fixed order: rooms as given, then category, then position.
     """
-    floors = [room_polygon(room) for room in rooms]
+    floors = _Floors(rooms, frame.m_per_px)
     by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
     for one in found:
         box = box_of(one.detection, frame)
-        index = _room_of(box, floors, frame.m_per_px)
+        index = floors.holding(footprint_polygon(box))
         if index is not None:
             by_room[index].append((one, box))
     items: list[Item] = []
     for index, room in enumerate(rooms):
-        items += _items_of(room, by_room[index], frame.m_per_px)
+        items += _items_of(room, floors.polygons[index], by_room[index], frame.m_per_px)
     return tuple(items)
 
 
@@ -87,25 +88,31 @@ def _yaw_deg(along: np.ndarray) -> float:
     return wrap_deg(nearest if abs(yaw - nearest) < 1e-6 else yaw)
 
 
-def _room_of(box: Box, floors: Sequence[Polygon], m_per_px: float) -> int | None:
-    """Index of the room that covers most of a footprint; None if that is not enough of it."""
-    shape = footprint_polygon(box)
-    shares = [
-        shape.intersection(floor).area if shape.intersects(floor) else 0.0 for floor in floors
-    ]
-    if not shares:
-        return None
-    # A thin panel may be painted up to a pixel off; it still touches its own room only.
-    if max(shares) == 0.0:
-        shares = [
-            shape.intersection(floor.buffer(m_per_px, join_style="mitre")).area for floor in floors
-        ]
-    best = int(np.argmax(shares))
-    inside = shape.intersection(floors[best].buffer(m_per_px, join_style="mitre")).area
-    return best if inside >= LEAST_INSIDE * shape.area and inside > 0.0 else None
+class _Floors:
+    """The rooms' floors, to ask which of them an item stands on."""
+
+    def __init__(self, rooms: Sequence[Room], m_per_px: float) -> None:
+        self.polygons = np.array([room_polygon(room) for room in rooms])
+        # A thin panel may be painted up to a pixel off; it still touches its own room only.
+        self.grown = shapely.buffer(self.polygons, m_per_px, join_style="mitre")
+        self._tree = shapely.STRtree(self.grown)
+
+    def holding(self, shape: Polygon) -> int | None:
+        """Index of the room that covers most of a footprint; None if that is not enough of it."""
+        near = np.sort(self._tree.query(shape, predicate="intersects"))
+        if not len(near):
+            return None
+        shares = shapely.area(shapely.intersection(self.polygons[near], shape))
+        if not shares.any():
+            shares = shapely.area(shapely.intersection(self.grown[near], shape))
+        best = int(near[shares.argmax()])
+        inside = shapely.area(shapely.intersection(self.grown[best], shape))
+        return best if 0.0 < inside >= LEAST_INSIDE * shape.area else None
 
 
-def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: float) -> list[Item]:
+def _items_of(
+    room: Room, floor: Polygon, found: Sequence[tuple[FoundItem, Box]], m_per_px: float
+) -> list[Item]:
     reach_m = FLUSH_PX * m_per_px
     standings = [align(Standing.of(box), room.polygon_m) for _, box in found]
     for index, standing in enumerate(standings):
@@ -113,7 +120,7 @@ def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], m_per_px: floa
         flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
         if category(found[index][0].detection.category).mount is Mount.WALL:
             flush = kept_deep(standing, flush)
-        standings[index] = pull_into(flush, room.polygon_m)
+        standings[index] = pull_into(flush, floor)
     standings = part(standings, reach_m)
     placed = [
         (one, standing.on(box)) for (one, box), standing in zip(found, standings, strict=True)

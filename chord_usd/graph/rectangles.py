@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -41,11 +42,11 @@ class Rectangle:
     def center(self) -> FloatArray:
         """(2,) upright pixels."""
         middle = np.array([(self.u0 + self.u1) / 2, (self.v0 + self.v1) / 2])
-        return rotation_2d(self.angle_deg) @ middle
+        return _turn(self.angle_deg) @ middle
 
     def local(self, points: FloatArray) -> FloatArray:
         """(N, 2) own coordinates (u, v) of upright points (N, 2)."""
-        return points @ rotation_2d(self.angle_deg)
+        return points @ _turn(self.angle_deg)
 
     def covers(self, points: FloatArray) -> BoolArray:
         """(N,) which upright points lie inside; as in drawing, the lower edges count."""
@@ -55,11 +56,9 @@ class Rectangle:
     def corners_px(self, quarter_turns: int = 0) -> FloatArray:
         """(4, 2) canvas pixels (y down) as in Detection: back left, front left, front right,
         back right of an item whose yaw is angle_deg plus these quarter turns."""
-        own = np.array(
-            [[self.u0, self.v1], [self.u0, self.v0], [self.u1, self.v0], [self.u1, self.v1]]
-        )
-        corners = np.roll(own, -quarter_turns, axis=0) @ rotation_2d(self.angle_deg).T
-        return corners * (1.0, -1.0)
+        own = [(self.u0, self.v1), (self.u0, self.v0), (self.u1, self.v0), (self.u1, self.v1)]
+        first = quarter_turns % 4
+        return np.array(own[first:] + own[:first]) @ _to_canvas(self.angle_deg)
 
     def grown(self, by_px: float) -> Rectangle:
         """The same rectangle with every edge moved outwards."""
@@ -81,6 +80,22 @@ class Rectangle:
         if quarter_turns == 2:
             return replace(self, u0=self.u0 + inset, u1=self.u1 - inset, v0=self.v1 - depth)
         return replace(self, v0=self.v0 + inset, v1=self.v1 - inset, u1=self.u0 + depth)
+
+
+@lru_cache(maxsize=256)
+def _turn(angle_deg: float) -> FloatArray:
+    """(2, 2) rotation; a house has few directions."""
+    matrix = rotation_2d(angle_deg)
+    matrix.setflags(write=False)
+    return matrix
+
+
+@lru_cache(maxsize=256)
+def _to_canvas(angle_deg: float) -> FloatArray:
+    """(2, 2) what turns rows of (u, v) into canvas pixels, y down."""
+    matrix: FloatArray = rotation_2d(angle_deg).T * (1.0, -1.0)
+    matrix.setflags(write=False)
+    return matrix
 
 
 def upright_points(mask: BoolArray, top: int = 0, left: int = 0) -> FloatArray:
@@ -112,7 +127,7 @@ def fit_at_angle(evidence: Evidence, angle_deg: float, rounds: int = 3) -> Recta
     Each edge in turn goes to the middle of the interval of positions that cost least, which on a
     clean raster is within half a pixel of the edge that was drawn.
     """
-    turn = rotation_2d(angle_deg)
+    turn = _turn(angle_deg)
     inside, outside = evidence.members @ turn, evidence.outsiders @ turn
     low, high = _trimmed_span(inside)
     edges = [[low[0] - 0.5, high[0] + 0.5], [low[1] - 0.5, high[1] + 0.5]]

@@ -27,7 +27,7 @@ from chord_usd.graph.rectangles import (
 from chord_usd.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH, Category
 from chord_usd.types import BoolArray, FloatArray
 
-_MARGIN_PX = 4
+MARGIN_PX = 4
 """How far around a patch its surroundings count."""
 
 _OTHER_ITEM_WEIGHT = 0.6
@@ -110,14 +110,23 @@ class Patch:
 
 
 def cut_patch(
-    member: BoolArray, front: BoolArray, any_item: BoolArray, usual_px: UsualSize
+    member: BoolArray,
+    front: BoolArray,
+    any_item: BoolArray,
+    usual_px: UsualSize,
+    origin: tuple[int, int] = (0, 0),
 ) -> Patch:
-    """The patch of these pixels. All (H, W); front: marks, any_item: of whatever category."""
+    """The patch of these pixels. front: marks, any_item: of whatever category.
+
+    All three show the same window of the canvas, which starts at origin (row, column) and goes
+    MARGIN_PX beyond the patch where the canvas does.
+    """
     rows, columns = np.flatnonzero(member.any(axis=1)), np.flatnonzero(member.any(axis=0))
-    top, left = max(rows[0] - _MARGIN_PX, 0), max(columns[0] - _MARGIN_PX, 0)
-    window = slice(top, rows[-1] + _MARGIN_PX + 1), slice(left, columns[-1] + _MARGIN_PX + 1)
+    top, left = max(rows[0] - MARGIN_PX, 0), max(columns[0] - MARGIN_PX, 0)
+    window = slice(top, rows[-1] + MARGIN_PX + 1), slice(left, columns[-1] + MARGIN_PX + 1)
     inside = member[window]
     weights = np.where(any_item[window], _OTHER_ITEM_WEIGHT, 1.0)
+    top, left = top + origin[0], left + origin[1]
     evidence = Evidence(
         upright_points(inside, top, left), upright_points(~inside, top, left), weights[~inside]
     )

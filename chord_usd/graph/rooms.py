@@ -6,24 +6,24 @@ For rasters that come alone. Where the plan is known as vectors, those are used 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from shapely.geometry import LineString, Point
+from scipy import ndimage
 
 from chord_usd.errors import SceneError
-from chord_usd.geometry import room_polygon
 from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels, read_pixels
 from chord_usd.graph.detect import RoomProposal
 from chord_usd.graph.faces import settle_faces
+from chord_usd.graph.outlines import outline_of
+from chord_usd.graph.walls import Walls
 from chord_usd.palette import PLAN_CATEGORIES, ROOM_SHADES, category
 from chord_usd.types import (
     WALL_THICKNESS_M,
     BoolArray,
     Box,
-    FloatArray,
     LayoutImage,
     Opening,
     OpeningKind,
@@ -35,7 +35,7 @@ from chord_usd.types import (
     frozen_array,
 )
 from chord_usd.units import m_from_px, px_from_m
-from chord_usd.vectorize import polygon_from_mask, rotated_box_from_mask
+from chord_usd.vectorize import RotatedBox, rotated_box_from_mask
 
 IntArray = npt.NDArray[np.int32]
 
@@ -82,12 +82,12 @@ def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:
             expected="floors enclosed by black walls",
             try_="chord-usd plan draw plan.json -o plan.png shows what a raster looks like",
         )
-    bars: list[tuple[OpeningKind, BoolArray]] = []
+    bars: list[tuple[OpeningKind, RotatedBox]] = []
     kinds: tuple[OpeningKind, ...] = ("door", "window")
     for kind in kinds:
-        for mask in _parts(pixels.structure == _CLASSES[kind]):
-            bars += [(kind, arm) for arm in _arms(mask, WALL_THICKNESS_M / frame.m_per_px)]
-    bars += [("passage", mask) for mask in passages]
+        for part in _parts(pixels.structure == _CLASSES[kind]):
+            bars += [(kind, arm) for arm in _arms(part, WALL_THICKNESS_M / frame.m_per_px)]
+    bars += [("passage", part.box()) for part in passages]
     openings = _openings(bars, rooms, frame)
     return Plan(tuple(rooms), tuple(openings))
 
@@ -117,41 +117,39 @@ def _kind_of(room: Room, proposals: Sequence[RoomProposal], frame: PixelFrame) -
     return best if votes[best] >= _SURE else room.kind
 
 
-def _passages(pixels: LayoutPixels, frame: PixelFrame) -> list[BoolArray]:
+def _passages(pixels: LayoutPixels, frame: PixelFrame) -> list[_Part]:
     """White bars as thin as a wall between shaded rooms."""
     white = (pixels.structure == CLEAR) & (pixels.shade == _WHITE)
     thickness_px = WALL_THICKNESS_M / frame.m_per_px
     found = []
-    for mask in _parts(white):
-        if _touches_border(mask):
+    for part in _parts(white):
+        if part.touches_border:
             continue
-        box = rotated_box_from_mask(mask)
-        straight = mask.sum() > _STRAIGHT * box.length_px * box.width_px
+        box = part.box()
+        straight = part.size > _STRAIGHT * box.length_px * box.width_px
         if straight and abs(box.width_px - thickness_px) <= 1.5 and box.length_px > box.width_px:
-            found.append(mask)
+            found.append(part)
     return found
 
 
-def _label_rooms(
-    pixels: LayoutPixels, passages: Sequence[BoolArray], frame: PixelFrame
-) -> IntArray:
+def _label_rooms(pixels: LayoutPixels, passages: Sequence[_Part], frame: PixelFrame) -> IntArray:
     """(H, W) number of each room, 0 elsewhere; slivers join the room beside them."""
     floor = pixels.structure == CLEAR
-    for mask in passages:
-        floor = floor & ~mask
+    for passage in passages:
+        floor[passage.window] &= ~passage.mask
     labels = np.zeros(floor.shape, dtype=np.int32)
     slivers = np.zeros(floor.shape, dtype=bool)
     least_px = _LEAST_ROOM_M2 / frame.m_per_px**2
     count = 0
     for shade in np.unique(pixels.shade[floor]):
-        for mask in _parts(floor & (pixels.shade == shade)):
-            if shade == _WHITE and _touches_border(mask):
+        for part in _parts(floor & (pixels.shade == shade)):
+            if shade == _WHITE and part.touches_border:
                 continue
-            if mask.sum() < least_px:
-                slivers |= mask
+            if part.size < least_px:
+                slivers[part.window] |= part.mask
                 continue
             count += 1
-            labels[mask] = count
+            labels[part.window][part.mask] = count
     return _filled(labels, slivers)
 
 
@@ -173,10 +171,10 @@ def _rooms(labels: IntArray, pixels: LayoutPixels, frame: PixelFrame) -> list[Ro
     """Rooms from top to bottom, left to right."""
     outlines = []
     thickness_px = WALL_THICKNESS_M / frame.m_per_px
-    for label in range(1, int(labels.max()) + 1):
-        mask = labels == label
-        kind = SHADE_KINDS[int(np.bincount(pixels.shade[mask]).argmax())]
-        outline = polygon_from_mask(mask)
+    for index, window in enumerate(ndimage.find_objects(labels)):
+        mask = labels[window] == index + 1
+        kind = SHADE_KINDS[int(np.bincount(pixels.shade[window][mask]).argmax())]
+        outline = outline_of(mask) + np.array([window[1].start, window[0].start])
         outlines.append((kind, settle_faces(outline, pixels.structure, thickness_px)))
     outlines.sort(key=lambda outline: tuple(outline[1].min(axis=0)[::-1]))
     counts: dict[str, int] = {}
@@ -190,19 +188,18 @@ def _rooms(labels: IntArray, pixels: LayoutPixels, frame: PixelFrame) -> list[Ro
 
 
 def _openings(
-    bars: Sequence[tuple[OpeningKind, BoolArray]], rooms: Sequence[Room], frame: PixelFrame
+    bars: Sequence[tuple[OpeningKind, RotatedBox]], rooms: Sequence[Room], frame: PixelFrame
 ) -> Iterator[Opening]:
     counts: dict[str, int] = {}
-    for kind, mask in bars:
-        box = rotated_box_from_mask(mask)
-        if box.length_px * frame.m_per_px < _LEAST_OPENING_M:
-            continue
-        x, y = m_from_px(np.array(box.center_px), frame)
-        base_m, height_m = BASE_AND_HEIGHT_M[kind]
+    walls = Walls(rooms)
+    for kind, box in bars:
         length_m = box.length_px * frame.m_per_px
+        if length_m < _LEAST_OPENING_M:
+            continue
+        base_m, height_m = BASE_AND_HEIGHT_M[kind]
         # Canvas angles run clockwise, yaw counter-clockwise.
         yaw_deg = -box.angle_deg % 180.0
-        center, along_deg, joined = _in_wall(np.array([x, y]), yaw_deg, rooms)
+        center, along_deg, joined = walls.place(m_from_px(np.array(box.center_px), frame), yaw_deg)
         counts[kind] = counts.get(kind, 0) + 1
         yield Opening(
             f"{kind}{counts[kind]}",
@@ -212,57 +209,47 @@ def _openings(
         )
 
 
-def _arms(mask: BoolArray, thickness_px: float) -> list[BoolArray]:
-    """The mask; or its two arms where it runs round a corner, as corner windows do."""
-    box = rotated_box_from_mask(mask)
-    if mask.sum() > _STRAIGHT * box.length_px * box.width_px:
-        return [mask]
+def _arms(part: _Part, thickness_px: float) -> list[RotatedBox]:
+    """The bar; or its two arms where it runs round a corner, as corner windows do."""
+    box = part.box()
+    if part.size > _STRAIGHT * box.length_px * box.width_px:
+        return [box]
     reach = round(1.5 * thickness_px) + 1
     row = np.ones((1, reach), dtype=np.uint8)
-    flat = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, row) > 0
-    rest = mask & ~flat
-    return [flat, rest] if flat.any() and rest.any() else [mask]
+    flat = cv2.morphologyEx(part.mask.astype(np.uint8), cv2.MORPH_OPEN, row) > 0
+    rest = part.mask & ~flat
+    if not flat.any() or not rest.any():
+        return [box]
+    return [replace(part, mask=flat).box(), replace(part, mask=rest).box()]
 
 
-def _in_wall(
-    center: FloatArray, yaw_deg: float, rooms: Sequence[Room]
-) -> tuple[tuple[float, float], float, tuple[str, ...]]:
-    """A bar's centre moved to the middle of its wall, the wall's direction, the rooms it joins."""
-    sides = []
-    for room in rooms:
-        for start, stop in zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True):
-            along = float(np.degrees(np.arctan2(*(stop - start)[::-1]))) % 180.0
-            apart = abs((along - yaw_deg + 90.0) % 180.0 - 90.0)
-            distance = LineString([start, stop]).distance(Point(center))
-            if apart < 15.0 and distance < 1.2 * WALL_THICKNESS_M:
-                sides.append((distance, room, start, stop, along))
-    if not sides:
-        return (float(center[0]), float(center[1])), yaw_deg, ()
-    sides.sort(key=lambda side: side[0])
-    _, room, start, stop, along = sides[0]
-    direction = (stop - start) / np.hypot(*(stop - start))
-    outward = np.array([direction[1], -direction[0]])
-    # From the wall's inner face, half its thickness out of the room.
-    depth = float((center - start) @ outward)
-    x, y = center + (WALL_THICKNESS_M / 2 - depth) * outward
-    joined = dict.fromkeys(side[1].id for side in sides if _faces(side[1], room, outward, (x, y)))
-    return (float(x), float(y)), along, tuple(joined)[:2]
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A 4-connected region and the window of the canvas that it fills."""
+
+    mask: BoolArray
+    window: tuple[slice, slice]
+    touches_border: bool
+
+    @property
+    def size(self) -> int:
+        """Pixels."""
+        return int(self.mask.sum())
+
+    def box(self) -> RotatedBox:
+        """The rectangle it shows, on the canvas."""
+        box = rotated_box_from_mask(self.mask)
+        rows, columns = self.window
+        x, y = box.center_px
+        return replace(box, center_px=(x + columns.start, y + rows.start))
 
 
-def _faces(other: Room, room: Room, outward: FloatArray, center: tuple[float, float]) -> bool:
-    """Whether a room is the one on this side of an opening or the one behind it."""
-    if other is room:
-        return True
-    probe = Point(np.array(center) + outward * 0.75 * WALL_THICKNESS_M)
-    return room_polygon(other).distance(probe) < 0.1
-
-
-def _parts(mask: BoolArray) -> Iterator[BoolArray]:
-    """4-connected parts of a mask."""
-    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
-    for label in range(1, count):
-        yield labels == label
-
-
-def _touches_border(mask: BoolArray) -> bool:
-    return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())
+def _parts(mask: BoolArray) -> Iterator[_Part]:
+    """4-connected parts of a mask, in the order of their first pixels."""
+    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    height, width = mask.shape
+    for index, window in enumerate(ndimage.find_objects(labels)):
+        rows, columns = window
+        outside = rows.start == 0 or columns.start == 0
+        outside = outside or rows.stop == height or columns.stop == width
+        yield _Part(labels[window] == index + 1, window, outside)

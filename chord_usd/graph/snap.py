@@ -10,13 +10,14 @@ too few pixels of their colour are dropped; patches that the detector missed are
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
+from scipy import ndimage
 
-from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels, read_pixels
+from chord_usd.graph.colours import CLEAR, NO_ITEM, LabelArray, LayoutPixels, read_pixels
 from chord_usd.graph.detect import LEAST_SIDE_PX
 from chord_usd.graph.directions import Directions, raster_directions
 from chord_usd.graph.facing import facing
@@ -26,7 +27,7 @@ from chord_usd.graph.rectangles import (
     covered_share,
     fold_deg,
 )
-from chord_usd.graph.regions import Patch, UsualSize, cut_patch, explain, uncovered
+from chord_usd.graph.regions import MARGIN_PX, Patch, UsualSize, cut_patch, explain, uncovered
 from chord_usd.palette import HOUSE_CATEGORIES, Category
 from chord_usd.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
 
@@ -88,15 +89,25 @@ def find_items(
     for proposal in proposals:
         by_category.setdefault(proposal.category, []).append(proposal)
     found: list[FoundItem] = []
-    for label in np.unique(pixels.item[pixels.item != NO_ITEM]):
-        row = HOUSE_CATEGORIES[int(label)]
-        found += _of_category(pixels, row, m_per_px, directions, by_category.get(row.name, []))
+    for row, window in zip(HOUSE_CATEGORIES, _windows(pixels.item), strict=False):
+        if window:
+            seen = by_category.get(row.name, [])
+            found += _of_category(pixels, row, window, m_per_px, directions, seen)
     return found
+
+
+def _windows(item: LabelArray) -> Iterator[tuple[slice, slice] | None]:
+    """For each category the window of its pixels and what surrounds them; None without any."""
+    for spans in ndimage.find_objects(item + 1):
+        yield spans and tuple(
+            slice(max(span.start - MARGIN_PX, 0), span.stop + MARGIN_PX) for span in spans
+        )
 
 
 def _of_category(
     pixels: LayoutPixels,
     row: Category,
+    window: tuple[slice, slice],
     m_per_px: float,
     directions: Directions,
     proposals: Sequence[Detection],
@@ -107,9 +118,11 @@ def _of_category(
         for proposal in proposals
     ]
     thin = usual_px.width[0] < _THIN_PX
+    near = pixels.window(window)
+    origin = window[0].start, window[1].start
     found: list[FoundItem] = []
-    for mask in _patches(pixels, row.detector_class, thin):
-        patch = cut_patch(mask, pixels.front, pixels.item != NO_ITEM, usual_px)
+    for mask in _patches(near, row.detector_class, thin):
+        patch = cut_patch(mask, near.front, near.item != NO_ITEM, usual_px, origin)
         inside = [rectangle for _, rectangle in seen if _support(patch, rectangle) >= _SUPPORT]
         if patch.size < _least_size_px(usual_px, bool(inside)):
             continue
