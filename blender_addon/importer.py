@@ -2,34 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
 
-from .core.tree import Branch, collection_tree, room_names, usd_paths
+from .core.edits import Matrix, opened_file
+from .core.tree import Branch, collection_tree, is_piece, room_names, usd_paths
 from .properties import PATH_KEY, fields, show_ceilings
 
 WORLD = "CHOrD sky"
+
+PLACED_KEY = "chord_usd_placed"
+"""Custom property of pieces, and of the house for all of them: the placement they came in with."""
 
 PROTOTYPES = "prototypes"
 """The importer's collection of what is instanced, left out of the view layer."""
 
 
 def import_house(context: bpy.types.Context, house: Path) -> list[str]:
-    """Import the stage in place of the house that was there; returns the rooms' names."""
+    """Import the stage in place of the house that was there; returns the rooms' names.
+
+    Changes that were saved for it come in with it.
+    """
     remove_house(context)
     if context.scene.world is None:  # without one, the importer drops the stage's sky
         context.scene.world = bpy.data.worlds.get(WORLD) or bpy.data.worlds.new(WORLD)
     before = set(bpy.data.objects)
-    bpy.ops.wm.usd_import(filepath=str(house), support_scene_instancing=True)
+    bpy.ops.wm.usd_import(filepath=str(opened_file(house)), support_scene_instancing=True)
     _own_prototypes(context)
     linked = {item for item in context.scene.collection.objects if item not in before}
     paths = usd_paths({item.name: item.parent.name if item.parent else None for item in linked})
     for item in linked:
         item[PATH_KEY] = paths[item.name]
+        if is_piece(paths[item.name]):
+            item[PLACED_KEY] = [x for row in item.matrix_local for x in row]
     ordered = dict(sorted(paths.items(), key=lambda pair: pair[1]))
     tree = collection_tree(ordered)
-    context.scene.collection.children.link(_collection(tree))
+    root = _collection(tree)
+    context.scene.collection.children.link(root)
+    root[PLACED_KEY] = {paths[o.name]: o[PLACED_KEY] for o in linked if PLACED_KEY in o}
     for item in linked:
         context.scene.collection.objects.unlink(item)
     _choose_camera(context, linked)
@@ -53,6 +65,29 @@ def room_collection(context: bpy.types.Context, room: str) -> bpy.types.Collecti
                 if collection[PATH_KEY] == room:
                     return collection
     return None
+
+
+def placements(context: bpy.types.Context) -> tuple[dict[str, Matrix], dict[str, Matrix]]:
+    """Where each piece stood when the house came in, and where it stands now; removed ones do not.
+
+    The first is remembered in the house's collection, since a removed object remembers nothing.
+    """
+    now = {}
+    for item in context.scene.objects:
+        if PLACED_KEY in item:
+            now[str(item[PATH_KEY])] = tuple(tuple(row) for row in item.matrix_local)
+    return _remembered(context), now
+
+
+def _remembered(context: bpy.types.Context) -> dict[str, Matrix]:
+    for house in context.scene.collection.children:
+        if PLACED_KEY in house:
+            return {path: _rows(entries) for path, entries in house[PLACED_KEY].items()}
+    return {}
+
+
+def _rows(entries: Sequence[float]) -> Matrix:
+    return tuple(tuple(float(x) for x in entries[4 * row : 4 * row + 4]) for row in range(4))
 
 
 def objects_at(context: bpy.types.Context, paths: list[str]) -> list[bpy.types.Object]:

@@ -9,9 +9,9 @@ from typing import Any
 
 import bpy
 
-from .core import commands, report
+from .core import commands, edits, report
 from .core.program import ProgramError
-from .importer import fill_rooms, import_house, objects_at, room_collection
+from .importer import fill_rooms, import_house, objects_at, placements, room_collection
 from .properties import MAX_SEED, fields
 from .session import Finish, session
 
@@ -54,7 +54,7 @@ class ChordGenerate(_JobOperator, bpy.types.Operator):
         )
         folder = commands.house_folder(bpy.data.filepath, plan, _unsaved_folder())
         folder.mkdir(parents=True, exist_ok=True)
-        return commands.generate(settings, folder / "house.usda"), _show_house
+        return commands.generate(settings, folder / "house.usda"), _show_new_house
 
 
 class ChordRegenerate(_JobOperator, bpy.types.Operator):
@@ -70,8 +70,9 @@ class ChordRegenerate(_JobOperator, bpy.types.Operator):
             raise commands.InputError("Generate a house first.")
         room = own.rooms[own.room_index]
         room.seed = random.randrange(MAX_SEED)
+        _save_edits(context)
         assets = bpy.path.abspath(own.assets)
-        return commands.regenerate(_house(context), room.name, room.seed, assets), _show_house
+        return commands.regenerate(_house(context), room.name, room.seed, assets), _show_room
 
 
 class ChordCheckHouse(_JobOperator, bpy.types.Operator):
@@ -106,6 +107,23 @@ class ChordRender(_JobOperator, bpy.types.Operator):
             ),
             lambda _context, _data: None,
         )
+
+
+class ChordSaveEdits(bpy.types.Operator):
+    """Keep what was moved or removed in a layer over the house; the house itself stays as it is"""
+
+    bl_idname = "chord.save_edits"
+    bl_label = "Save edits"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Writes the layer beside the house."""
+        try:
+            count = _save_edits(context)
+        except (commands.InputError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{count} changes kept in {edits.edits_file(_house(context)).name}")
+        return {"FINISHED"}
 
 
 class ChordCancel(bpy.types.Operator):
@@ -185,6 +203,12 @@ def _unsaved_folder() -> Path:
     return Path(bpy.app.tempdir or tempfile.gettempdir())
 
 
+def _show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """A new house: changes to the one that was there before do not apply to it."""
+    edits.write_edits(Path(str(data["stage"])), {})
+    _show_house(context, data)
+
+
 def _show_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
     house = Path(str(data["stage"]))
     fill_rooms(context, import_house(context, house))
@@ -192,6 +216,21 @@ def _show_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
     own.house = str(house)
     if data.get("certificate"):
         _show_certificate(context, data["certificate"])
+
+
+def _show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """A room was furnished anew: what was changed in it before is gone, the rest is kept."""
+    house = Path(str(data["stage"]))
+    edits.write_edits(house, edits.without_room(edits.read_edits(house), str(data["room"])))
+    _show_house(context, data)
+
+
+def _save_edits(context: bpy.types.Context) -> int:
+    """Write the layer of changes; returns how many pieces it changes."""
+    house = _house(context)
+    kept = {**edits.read_edits(house), **edits.changes(*placements(context))}
+    edits.write_edits(house, kept)
+    return len(kept)
 
 
 def _show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -223,6 +262,7 @@ _CLASSES = (
     ChordRegenerate,
     ChordCheckHouse,
     ChordRender,
+    ChordSaveEdits,
     ChordCancel,
     ChordDice,
     ChordFrameRoom,

@@ -61,6 +61,7 @@ def _draw_rooms(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, free: 
     start.enabled = free
     start.operator("chord.regenerate", icon="FILE_REFRESH")
     box.prop(own, "hide_ceilings")
+    box.operator("chord.save_edits", icon="FILE_TICK")
 
 
 def _draw_certificate(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, free: bool) -> None:

@@ -79,14 +79,10 @@ def room_names(paths: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(p[2] for p in parts if len(p) > 2 and p[1] == ROOMS))
 
 
-def furniture_paths(paths: Iterable[str], room: str) -> list[str]:
-    """The pieces that stand in a room, without what lies on them."""
-    found = []
-    for path in paths:
-        parts = path.split("/")[1:]
-        if len(parts) == 5 and parts[1] == ROOMS and parts[2] == room and parts[3] == FURNITURE:
-            found.append(path)
-    return found
+def is_piece(path: str) -> bool:
+    """Whether this is a piece that stands in a room: what is moved and removed as a whole."""
+    parts = path.split("/")[1:]
+    return len(parts) == 5 and parts[1] == ROOMS and parts[3] == FURNITURE
 
 
 def is_ceiling(path: str) -> bool:

@@ -8,7 +8,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from pxr import Usd, UsdGeom
 
 from chord_usd.cli import main
 
@@ -84,7 +86,24 @@ while session.step(bpy.context):
 result["same_number_of_objects"] = objects == len(bpy.data.objects)
 bpy.ops.chord.show_finding(index=0)
 result["selected"] = sorted(o["chord_usd_path"] for o in bpy.context.selected_objects)
+pieces = {o["chord_usd_path"]: o for o in bpy.context.scene.objects if "chord_usd_placed" in o}
+result["pieces"] = sorted(pieces)
+moved, removed = result["pieces"][:2]
+pieces[moved].location.x += 0.25
+pieces[moved].rotation_euler.z += 0.5
+bpy.context.view_layer.update()
+result["moved"] = [moved, [list(row) for row in pieces[moved].matrix_world]]
+result["removed"] = removed
+bpy.data.objects.remove(pieces[removed], do_unlink=True)
+result["saved"] = list(bpy.ops.chord.save_edits())
+from bl_ext.user_default.chord_usd.importer import import_house
+from pathlib import Path
+import_house(bpy.context, Path(own.house))
+bpy.context.view_layer.update()
+again = {o["chord_usd_path"]: o for o in bpy.context.scene.objects if "chord_usd_placed" in o}
+result["again"] = [sorted(again), [list(row) for row in again[moved].matrix_world]]
 own.hide_ceilings = False
+result["house"] = own.house
 result["camera"] = bpy.context.scene.camera.name
 os.remove(plan)
 result["plan_gone"] = run(bpy.ops.chord.generate)
@@ -163,6 +182,21 @@ def test_a_new_house_takes_the_place_of_the_old_one(told: dict[str, Any]) -> Non
 def test_a_finding_selects_the_culprit(told: dict[str, Any]) -> None:
     assert told["selected"]
     assert all("/Bedroom_0/Furniture/Bed_0" in path for path in told["selected"])
+
+
+def test_edits_are_an_override_layer_that_comes_back(told: dict[str, Any]) -> None:
+    """Read by USD itself, and by Blender when it opens the house again."""
+    moved, matrix = told["moved"]
+    assert told["saved"] == ["FINISHED"]
+    house = Path(told["house"])
+    stage = Usd.Stage.Open(str(house.with_name("house.edits.usda")))
+    place = UsdGeom.Xformable(stage.GetPrimAtPath(moved)).ComputeLocalToWorldTransform(0)
+    assert np.allclose(np.array(place).T, matrix, atol=1e-5)
+    assert not stage.GetPrimAtPath(told["removed"]).IsActive()
+    assert Usd.Stage.Open(str(house)).GetPrimAtPath(told["removed"]).IsActive()
+    pieces, matrix_again = told["again"]
+    assert pieces == [path for path in told["pieces"] if path != told["removed"]]
+    assert np.allclose(matrix_again, matrix, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from blender_addon.core import commands, report
+from blender_addon.core import commands, edits, report
 from blender_addon.core.job import Job, Outcome, plain_error
 from blender_addon.core.program import ProgramError, clean_environment, command_of, find_program
 from blender_addon.core.state import panel_state, wrapped
-from blender_addon.core.tree import collection_tree, furniture_paths, room_names, usd_paths
+from blender_addon.core.tree import collection_tree, is_piece, room_names, usd_paths
 
 ROOT = Path(__file__).parents[2]
 
@@ -169,7 +169,8 @@ def test_usd_paths_come_back_from_numbered_names() -> None:
     assert paths["Bed_0.001"] == "/House/Rooms/Bedroom_1/Furniture/Bed_0"
     assert len(set(paths.values())) == len(paths)
     assert room_names(paths.values()) == ["Bedroom_0", "Bedroom_1"]
-    assert furniture_paths(paths.values(), "Bedroom_1") == [
+    assert [path for path in paths.values() if is_piece(path)] == [
+        "/House/Rooms/Bedroom_0/Furniture/Bed_0",
         "/House/Rooms/Bedroom_1/Furniture/Bed_0",
         "/House/Rooms/Bedroom_1/Furniture/Desk_0",
     ]
@@ -215,3 +216,40 @@ def test_lines_fit_the_sidebar_and_lose_nothing(text: str) -> None:
     lines = wrapped(text, 42)
     assert all(len(line) <= 42 for line in lines)
     assert "".join("".join(lines).split()) == "".join(text.split())
+
+
+def moved(x: float) -> edits.Matrix:
+    return ((1.0, 0.0, 0.0, x), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+BED, DESK = (f"/House/Rooms/Bedroom_{n}/Furniture/Bed_0" for n in (0, 1))
+
+
+def test_only_what_was_touched_is_an_edit() -> None:
+    before = {BED: moved(0.0), DESK: moved(1.0), "/House/Rooms/Bedroom_0/Furniture/X": moved(2.0)}
+    after = {BED: moved(0.5), DESK: moved(1.0)}
+    found = edits.changes(before, after)
+    assert found == {
+        BED: edits.Edit(moved(0.5)),
+        "/House/Rooms/Bedroom_0/Furniture/X": edits.Edit(None),
+    }
+    assert edits.without_room(found, "Bedroom_0") == {}
+    assert edits.without_room(found, "Bedroom_1") == found
+
+
+def test_edits_come_back_from_their_layer(tmp_path: Path) -> None:
+    house = tmp_path / "hôuse.usda"
+    saved = {BED: edits.Edit(moved(0.25)), DESK: edits.Edit(None)}
+    file = edits.write_edits(house, saved)
+    assert file is not None
+    assert edits.opened_file(house) == file
+    assert edits.read_edits(house) == saved
+    assert edits.write_edits(house, {}) is None
+    assert edits.opened_file(house) == house
+    assert edits.read_edits(house) == {}
+
+
+def test_a_foreign_layer_is_left_alone(tmp_path: Path) -> None:
+    house = tmp_path / "house.usda"
+    edits.edits_file(house).write_text("#usda 1.0", encoding="utf-8")
+    assert edits.read_edits(house) == {}
