@@ -79,10 +79,16 @@ def _programme(floor: Floor) -> list[str]:
 
 
 def _fewer(wanted: list[str]) -> list[list[str]]:
-    """Programmes for rooms too small for the one wanted, fullest first."""
+    """Programmes for rooms too small for the one wanted, fullest first.
+
+    Where a toilet belongs nothing takes its place: a smaller one may still fit (furnish_least).
+    """
+    if "toilet" in wanted and wanted[0] not in _BATHING:
+        return [["toilet", "washbasin"], ["toilet"]]
     if len(wanted) < 3 or wanted[0] not in _BATHING:
         smaller = ["shower" if name == "bathtub" else name for name in wanted]
-        return [smaller, *([name] for name in smaller), ["toilet"], ["washbasin"]]
+        single = sorted(smaller, key=lambda name: name != "toilet")
+        return [smaller, *([name] for name in single), ["toilet"], ["washbasin"]]
     usual = [["shower", "toilet", "washbasin"]]
     # A bathtub is lower than the sill and may stand at a window, where no shower can.
     if wanted[0] == "shower":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
@@ -67,12 +68,9 @@ def _put_bed(floor: Floor) -> BedPlace | None:
     """The widest bed that suits the room's area and fits; narrower ones after it."""
     dice = floor.dice
     spare: tuple[BedPlace, Size, Size | None] | None = None
-    for length in sizes.BED_LENGTHS_M:
-        if length > 0.9 and length > 0.75 + 0.085 * floor.area_m2 + dice.uniform(-0.1, 0.25):
-            continue
-        size = sizes.bed(dice, length)
-        has_panel = length >= 1.2 and dice.random() < 0.8
-        panel = sizes.panel(dice, "bed_background", length) if has_panel else None
+    for size in _bed_sizes(floor):
+        has_panel = size[0] >= 1.2 and dice.random() < 0.8
+        panel = sizes.panel(dice, "bed_background", size[0]) if has_panel else None
         for place in _places(floor, size, panel[1] if panel else 0.0)[:MOST_PLACES]:
             mark = floor.mark()
             _put_bed_group(floor, place, size, panel)
@@ -84,6 +82,16 @@ def _put_bed(floor: Floor) -> BedPlace | None:
         _put_bed_group(floor, *spare)
         return spare[0]
     return None
+
+
+def _bed_sizes(floor: Floor) -> Iterator[Size]:
+    """Beds that suit the room, widest first; where it is tight a short one under the window last."""
+    for length in sizes.BED_LENGTHS_M:
+        widest = 0.75 + 0.085 * floor.area_m2 + floor.dice.uniform(-0.1, 0.25)
+        if length <= max(0.9, widest):
+            yield sizes.bed(floor.dice, length)
+    if floor.is_tight:
+        yield sizes.LEAST_BED
 
 
 def _is_tricky(floor: Floor) -> bool:

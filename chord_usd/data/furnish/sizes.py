@@ -10,7 +10,8 @@ from chord_usd.palette import CATEGORIES
 BED_LENGTHS_M = (2.0, 1.8, 1.5, 1.35, 1.2, 1.0, 0.9)
 """Across the bed, widest first."""
 
-COUNTER_DEPTH_M = 0.6
+LEAST_BED: Size = (0.9, 1.9, 0.85)
+"""Lower than a window sill."""
 
 
 def between(dice: random.Random, low: float, high: float, step: float = 0.05) -> float:
