@@ -174,18 +174,39 @@ def _values(finish: Finish) -> dict[str, tuple[str, Any]]:
 
 
 def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
-    """Colliders only: whether a piece may move is decided where it is placed."""
+    """Colliders only: whether a piece may move is decided where it is placed.
+
+    A bounding box is drawn as an unseen cube of its own. Engines that are asked for the box around
+    a mesh turn it until it is smallest, and a round table top gets corners that stick out.
+    """
     from pxr import UsdGeom, UsdPhysics
 
     stage = _new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
+    UsdGeom.Scope.Define(stage, f"/{design.id}/Colliders")
     for part in parts:
-        if part.collider is not None:
+        if part.collider == "boundingCube":
+            _define_box(stage, f"/{design.id}/Colliders/{part.name}", part.solid.bounds_m())
+        elif part.collider is not None:
             prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
             UsdPhysics.CollisionAPI.Apply(prim)
             mesh = UsdPhysics.MeshCollisionAPI.Apply(prim)
             mesh.CreateApproximationAttr(part.collider)
     _save(stage, path)
+
+
+def _define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> None:
+    """A collider that is a box between two corners, (2, 3)."""
+    from pxr import Gf, UsdGeom, UsdPhysics
+
+    low, high = bounds_m
+    cube = UsdGeom.Cube.Define(stage, path)
+    cube.CreateSizeAttr(1.0)
+    cube.CreateExtentAttr([Gf.Vec3f(-0.5), Gf.Vec3f(0.5)])
+    cube.CreatePurposeAttr(UsdGeom.Tokens.guide)
+    cube.AddTranslateOp().Set(Gf.Vec3d(*((low + high) / 2).tolist()))
+    cube.AddScaleOp().Set(Gf.Vec3f(*(high - low).tolist()))
+    UsdPhysics.CollisionAPI.Apply(cube.GetPrim())
 
 
 def _write_payload(design: Design, path: Path) -> None:

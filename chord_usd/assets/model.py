@@ -14,7 +14,8 @@ from chord_usd.errors import AssetError
 Collider = Literal["boundingCube", "convexHull", "none"]
 """USD Physics approximation; `none` collides with the triangles themselves (fixed, hollow parts).
 
-boundingCube is the steady one in the MuJoCo solver, so everything box-like has it.
+boundingCube, along the model's axes, is the steady one in the MuJoCo solver: whatever stands on the
+floor has it.
 """
 
 FIT_TOLERANCE = 0.08

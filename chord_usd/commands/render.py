@@ -59,6 +59,12 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--tile", type=tile, metavar="I/N", help="only band I of N, the top one is 0"
     )
+    parser.add_argument(
+        "--lighting",
+        default="",
+        metavar="NAME",
+        help="day, evening or another lighting of the stage (the one it has selected)",
+    )
     add_seed(parser)
     parser.add_argument(
         "--skip-existing", action="store_true", help="keep the pictures that are already there"
@@ -80,6 +86,7 @@ def run(options: argparse.Namespace) -> Outcome:
         device=options.device,
         tile=options.tile,
         skip_existing=options.skip_existing,
+        lighting=options.lighting,
     )
     stage = existing_file(options.stage)
     watch = stopwatch(options)

@@ -47,6 +47,9 @@ FIREFLY_WHITE = 10.0
 """Indirect light is clamped at this many times white. An absolute limit would take the bounced
 light out of a stage whose lamps are given in large numbers."""
 
+SUN_IMPORT = 4.0
+"""The importer makes suns this many times as strong as USD means them, measured on white."""
+
 CEILING = "Ceiling"
 """Names of ceilings start so."""
 
@@ -205,6 +208,9 @@ def _import_stage(job: Job) -> Any:
         # USD draws faces without normals flat, Blender's importer makes them smooth.
         if not mesh.has_custom_normals:
             mesh.shade_flat()
+    for light in bpy.data.lights:
+        if light.type == "SUN":
+            light.energy /= SUN_IMPORT
     if not job.has_dome:
         _paint_sky(scene.world)
     return scene

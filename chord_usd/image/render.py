@@ -16,6 +16,7 @@ from typing import Any
 from chord_usd.errors import OutputError, RenderError
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import StageCamera, StageViews, read_views
+from chord_usd.image.lighting import lit_stage
 from chord_usd.progress import Progress
 
 PASSES = ("rgb",)
@@ -51,6 +52,8 @@ class RenderOptions:
     """Leave pictures alone that are there already and decode to the wanted size."""
     exposure_ev: float | None = None
     """Exposure in stops for every picture; None meters each one."""
+    lighting: str = ""
+    """Choice of the stage's variant set `lighting`; empty for the one it has selected."""
 
     def __post_init__(self) -> None:
         """Raises RenderError for a combination that cannot be rendered."""
@@ -68,7 +71,15 @@ def render_stage(
     it, for a missing device and for a failure inside Blender, OutputError for a folder that
     cannot be written or a full disk.
     """
-    views = read_views(stage)
+    with lit_stage(stage, options.lighting) as lit:
+        return _render(stage, lit, folder, options, progress)
+
+
+def _render(
+    stage: Path, lit: Path, folder: Path, options: RenderOptions, progress: Progress | None
+) -> list[Path]:
+    """lit: the stage, or a layer over it, which is what Blender opens."""
+    views = read_views(lit)
     cameras = _chosen(stage, views, options)
     files = {c.name: folder.absolute() / picture_name(c.name, options.tile) for c in cameras}
     due = [
@@ -80,7 +91,7 @@ def render_stage(
     if due:
         follow = _Follower([camera.name for camera in due], options.samples, progress)
         try:
-            run_blender(_job(stage, views, due, files, options), follow)
+            run_blender(_job(lit, views, due, files, options), follow)
         finally:
             # The worker removes its own parts, unless it was ended.
             for camera in due:

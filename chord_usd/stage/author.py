@@ -19,10 +19,12 @@ from chord_usd.files import deliver
 from chord_usd.looks import Look, load_looks
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.furniture import extent_of, place_furniture
+from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_light
 from chord_usd.stage.looks import wear_looks
 from chord_usd.stage.names import NamedRoom, name_rooms
 from chord_usd.stage.packages import Packages
+from chord_usd.stage.physics import write_gravity
 from chord_usd.stage.prims import (
     Types,
     apply_schema,
@@ -105,11 +107,14 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
         for room in house.rooms:
             _open_room(layer, room)
         extent = draw_shell(layer, house.rooms, walls, architecture)
+        lamps = []
         for room in house.rooms:
             floor = walls.floors_m[room.index]
             place_furniture(layer, room, assets, Path(scratch))
-            hang_light(layer, room, floor)
+            lamps.append(hang_light(layer, room, walls))
             wear_looks(layer, room, floor, house.looks, materials, house.seed)
+    set_lighting(layer, lamps, walls, architecture)
+    _order_prims(layer, house.rooms)
     set_cameras(layer, house.rooms, walls)
     _set_render(layer, house.rooms)
     _hint_house(layer, extent, house.graph)
@@ -143,7 +148,7 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
     root = define(layer, "/House", "Xform", kind="assembly")
     identify(root, "House", f"./{target.name}")
     inherit(root, define_class(layer, "House"))
-    define(layer, "/House/PhysicsScene", "PhysicsScene")
+    write_gravity(layer, "/House/PhysicsScene")
     define(layer, "/House/Rooms", "Xform", kind="group")
     return layer
 
@@ -155,6 +160,17 @@ def _open_room(layer: Sdf.Layer, room: NamedRoom) -> None:
     inherit(prim, define_class(layer, "Room"))
     label(prim, "room", room.room.kind)
     note(prim, node_id=room.room.id, kind=room.room.kind, polygon_m=room.room.polygon_m)
+
+
+def _order_prims(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
+    """In the order of the design, where variants would put theirs first."""
+    for room in rooms:
+        prim = layer.GetPrimAtPath(f"/House/Rooms/{room.name}")
+        prim.nameChildrenOrder = ["Architecture", "Furniture", "Lights"]
+    house = layer.GetPrimAtPath("/House")
+    house.nameChildrenOrder = [
+        "PhysicsScene", "Rooms", "Exterior", "Lighting", "Cameras", "Render"
+    ]  # fmt: skip
 
 
 def _set_render(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:

@@ -17,10 +17,9 @@ from chord_usd.palette import category
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
 from chord_usd.stage.packages import Packages
-from chord_usd.stage.physics import let_move
+from chord_usd.stage.physics import let_move, write_collider
 from chord_usd.stage.prims import (
     bind,
-    collide,
     define,
     define_class,
     hint_extent,
@@ -101,7 +100,18 @@ def _refer(
     note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
     if OOD in item.extra:
         note(prim, ood=float(item.extra[OOD]))
+    _note_origin(prim, item)
     note_size(prim, box.size_m)
+    let_move(prim, item)
+
+
+def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
+    """Where in the layout raster it was seen, and how far its mesh missed its size."""
+    if "source_px" in item.extra:
+        note(prim, source_px=np.array(item.extra["source_px"], dtype=np.float64).reshape(-1, 2))
+    if item.asset is not None:
+        missed_m = np.subtract(item.asset.size_m[:2], item.box.size_m[:2])
+        note(prim, asset_distance_m=round(float(np.hypot(*missed_m)), 6))
 
 
 def _placeholder(scratch: Path) -> Asset:
@@ -124,7 +134,8 @@ def _draw_placeholder(interface: Path) -> None:
     write_surface(payload, material, PLAIN_SURFACES[PLACEHOLDER])
     prim = write_mesh(payload, root.AppendPath("Geometry/Box"), mesh)
     bind(prim, material)
-    collide(prim)
+    define(payload, root.AppendChild("Colliders"), "Scope")
+    write_collider(payload, root.AppendPath("Colliders/Box"), Box((0.0, 0.0, 0.0), (1, 1, 1), 0.0))
     payload.Save()
     layer = new_layer(interface, PLACEHOLDER)
     component = define(layer, root, "Xform", kind="component")

@@ -13,7 +13,7 @@ from shapely.geometry import Point, Polygon, box
 
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, place
-from chord_usd.stage.walls import ROOM_HEIGHT_M
+from chord_usd.stage.walls import ROOM_HEIGHT_M, Walls
 
 _BELOW_CEILING_M = 0.03
 _SHARE_OF_ROOM = 0.4
@@ -22,8 +22,6 @@ _SHARE_OF_ROOM = 0.4
 _FROM_WALL_M = 0.1
 _RADIANT_W_PER_M2 = 3.0
 """Power per floor area, so that every room is as bright as the next."""
-
-_TEMPERATURE_K = 5200.0
 
 
 @dataclass(frozen=True)
@@ -36,22 +34,34 @@ class Panel:
     """Along its own x and y."""
 
 
-def hang_light(layer: Sdf.Layer, room: NamedRoom, floor: Polygon) -> None:
-    """Write Lights/AreaLight of a room.
+@dataclass(frozen=True)
+class Lamp:
+    """The light of a room, as long as nobody has said how bright it is (lighting.py does)."""
 
-    The intensity is a radiance: a panel of area A emits pi * intensity * A, in Blender too.
-    """
+    path: Sdf.Path
+    radiance: float
+    """USD's intensity when fully on: a panel of area A emits pi * radiance * A, in Blender too."""
+    by_window: bool
+    """Whether daylight reaches its room."""
+
+
+def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
+    """Write Lights/AreaLight of a room, its brightness left open."""
+    floor = walls.floors_m[room.index]
     panel = panel_for(floor)
     scope = define(layer, f"/House/Rooms/{room.name}/Lights", "Scope")
     light = define(layer, scope.path.AppendChild("AreaLight"), "RectLight")
     place(light, at_m=(*panel.center_m, ROOM_HEIGHT_M - _BELOW_CEILING_M), yaw_deg=panel.yaw_deg)
     width, height = panel.size_m
-    intensity = _RADIANT_W_PER_M2 * floor.area / (math.pi * width * height)
     attribute(light, "inputs:width", Types.Float, width)
     attribute(light, "inputs:height", Types.Float, height)
-    attribute(light, "inputs:intensity", Types.Float, intensity)
     attribute(light, "inputs:enableColorTemperature", Types.Bool, True)
-    attribute(light, "inputs:colorTemperature", Types.Float, _TEMPERATURE_K)
+    by_window = any(
+        tunnel.opening.kind == "window" and room.room.id in tunnel.opening.room_ids
+        for tunnel in walls.tunnels.values()
+    )
+    radiance = _RADIANT_W_PER_M2 * floor.area / (math.pi * width * height)
+    return Lamp(light.path, radiance, by_window)
 
 
 def panel_for(floor: Polygon) -> Panel:

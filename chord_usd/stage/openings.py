@@ -20,6 +20,7 @@ from shapely.ops import unary_union
 
 from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
 from chord_usd.stage.walls import Tunnel, lining_faces, sill_faces
+from chord_usd.types import Box
 from chord_usd.units import rotation_2d
 
 PointM = tuple[float, float, float]
@@ -126,6 +127,13 @@ def fixed_parts(tunnel: Tunnel, *, inside: int) -> list[Part]:
 def leaf_parts(leaf: Leaf, *, glazed: bool) -> tuple[Part, ...]:
     """Meshes of a leaf, in the frame of its hinge. Most doors of a house are of one size."""
     return tuple(_glass_leaf(leaf) if glazed else _panel_leaf(leaf))
+
+
+def leaf_box(leaf: Leaf) -> Box:
+    """The room a leaf takes, in the frame of its hinge."""
+    left, right = _across(leaf)
+    size_m = (leaf.width_m, _LEAF_M, leaf.height_m - _GAP_M)
+    return Box(((left + right) / 2, 0.0, _GAP_M), size_m, 0.0)
 
 
 def leaves_of(tunnel: Tunnel) -> list[tuple[PointM, Leaf]]:

@@ -170,12 +170,6 @@ def write_mesh(layer: Sdf.Layer, path: Sdf.Path | str, mesh: Mesh) -> Sdf.PrimSp
     return prim
 
 
-def collide(prim: Sdf.PrimSpec) -> None:
-    """Make a mesh a fixed collider of its very triangles."""
-    apply_schema(prim, "PhysicsCollisionAPI", "PhysicsMeshCollisionAPI")
-    attribute(prim, "physics:approximation", Types.Token, "none", uniform=True)
-
-
 def add_variants(prim: Sdf.PrimSpec, name: str, choices: Sequence[str]) -> list[Sdf.PrimSpec]:
     """A variant set whose first choice is selected; returns what to write each choice into."""
     variants = Sdf.VariantSetSpec(prim, name)

@@ -23,15 +23,18 @@ from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
 from chord_usd.stage.openings import (
     CASING_WIDTH_M,
+    Leaf,
     Part,
+    PointM,
     fixed_parts,
+    leaf_box,
     leaf_parts,
     leaves_of,
     side_of,
 )
+from chord_usd.stage.physics import DOOR_OPENS_DEG, hang_leaf, write_collider
 from chord_usd.stage.prims import (
     bind,
-    collide,
     define,
     define_class,
     hint_extent,
@@ -52,13 +55,17 @@ from chord_usd.stage.walls import (
     Walls,
     free_stretches,
     top_faces,
+    wall_boxes,
     wall_faces,
 )
-from chord_usd.types import FloatArray, Opening
+from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.units import rotation_2d
 
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
+
+_SLAB_M = 0.2
+"""How far down a floor is solid."""
 
 _TILED = ("bathroom", "balcony")
 """Kinds of rooms without skirting boards."""
@@ -125,6 +132,18 @@ class _Component:
         self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
         return prim
 
+    def block(self, boxes: Sequence[Box]) -> None:
+        """Colliders of what is drawn as sheets."""
+        scope = define(self._layer, self._root.AppendChild("Colliders"), "Scope")
+        for index, box in enumerate(boxes):
+            write_collider(self._layer, scope.path.AppendChild(f"Box_{index}"), box)
+
+    def hang(self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf, side: int) -> None:
+        """Let a leaf swing towards +y of its opening where side is 1, towards -y where it is -1."""
+        turn_deg = DOOR_OPENS_DEG * (-side if drawn.hung_right else side)
+        limits_deg = (min(turn_deg, 0.0), max(turn_deg, 0.0))
+        hang_leaf(self._layer, leaf, hinge_m, leaf_box(drawn), limits_deg)
+
     def _material(self, name: str) -> Sdf.Path:
         path = self._root.AppendPath(f"Materials/{name}")
         if not self._layer.GetPrimAtPath(path):
@@ -170,13 +189,13 @@ def _draw_room(
         if faces:
             wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
             label(wall, "category", "wall")
-            collide(wall)
     if room.room.kind not in _TILED:
         skirting = _skirting(floor, lines, walls.tunnels.values())
         if skirting:
             component.mesh("Skirting", skirting, "Trim")
     for opening in room.openings:
         _draw_opening(component, opening, room, walls, rooms)
+    component.block([_slab(floor), *wall_boxes(lines)])
     component.save()
     return _refer(layer, f"/House/Rooms/{room.name}/Architecture", component)
 
@@ -184,9 +203,15 @@ def _draw_room(
 def _draw_floor_and_ceiling(component: _Component, room: NamedRoom, floor: Polygon) -> None:
     sheet = component.mesh("Floor", flat(floor, 0.0, up=True), floor_material(room))
     label(sheet, "category", "floor")
-    collide(sheet)
     ceiling = component.mesh("Ceiling", flat(floor, ROOM_HEIGHT_M, up=False), "Ceiling")
     label(ceiling, "category", "ceiling")
+
+
+def _slab(floor: Polygon) -> Box:
+    """What carries a room and its thresholds. Everything in a house stands at one height."""
+    west, south, east, north = floor.buffer(WALL_THICKNESS_M).bounds
+    middle = ((west + east) / 2, (south + north) / 2, -_SLAB_M)
+    return Box(middle, (east - west, north - south, _SLAB_M), 0.0)
 
 
 def _draw_opening(
@@ -208,14 +233,31 @@ def _draw_opening(
     if tunnel is None:  # rooms that touch have no wall to cut
         return
     indoors = walls.floors_m[room.index].representative_point().coords[0]
-    for part in fixed_parts(tunnel, inside=side_of(indoors, tunnel)):
+    inside = side_of(indoors, tunnel)
+    for part in fixed_parts(tunnel, inside=inside):
         _draw_part(component, named.name, part, room, frame)
-    glazed = _is_glazed(opening, rooms)
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
-        name = f"{named.name}/Leaf_{index}"
-        place(component.group(name), at_m=hinge_m, yaw_deg=0.0)
-        for part in leaf_parts(leaf, glazed=glazed):
-            _draw_part(component, name, part, room, frame.inner(hinge_m))
+        drawn = component.group(f"{named.name}/Leaf_{index}")
+        place(drawn, at_m=hinge_m, yaw_deg=0.0)
+        for part in leaf_parts(leaf, glazed=_is_glazed(opening, rooms)):
+            _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
+        component.hang(drawn, hinge_m, leaf, _opens_to(tunnel, walls, inside))
+
+
+def _opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:
+    """The side a door's leaves swing to: where more floor is free, else into its own room.
+
+    1 is towards the opening's own +y, -1 towards its -y.
+    """
+    box = tunnel.opening.box
+    reach_m = WALL_THICKNESS_M / 2 + box.size_m[0]
+    floors = unary_union(walls.floors_m)
+    shares = {}
+    for side in (inside, -inside):
+        middle = np.array(box.center_m[:2]) + rotation_2d(box.yaw_deg)[:, 1] * side * reach_m / 2
+        swept = Box((middle[0], middle[1], 0.0), (box.size_m[0], reach_m, 1.0), box.yaw_deg)
+        shares[side] = round(footprint_polygon(swept).intersection(floors).area, 2)
+    return max(shares, key=lambda side: shares[side])
 
 
 def _draw_part(
@@ -223,9 +265,7 @@ def _draw_part(
 ) -> None:
     looks = {"Wall": wall_material(room), "Floor": floor_material(room)}
     material = looks.get(part.surface, part.surface)
-    mesh = component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
-    if part.surface == "Floor":  # one walks over thresholds
-        collide(mesh)
+    component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
 
 
 def _is_glazed(opening: Opening, rooms: Sequence[NamedRoom]) -> bool:

@@ -21,7 +21,7 @@ from shapely.ops import unary_union
 
 from chord_usd.geometry import polygons_of, room_polygon, wall_area
 from chord_usd.stage.mesh import Face, flat, upright
-from chord_usd.types import WALL_THICKNESS_M, FloatArray, Opening, Plan, Room
+from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Plan, Room
 from chord_usd.units import rotation_2d
 
 ROOM_HEIGHT_M = 2.7
@@ -41,6 +41,9 @@ _SLIT_M = 0.02
 
 _SHAFT_M2 = 0.5
 """Voids between walls smaller than this are filled."""
+
+BOX_DEPTH_M = 0.1
+"""Less than half a wall, so that the boxes behind its two faces stay apart."""
 
 _REACH_M = 0.15
 """How far beyond its own depth an opening looks for the two faces of its wall."""
@@ -144,6 +147,38 @@ def wall_faces(lines: Sequence[WallLine]) -> list[Face]:
                 if not any(hole.low_m <= low and high <= hole.high_m for hole in cut):
                     faces.append(upright(start, end, low, high, along_m=along))
     return faces
+
+
+def wall_boxes(lines: Sequence[WallLine]) -> list[Box]:
+    """What one runs into: upright boxes behind the lines, with the holes left free.
+
+    They reach BOX_DEPTH_M into the wall from its face, along which their length lies.
+    """
+    boxes = []
+    for line in lines:
+        for start, end, holes in _columns(line):
+            for low, high in _solid_spans(holes):
+                boxes.append(_box_behind(start, end, low, high))
+    return boxes
+
+
+def _solid_spans(holes: Sequence[Hole]) -> list[tuple[float, float]]:
+    """(low, high) of what is wall in a column with these holes."""
+    stops = sorted({0.0, ROOM_HEIGHT_M, *(h for hole in holes for h in (hole.low_m, hole.high_m))})
+    return [
+        (low, high)
+        for low, high in pairwise(stops)
+        if not any(hole.low_m <= low and high <= hole.high_m for hole in holes)
+    ]
+
+
+def _box_behind(start: FloatArray, end: FloatArray, low_m: float, high_m: float) -> Box:
+    along = end - start
+    length = float(np.hypot(*along))
+    behind = np.array([-along[1], along[0]]) / length * (BOX_DEPTH_M / 2)
+    x, y = (start + end) / 2 + behind
+    yaw_deg = float(np.degrees(np.arctan2(along[1], along[0])))
+    return Box((float(x), float(y), low_m), (length, BOX_DEPTH_M, high_m - low_m), yaw_deg)
 
 
 def lining_faces(tunnel: Tunnel) -> list[Face]:

@@ -213,6 +213,6 @@ def test_an_unknown_category_is_an_error(staged_graph: SceneGraph, tmp_path: Pat
 
 
 def test_references_are_relative(staged_house: Path) -> None:
-    for path in [staged_house, *staged_house.parent.glob("*_architecture/*")]:
+    for path in [staged_house, *staged_house.parent.glob("*_architecture/*.usdc")]:
         text = Sdf.Layer.FindOrOpen(str(path)).ExportToString()
         assert all(target.startswith("./") for target in re.findall(r"@([^@]+)@", text))

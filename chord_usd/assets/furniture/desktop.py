@@ -84,14 +84,15 @@ def standing_books(size_m: Size) -> tuple[Part, ...]:
         x, count = x + thick, count + 1
     end = block((end_m, width, height * 0.62), 0.001).moved((length - end_m) / 2)
     row = [
-        Part(f"Books_{slot[-1].upper()}", joined(solids), slot)
+        Part(f"Books_{slot[-1].upper()}", joined(solids), slot, collider=None)
         for slot, solids in covers.items()
         if solids
     ]
     return (
         *row,
         Part("Pages", joined(pages), "paper", collider=None),
-        Part("Bookends", mirrored_pair(end), "metal", collider=None),
+        # The box around both ends is the box around the row, and stands upright.
+        Part("Bookends", mirrored_pair(end), "metal"),
     )  # fmt: skip
 
 
@@ -283,8 +284,7 @@ def electronic(
         body = lathe([(0.46, 0), (0.5, 0.03), (0.5, 0.9), (0.44, 1.0), (0, 1.0)], 36)
         base = lathe([(0.47, 0), (0.505, 0.02), (0.505, 0.1), (0.47, 0.11)], 36)
         return (
-            Part("Speaker", body.scaled(length * 0.98, width * 0.98, height), "cloth",
-                 "convexHull"),
+            Part("Speaker", body.scaled(length * 0.98, width * 0.98, height), "cloth"),
             Part("Base", base.scaled(length * 0.99, width * 0.99, height), "metal", None),
         )  # fmt: skip
     case = block((length, width - 0.003, height), 0.006).moved(y=0.0015)
@@ -337,11 +337,11 @@ def photo_frame(size_m: Size) -> tuple[Part, ...]:
         solid.turned("x", -lean_deg).moved(y=back + 0.001) for solid in (frame, mat, sky, hill)
     ]
     return (
-        Part("Frame", tilted[0], "wood", collider="convexHull"),
+        Part("Frame", tilted[0], "wood"),
         Part("Mat", tilted[1], "paper", collider=None),
         Part("Sky", tilted[2], "sky", collider=None),
         Part("Hill", tilted[3], "land", collider=None),
-        Part("Prop", prop, "wood", collider=None),
+        Part("Prop", prop, "wood"),
     )  # fmt: skip
 
 

@@ -174,7 +174,7 @@ def lounge_chair(size_m: Size) -> tuple[Part, ...]:
         for y, z in ((front_y + 0.07, 0.3), (back_y - 0.19, 0.25))
     ]
     return (
-        Part("Frame", mirrored_pair(side) + joined(bars), "frame", collider="convexHull"),
+        Part("Frame", mirrored_pair(side) + joined(bars), "frame"),
         Part("Seat", seat.moved(y=-0.1, z=0.31), "cushion"),
         Part("Back", back, "cushion"),
     )
@@ -256,8 +256,8 @@ def office_chair(size_m: Size) -> tuple[Part, ...]:
     arm = [[0, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.63]]
     rest = rounded_slab((0.05, 0.24, 0.025), 0.025, 0.008).moved(length / 2 - 0.025, 0.02, 0.63)
     return (
-        Part("Foot", joined(spokes), "metal", collider="convexHull"),
-        Part("Castors", joined(castors), "rubber", collider=None),
+        Part("Foot", joined(spokes), "metal"),
+        Part("Castors", joined(castors), "rubber"),
         Part("Lift", stem, "metal"),
         Part("Seat", seat.moved(y=-0.04, z=0.395), "seat"),
         Part("Back", back, "seat"),

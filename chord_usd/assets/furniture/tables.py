@@ -80,7 +80,7 @@ def pedestal_table(size_m: Size, *, foot_m: float = 0.28) -> tuple[Part, ...]:
     ]  # fmt: skip
     return (
         Part("Top", top.moved(z=height - 0.03), "top"),
-        Part("Column", lathe(column, 28), "leg", collider="convexHull"),
+        Part("Column", lathe(column, 28), "leg"),
     )
 
 
@@ -102,7 +102,7 @@ def drawer_desk(size_m: Size, *, side: Literal["left", "right"] = "right") -> tu
     return (
         Part("Top", top, "top"),
         Part("Pedestal", pedestal, "body"),
-        Part("Pedestal_Feet", feet, "leg", collider=None),
+        Part("Pedestal_Feet", feet, "leg"),
         *(Part(p.name, p.solid.moved(x=x), p.slot, p.collider) for p in fronts),
         Part("Side_Panel", panel, "body"),
         Part("Modesty_Panel", modesty.moved(-sign * wide / 2, width / 2 - 0.08, tall - 0.35),

@@ -32,7 +32,7 @@ def ornament(size_m: Size, *, kind: Literal["vase", "ring"] = "vase") -> tuple[P
             (0.22, 1.0), (0.15, 0.9), (0.15, 0.8), (0.0, 0.78),
         ]  # fmt: skip
         vase = lathe([(r, z) for r, z in profile], 32)
-        return (Part("Vase", vase.scaled(length, width, height), "ceramic", "convexHull"),)
+        return (Part("Vase", vase.scaled(length, width, height), "ceramic"),)
     foot_h = height * 0.18
     bar = min(width, length * 0.3) / 2
     radius = min((height - foot_h) / 2, length / 2) - bar
@@ -79,7 +79,7 @@ def plant(size_m: Size, *, leaves: int = 18, kind: str = "broad") -> tuple[Part,
         blades.append(blade.turned("z", turn))
     foliage = _filled(joined(blades), length, width, pot_h * 0.88, height)
     return (
-        Part("Pot", pot, "pot", collider="convexHull"),
+        Part("Pot", pot, "pot"),
         Part("Soil", soil, "soil", collider=None),
         Part("Leaves", foliage, "leaf", collider=None),
     )
@@ -259,7 +259,7 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
     cork = cylinder(r * 0.3, height * 0.03, 0, 16).moved(z=height * 0.97)
     x = 0.0 if kind == "bottle" else -length / 2 + r + 0.001
     parts = [
-        Part("Bottle", bottle.moved(x), "bottle", collider="convexHull"),
+        Part("Bottle", bottle.moved(x), "bottle"),
         Part("Label", label.moved(x, 0, height * 0.16), "paper", collider=None),
         Part("Cork", cork.moved(x), "cork", collider=None),
     ]

@@ -1,0 +1,62 @@
+"""Choosing a stage's lighting for a picture without touching the stage."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from chord_usd.errors import RenderError
+from chord_usd.image.cameras import open_stage
+
+VARIANT_SET = "lighting"
+"""On the default prim."""
+
+_KEPT = ("defaultPrim", "upAxis", "metersPerUnit")
+"""Metadata that a stage takes from its topmost layer alone."""
+
+
+@contextmanager
+def lit_stage(path: Path, lighting: str) -> Iterator[Path]:
+    """Yield a stage with this choice of its variant set `lighting`; "" yields the stage itself.
+
+    It is a layer over the stage, thrown away afterwards. Raises StageError for a stage that cannot
+    be read, RenderError with the choices there are.
+    """
+    if not lighting:
+        yield path
+        return
+    house = _check(path, lighting)
+    with tempfile.TemporaryDirectory(prefix="chord-usd-lit-") as folder:
+        file = Path(folder) / "lit.usda"
+        _write_choice(path, house, lighting, file)
+        yield file
+
+
+def _check(path: Path, lighting: str) -> str:
+    """Name of the prim with the variant set."""
+    stage = open_stage(path)
+    house = stage.GetDefaultPrim()
+    choices = house.GetVariantSet(VARIANT_SET).GetVariantNames() if house else []
+    if lighting not in choices:
+        raise RenderError(
+            f"has no lighting '{lighting}'",
+            where=str(path),
+            expected=f"one of {', '.join(choices)}" if choices else "a stage with such variants",
+        )
+    return str(house.GetName())
+
+
+def _write_choice(path: Path, house: str, lighting: str, file: Path) -> None:
+    from pxr import Sdf
+
+    below = Sdf.Layer.FindOrOpen(str(path.absolute()))
+    layer = Sdf.Layer.CreateNew(str(file))
+    layer.subLayerPaths.append(str(path.absolute()))
+    for key in _KEPT:
+        if below.pseudoRoot.HasInfo(key):
+            layer.pseudoRoot.SetInfo(key, below.pseudoRoot.GetInfo(key))
+    prim = Sdf.PrimSpec(layer, house, Sdf.SpecifierOver)
+    prim.variantSelections[VARIANT_SET] = lighting
+    layer.Save()

@@ -1,0 +1,110 @@
+"""What can move and how heavy it is; doors on their hinges.
+
+Furniture brings its colliders. A piece that people move becomes a rigid body; what is built in or
+too heavy to push stays a collider without a body. Walls and floors are sheets, which no solver
+takes for a collider (MuJoCo makes hulls of meshes, and closes the doors with them): unseen boxes
+behind them do that.
+"""
+
+from __future__ import annotations
+
+from pxr import Gf, Sdf, Vt
+
+from chord_usd.stage.prims import Types, apply_schema, attribute, define, place, relate
+from chord_usd.types import Box, Item
+
+GRAVITY_M_PER_S2 = 9.81
+
+KG_PER_M3: dict[str, float] = {
+    "chair": 30.0,
+    "dining_table": 40.0,
+    "table": 70.0,
+    "coffee_table": 75.0,
+    "side_coffee_table": 50.0,
+    "bedside_table": 120.0,
+    "sofa": 35.0,
+    "single_sofa": 40.0,
+    "leisure_sofa": 40.0,
+    "lying_book": 700.0,
+    "standing_book": 550.0,
+    "magazine": 900.0,
+    "all_in_one_computer": 90.0,
+    "laptop": 90.0,
+    "big_mouse_pad": 400.0,
+    "table_lamp": 50.0,
+    "small_ornament": 600.0,
+    "pen_holder": 300.0,
+    "big_plant": 80.0,
+    "small_plant": 150.0,
+    "coffee_cup": 200.0,
+    "electronic": 400.0,
+    "photo_frame": 150.0,
+    "food": 250.0,
+    "dinner_set": 120.0,
+    "drinks": 450.0,
+}
+"""Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
+that are not in the table stay where they are."""
+
+_LEAF_KG_PER_M2 = 14.0
+"""An inner door; glass ones are about as heavy."""
+
+DOOR_OPENS_DEG = 90.0
+
+
+def write_gravity(layer: Sdf.Layer, path: str) -> None:
+    """The physics scene: gravity along -z."""
+    scene = define(layer, path, "PhysicsScene")
+    attribute(scene, "physics:gravityDirection", Types.Vector3f, Gf.Vec3f(0.0, 0.0, -1.0))
+    attribute(scene, "physics:gravityMagnitude", Types.Float, GRAVITY_M_PER_S2)
+
+
+def let_move(prim: Sdf.PrimSpec, item: Item) -> None:
+    """Make an item a rigid body with its mass, if it is one that people move."""
+    if item.category in KG_PER_M3:
+        length, width, height = item.box.size_m
+        _give_body(prim, KG_PER_M3[item.category] * length * width * height)
+
+
+def hang_leaf(
+    layer: Sdf.Layer,
+    leaf: Sdf.PrimSpec,
+    hinge_m: tuple[float, float, float],
+    box: Box,
+    opens_deg: tuple[float, float],
+) -> None:
+    """Make a door's leaf a body that turns about its own z axis, beside it a joint `Hinge_n`.
+
+    hinge_m: the leaf's origin in the frame of its door. box: what the leaf fills, in its own frame.
+    opens_deg: the smallest and the largest turn; closed is 0.
+    """
+    _give_body(leaf, _LEAF_KG_PER_M2 * box.size_m[0] * box.size_m[2])
+    write_collider(layer, leaf.path.AppendChild("Collider"), box)
+    path = leaf.path.GetParentPath().AppendChild(leaf.name.replace("Leaf", "Hinge"))
+    joint = define(layer, path, "PhysicsRevoluteJoint")
+    relate(joint, "physics:body0", [leaf.path.GetParentPath()])
+    relate(joint, "physics:body1", [leaf.path])
+    attribute(joint, "physics:axis", Types.Token, "Z", uniform=True)
+    attribute(joint, "physics:localPos0", Types.Point3f, Gf.Vec3f(*hinge_m))
+    attribute(joint, "physics:localPos1", Types.Point3f, Gf.Vec3f(0.0))
+    attribute(joint, "physics:localRot0", Types.Quatf, Gf.Quatf(1.0))
+    attribute(joint, "physics:localRot1", Types.Quatf, Gf.Quatf(1.0))
+    attribute(joint, "physics:lowerLimit", Types.Float, opens_deg[0])
+    attribute(joint, "physics:upperLimit", Types.Float, opens_deg[1])
+
+
+def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box) -> None:
+    """A box that is not seen but felt; its size is also its scale."""
+    cube = define(layer, path, "Cube")
+    apply_schema(cube, "PhysicsCollisionAPI")
+    attribute(cube, "purpose", Types.Token, "guide", uniform=True)
+    attribute(cube, "size", Types.Double, 1.0)
+    extent = Vt.Vec3fArray([Gf.Vec3f(-0.5), Gf.Vec3f(0.5)])
+    attribute(cube, "extent", Types.Float3Array, extent)
+    x, y, z = box.center_m
+    place(cube, at_m=(x, y, z + box.size_m[2] / 2), yaw_deg=box.yaw_deg, scale=box.size_m)
+
+
+def _give_body(prim: Sdf.PrimSpec, mass_kg: float) -> None:
+    apply_schema(prim, "PhysicsRigidBodyAPI", "PhysicsMassAPI")
+    attribute(prim, "physics:mass", Types.Float, round(mass_kg, 4))
