@@ -63,13 +63,24 @@ class NoiseError:
         drawings: of one batch. The noise of a time is shared by all of them, so that differences
         between layouts are not those of the noise. What is no floor has no error.
         """
-        plans = self.model.plans([drawing.plan_image for drawing in drawings])
-        clean = torch.cat([self._clean(drawing) for drawing in drawings])
+        images = [drawing.plan_image for drawing in drawings]
+        windows = self.model.windows(images)
+        plans = self.model.plans(images, windows)
+        clean = torch.cat(
+            [
+                self._clean(drawing)[:, :, window[0], window[1]]
+                for drawing, window in zip(drawings, windows, strict=True)
+            ]
+        )
         generator = torch.Generator().manual_seed(seed)
         for time in times:
             noise = torch.randn(clean.shape[1:], generator=generator).to(clean.device)
             error = self._squared_error(clean, noise.expand_as(clean), plans, time)
-            yield (error * plans.inside[:, 0]).cpu().numpy()
+            inside = (error * plans.inside[:, 0]).cpu().numpy()
+            maps = np.zeros((len(drawings), *drawings[0].labels.shape), np.float32)
+            for whole, part, window in zip(maps, inside, windows, strict=True):
+                whole[window] = part
+            yield maps
 
     @torch.inference_mode()
     def _squared_error(self, clean: Tensor, noise: Tensor, plans: Plans, time: int) -> Tensor:

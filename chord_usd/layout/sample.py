@@ -235,6 +235,12 @@ class LayoutModel:
         labels = torch.zeros((1, *like.shape[-2:]), dtype=torch.long, device=like.device)
         return self.checkpoint.network.encode(labels, labels > 0)
 
+    def windows(self, plan_images: Sequence[PlanImage]) -> list[Window]:
+        """What the network looks at of each raster: windows of one size that hold their houses."""
+        sizes = np.array([self._window_size(image) for image in plan_images])
+        height, width = (int(side) for side in sizes.max(axis=0))
+        return [window_of(image.rgb, (height, width)) for image in plan_images]
+
     def _window_size(self, plan_image: PlanImage) -> WindowSize:
         """What the network looks at: the house alone, but the paper's network the whole canvas."""
         if self.config.state == "rgb":

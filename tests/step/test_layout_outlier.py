@@ -37,8 +37,9 @@ class Knowing(LayoutModel):
     """A model that sees through all noise to one layout."""
 
     def tell(self, drawing: Drawing) -> None:
-        self.labels = torch.from_numpy(drawing.labels.astype(np.int64))[None]
-        self.front = torch.from_numpy(drawing.front)[None]
+        (window,) = self.windows([drawing.plan_image])
+        self.labels = torch.from_numpy(drawing.labels[window].astype(np.int64))[None]
+        self.front = torch.from_numpy(drawing.front[window].copy())[None]
 
     def predict(self, state, times, plans):
         logits = torch.nn.functional.one_hot(self.labels, 29).permute(0, 3, 1, 2) * 60.0
