@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from .edits import opened_file
+
 Source = Literal["PLAN", "TEXT", "OUTLINE"]
 
 PLAN_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".json")
@@ -68,19 +70,19 @@ def regenerate(house: Path, room: str, seed: int, assets: str = "") -> list[str]
 
 
 def check(house: Path) -> list[str]:
-    """Arguments that certify the house."""
-    return ["check", str(_existing(house)), *_REPORT]
+    """Arguments that certify the house with its changes."""
+    return ["check", str(opened_file(_existing(house))), *_REPORT]
 
 
 def render(
     house: Path, folder: Path, cameras: Sequence[str], samples: int, resolution: tuple[int, int]
 ) -> list[str]:
-    """Arguments that render cameras, all of them where none is named."""
+    """Arguments that render cameras, all of them where none is named, with the changes."""
     chosen = [part for camera in cameras for part in ("--camera", camera)]
     width, height = resolution
     return [
         "render",
-        str(_existing(house)),
+        str(opened_file(_existing(house))),
         "-o",
         str(folder),
         *chosen,

@@ -32,12 +32,13 @@ ALLOWED: dict[str, set[str]] = {
     "pipeline": {*STEPS, "assets"},
     "commands": {"pipeline", *STEPS, *WORKSHOP},
     "cli": {"commands"},
+    "__main__": {"cli"},
 }
 """What a part may import besides itself and the base modules."""
 
 HEAVY = {
     "torch": ("layout", "graph", "training", "evaluation"),
-    "diffusers": ("layout", "training"),
+    "diffusers": ("layout", "training", "evaluation"),
     "ultralytics": ("graph", "training"),
     "pxr": ("stage", "assets", "image"),
     "bpy": ("image",),
