@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -19,10 +19,11 @@ from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.training.memory import keep_freed_memory
+from chord_usd.training.shards import load_state, save_state
 from chord_usd.training.stream import Batch, LayoutStream, StreamConfig, batch_loader
 from chord_usd.types import Plan
 
-STATE_FILE = "state.pt"
+STATE_FOLDER = "state"
 LOG_FILE = "losses.csv"
 LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
 
@@ -102,31 +103,39 @@ class LayoutTrainer:
 
     def resume(self) -> bool:
         """Takes up the run in the folder; False where there is none."""
-        path = self.folder / STATE_FILE
-        if not path.is_file():
+        found = load_state(self.folder / STATE_FOLDER, str(self.device))
+        if found is None:
             return False
-        state = torch.load(path, map_location=self.device, weights_only=True)
-        self.network.load_state_dict(state["network"])
-        self.average.load_state_dict(state["average"])
-        self.optimiser.load_state_dict(state["optimiser"])
-        self.step, self.minutes_before = state["step"], state["minutes"]
+        tensors, counters = found
+        self.network.load_state_dict(_below(tensors, "network"))
+        self.average.load_state_dict(_below(tensors, "average"))
+        self.step, self.minutes_before = counters["step"], counters["minutes"]
+        for name, parameter in self.network.named_parameters():
+            self.optimiser.state[parameter] = {
+                "step": torch.tensor(float(counters["optimiser_steps"])),
+                **{key: tensors[f"{key}.{name}"].to(parameter) for key in _MOMENTS},
+            }
         return True
 
     def save(self) -> None:
-        """Writes the resumable state and the checkpoint folder, each atomically."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        partial = self.folder / (STATE_FILE + ".part")
-        torch.save(
-            {
-                "network": self.network.state_dict(),
-                "average": self.average.state_dict(),
-                "optimiser": self.optimiser.state_dict(),
-                "step": self.step,
-                "minutes": self.minutes_before + self.minutes,
-            },
-            partial,
-        )
-        partial.replace(self.folder / STATE_FILE)
+        """Writes the resumable state and the checkpoint folder, each as a whole.
+
+        Only the weights themselves are kept in full: half the digits do for averages and moments.
+        """
+        tensors = {f"network.{name}": t for name, t in self.network.state_dict().items()}
+        for name, average in self.average.state_dict().items():
+            tensors[f"average.{name}"] = average.to(torch.float16)
+        steps = 0.0
+        for name, parameter in self.network.named_parameters():
+            own = self.optimiser.state[parameter]
+            steps = float(own["step"])
+            tensors |= {f"{key}.{name}": own[key].to(torch.bfloat16) for key in _MOMENTS}
+        counters = {
+            "step": self.step,
+            "minutes": self.minutes_before + self.minutes,
+            "optimiser_steps": steps,
+        }
+        save_state(self.folder / STATE_FOLDER, tensors, counters)
         save_checkpoint(self.folder / "checkpoint", self.average, self.training_record())
 
     def training_record(self) -> dict[str, object]:
@@ -268,6 +277,19 @@ class LayoutTrainer:
         from chord_usd.training.sheets import draw_sheet
 
         draw_sheet(self.average, self.folder / "sheets" / f"step_{self.step:07d}.png", self.device)
+
+
+_MOMENTS = ("exp_avg", "exp_avg_sq")
+"""What Adam keeps of every weight."""
+
+
+def _below(tensors: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
+    """The tensors whose names begin so, without the prefix, in float32."""
+    return {
+        name.removeprefix(f"{prefix}."): tensor.float()
+        for name, tensor in tensors.items()
+        if name.startswith(f"{prefix}.")
+    }
 
 
 def _has_bfloat16(device: torch.device) -> bool:

@@ -7,9 +7,11 @@ import pytest
 import torch
 
 from chord_usd import raster
+from chord_usd.errors import CheckpointError
 from chord_usd.layout.checkpoint import load_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import PRESETS, LayoutConfig
+from chord_usd.training import shards
 from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 from chord_usd.training.sheets import draw_sheet
 from chord_usd.training.stream import LayoutStream, StreamConfig, batch_loader
@@ -48,9 +50,47 @@ def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
     assert second.resume()
     assert second.step == first.step
     assert second.minutes_before == pytest.approx(first.minutes, abs=0.1)
+    for name, tensor in first.network.state_dict().items():
+        assert torch.equal(tensor, second.network.state_dict()[name])
     for name, tensor in first.average.state_dict().items():
-        assert torch.equal(tensor, second.average.state_dict()[name])
+        assert torch.allclose(tensor, second.average.state_dict()[name], rtol=2e-3, atol=1e-6)
+    moments = [
+        trainer.optimiser.state[next(trainer.network.parameters())] for trainer in (first, second)
+    ]
+    assert float(moments[0]["step"]) == float(moments[1]["step"])
+    assert torch.allclose(moments[0]["exp_avg"], moments[1]["exp_avg"], rtol=1e-2, atol=1e-8)
+    second.train([], lambda row: None)
+    assert second.step > first.step
     assert not LayoutTrainer(TINY, QUICK, tmp_path / "empty").resume()
+
+
+def test_shards_are_small_and_come_back_whole(tmp_path, monkeypatch):
+    monkeypatch.setattr(shards, "MAX_SHARD_BYTES", 2**18 + 4000)
+    tensors = {"big": torch.randn(50, 60), "small": torch.arange(7), "none": torch.zeros(0, 3)}
+    shards.save_state(tmp_path / "state", tensors, {"step": 3})
+    files = list((tmp_path / "state").glob("*.safetensors"))
+    assert len(files) > 2
+    assert max(file.stat().st_size for file in files) < shards.MAX_SHARD_BYTES
+    found, counters = shards.load_state(tmp_path / "state", "cpu")
+    assert counters == {"step": 3}
+    for name, tensor in tensors.items():
+        assert torch.equal(found[name], tensor)
+
+
+def test_a_save_that_was_cut_short_leaves_the_one_before(tmp_path):
+    shards.save_state(tmp_path / "state", {"w": torch.ones(2)}, {"step": 1})
+    (tmp_path / "state").rename(tmp_path / "state.old")
+    (tmp_path / "state.part").mkdir()
+    found = shards.load_state(tmp_path / "state", "cpu")
+    assert found is not None
+    assert found[1] == {"step": 1}
+
+
+def test_a_damaged_shard_is_named(tmp_path):
+    shards.save_state(tmp_path / "state", {"w": torch.ones(2)}, {})
+    (tmp_path / "state" / "00.safetensors").write_bytes(b"broken")
+    with pytest.raises(CheckpointError, match="damaged"):
+        shards.load_state(tmp_path / "state", "cpu")
 
 
 def test_the_checkpoint_is_the_moving_average_and_says_how_it_was_trained(tmp_path):
