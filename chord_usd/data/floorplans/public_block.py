@@ -9,7 +9,10 @@ from chord_usd.data.floorplans.programme import Programme, floor_area
 from chord_usd.data.floorplans.sketch import WALL, Point, Sketch, rectangle, tidy
 
 _LEAST_KITCHEN = 195
-_LEAST_DINING = 260
+_LEAST_DINING = 290
+_WIDE_DINING = 300
+"""What a dining room would like to be wide: a table, chairs on both sides, and a way past."""
+
 _NECK = 150
 """Least width of the part of a living room that runs past the kitchen."""
 
@@ -68,7 +71,8 @@ def _in_a_row(dice: Dice, block: Block, kitchen_area: float) -> Sketch:
     edge = block.top - deep
     if edge - low < _LEAST_DINING or dice.chance(0.4):
         wanted = kitchen_area / (block.top - low - WALL) + WALL
-        right = int(min(max(wanted, _LEAST_KITCHEN), block.width - 240)) - block.width
+        widest = max(block.width - _WIDE_DINING, min(_LEAST_KITCHEN, block.width - 240))
+        right = int(min(max(wanted, _LEAST_KITCHEN), widest)) - block.width
         dining = sketch.add("dining", rectangle(right, low, 0, block.top))
         kitchen = sketch.add("kitchen", rectangle(-block.width, low, right, block.top))
     else:

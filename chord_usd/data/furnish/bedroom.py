@@ -85,7 +85,7 @@ def _put_bed(floor: Floor) -> BedPlace | None:
 
 
 def _bed_sizes(floor: Floor) -> Iterator[Size]:
-    """Beds that suit the room, widest first; where it is tight a short one under the window last."""
+    """Beds that suit the room, widest first; where it is tight a short and low one last."""
     for length in sizes.BED_LENGTHS_M:
         widest = 0.75 + 0.085 * floor.area_m2 + floor.dice.uniform(-0.1, 0.25)
         if length <= max(0.9, widest):

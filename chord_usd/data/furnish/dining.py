@@ -10,7 +10,7 @@ from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_dining_cabinet
 from chord_usd.data.furnish.walls import MARGIN_M, REACH, Wall
 
-PULL_OUT_M = 0.3
+PULL_OUT_M = 0.2
 """Free floor behind the chairs, to pull them out."""
 
 ELBOW_M = 0.1

@@ -52,8 +52,8 @@ def furnish_living(floor: Floor, *, with_dining: bool) -> None:
 def put_sofa_group(floor: Floor) -> None:
     """The longest sofa that fits with a television opposite; else a sofa alone; else armchairs."""
     dice = floor.dice
-    usual = min(3.0, 1.7 + 0.06 * floor.area_m2)
-    for length in (usual + dice.uniform(-0.2, 0.3), 2.1, 1.8, 1.5):
+    usual = min(2.6, 1.65 + 0.05 * floor.area_m2)
+    for length in (usual + dice.uniform(-0.25, 0.3), 2.2, 1.9, 1.5):
         sofa = _sofa(floor, length)
         panel = sizes.panel(dice, "sofa_background", sofa[0]) if dice.random() < 0.97 else None
         tv_m = min(2.6, sofa[0] + 0.2)
