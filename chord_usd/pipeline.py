@@ -40,6 +40,8 @@ class Settings:
     """Same plan, same seed, same settings: same bytes."""
     steps: int | None = None
     """Sampler steps; None takes what the checkpoint was tuned for."""
+    sampler: str = "ddim"
+    """ddim, dpm or ddpm (layout.schedule)."""
     m_per_px: float | None = None
     """Scale of a plan picture; None measures it from the walls."""
     device: str = "auto"
@@ -132,7 +134,13 @@ def draw_layout(
     progress: Progress | None = None,
 ) -> LayoutImage:
     """PlanImage -> LayoutImage, by the diffusion model; its provenance names the plan file."""
-    layout = model.sample(plan_image, seed=settings.seed, steps=settings.steps, progress=progress)
+    layout = model.sample(
+        plan_image,
+        seed=settings.seed,
+        steps=settings.steps,
+        sampler=settings.sampler,
+        progress=progress,
+    )
     provenance = replace(layout.provenance, input_hash=hash_file(plan_file)[:16])
     return replace(layout, provenance=provenance)
 
@@ -272,7 +280,7 @@ def redraw_room(
     labels, front = raster.draw_items(others, plan_image.frame)
     layout = model.resample(
         plan_image, labels, front, region,
-        seed=settings.seed, steps=settings.steps, progress=progress,
+        seed=settings.seed, steps=settings.steps, sampler=settings.sampler, progress=progress,
     )  # fmt: skip
     before = raster.layout_image(plan_image, graph.items)
 

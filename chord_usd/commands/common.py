@@ -28,6 +28,9 @@ class Outcome:
     """What a user should know of the input; told on stderr."""
 
 
+SAMPLERS = ("ddim", "dpm", "ddpm")
+"""As layout.schedule has them, which may not be imported for a help page."""
+
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
 """What ArgumentParser.add_subparsers returns; argparse keeps the class private."""

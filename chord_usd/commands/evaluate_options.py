@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
+    SAMPLERS,
     Outcome,
     Parser,
     UsageError,
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
 
 SPLITS = ("test", "train", "all")
-SAMPLERS = ("ddim", "dpm", "ddpm")
 
 
 def add_plans(parser: Parser, count: int) -> None:

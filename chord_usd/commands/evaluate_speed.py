@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from chord_usd.commands.common import Outcome, Verbs, add_verb, names, stopwatch
+from chord_usd.commands.common import SAMPLERS, Outcome, Verbs, add_verb, names, stopwatch
 from chord_usd.commands.evaluate_options import (
-    SAMPLERS,
     add_checkpoint,
     add_fid,
     add_plans,

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from chord_usd.commands.common import (
+    SAMPLERS,
     Outcome,
     Verbs,
     add_device,
@@ -32,6 +33,10 @@ def add(verbs: Verbs) -> None:
         "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
     )
     parser.add_argument(
+        "--sampler", choices=SAMPLERS, default="ddim",
+        help="ddim, dpm (DPM-Solver++) or ddpm, the paper's, for --steps 1000 (ddim)",
+    )  # fmt: skip
+    parser.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_device(parser)
@@ -44,7 +49,11 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.raster_files import write_raster
 
     settings = Settings(
-        seed=options.seed, steps=options.steps, m_per_px=options.scale, device=options.device
+        seed=options.seed,
+        steps=options.steps,
+        sampler=options.sampler,
+        m_per_px=options.scale,
+        device=options.device,
     )
     plan_file = existing_file(options.plan)
     watch = stopwatch(options)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -56,10 +57,12 @@ class _Kept:
 class LayoutModel:
     """A trained layout model on a device. Make one with load; sampling is deterministic."""
 
-    def __init__(self, checkpoint: Checkpoint, device: str = "cpu") -> None:
+    def __init__(self, checkpoint: Checkpoint, device: str = "cpu", *, full: bool = False) -> None:
+        """full: float32 throughout, also where bfloat16 would be faster."""
         self.checkpoint = checkpoint
         self.config = checkpoint.config
         self.device = device
+        self._full = full
         checkpoint.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @classmethod
@@ -178,7 +181,7 @@ class LayoutModel:
 
     def predict(self, state: Tensor, times: Tensor, plans: Plans) -> Tensor:
         """The network's output for a noisy batch, float32 (network.LayoutNetwork.forward)."""
-        with half_precision(self.device):
+        with nullcontext() if self._full else half_precision(self.device):
             output = self.checkpoint.network(state, times, plans.pixels, plans.grid)
         return output.float()
 

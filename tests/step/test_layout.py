@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+import chord_usd.commands.common as offered
 from chord_usd.errors import CheckpointError, ChordError
 from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
@@ -98,6 +99,10 @@ def test_every_sampler_takes_the_steps_it_is_given(model, sampler):
     assert np.array_equal(
         one.rgb, model.sample(_plan_image(), seed=3, steps=4, sampler=sampler).rgb
     )
+
+
+def test_the_command_line_offers_the_samplers_there_are():
+    assert set(offered.SAMPLERS) == set(SAMPLERS)
 
 
 def test_progress_counts_every_step(model):
