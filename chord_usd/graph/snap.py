@@ -217,7 +217,7 @@ def _found_item(
     rectangle = _thinned(piece.rectangle, turns, row, m_per_px)
     overlaps = [(_overlap(piece.rectangle, other), proposal.score) for proposal, other in seen]
     best, score = max(overlaps, default=(0.0, 0.0))
-    in_detector = best >= _SUPPORT
+    in_detector = bool(best >= _SUPPORT)
     mask = np.zeros(pixels.item.shape, dtype=bool)
     members = patch.evidence.members[piece.rectangle.grown(0.5).covers(patch.evidence.members)]
     mask[(-members[:, 1]).astype(int), members[:, 0].astype(int)] = True

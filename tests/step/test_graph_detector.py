@@ -13,6 +13,8 @@ import cv2
 import numpy as np
 import pytest
 
+from chord_usd.chord_json import read_scene
+from chord_usd.cli import main
 from chord_usd.data.splits import TEST_SEED
 from chord_usd.errors import CheckpointError
 from chord_usd.evaluation.detector import ROWS, as_markdown, score_detector
@@ -32,6 +34,7 @@ from chord_usd.graph.detect import (
 from chord_usd.graph.extract import extract_graph
 from chord_usd.locations import checkpoint_folder
 from chord_usd.raster import draw_plan, layout_image
+from chord_usd.raster_files import write_raster
 from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector
 from chord_usd.training.detector_card import write_card
 from chord_usd.training.detector_data import (
@@ -207,3 +210,34 @@ def test_the_table_of_scores_and_the_sheet(untrained: Path, tmp_path: Path) -> N
     assert f"{scores.alone.recall:.4f}" in table
     sheet = cv2.imdecode(np.frombuffer(draw_sheet(cases, items, rooms), np.uint8), 1)
     assert sheet.shape == (2 * ENLARGE * CANVAS_PX, COLUMNS * ENLARGE * CANVAS_PX, 3)
+
+
+def test_evaluate_detector_prints_its_table(tmp_path: Path, capsys) -> None:
+    words = ["evaluate", "detector", "--houses", "2", "--generated", "0", "--progress", "none"]
+    words += ["-o", str(tmp_path / "scores.md"), "--sheet", str(tmp_path / "sheet.png")]
+    assert main(words) == 0
+    table = capsys.readouterr().out
+    assert table == (tmp_path / "scores.md").read_text()
+    assert "items network alone, mAP50" in table
+    assert (tmp_path / "sheet.png").stat().st_size > 10_000
+    drawn = next(clean_cases(1))
+    write_raster(drawn.layout, tmp_path / "mine.png")
+    words = ["evaluate", "detector", "--houses", "0", "--generated", "0", "--progress", "none"]
+    assert main([*words, "--layouts", str(tmp_path / "mine.png"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["given"]
+    assert told["layouts"] == 1
+    assert told["with_plan"] is None
+    assert told["alone"]["recall"] > 0.9
+
+
+def test_a_layout_alone_becomes_a_graph_with_rooms(tmp_path: Path, capsys) -> None:
+    """The verb graph, for a raster whose plan nobody knows and whose floors are white."""
+    drawn = list(clean_cases(2))[1]
+    assert not drawn.shaded
+    write_raster(drawn.layout, tmp_path / "layout.png")
+    words = ["graph", str(tmp_path / "layout.png"), "-o", str(tmp_path / "scene.json")]
+    assert main([*words, "--json", "--progress", "none"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["furniture"] == pytest.approx(len(drawn.items), abs=1)
+    scene = read_scene(tmp_path / "scene.json")
+    assert sum(room.kind != "unknown" for room in scene.rooms) > 0.5 * len(scene.rooms)
