@@ -10,7 +10,7 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.config import LayoutConfig
@@ -41,7 +41,8 @@ def save_checkpoint(folder: Path, network: LayoutNetwork, training: dict[str, An
         for name, tensor in network.state_dict().items()
     }
     partial = folder / (WEIGHTS_FILE + ".part")
-    save_file(state, partial)
+    # Not save_file: it leaves a file that only its owner can read.
+    partial.write_bytes(save(state))
     partial.replace(folder / WEIGHTS_FILE)
     text = json.dumps(
         {"format": FORMAT, "network": network.config.to_dict(), "training": training}, indent=2
@@ -64,8 +65,8 @@ def load_checkpoint(folder: Path, device: str = "cpu") -> Checkpoint:
             where=str(weights_path),
             try_="chord-usd train plan2layout, or reinstall chord-usd",
         )
-    config = LayoutConfig.from_dict(description["network"])
-    network = LayoutNetwork(config)
+    network = _build(description["network"], folder / CONFIG_FILE)
+    config = network.config
     try:
         state = load_file(weights_path)
         network.load_state_dict({name: tensor.float() for name, tensor in state.items()})
@@ -79,6 +80,23 @@ def load_checkpoint(folder: Path, device: str = "cpu") -> Checkpoint:
     network.eval().requires_grad_(False)
     digest = hashlib.sha256(weights_path.read_bytes()).hexdigest()[:16]
     return Checkpoint(network.to(device), config, digest, dict(description.get("training", {})))
+
+
+def _build(values: Any, path: Path) -> LayoutNetwork:
+    """The network of a configuration, whatever someone has written there."""
+    try:
+        return LayoutNetwork(LayoutConfig.from_dict(values))
+    except CheckpointError as error:
+        raise CheckpointError(
+            error.what, where=str(path), expected=error.expected, try_=error.try_
+        ) from error
+    except (TypeError, ValueError, AttributeError, IndexError, RuntimeError) as error:
+        raise CheckpointError(
+            f"describes no network ({error})",
+            where=str(path),
+            expected="the config.json that belongs to the weights beside it",
+            try_="copy the checkpoint again",
+        ) from error
 
 
 def _read_description(path: Path) -> dict[str, Any]:

@@ -194,6 +194,24 @@ class TestCheckpoints:
         with pytest.raises(CheckpointError, match=r"'patch_pix'.*'patch_px'"):
             LayoutConfig.from_dict(values)
 
+    @pytest.mark.parametrize(
+        "network",
+        [[], "default", {"channels": "wide"}, {"channels": [7, 9]}, {"width": 3}],
+        ids=str,
+    )
+    def test_a_configuration_of_no_network_is_named(self, tmp_path, network):
+        save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
+        description = json.loads((tmp_path / "config.json").read_text())
+        description["network"] = network
+        (tmp_path / "config.json").write_text(json.dumps(description))
+        with pytest.raises(CheckpointError, match=r"config\.json.*Try:"):
+            load_checkpoint(tmp_path)
+
+    def test_everybody_may_read_the_weights(self, tmp_path):
+        save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
+        modes = {path.stat().st_mode & 0o777 for path in tmp_path.iterdir()}
+        assert len(modes) == 1, "as readable as the configuration beside them"
+
     def test_another_format(self, tmp_path):
         save_checkpoint(tmp_path, LayoutNetwork(TINY), {})
         path = tmp_path / "config.json"
