@@ -47,14 +47,6 @@ def test_stats_count_what_is_there(houses: Path, capsys: pytest.CaptureFixture[s
     assert 0.0 <= data["empty_room_rate"] < 1.0
 
 
-def test_stats_draw_their_tables(
-    houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    data = told(capsys, "dataset", "stats", houses, "--plot", tmp_path / "tables.png")
-    assert 0.0 < data["distance_to_paper"]["categories"] < 0.5
-    assert (tmp_path / "tables.png").read_bytes().startswith(b"\x89PNG")
-
-
 def test_import_copies_a_folder_of_houses(
     houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
