@@ -64,6 +64,10 @@ def run(options: argparse.Namespace) -> Outcome:
             write_scene(made.graph, graph_out)
         with watch.step("stage"):
             write_regenerated(made, target)
+    with watch.step("check"):
+        from chord_usd.stage.check import certificate, check_stage
+
+        report = check_stage(target)
     furniture = sum(1 for _ in made.graph.items_of(made.room.id))
     seed = made.layout.provenance.seed
     data = {
@@ -72,5 +76,8 @@ def run(options: argparse.Namespace) -> Outcome:
         "seed": seed,
         "furniture": furniture,
         "seconds": watch.seconds,
+        "certificate": certificate(report),
     }
-    return Outcome(f"{target}: {furniture} new pieces in {options.room}, seed {seed}", data)
+    holds = "holds" if report.holds else "does not hold: chord-usd check says why"
+    text = f"{target}: {furniture} new pieces in {options.room}, seed {seed}\ncertificate {holds}"
+    return Outcome(text, data)
