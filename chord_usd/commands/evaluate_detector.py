@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
     Outcome,
+    UsageError,
     Verbs,
     add_device,
     add_verb,
@@ -63,7 +64,10 @@ def add(group: Verbs) -> None:
     )
     parser.add_argument("-o", "--output", type=Path, metavar="MD", help="also write the table")
     parser.add_argument(
-        "--sheet", type=Path, metavar="PNG", help="also draw what the networks propose, to look at"
+        "--sheet",
+        type=Path,
+        metavar="PICTURE",
+        help="also draw what the networks propose, to look at (.png or .jpg)",
     )
     add_device(parser)
 
@@ -73,6 +77,12 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation import detector, detector_sheet
     from chord_usd.graph.detect import load_item_detector, load_room_segmenter
 
+    if options.sheet and options.sheet.suffix not in detector_sheet.PICTURES:
+        raise UsageError(
+            f"cannot draw a {options.sheet.suffix or 'nameless'} file",
+            where="--sheet",
+            expected=f"a name that ends in {' or '.join(detector_sheet.PICTURES)}",
+        )
     watch = stopwatch(options)
     with watch.step("load"):
         items = load_item_detector(options.items)
@@ -87,7 +97,8 @@ def run(options: argparse.Namespace) -> Outcome:
         write_atomic(options.output, table)
     if options.sheet:
         shown = [case for these in cases.values() for case in these[: detector_sheet.COLUMNS]]
-        write_atomic(options.sheet, detector_sheet.draw_sheet(shown, items, rooms))
+        sheet = detector_sheet.draw_sheet(shown, items, rooms, options.sheet.suffix)
+        write_atomic(options.sheet, sheet)
     data = {name: asdict(scores) for name, scores in columns.items()}
     return Outcome(table.rstrip(), {**data, "seconds": watch.seconds})
 

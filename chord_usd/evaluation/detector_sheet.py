@@ -22,17 +22,25 @@ _ROOM_RGB: dict[RoomKind, tuple[int, int, int]] = {
 }  # fmt: skip
 
 
-def draw_sheet(cases: Sequence[Case], detector: ItemDetector, segmenter: RoomSegmenter) -> bytes:
-    """A PNG: per row COLUMNS layouts with the boxes proposed, below them the rooms proposed."""
+PICTURES = (".png", ".jpg")
+
+
+def draw_sheet(
+    cases: Sequence[Case], detector: ItemDetector, segmenter: RoomSegmenter, suffix: str = ".png"
+) -> bytes:
+    """A picture file: per row COLUMNS layouts with the boxes proposed, below them the rooms.
+
+    suffix: one of PICTURES.
+    """
     rows = []
     for start in range(0, len(cases), COLUMNS):
         part = cases[start : start + COLUMNS]
         blank = [np.full_like(_boxes(part[0], detector), 255)] * (COLUMNS - len(part))
         rows.append(np.hstack([_boxes(case, detector) for case in part] + blank))
         rows.append(np.hstack([_rooms(case, segmenter) for case in part] + blank))
-    done, png = cv2.imencode(".png", cv2.cvtColor(np.vstack(rows), cv2.COLOR_RGB2BGR))
+    done, data = cv2.imencode(suffix, cv2.cvtColor(np.vstack(rows), cv2.COLOR_RGB2BGR))
     assert done
-    return bytes(png.tobytes())
+    return bytes(data.tobytes())
 
 
 def _boxes(case: Case, detector: ItemDetector) -> ByteArray:

@@ -10,6 +10,8 @@ from chord_usd.files import write_atomic
 from chord_usd.graph.detect import ARCHITECTURES, IMAGE_PX, LEAST_SIDE_PX, Kind
 
 CARD_FILE = "README.md"
+SHEET_FILE = "sheet.jpg"
+"""What the network proposes for held-out layouts; `evaluate detector --sheet` draws it."""
 
 _TASKS: dict[Kind, str] = {
     "items": "oriented boxes of the house categories in layout rasters",
@@ -61,8 +63,16 @@ def write_card(
         "|---|---|",
         *(f"| {name} | {value:.3f} |" for name, value in scores["by_class"].items()),
         "",
+        *_sheet(folder),
         f"Made by `chord-usd train detector --kind {kind}`; `chord-usd evaluate detector` scores "
         "it again.",
         "",
     ]
     write_atomic(folder / CARD_FILE, "\n".join(lines))
+
+
+def _sheet(folder: Path) -> list[str]:
+    """The lines that show the sheet, where there is one."""
+    if not (folder / SHEET_FILE).is_file():
+        return []
+    return [f"![What it proposes for held-out layouts, drawn and generated]({SHEET_FILE})", ""]
