@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,9 @@ LEAST_SHARE = 0.25
 """A collision covers at least this much of the smaller of two footprints."""
 
 _TRIES = 60
+
+_Find = Callable[[Item, Sequence[Item], Room, np.random.Generator], tuple[Item, str] | None]
+"""A piece, the others of its room: the piece where it goes, and which one stays put for that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ def displace(scene: SceneGraph, rng: np.random.Generator, per_room: int = 1) -> 
     return _spoil(scene, rng, per_room, _clear_of_all)
 
 
-def _spoil(scene: SceneGraph, rng: np.random.Generator, per_room: int, find) -> Spoilt:  # type: ignore[no-untyped-def]
+def _spoil(scene: SceneGraph, rng: np.random.Generator, per_room: int, find: _Find) -> Spoilt:
     items = {item.id: item for item in scene.items}
     moved: list[str] = []
     for room in scene.rooms:

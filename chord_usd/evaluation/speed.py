@@ -21,7 +21,9 @@ from chord_usd.raster import draw_plan
 
 DEFAULT_STEPS = (1, 2, 5, 10, 20, 50, 100)
 
-SCORES = ("por", "piou", "blocked_openings", "furnished", "items_per_house")
+JUDGED = ("por", "piou", "blocked_openings", "furnished")
+SCORES = (*JUDGED, "items_per_house")
+_SHARES = ("blocked_openings", "furnished")
 
 LOSS = 0.05
 """A score may be this much worse, as a share of its best, for the fewer steps to count as good."""
@@ -140,20 +142,20 @@ def _time_one(model: LayoutModel, case: Case, how: Sampling) -> tuple[float, flo
 
 
 def fewest_steps(scores: SpeedScores) -> tuple[str, int]:
-    """The sampler and fewest steps whose scores lose no more than LOSS against the most steps.
+    """The cheapest sampler and steps whose scores lose no more than LOSS against the most steps.
 
-    A collision score may also be worse by less than half of what one more pair or item would
-    make: differences below that are not measured by so few houses.
+    A share may also be worse by one opening or room: fewer cannot be told apart.
     """
     most = max(scores.runs, key=lambda run: run.steps)
     for run in sorted(scores.runs, key=lambda run: (run.cpu_seconds, run.steps)):
-        if all(_is_as_good(name, run.scores[name], most.scores[name]) for name in SCORES[:4]):
+        if all(_is_as_good(name, run.scores[name], most.scores[name]) for name in JUDGED):
             return run.sampler, run.steps
     return most.sampler, most.steps
 
 
 def _is_as_good(name: str, score: Score, best: Score) -> bool:
-    slack = max(LOSS * best.value, 0.5 / max(best.count, 1) * LOSS)
+    one = 1.0 / max(best.count, 1) if name in _SHARES else 0.0
+    slack = max(LOSS * best.value, one) + 1e-12
     if name == "furnished":
         return score.value >= best.value - slack
     return score.value <= best.value + slack
