@@ -22,7 +22,9 @@ from chord_usd.commands import (
     assets,
     check,
     dataset,
+    diff,
     evaluate,
+    export,
     generate,
     graph,
     layout,
@@ -36,8 +38,8 @@ from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
 
 VERBS = (
-    generate, plan, layout, graph, stage, render, check, regenerate, dataset, train, evaluate,
-    assets,
+    generate, plan, layout, graph, stage, render, check, regenerate, export, diff, dataset, train,
+    evaluate, assets,
 )  # fmt: skip
 """In the order of the line, then the workshop."""
 

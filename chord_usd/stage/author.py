@@ -49,7 +49,7 @@ SCHEMA = 1
 
 SUFFIXES = (".usda", ".usd", ".usdc", ".usdz")
 _RESOLUTION_PX = (1280, 720)
-_ARCHIVE_TIME_S = 500_000_000
+ARCHIVE_TIME_S = 500_000_000
 """Any fixed time that a zip archive can hold, so that the same house is the same archive."""
 
 
@@ -208,7 +208,7 @@ def _pack(house: _House, target: Path) -> str:
         stage = Path(folder) / f"{target.stem}.usda"
         content_hash = _write_house(house, stage, Path(folder))
         for file in Path(folder).rglob("*"):  # the archive notes their times
-            os.utime(file, (_ARCHIVE_TIME_S, _ARCHIVE_TIME_S))
+            os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))
     return content_hash
 

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 import shapely
-from pxr import Tf, Usd, UsdUtils
+from pxr import UsdUtils
 
-from chord_usd.errors import StageError
 from chord_usd.geometry import footprint, room_polygon
 from chord_usd.metrics import score_scene
 from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_scene
+from chord_usd.stage.read import open_stage
 from chord_usd.types import OOD, Item
 
 WALL_GAP_M = 0.01
@@ -121,22 +121,6 @@ def certificate(report: Report) -> dict[str, Any]:
             key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()
         },
     }
-
-
-def open_stage(path: Path) -> Usd.Stage:
-    """The stage at path, payloads loaded. Raises StageError for what is none."""
-    try:
-        if path.is_file():
-            return Usd.Stage.Open(str(path))
-        what = "there is no such file"
-    except Tf.ErrorException:
-        what = "cannot be opened as a stage"
-    raise StageError(
-        what,
-        where=str(path),
-        expected="a .usda, .usdc or .usdz stage",
-        try_=f"chord-usd generate plan.png -o {path.name}",
-    )
 
 
 class _Hangs:

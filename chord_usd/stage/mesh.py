@@ -65,7 +65,7 @@ def mesh_of(faces: Sequence[Face]) -> Mesh:
         counts=counts,
         indices=indices.reshape(-1).astype(np.int32),
         uvs_m=np.round(np.concatenate([face.uvs_m for face in faces]), _SAME_POINT_DECIMALS) + 0.0,
-        normals=_corner_normals(corners, counts),
+        normals=corner_normals(corners, counts),
     )
 
 
@@ -133,7 +133,7 @@ def moved(
     return [Face(face.corners_m @ turn.T + np.asarray(offset_m), face.uvs_m) for face in faces]
 
 
-def _corner_normals(corners: FloatArray, counts: IntArray) -> FloatArray:
+def corner_normals(corners: FloatArray, counts: IntArray) -> FloatArray:
     """(C, 3) normals by Newell's sum, which does not mind three corners in a line."""
     starts = np.cumsum(counts) - counts
     following = np.arange(1, len(corners) + 1)

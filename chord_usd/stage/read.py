@@ -32,15 +32,7 @@ def summary(path: Path) -> StageSummary:
 
     Raises StageError when there is no stage.
     """
-    try:
-        stage = Usd.Stage.Open(str(path), Usd.Stage.LoadNone)
-    except Tf.ErrorException as error:
-        raise StageError(
-            "cannot be opened as a stage",
-            where=str(path),
-            expected="a .usda, .usdc or .usdz stage",
-            try_="chord-usd generate PLAN -o house.usda",
-        ) from error
+    stage = open_stage(path, load=False)
     rooms = _rooms(stage)
     for room in rooms:  # openings are behind the payload
         stage.Load(room.GetPath().AppendChild("Architecture"))
@@ -54,6 +46,22 @@ def summary(path: Path) -> StageSummary:
         openings=len(nodes) - len(pieces),
         lights=sum(prim.GetTypeName() == "RectLight" for prim in prims),
         cameras=sum(prim.GetTypeName() == "Camera" for prim in stage.Traverse()),
+    )
+
+
+def open_stage(path: Path, *, load: bool = True) -> Usd.Stage:
+    """The stage at path, payloads loaded or not. Raises StageError when there is none."""
+    try:
+        if path.is_file():
+            return Usd.Stage.Open(str(path), Usd.Stage.LoadAll if load else Usd.Stage.LoadNone)
+        what = "there is no such file"
+    except Tf.ErrorException:
+        what = "cannot be opened as a stage"
+    raise StageError(
+        what,
+        where=str(path),
+        expected="a .usda, .usdc or .usdz stage",
+        try_=f"chord-usd generate PLAN -o {path.name}",
     )
 
 
