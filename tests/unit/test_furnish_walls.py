@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from chord_usd.data.furnish.floor import Door, Floor
 from chord_usd.data.furnish.modules import pack
-from chord_usd.data.furnish.paths import path_faults
+from chord_usd.data.furnish.paths import _flooded, path_faults
 from chord_usd.types import Room, frozen_array
 
 L_SHAPE = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.5, 2.0), (2.5, 4.0), (0.0, 4.0)]
@@ -105,3 +105,22 @@ def test_kitchen_modules_fill_their_run(length, window, seed, blind) -> None:
     assert length - total < 0.3
     if length >= 2.5:
         assert {"sink_cabinet", "cooker_cabinet"} <= {module.category for module in modules}
+
+
+@given(st.integers(3, 14), st.integers(3, 14), st.data())
+def test_flooding_reaches_what_connects(columns: int, rows: int, data: st.DataObject) -> None:
+    """Checked against a flood that goes one step at a time, diagonal steps included."""
+    stride = columns + 2
+    cells = [y * stride + x for y in range(rows) for x in range(columns)]
+    free = set(data.draw(st.lists(st.sampled_from(cells), min_size=1, unique=True)))
+    start = data.draw(st.sampled_from(sorted(free)))
+    reached, border = {start}, [start]
+    while border:
+        cell = border.pop()
+        around = {cell + dx + dy for dx in (-1, 0, 1) for dy in (-stride, 0, stride)}
+        fresh = (around & free) - reached
+        reached |= fresh
+        border += fresh
+    standing = sum(1 << cell for cell in free)
+    walked = _flooded(standing, 1 << start, stride, columns, rows)
+    assert walked == sum(1 << cell for cell in reached)

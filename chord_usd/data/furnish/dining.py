@@ -96,7 +96,7 @@ def _group(floor: Floor, seats: int, *, at_wall: bool) -> Group:
     sides = (1,) if at_wall else (-1, 1)
     most_m = table[0] * len(sides) / max(seats - ends, 1) - MARGIN_M
     chair = (min(chair[0], most_m), chair[1], chair[2])
-    off = sizes.between(dice, 0.0, 0.05, 0.01) + chair[1] / 2
+    off = chair[1] / 2
     chairs = [
         (along, side * (table[1] / 2 + off), 2 if side > 0 else 0)
         for side in sides

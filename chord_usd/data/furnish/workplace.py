@@ -16,11 +16,10 @@ def put_desk(floor: Floor, *, core: bool = False) -> bool:
     dice = floor.dice
     usual = sizes.sampled(dice, "table", shortest=1.0, longest=1.6, deepest=0.6)
     chair = sizes.sampled(dice, "chair", shortest=0.45, longest=0.58, shallowest=0.5)
-    gap = sizes.between(dice, 0.0, 0.05, 0.01)
     for length, depth in ((usual[0], max(usual[1], 0.5)), (0.8, 0.5)):
         best = best_spot(
             floor,
-            (length, depth + gap + chair[1], usual[2]),
+            (length, depth + chair[1], usual[2]),
             SEAT_M - chair[1],
             length,
             _desk_score,
@@ -28,7 +27,7 @@ def put_desk(floor: Floor, *, core: bool = False) -> bool:
         if not best:
             continue
         s = _desk_middle(floor, best, length)
-        low, high, seat = s - chair[0] / 2, s + chair[0] / 2, depth + gap
+        low, high, seat = s - chair[0] / 2, s + chair[0] / 2, depth
         if best.wall.fits(low, high, seat, seat + chair[1], chair[2]):
             floor.new_group()
             floor.put("table", best.wall, s, (length, depth, usual[2]), core=core)
