@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 from chord_usd.looks import Look, sample_look
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
-from chord_usd.stage.prims import Types, add_variants, attribute, over
+from chord_usd.stage.prims import Types, add_variants, attribute, label, over
 from chord_usd.stage.shell import floor_material, wall_material
 from chord_usd.stage.surfaces import PLAIN_SURFACES, shade
 
@@ -62,6 +62,7 @@ def wear_looks(
             shade(layer, specs[0], PLAIN_SURFACES[f"Plain{part.capitalize()}"])
         for spec, look in zip(specs, choices, strict=False):
             spec.referenceList.prependedItems.append(Sdf.Reference(materials.add(look.usd_path)))
+            label(spec, "material", look.name)
             _lay(spec, look, part == "floor" and _runs_north(floor), rng)
 
 

@@ -106,7 +106,7 @@ def apply_schema(prim: Sdf.PrimSpec, *names: str) -> None:
 
 
 def label(prim: Sdf.PrimSpec, taxonomy: str, name: str) -> None:
-    """Semantic label: `room` for kinds of rooms, `category` for what a thing is."""
+    """Semantic label: `room` for kinds of rooms, `category` for what a thing is, `material`."""
     apply_schema(prim, f"SemanticsLabelsAPI:{taxonomy}")
     attribute(prim, f"semantics:labels:{taxonomy}", Types.TokenArray, Vt.TokenArray([name]))
 

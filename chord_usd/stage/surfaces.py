@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pxr import Gf, Sdf
 
-from chord_usd.stage.prims import Types, attribute, define
+from chord_usd.stage.prims import Types, attribute, define, label
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,7 @@ PLAIN_SURFACES: dict[str, Surface] = {
 def write_surface(layer: Sdf.Layer, path: Sdf.Path, surface: Surface) -> None:
     """A material that looks like this surface."""
     material = define(layer, path, "Material")
+    label(material, "material", path.name)
     shade(layer, material, surface)
 
 

@@ -158,6 +158,15 @@ def test_looks_suit_the_kind_of_their_room(stage: Usd.Stage, staged_graph: Scene
             assert room.kind in worn.kinds or "unknown" in worn.kinds
 
 
+def test_materials_of_the_building_are_labelled(stage: Usd.Stage) -> None:
+    library = {look.name for look in load_looks()}
+    for prim in stage.Traverse():
+        if prim.IsA(UsdShade.Material) and "Architecture" in str(prim.GetPath()):
+            (name,) = prim.GetAttribute("semantics:labels:material").Get()
+            worn = prim.GetName().endswith(("_Floor", "_Wall"))
+            assert name in library if worn else name == prim.GetName()
+
+
 def test_material_names_are_unique_in_the_house(stage: Usd.Stage) -> None:
     """Blender merges materials by name, and with them how a pattern is laid."""
     names = [
