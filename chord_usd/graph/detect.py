@@ -63,7 +63,7 @@ FORMAT = 1
 
 MIN_SCORE = 0.25
 """Proposals below this confidence are dropped (ultralytics' own default)."""
-_ITEM_OVERLAP, _ROOM_OVERLAP = 0.6, 0.6
+_ITEM_OVERLAP, _ROOM_OVERLAP = 0.5, 0.6
 _MOST_PROPOSALS = 300
 
 

@@ -147,7 +147,8 @@ def explain(
     if len(blobs) > 1:
         angles = _patch_angles(patch, directions, best[0].rectangle)
         rivals += [_split_by_marks(patch, blobs, angle) for angle in angles]
-    if len(proposals) > 1:
+    if len(proposals) > 1 and not blobs:
+        # Marks tell pieces apart better than proposals do, which tear at ragged edges.
         rivals.append(_split_by_proposals(patch, proposals, best[0].rectangle.angle_deg))
     rivals += [_refit(patch, rival) for rival in rivals if rival]
     for rival in rivals:

@@ -36,6 +36,9 @@ LEAST_SHARE = 0.35
 LEAST_SHARE_SEEN = 0.15
 """...unless the detector proposes a piece there: then they may be this small."""
 
+SURE_SCORE = 0.5
+"""Proposals below this confidence neither split a patch nor make a piece of a speck."""
+
 LEAST_FIT = 0.1
 """Pieces that the pixels bear out worse, [0, 1], are noise unless the detector has them."""
 LEAST_SIDE_SHARE = 0.4
@@ -123,7 +126,11 @@ def _of_category(
     found: list[FoundItem] = []
     for mask in _patches(near, row.detector_class, thin):
         patch = cut_patch(mask, near.front, near.item != NO_ITEM, usual_px, origin)
-        inside = [rectangle for _, rectangle in seen if _support(patch, rectangle) >= _SUPPORT]
+        inside = [
+            rectangle
+            for proposal, rectangle in seen
+            if proposal.score >= SURE_SCORE and _support(patch, rectangle) >= _SUPPORT
+        ]
         if patch.size < _least_size_px(usual_px, bool(inside)):
             continue
         for piece, cost in _explained(patch, directions, inside):
@@ -280,11 +287,12 @@ def _support(patch: Patch, proposal: Rectangle) -> float:
     return float(covered) / max(proposal.area_px, 1.0)
 
 
-def _overlap(first: Rectangle, second: Rectangle) -> float:
-    """Intersection over union, both as large as the network is taught them."""
-    first, second = (
-        _resized(one, max(one.u1 - one.u0, LEAST_SIDE_PX), max(one.v1 - one.v0, LEAST_SIDE_PX))
-        for one in (first, second)
-    )
-    both = covered_share(first, second) * first.area_px
-    return both / max(first.area_px + second.area_px - both, 1e-9)
+def _overlap(piece: Rectangle, proposal: Rectangle) -> float:
+    """Intersection over union; of panels, both as deep as the network is taught them."""
+    if max(piece.u1 - piece.u0, piece.v1 - piece.v0) >= LEAST_SIDE_PX:
+        piece, proposal = (
+            _resized(one, max(one.u1 - one.u0, LEAST_SIDE_PX), max(one.v1 - one.v0, LEAST_SIDE_PX))
+            for one in (piece, proposal)
+        )
+    both = covered_share(piece, proposal) * piece.area_px
+    return both / max(piece.area_px + proposal.area_px - both, 1e-9)
