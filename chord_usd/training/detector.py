@@ -44,9 +44,9 @@ SPOILING: dict[Kind, Spoiling] = {
 _CHROMA_GAIN = 4.0
 """What hues count beside brightness while training.
 
-Items are painted at 0.3 opacity: a washing machine is a few hundredths off white, a wall is black. Seen
-with hues four times as strong the network learns to tell them sooner; the gain is folded into its
-first layer when it is saved, which then takes the raster as it is.
+Items are painted at 0.3 opacity: a washing machine is a few hundredths off white, a wall is black.
+Seen with hues four times as strong the network learns to tell them sooner; the gain is folded into
+its first layer when it is saved, which then takes the raster as it is.
 """
 
 LOG_FILE = "log.jsonl"
