@@ -24,6 +24,11 @@ GRID_PLANES = 1 + len(ROOM_KINDS) + 10
 """Floor, room kind one-hot, then room area, width and height, free length in the four directions,
 distance to the nearest door and window, and the raster's scale."""
 
+AREA_PLANE = 1 + len(ROOM_KINDS)
+"""Of the grid: log(1 + area in m²) / AREA_SCALE of the cell's room, 0 outside."""
+
+AREA_SCALE = 3.0
+
 COLOR_TOLERANCE = 24
 SHADE_TOLERANCE = 3
 _UNKNOWN = ROOM_KINDS.index("unknown")
@@ -118,7 +123,7 @@ def _size_planes(
     """Area, width and height of the room at each cell; logarithms, since rooms span 1 to 60 m²."""
     sizes = np.stack(
         [
-            np.log1p(boxes_px[:, 2] * m_per_px**2) / 3.0,
+            np.log1p(boxes_px[:, 2] * m_per_px**2) / AREA_SCALE,
             np.log1p(boxes_px[:, 0] * m_per_px) / 2.0,
             np.log1p(boxes_px[:, 1] * m_per_px) / 2.0,
         ]

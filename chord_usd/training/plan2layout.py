@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -14,8 +15,9 @@ from torch.nn import functional
 
 from chord_usd.layout.checkpoint import load_checkpoint, save_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
-from chord_usd.layout.condition import FLOOR_PLANE
+from chord_usd.layout.condition import AREA_PLANE, AREA_SCALE, FLOOR_PLANE
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.device import half_precision
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.training.memory import keep_freed_memory
@@ -26,6 +28,10 @@ from chord_usd.types import Plan
 STATE_FOLDER = "state"
 LOG_FILE = "losses.csv"
 LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
+
+USUAL_ROOM_M2 = 8.0
+WEIGHED_AREA_M2 = (1.0, 40.0)
+"""Rooms smaller or larger than this count as these."""
 
 Report = Callable[[dict[str, float]], None]
 
@@ -44,6 +50,8 @@ class TrainingConfig:
     ema_decay: float = 0.999
     gradient_clip: float = 1.0
     front_weight: float = 0.3
+    room_area_power: float = 0.5
+    """Pixels count as the room's area to minus this power: 0 all alike, 1 all rooms alike."""
     decay_every_steps: int = 0
     """Where set, the learning rate is divided by 10 each time (paper), without cool-down."""
     workers: int = 1
@@ -90,7 +98,6 @@ class LayoutTrainer:
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
         self.started = time.monotonic()
-        self.is_mixed = config.mixed_precision and _has_bfloat16(self.device)
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
@@ -182,7 +189,7 @@ class LayoutTrainer:
         for group in self.optimiser.param_groups:
             group["lr"] = rate
         batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in batch.items()}
-        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.is_mixed):
+        with half_precision(self.config.device) if self.config.mixed_precision else nullcontext():
             losses = self._run_step(batch)
         self.optimiser.zero_grad(set_to_none=True)
         losses["loss"].backward()
@@ -209,8 +216,9 @@ class LayoutTrainer:
         logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
         labels = batch["labels"].long()
         inside = (batch["pixels"][:, FLOOR_PLANE] > 0) | (labels > 0)
+        weight = inside * self._pixel_weight(batch)
         category = functional.cross_entropy(logits.float(), labels, reduction="none")
-        category = (category * inside).sum() / inside.sum()
+        category = (category * weight).sum() / weight.sum()
         item = labels > 0
         front = functional.binary_cross_entropy_with_logits(
             front_logit.float(), batch["front"].float(), reduction="none"
@@ -218,6 +226,13 @@ class LayoutTrainer:
         front = (front * item).sum() / item.sum().clamp(min=1)
         loss = category + self.config.front_weight * front
         return {"loss": loss, "category": category.detach(), "front": front.detach()}
+
+    def _pixel_weight(self, batch: Batch) -> Tensor:
+        """(B, H, W): a bathroom left empty is as bad as a bedroom, at a tenth of its pixels."""
+        area_m2 = torch.expm1(batch["grid"][:, AREA_PLANE : AREA_PLANE + 1] * AREA_SCALE)
+        relative = area_m2.clamp(*WEIGHED_AREA_M2) / USUAL_ROOM_M2
+        weight = torch.where(area_m2 > 0, relative**-self.config.room_area_power, 1.0)
+        return functional.interpolate(weight, batch["labels"].shape[1:])[:, 0]
 
     def _clean_state(self, batch: Batch) -> Tensor:
         if self.network.config.state == "rgb":
@@ -290,13 +305,6 @@ def _below(tensors: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
         for name, tensor in tensors.items()
         if name.startswith(f"{prefix}.")
     }
-
-
-def _has_bfloat16(device: torch.device) -> bool:
-    """Whether bfloat16 is faster here; CPUs without the instructions emulate it slowly."""
-    if device.type == "cuda":
-        return torch.cuda.is_bf16_supported()
-    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
 
 
 def _continued(stream: StreamConfig, step: int) -> StreamConfig:
