@@ -38,7 +38,8 @@ def add(verbs: Verbs) -> None:
 def run_read(options: argparse.Namespace) -> Outcome:
     """Runs plan read."""
     from chord_usd.chord_json import write_plan
-    from chord_usd.plan.read import WARNINGS, read_plan_file
+    from chord_usd.plan.placement import WARNINGS
+    from chord_usd.plan.read import read_plan_file
 
     image = existing_file(options.image)
     with deliver() as delivery:

@@ -27,6 +27,9 @@ BASE_AND_HEIGHT_M: dict[OpeningKind, tuple[float, float]] = {
 }
 """A plan raster does not show heights; these are the usual ones."""
 
+CONFIDENCE = "confidence"
+"""Key of Room.extra and Opening.extra: how sure the reading of a drawing is, [0, 1]."""
+
 _LEAST_PIXELS = 3
 
 _LEAST_FILL = 0.7
@@ -42,6 +45,8 @@ class Bar:
 
     kind: OpeningKind
     mask: BoolArray
+    confidence: float | None = None
+    """Of a drawing: how plainly it shows that something opens here, [0, 1]."""
 
 
 def bars_of(kind: OpeningKind, ink: BoolArray, thickness_px: float) -> Iterator[Bar]:
@@ -117,7 +122,8 @@ def _read_opening(
     x, y = m_from_px(center, frame)
     size_m = length_px * frame.m_per_px, width_px * frame.m_per_px, height_m
     box_m = Box((float(x), float(y), base_m), size_m, yaw_deg)
-    return Opening(name, bar.kind, box_m, _joined(sides, yaw_deg, room_ids))
+    extra = {} if bar.confidence is None else {CONFIDENCE: bar.confidence}
+    return Opening(name, bar.kind, box_m, _joined(sides, yaw_deg, room_ids), extra)
 
 
 def _sides(

@@ -10,6 +10,9 @@ from chord_usd.types import PixelFrame, Plan
 DRAWING = "drawing"
 """Key of Plan.extra."""
 
+WARNINGS = "warnings"
+"""Key of Plan.extra: sentences about what a user should know of the plan."""
+
 
 def placement(frame: PixelFrame) -> Mapping[str, Any]:
     """The entry for Plan.extra that remembers a picture's frame."""

@@ -13,10 +13,8 @@ from chord_usd.errors import PlanError
 from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.drawing import read_drawing
 from chord_usd.plan.picture import read_picture
+from chord_usd.plan.placement import WARNINGS
 from chord_usd.types import ByteArray, Plan, PlanImage
-
-WARNINGS = "warnings"
-"""Key of Plan.extra: sentences about what a user should know of the plan."""
 
 _PALETTE_SHARE = 0.99
 """A picture of which so much is in the palette's plan colours is a plan raster."""
@@ -25,7 +23,7 @@ _COLOR_SLACK = 3
 _SAMPLES = 50_000
 
 
-def read_plan_file(path: Path, scale: float | None = None) -> Plan:
+def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Plan:
     """The plan in a file: CHOrD JSON or a picture of whatever kind.
 
     scale: metres per pixel of a picture; None takes it from the picture's own text, its doors or
@@ -34,7 +32,7 @@ def read_plan_file(path: Path, scale: float | None = None) -> Plan:
     """
     if path.is_dir():
         raise PlanError("is a folder", where=str(path), expected="a plan: a picture or CHOrD JSON")
-    plan = read_plan(path) if _is_json(path) else _plan_of_picture(path, scale)
+    plan = read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part)
     warnings = _warnings(plan)
     return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
 
@@ -50,7 +48,7 @@ def _is_json(path: Path) -> bool:
         raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
 
 
-def _plan_of_picture(path: Path, scale: float | None) -> Plan:
+def _plan_of_picture(path: Path, scale: float | None, part: int) -> Plan:
     picture = read_picture(path)
     try:
         if picture.frame is not None:
@@ -58,7 +56,7 @@ def _plan_of_picture(path: Path, scale: float | None) -> Plan:
         elif is_plan_raster(picture.rgb):
             plan = decode_plan(picture.rgb, scale)
         else:
-            plan = read_drawing(picture.rgb, scale)
+            plan = read_drawing(picture.rgb, scale, part)
     except PlanError as error:
         raise PlanError(
             error.what, where=str(path), expected=error.expected, try_=error.try_

@@ -1,0 +1,125 @@
+"""Which of several witnesses to believe about a drawing's scale, and how well they agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from chord_usd.plan.printed import Estimate
+
+SCALE = "scale"
+"""Key of Plan.extra: what Scale.report says."""
+
+_SAME = math.log(1.06)
+"""Printed measures within this of one another say the same."""
+
+_BELIEVABLE = math.log(1.9)
+"""A lone printed measure farther from what doors and walls say was misread."""
+
+_ODD = math.log(1.6)
+"""Witnesses farther apart than this are worth a warning."""
+
+_TRUST = {
+    "room sizes": 3.0, "dimension lines": 2.0, "scale bar": 4.0, "room areas": 1.5,
+}  # fmt: skip
+"""Areas are rounded, and count wardrobes in one country and not in the other."""
+
+_CONFIDENCE = {"given": 1.0, "doors": 0.6, "walls": 0.4}
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Metres per pixel of a drawing, and why."""
+
+    m_per_px: float
+    witness: str
+    """Given, room sizes, room areas, dimension lines, scale bar, doors or walls."""
+    count: int = 1
+    """How many measures speak for it."""
+    agreement: float = 1.0
+    """Share of the printed measures that do, by weight."""
+    others: dict[str, float] = field(default_factory=dict)
+    """Metres per pixel by every witness heard."""
+
+    @property
+    def confidence(self) -> float:
+        """From 0 to 1."""
+        if self.witness in _CONFIDENCE:
+            return _CONFIDENCE[self.witness]
+        return min(0.98, 0.6 + 0.12 * self.count) * (0.5 + 0.5 * self.agreement)
+
+    def report(self, per_picture_px: float = 1.0) -> dict[str, Any]:
+        """For JSON. per_picture_px: pixels that were read, per pixel of the user's picture."""
+        return {
+            "mPerPx": round(self.m_per_px * per_picture_px, 6),
+            "witness": self.witness,
+            "measures": self.count,
+            "agreement": round(self.agreement, 2),
+            "confidence": round(self.confidence, 2),
+            "says": {k: round(v * per_picture_px, 6) for k, v in sorted(self.others.items())},
+        }
+
+    def warnings(self) -> list[str]:
+        """What a user should know of the scale."""
+        rest = {name: math.log(v / self.m_per_px) for name, v in self.others.items()}
+        odd = [
+            f"{name} say {math.exp(ratio):.2f} times that"
+            for name, ratio in rest.items()
+            if abs(ratio) > _ODD and name != "walls"
+        ]
+        if odd and self.witness != "given":
+            return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: check --scale"]
+        if self.witness == "walls":
+            return ["no printed measure and no door gives the scale; it is a guess from the walls"]
+        return []
+
+
+def choose_scale(
+    printed: Sequence[Estimate], doors: float | None, walls: float, given: float | None = None
+) -> Scale:
+    """The scale by the best witness: the one given, printed measures, doors, walls.
+
+    All in metres per pixel. Printed measures count where they agree with one another, or, alone,
+    where doors and walls find them believable.
+    """
+    others = {"walls": walls, **({"doors": doors} if doors else {})}
+    for name in _TRUST:
+        own = [e.m_per_px for e in printed if e.witness == name and e.is_sure]
+        if own:
+            others[name] = float(np.median(own))
+    if given:
+        return Scale(given, "given", others=others)
+    rough = doors or walls
+    believed = _consensus(printed, rough)
+    if believed is not None:
+        return Scale(*believed, others)
+    if doors:
+        return Scale(doors, "doors", others=others)
+    return Scale(walls, "walls", others=others)
+
+
+def _consensus(printed: Sequence[Estimate], rough: float) -> tuple[float, str, int, float] | None:
+    """Scale, witness, how many measures speak for it and their share; None for none believable."""
+    if not printed:
+        return None
+    logs = np.log([e.m_per_px for e in printed])
+    weights = np.array([_TRUST[e.witness] * (1.0 if e.is_sure else 0.5) for e in printed])
+    near = np.abs(logs[:, None] - logs[None, :]) < _SAME
+    # Of clusters that are as heavy, the one nearer to the usual size of doors and walls.
+    off = np.abs(logs - math.log(rough))
+    believable = off < (_BELIEVABLE if len(printed) < 3 else 2 * _BELIEVABLE)
+    heaviness = np.where(believable, near @ weights - 0.5 * off, -math.inf)
+    best = int(np.argmax(heaviness))
+    if not believable[best]:
+        return None
+    own = near[best]
+    center = float(np.exp(np.average(logs[own], weights=weights[own])))
+    names = [printed[i].witness for i in np.flatnonzero(own)]
+    witness = max(set(names), key=lambda n: (names.count(n) * _TRUST[n], n))
+    said = {e.text for e in printed}
+    agreeing = {printed[i].text for i in np.flatnonzero(own)}
+    return center, witness, len(agreeing), len(agreeing) / len(said)

@@ -1,0 +1,84 @@
+"""What is printed on a drawing, by OCR. The models travel inside the rapidocr wheel."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import cv2
+import numpy as np
+
+from chord_usd.types import ByteArray, FloatArray
+
+_LARGEST_SIDE_PX = 2000
+_SMALLEST_SIDE_PX = 1200
+"""Letters of a smaller picture are too small for the detector; it is enlarged."""
+
+_LEAST_SCORE = 0.6
+
+
+@dataclass(frozen=True, eq=False)
+class Text:
+    """A line of text in a picture."""
+
+    text: str
+    corners_px: FloatArray
+    """(4, 2) continuous pixels, from the beginning of the line clockwise, as one reads it."""
+    score: float
+    """Of the recogniser, [0, 1]."""
+
+    @property
+    def center_px(self) -> FloatArray:
+        return self.corners_px.mean(axis=0)
+
+    @property
+    def height_px(self) -> float:
+        """Of the letters."""
+        return float(min(self._sides))
+
+    @property
+    def is_upright(self) -> bool:
+        """Whether the line runs up or down the picture."""
+        low, high = self.corners_px.min(axis=0), self.corners_px.max(axis=0)
+        return bool(high[1] - low[1] > 1.5 * (high[0] - low[0]))
+
+    @property
+    def _sides(self) -> FloatArray:
+        edges = np.roll(self.corners_px, -1, axis=0)[:2] - self.corners_px[:2]
+        return np.hypot(edges[:, 0], edges[:, 1])
+
+
+def read_texts(rgb: ByteArray) -> tuple[Text, ...]:
+    """The lines of text in a picture, RGB (H, W, 3); lines that are hardly legible are left out."""
+    side = max(rgb.shape[:2])
+    scale = np.clip(1.0, _SMALLEST_SIDE_PX / side, _LARGEST_SIDE_PX / side)
+    how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+    sized = rgb if scale == 1.0 else cv2.resize(rgb, None, fx=scale, fy=scale, interpolation=how)
+    # The engine takes BGR, as OpenCV does; the angle classifier is for pages upside down.
+    found = _engine()(np.ascontiguousarray(sized[:, :, ::-1]), use_cls=False)
+    if found.txts is None:
+        return ()
+    return tuple(
+        Text(str(text), np.asarray(corners, np.float64) / scale, float(score))
+        for text, corners, score in zip(found.txts, found.boxes, found.scores, strict=True)
+        if score >= _LEAST_SCORE
+    )
+
+
+@cache
+def _engine() -> Any:
+    """The OCR engine; loading takes about a second, so that it waits for a picture to read."""
+    from rapidocr import RapidOCR
+
+    # Threads without a core of their own wait for one another, busily.
+    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    engine = "EngineConfig.onnxruntime"
+    return RapidOCR(
+        params={
+            "Global.log_level": "critical",
+            f"{engine}.intra_op_num_threads": min(threads, 4),
+            f"{engine}.inter_op_num_threads": 1,
+        }
+    )
