@@ -12,6 +12,7 @@ import numpy as np
 from chord_usd.evaluation.detector_cases import Case
 from chord_usd.graph.detect import (
     CLASSES,
+    LEAST_SCORE,
     ROOM_CLASSES,
     ItemDetector,
     Kind,
@@ -24,9 +25,6 @@ from chord_usd.metrics.detection import Proposal, average_precisions, judged
 from chord_usd.palette import category
 from chord_usd.types import BoolArray, FloatArray, PixelFrame, Plan
 from chord_usd.units import px_from_m
-
-_LEAST_SCORE = 0.01
-"""Precision is integrated down to this confidence."""
 
 CvBox = tuple[tuple[float, float], tuple[float, float], float]
 
@@ -56,7 +54,7 @@ def score_item_detector(cases: Sequence[Case], detector: ItemDetector) -> Networ
     found: list[Proposal] = []
     truths: list[int] = []
     for case in cases:
-        rows = detector.raw(case.layout.rgb[None], _LEAST_SCORE)[0]
+        rows = detector.rows(case.layout.rgb, LEAST_SCORE)
         frame = case.layout.frame
         mine = [_as_cv(row[[0, 1, 2, 3, 6]]) for row in rows]
         boxes = [_as_cv(taught_box(item.box, frame)) for item in case.items]
@@ -74,7 +72,7 @@ def score_room_segmenter(cases: Sequence[Case], segmenter: RoomSegmenter) -> Net
     for case in cases:
         if case.plan is None:
             continue
-        rooms = segmenter.segment_batch(case.layout.rgb[None], _LEAST_SCORE)[0]
+        rooms = segmenter.segment(case.layout.rgb, LEAST_SCORE)
         labels, masks = _room_masks(case.plan, case.layout.frame)
         overlap = np.array(
             [

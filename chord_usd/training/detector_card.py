@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.files import write_atomic
-from chord_usd.graph.detect import ARCHITECTURES, IMAGE_PX, LEAST_SIDE_PX, Kind
+from chord_usd.graph.detect import IMAGE_PX, LEAST_SIDE_PX, Kind
+from chord_usd.training.yolo import ARCHITECTURES
 
 CARD_FILE = "README.md"
 SHEET_FILE = "sheet.jpg"

@@ -1,0 +1,110 @@
+"""Trained networks on a CPU, without torch: ONNX Runtime on the graph and weights of a checkpoint.
+
+Importing torch and diffusers takes longer than furnishing a house. A checkpoint folder therefore
+holds, beside its weights, how they are computed with: network.onnx, which training writes
+(training/onnx_file.py). On a CUDA device, and for checkpoints without that file, torch is used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from chord_usd.errors import CheckpointError
+
+if TYPE_CHECKING:
+    import onnxruntime
+
+WEIGHTS_FILE = "weights.safetensors"
+GRAPH_FILE = "network.onnx"
+STORED_SUFFIX = ".half"
+"""Of the names, in the graph, of tensors that lie in the weights file."""
+
+
+class Network:
+    """A network ready to run. Make one with load_network."""
+
+    def __init__(self, session: onnxruntime.InferenceSession, path: Path) -> None:
+        self._session, self._path = session, path
+
+    def run(self, inputs: Mapping[str, npt.NDArray[Any]]) -> list[npt.NDArray[np.float32]]:
+        """The network's outputs, in the order of its file.
+
+        Raises MemoryError where there is not enough, CheckpointError where the graph cannot take
+        these inputs.
+        """
+        from onnxruntime.capi.onnxruntime_pybind11_state import Fail, InvalidArgument
+
+        try:
+            return list(self._session.run(None, dict(inputs)))
+        except InvalidArgument as error:
+            raise CheckpointError(
+                f"the network does not take these inputs ({_first_line(error)})",
+                where=str(self._path),
+                try_="copy the checkpoint again",
+            ) from error
+        except (Fail, RuntimeError) as error:
+            if "allocat" in str(error).lower():
+                raise MemoryError(_first_line(error)) from error
+            raise
+
+
+def has_graph(folder: Path) -> bool:
+    """Whether a checkpoint folder can be run without torch."""
+    return (folder / GRAPH_FILE).is_file()
+
+
+def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[np.float16]]:
+    """Tensors by name. Raises CheckpointError with the remedy try_ where the file is unusable."""
+    from safetensors import SafetensorError
+    from safetensors.numpy import load_file
+
+    try:
+        return load_file(path)
+    except (OSError, SafetensorError) as error:
+        raise CheckpointError(
+            f"the weights cannot be read ({_first_line(error)})",
+            where=str(path),
+            expected="a safetensors file",
+            try_=try_,
+        ) from error
+
+
+def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
+    """The network of a checkpoint folder that has a graph.
+
+    try_: remedy to name in errors; threads: 0 takes every core. Raises CheckpointError.
+    """
+    import onnxruntime
+
+    weights = read_weights(folder / WEIGHTS_FILE, try_)
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.log_severity_level = 3
+    options.add_external_initializers(*_initializers(weights))
+    path = folder / GRAPH_FILE
+    try:
+        session = onnxruntime.InferenceSession(str(path), options)
+    except Exception as error:  # of a dozen classes, none of them documented
+        raise CheckpointError(
+            f"the network cannot be built ({_first_line(error)})",
+            where=str(path),
+            expected=f"the graph that belongs to the {WEIGHTS_FILE} beside it",
+            try_=try_,
+        ) from error
+    return Network(session, path)
+
+
+def _initializers(weights: Mapping[str, npt.NDArray[Any]]) -> tuple[Sequence[str], Sequence[Any]]:
+    from onnxruntime import OrtValue
+
+    names = [name + STORED_SUFFIX for name in weights]
+    return names, [OrtValue.ortvalue_from_numpy(value) for value in weights.values()]
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error) or type(error).__name__).strip().splitlines()[0][:200]

@@ -1,0 +1,91 @@
+"""Networks as ONNX files that hold no weights: they stay in the checkpoint's safetensors.
+
+The file says how a network computes; chord_usd/networks.py runs it on a CPU without torch. It
+changes with the architecture only, so training needs to write it once.
+"""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from chord_usd.files import deliver
+from chord_usd.networks import GRAPH_FILE, STORED_SUFFIX, WEIGHTS_FILE
+
+OPSET = 18
+
+
+def write_graph(
+    folder: Path,
+    network: nn.Module,
+    stored: Mapping[str, str],
+    inputs: Mapping[str, Tensor],
+    outputs: Sequence[str],
+    free_axes: Mapping[str, Mapping[int, str]] | None = None,
+) -> None:
+    """Write folder's network.onnx.
+
+    stored: by the name of one of network's tensors, its name in the weights file; inputs: an
+    example, in the order of network's arguments; free_axes: by input or output, which of its axes
+    may have any length, and that length's name.
+    """
+    import onnx
+
+    with deliver() as delivery, warnings.catch_warnings(), torch.inference_mode():
+        path = delivery.place(folder / GRAPH_FILE)
+        # The exporter that follows tensors through plain Python tells so at length.
+        warnings.simplefilter("ignore")
+        torch.onnx.export(
+            _with_unlike_weights(network.eval()),
+            tuple(inputs.values()),
+            path,
+            dynamo=False,
+            opset_version=OPSET,
+            # Folded weights are not those of the file any more; the runtime folds them anyway.
+            do_constant_folding=False,
+            input_names=list(inputs),
+            output_names=list(outputs),
+            dynamic_axes={name: dict(axes) for name, axes in (free_axes or {}).items()},
+        )
+        model = onnx.load(path)
+        _leave_out(model.graph, stored)
+        path.write_bytes(model.SerializeToString())
+
+
+def _with_unlike_weights(network: nn.Module) -> nn.Module:
+    """A copy whose tensors all differ: the exporter makes one of those that are equal."""
+    copied = copy.deepcopy(network)
+    generator = torch.Generator().manual_seed(0)
+    for tensor in copied.state_dict().values():
+        if tensor.is_floating_point():
+            tensor.copy_(torch.rand(tensor.shape, generator=generator))
+    return copied
+
+
+def _leave_out(graph: Any, stored: Mapping[str, str]) -> None:
+    """Turn the stored tensors of a graph into half-precision ones that are given at loading."""
+    from onnx import TensorProto, helper
+
+    casts = []
+    for tensor in graph.initializer:
+        if tensor.name not in stored:
+            continue
+        outside = stored[tensor.name] + STORED_SUFFIX
+        casts.append(helper.make_node("Cast", [outside], [tensor.name], to=TensorProto.FLOAT))
+        tensor.name, tensor.data_type = outside, TensorProto.FLOAT16
+        tensor.ClearField("raw_data")
+        tensor.ClearField("float_data")
+        tensor.data_location = TensorProto.EXTERNAL
+        entry = tensor.external_data.add()
+        entry.key, entry.value = "location", WEIGHTS_FILE
+    nodes = [*casts, *graph.node]
+    for node in nodes:
+        node.ClearField("doc_string")  # paths of source files
+    del graph.node[:]
+    graph.node.extend(nodes)
