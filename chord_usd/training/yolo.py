@@ -116,7 +116,7 @@ def write_detector_graph(kind: Kind, folder: Path) -> None:
 
 
 class Proposing(nn.Module):
-    """(1, H, W, 3) uint8 to ultralytics' proposals, best first; behind them, rows without a score."""
+    """(1, H, W, 3) uint8 to ultralytics' proposals, best first; rows without a score behind."""
 
     def __init__(self, kind: Kind, model: Any) -> None:
         super().__init__()
