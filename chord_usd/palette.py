@@ -212,6 +212,12 @@ ROOM_SHADES: dict[RoomKind, Rgb] = {
 
 assert set(ROOM_SHADES) == set(ROOM_KINDS)
 
+SUPPORTS: tuple[str, ...] = tuple(row.name for row in HOUSE_CATEGORIES if row.supports)
+"""Categories that carry tabletop items. Their order stays for ever: checkpoints depend on it."""
+
+TOP_SHADES: dict[str, Rgb] = {name: (244 - 9 * index,) * 3 for index, name in enumerate(SUPPORTS)}
+"""Grey level of each supporting category's top in the top view that tabletop layouts lie on."""
+
 
 def category(name: str) -> Category:
     """The row of this name. Raises SceneError for a name that is not in the table."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Outcome,
@@ -20,6 +21,10 @@ from chord_usd.commands.common import (
     whole_number,
 )
 
+if TYPE_CHECKING:
+    from chord_usd.training.stream import BatchStream
+    from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
+
 
 def add(verbs: Verbs) -> None:
     """Adds the verbs."""
@@ -30,14 +35,12 @@ def add(verbs: Verbs) -> None:
         "--preset", default="default", metavar="NAME", help="default, large or paper (default)"
     )
     layout.add_argument(
-        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
-    )
-    layout.add_argument(
         "--flats", type=Path, metavar="JSONL", help="real floor plans to furnish beside our own"
     )
-    layout.add_argument(
-        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
-    )
+    _add_loop_options(layout)
+    table = add_verb(group, "table", run_table, "train the model of what stands on tables")
+    _add_training_options(table, minutes=40.0, batch=None)
+    _add_loop_options(table)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -61,6 +64,16 @@ def add(verbs: Verbs) -> None:
     )
 
 
+def _add_loop_options(parser: Parser) -> None:
+    """Options of whatever the one training loop trains."""
+    parser.add_argument(
+        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
+    )
+    parser.add_argument(
+        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
+    )
+
+
 def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
     add_output(parser, "folder of the run; the checkpoint comes to lie in it")
     parser.add_argument(
@@ -81,8 +94,8 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
     """Runs train plan2layout."""
     from chord_usd.data.flats import furnishable, read_flats
     from chord_usd.layout.config import PRESETS
-    from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
-    from chord_usd.training.stream import StreamConfig
+    from chord_usd.training.stream import LayoutStream, StreamConfig
+    from chord_usd.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 
     if options.preset not in PRESETS:
         raise UsageError(
@@ -91,32 +104,53 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
             expected=f"one of {', '.join(PRESETS)}",
         )
     base = PAPER_TRAINING if options.preset == "paper" else TrainingConfig()
-    config = replace(
+    config = _training(options, base)
+    real = read_flats(options.flats, part="train") if options.flats else []
+    flats = furnishable(real)
+    trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
+    stream = LayoutStream(
+        StreamConfig(seed=options.seed), flats, PRESETS[options.preset], config.batch
+    )
+    facts = {"real_plans": len(flats), "real_plans_left_out": len(real) - len(flats)}
+    return _trained(options, trainer, stream, facts)
+
+
+def run_table(options: argparse.Namespace) -> Outcome:
+    """Runs train table."""
+    from chord_usd.layout.config import TABLE
+    from chord_usd.training.stream import TableStream, TableStreamConfig
+    from chord_usd.training.trainer import TABLE_TRAINING, LayoutTrainer
+
+    config = _training(options, TABLE_TRAINING)
+    trainer = LayoutTrainer(TABLE, config, options.output)
+    stream = TableStream(TableStreamConfig(options.seed), TABLE, config.batch)
+    return _trained(options, trainer, stream, {})
+
+
+def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:
+    return replace(
         base,
         minutes=options.minutes,
         batch=options.batch or base.batch,
         workers=options.workers,
         seed=options.seed,
         device=options.device,
-        stream=StreamConfig(seed=options.seed),
     )
-    real = read_flats(options.flats, part="train") if options.flats else []
-    flats = furnishable(real)
-    trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
+
+
+def _trained(
+    options: argparse.Namespace, trainer: LayoutTrainer, stream: BatchStream, facts: dict[str, Any]
+) -> Outcome:
+    """Train on the stream, going on where a run in the folder stopped."""
     resumed = trainer.resume()
     if options.start and not resumed:
         trainer.warm_start(options.start)
     watch = stopwatch(options)
     with watch.step("train") as progress:
         trainer.train(
-            flats, lambda row: progress(round(trainer.minutes * 60), round(options.minutes * 60))
+            stream, lambda row: progress(round(trainer.minutes * 60), round(options.minutes * 60))
         )
-    record = {
-        "checkpoint": str(options.output / "checkpoint"),
-        "resumed": resumed,
-        "real_plans": len(flats),
-        "real_plans_left_out": len(real) - len(flats),
-    }
+    record = {"checkpoint": str(options.output / "checkpoint"), "resumed": resumed, **facts}
     data = {**record, **trainer.training_record()}
     return Outcome(f"{data['checkpoint']}: {trainer.step} steps", data)
 
@@ -126,7 +160,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.splits import split_hash
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
-    from chord_usd.graph.detect import WEIGHTS_FILE
+    from chord_usd.networks import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
 

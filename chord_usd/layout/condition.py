@@ -5,13 +5,18 @@ Everything is computed from the raster alone, so that any drawing of a plan can 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from chord_usd.layout.clearance import clearance_planes, passage_mask
+from chord_usd.layout.measures import (
+    Condition,
+    distance_planes,
+    free_length_planes,
+    near,
+    size_planes,
+)
 from chord_usd.palette import BACKGROUND_RGB, PLAN_CATEGORIES, ROOM_SHADES
 from chord_usd.types import ROOM_KINDS, BoolArray, ByteArray
 
@@ -27,28 +32,15 @@ distance to the nearest door and window, and the raster's scale."""
 AREA_PLANE = 1 + len(ROOM_KINDS)
 """Of the grid: log(1 + area in m²) / AREA_SCALE of the cell's room, 0 outside."""
 
-AREA_SCALE = 3.0
-
-COLOR_TOLERANCE = 24
 SHADE_TOLERANCE = 3
 _UNKNOWN = ROOM_KINDS.index("unknown")
 FAR_M = 4.0
 """Distances to doors and windows saturate here."""
 
 
-@dataclass(frozen=True, eq=False)
-class Condition:
-    """A plan as the network sees it."""
-
-    pixels: ByteArray
-    """(PIXEL_PLANES, H, W), 0 or 1."""
-    grid: npt.NDArray[np.float32]
-    """(GRID_PLANES, H / cell, W / cell), values of order 1."""
-
-
 def plan_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
     """Masks and room measures of a (H, W, 3) plan raster; one grid cell is cell_px pixels wide."""
-    wall, door, window = (_near(rgb, row.rgb) for row in PLAN_CATEGORIES)
+    wall, door, window = (near(rgb, row.rgb) for row in PLAN_CATEGORIES)
     free = ~(wall | door | window)
     regions, kinds, boxes_px = _rooms(rgb[..., 0], free)
     half = cell_px // 2
@@ -61,19 +53,13 @@ def plan_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
         [
             (coarse > 0)[None],
             _kind_planes(coarse, kinds),
-            _size_planes(coarse, boxes_px, m_per_px),
-            _free_length_planes(coarse, m_per_px * cell_px),
-            _opening_planes((door, window), cell_px, m_per_px),
+            size_planes(coarse, boxes_px, m_per_px),
+            free_length_planes(coarse, m_per_px * cell_px),
+            distance_planes((door, window), cell_px, m_per_px, FAR_M),
             np.full((1, *coarse.shape), m_per_px * 10.0),
         ]
     ).astype(np.float32)
     return Condition(pixels, grid)
-
-
-def _near(rgb: ByteArray, color: tuple[int, int, int]) -> BoolArray:
-    low = np.maximum(np.array(color) - COLOR_TOLERANCE, 0)
-    high = np.minimum(np.array(color) + COLOR_TOLERANCE, 255)
-    return cv2.inRange(rgb, low, high).astype(bool)
 
 
 def _rooms(
@@ -115,52 +101,3 @@ def _border_labels(labels: npt.NDArray[np.int32]) -> set[int]:
 def _kind_planes(coarse: npt.NDArray[np.int32], kinds: npt.NDArray[np.int64]) -> BoolArray:
     kind_at = np.where(coarse > 0, kinds[coarse], -1)
     return kind_at[None] == np.arange(len(ROOM_KINDS))[:, None, None]
-
-
-def _size_planes(
-    coarse: npt.NDArray[np.int32], boxes_px: npt.NDArray[np.float64], m_per_px: float
-) -> npt.NDArray[np.float64]:
-    """Area, width and height of the room at each cell; logarithms, since rooms span 1 to 60 m²."""
-    sizes = np.stack(
-        [
-            np.log1p(boxes_px[:, 2] * m_per_px**2) / AREA_SCALE,
-            np.log1p(boxes_px[:, 0] * m_per_px) / 2.0,
-            np.log1p(boxes_px[:, 1] * m_per_px) / 2.0,
-        ]
-    )
-    return np.where(coarse[None] > 0, sizes[:, coarse], 0.0)
-
-
-def _free_length_planes(coarse: npt.NDArray[np.int32], cell_m: float) -> npt.NDArray[np.float64]:
-    """Distance to the room's edge towards -x, +x, -y and +y of the image, metres, compressed."""
-    planes = [
-        _run_length(coarse),
-        _run_length(coarse[:, ::-1])[:, ::-1],
-        _run_length(coarse.T).T,
-        _run_length(coarse.T[:, ::-1])[:, ::-1].T,
-    ]
-    return np.where(coarse[None] > 0, np.log1p(np.stack(planes) * cell_m), 0.0)
-
-
-def _run_length(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
-    """Cells since the label last changed along each row, counted from half a cell."""
-    columns = np.arange(labels.shape[1])
-    changed = np.zeros(labels.shape, bool)
-    changed[:, 1:] = labels[:, 1:] != labels[:, :-1]
-    start = np.maximum.accumulate(np.where(changed, columns, 0), axis=1)
-    return columns - start + 0.5
-
-
-def _opening_planes(
-    openings: tuple[BoolArray, ...], cell_px: int, m_per_px: float
-) -> npt.NDArray[np.float64]:
-    planes = []
-    for mask in openings:
-        rows, columns = (length // cell_px for length in mask.shape)
-        coarse = mask.reshape(rows, cell_px, columns, cell_px).any(axis=(1, 3))
-        if coarse.any():
-            distance = cv2.distanceTransform((~coarse).astype(np.uint8), cv2.DIST_L2, 3)
-            planes.append(np.minimum(distance * cell_px * m_per_px, FAR_M) / FAR_M)
-        else:
-            planes.append(np.ones(coarse.shape))
-    return np.stack(planes)

@@ -12,11 +12,15 @@ from chord_usd.errors import CheckpointError
 
 @dataclass(frozen=True)
 class LayoutConfig:
-    """Architecture and noise schedule of a plan-conditioned layout model.
+    """Architecture and noise schedule of a conditional layout model.
 
-    The paper's own setting is PRESETS["paper"]; the shipped model is PRESETS["default"].
+    The paper's own setting is PRESETS["paper"]; the shipped models are PRESETS["default"] and
+    TABLE.
     """
 
+    level: Literal["house", "table"] = "house"
+    """What is laid out: furniture over a plan, or items over the top view of a supporting piece
+    (levels.LEVELS)."""
     state: Literal["codes", "rgb"] = "codes"
     """What is diffused: one error-correcting code word per category, or the RGB raster itself."""
     condition: Literal["planes", "rgb"] = "planes"
@@ -88,3 +92,12 @@ PRESETS: dict[str, LayoutConfig] = {
 }
 """default: two CPU cores; large: a GPU; paper: section 5 of the paper, 3 noise + 3 plan channels
 in, 3 out, DDPM's U-Net and linear schedule at full resolution."""
+
+TABLE = LayoutConfig(
+    level="table",
+    channels=(48, 80, 96),
+    attention=(False, False, True),
+    default_steps=12,
+)
+"""Tabletops: few items in a quarter of the pixels, for which a quarter of the parameters will
+do."""

@@ -9,9 +9,9 @@ from diffusers import UNet2DModel
 from torch import Tensor, nn
 from torch.nn import functional
 
-from chord_usd.layout.codes import CLASS_COUNT, STATE_CHANNELS, codebook
-from chord_usd.layout.condition import GRID_PLANES, PIXEL_PLANES
+from chord_usd.layout.codes import STATE_CHANNELS, codebook
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.levels import traits_of
 
 RGB_CHANNELS = 3
 
@@ -28,6 +28,7 @@ class LayoutNetwork(nn.Module):
     def __init__(self, config: LayoutConfig) -> None:
         super().__init__()
         self.config = config
+        self.class_count = traits_of(config).class_count
         fold = config.patch_px**2
         width = config.channels[0]
         self.embed_state = nn.Conv2d(_state_channels(config) * fold, width, 1)
@@ -48,15 +49,18 @@ class LayoutNetwork(nn.Module):
         )
         self.unet = unet
         self.head = nn.Conv2d(config.feature_channels, _output_channels(config) * fold, 1)
-        self.register_buffer("codes", torch.from_numpy(codebook()), persistent=False)
+        self.register_buffer(
+            "codes", torch.from_numpy(codebook(self.class_count)), persistent=False
+        )
 
     def forward(self, state: Tensor, time: Tensor, pixels: Tensor, grid: Tensor | None) -> Tensor:
         """What the network says of a noisy batch.
 
         state: (B, C, H, W) noisy state; time: (B,) training steps in [0, training_steps);
-        pixels: (B, PIXEL_PLANES or 3, H, W) plan; grid: (B, GRID_PLANES, H/patch, W/patch) or None
-        for the RGB condition. Returns (B, CLASS_COUNT + 1, H, W): category logits, then the front
-        mark's logit; for the RGB state the predicted noise, (B, 3, H, W).
+        pixels: (B, pixel planes or 3, H, W) and grid: (B, grid planes, H/patch, W/patch), or None
+        for the RGB condition: the plan or table, as its level describes it. Returns
+        (B, class_count + 1, H, W): category logits, then the front mark's logit; for the RGB state
+        the predicted noise, (B, 3, H, W).
         """
         patch = self.config.patch_px
         plan = functional.pixel_unshuffle(pixels, patch)
@@ -78,9 +82,9 @@ class LayoutNetwork(nn.Module):
         A softmax over code words keeps the estimate inside their hull at every noise level
         (score interpolation, Dieleman et al., 2022), where a regressed sample would leave it.
         """
-        chances = output[:, :CLASS_COUNT].float().softmax(dim=1)
+        chances = output[:, : self.class_count].float().softmax(dim=1)
         words = torch.einsum("bkhw,kc->bchw", chances, self.codes)
-        front = torch.tanh(output[:, CLASS_COUNT:].float() / 2.0)  # 2 sigmoid(z) - 1
+        front = torch.tanh(output[:, self.class_count :].float() / 2.0)  # 2 sigmoid(z) - 1
         return torch.cat([words, front], dim=1)
 
 
@@ -92,8 +96,9 @@ def _plan_channels(config: LayoutConfig) -> int:
     fold = config.patch_px**2
     if config.condition == "rgb":
         return RGB_CHANNELS * fold
-    return PIXEL_PLANES * fold + GRID_PLANES
+    traits = traits_of(config)
+    return traits.pixel_planes * fold + traits.grid_planes
 
 
 def _output_channels(config: LayoutConfig) -> int:
-    return RGB_CHANNELS if config.state == "rgb" else CLASS_COUNT + 1
+    return RGB_CHANNELS if config.state == "rgb" else traits_of(config).class_count + 1

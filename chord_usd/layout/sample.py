@@ -15,9 +15,9 @@ from torch import Tensor
 
 from chord_usd import __version__
 from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint
-from chord_usd.layout.codes import CLASS_COUNT, STATE_CHANNELS
-from chord_usd.layout.condition import FLOOR_PLANE, plan_condition
+from chord_usd.layout.codes import STATE_CHANNELS
 from chord_usd.layout.device import choose_device, half_precision
+from chord_usd.layout.levels import traits_of
 from chord_usd.layout.network import RGB_CHANNELS
 from chord_usd.layout.schedule import sampling_scheduler
 from chord_usd.layout.window import Window, WindowSize, window_of, window_size
@@ -61,6 +61,7 @@ class LayoutModel:
         """full: float32 throughout, also where bfloat16 would be faster."""
         self.checkpoint = checkpoint
         self.config = checkpoint.config
+        self.traits = traits_of(checkpoint.config)
         self.device = device
         self._full = full
         checkpoint.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
@@ -138,7 +139,7 @@ class LayoutModel:
         noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
         """
         run = _Run(steps or self.config.default_steps, sampler, (seed,), progress)
-        before = paint_layout(plan_image, labels, front)
+        before = paint_layout(plan_image, labels, front, self.traits.level)
         window = window_of(plan_image.rgb, self._window_size(plan_image))
         kept = _Kept(
             self.encode(labels[window], front[window], before[window]),
@@ -158,11 +159,11 @@ class LayoutModel:
         if windows:
             pictures = [rgb[window] for rgb, window in zip(pictures, windows, strict=True)]
         conditions = [
-            plan_condition(rgb, image.frame.m_per_px, cell)
+            self.traits.describe(rgb, image.frame.m_per_px, cell)
             for rgb, image in zip(pictures, plan_images, strict=True)
         ]
         masks = torch.from_numpy(np.stack([condition.pixels for condition in conditions]))
-        inside = masks[:, FLOOR_PLANE, None].to(self.device, torch.float32)
+        inside = masks[:, self.traits.ground_plane, None].to(self.device, torch.float32)
         if self.config.condition == "rgb":
             rgb = torch.from_numpy(np.stack(pictures))
             pixels = rgb.permute(0, 3, 1, 2).to(self.device, torch.float32) / 127.5 - 1.0
@@ -208,7 +209,7 @@ class LayoutModel:
                 run.progress(done, run.steps)
         if self.config.state == "rgb":
             return state
-        return torch.where(plans.inside > 0, output, _NOTHING.to(output.device))
+        return torch.where(plans.inside > 0, output, self._nothing())
 
     @staticmethod
     def _held(
@@ -237,6 +238,12 @@ class LayoutModel:
     def _bare_floor(self, like: Tensor) -> Tensor:
         labels = torch.zeros((1, *like.shape[-2:]), dtype=torch.long, device=like.device)
         return self.checkpoint.network.encode(labels, labels > 0)
+
+    def _nothing(self) -> Tensor:
+        """(1, classes + 1, 1, 1) logits of the bare ground without a front mark."""
+        logits = torch.full((1, self.traits.class_count + 1, 1, 1), -50.0, device=self.device)
+        logits[:, 0] = 50.0
+        return logits
 
     def windows(self, plan_images: Sequence[PlanImage]) -> list[Window]:
         """What the network looks at of each raster: windows of one size that hold their houses."""
@@ -268,7 +275,7 @@ class LayoutModel:
             window = windows[index]
             labels[window] = final[:-1].argmax(dim=0).cpu().numpy()
             front[window] = (final[-1] > 0).cpu().numpy() & (labels[window] > 0)
-            pixels = paint_layout(plan_image, labels, front)
+            pixels = paint_layout(plan_image, labels, front, self.traits.level)
         provenance = Provenance(
             checkpoint_hash=self.checkpoint.content_hash,
             seed=run.seeds[index],
@@ -298,8 +305,3 @@ def _share(progress: Progress | None, before: int, part: int, count: int) -> Pro
     if progress is None:
         return None
     return lambda done, steps: progress(before * steps + part * done, count * steps)
-
-
-_NOTHING = torch.full((1, CLASS_COUNT + 1, 1, 1), -50.0)
-_NOTHING[:, 0] = 50.0
-"""Logits of bare floor without a front mark."""

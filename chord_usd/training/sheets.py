@@ -1,7 +1,8 @@
-"""Sample sheets: what the model draws for held-out plans, to be looked at."""
+"""Sample sheets: what the model draws for held-out plans or tables, to be looked at."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -9,39 +10,35 @@ import numpy as np
 import torch
 
 from chord_usd import raster
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.data.splits import TEST_SEED
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.training.stream import Drawn
 from chord_usd.types import ByteArray
 
-SHEET_PLANS = 4
+SHEET_COLUMNS = 4
 ENLARGE = 2
+MOST_STEPS = 20
 
 
 def draw_sheet(
-    network: LayoutNetwork, path: Path, device: torch.device, plans: int = SHEET_PLANS
+    network: LayoutNetwork, path: Path, device: torch.device, examples: Sequence[Drawn]
 ) -> None:
-    """Writes a PNG: a column per held-out plan; above what the furnisher drew, then two samples."""
+    """Writes a PNG: a column per held-out example; above what the data holds, then two samples."""
     model = LayoutModel(Checkpoint(network, network.config, "", {}), str(device))
-    houses = []
-    for index in range(plans):
-        rng = np.random.default_rng(TEST_SEED + index)
-        houses.append(furnish(random_plan(rng), rng))
-    images = [
-        raster.draw_plan(house.plan, shade=index % 2 == 0) for index, house in enumerate(houses)
+    images = [example.image for example in examples]
+    steps = min(model.config.default_steps, MOST_STEPS)
+    rows = [
+        [
+            raster.paint_layout(example.image, example.labels, example.front, model.traits.level)
+            for example in examples
+        ]
     ]
-    truth = [
-        raster.layout_image(image, house.items) for image, house in zip(images, houses, strict=True)
-    ]
-    steps = min(model.config.default_steps, 20)
-    rows = [truth]
     for seed in range(2):
-        rows.append(model.sample_batch(images, seeds=[seed] * plans, steps=steps))
+        sampled = model.sample_batch(images, seeds=[seed] * len(images), steps=steps)
+        rows.append([image.rgb for image in sampled])
     sheet = np.concatenate(
-        [np.concatenate([_enlarged(image.rgb) for image in row], axis=1) for row in rows]
+        [np.concatenate([_enlarged(rgb) for rgb in row], axis=1) for row in rows]
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     cv2.imwrite(str(path), cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))

@@ -1,9 +1,10 @@
-"""Houses as an endless stream of training batches, made by worker processes as they are needed."""
+"""Layouts as endless streams of training batches, made by worker processes as they are needed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -14,16 +15,19 @@ from chord_usd import raster
 from chord_usd.data.augment import random_pose
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.data.splits import is_test_seed
-from chord_usd.layout.condition import plan_condition
+from chord_usd.data.splits import TEST_SEED, is_test_seed
+from chord_usd.data.tabletops import random_tabletop
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.levels import traits_of
 from chord_usd.layout.window import WindowSize, window_of, window_size
+from chord_usd.palette import Level
+from chord_usd.table_top import draw_table
 from chord_usd.types import BoolArray, ByteArray, Plan, PlanImage, SceneGraph
 
 Batch = dict[str, Tensor]
 
 POOL_BATCHES = 4
-"""Batches drawn ahead and sorted by size, so that houses of a batch fill windows of one size."""
+"""Batches drawn ahead and sorted by size, so that layouts of a batch fill windows of one size."""
 
 
 @dataclass(frozen=True)
@@ -39,23 +43,94 @@ class StreamConfig:
     """Free border of the canvas, which varies the scale."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Drawn:
-    """One house on the whole canvas."""
+class SeededConfig(Protocol):
+    """Settings of a stream."""
 
-    plan_image: PlanImage
+    @property
+    def seed(self) -> int:
+        """Same seed, same data."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """One layout on the whole canvas."""
+
+    image: PlanImage
+    """What it lies on."""
     labels: ByteArray
     front: BoolArray
-    window: WindowSize
 
 
-class LayoutStream(IterableDataset[Batch]):
-    """Batches of plans and layouts, never ending; each worker has its own random stream.
+class BatchStream(IterableDataset[Batch]):
+    """Batches of layouts and what they lie on, never ending; each worker has a random stream.
 
-    A batch holds, for windows of height H and width W around the houses, rgb (B, H, W, 3) uint8 and
-    pixels (B, PIXEL_PLANES, H, W) uint8 and grid (B, GRID_PLANES, H/patch, W/patch) float32 of the
-    plans, labels (B, H, W) uint8, front (B, H, W) bool and layout (B, H, W, 3) uint8.
+    A batch holds, for windows of height H and width W around what is drawn, rgb (B, H, W, 3) uint8
+    and pixels (B, planes, H, W) uint8 and grid (B, planes, H/patch, W/patch) float32 of the
+    condition, labels (B, H, W) uint8, front (B, H, W) bool and layout (B, H, W, 3) uint8.
     """
+
+    config: SeededConfig
+    pool_batches = POOL_BATCHES
+
+    def __init__(self, network: LayoutConfig, batch: int) -> None:
+        self.network = network
+        self.traits = traits_of(network)
+        self.batch = batch
+        self._skipped = 0
+
+    def draw(self, rng: np.random.Generator) -> Drawn:
+        """One more layout of the training data."""
+        raise NotImplementedError
+
+    def held_out(self, count: int) -> list[Drawn]:
+        """The first layouts that are never trained on; always the same."""
+        raise NotImplementedError
+
+    def skip_to(self, step: int) -> None:
+        """Go on with other data than that of the steps before."""
+        self._skipped = step
+
+    def __iter__(self) -> Iterator[Batch]:
+        worker = get_worker_info()
+        seed = self.config.seed + self._skipped
+        rng = np.random.default_rng((seed, worker.id if worker else 0))
+        while True:
+            pool = [self._sized(self.draw(rng)) for _ in range(self.batch * self.pool_batches)]
+            pool.sort(key=lambda sized: sized[0])
+            for first in rng.permutation(self.pool_batches) * self.batch:
+                yield self._batch(pool[first : first + self.batch])
+
+    def _sized(self, drawn: Drawn) -> tuple[WindowSize, Drawn]:
+        return window_size(drawn.image.rgb, self.network.window_multiple_px), drawn
+
+    def _batch(self, sized: Sequence[tuple[WindowSize, Drawn]]) -> Batch:
+        sizes = [size for size, _ in sized]
+        size = (max(height for height, _ in sizes), max(width for _, width in sizes))
+        samples = [self._sample(drawn, size) for _, drawn in sized]
+        return {
+            name: torch.from_numpy(np.stack([sample[name] for sample in samples]))
+            for name in samples[0]
+        }
+
+    def _sample(self, drawn: Drawn, size: WindowSize) -> dict[str, np.ndarray]:
+        image = drawn.image
+        window = window_of(image.rgb, size)
+        condition = self.traits.describe(
+            image.rgb[window], image.frame.m_per_px, self.network.patch_px
+        )
+        layout = raster.paint_layout(image, drawn.labels, drawn.front, self.traits.level)
+        return {
+            "rgb": image.rgb[window],
+            "pixels": condition.pixels,
+            "grid": condition.grid,
+            "labels": drawn.labels[window],
+            "front": drawn.front[window],
+            "layout": layout[window],
+        }
+
+
+class LayoutStream(BatchStream):
+    """Furnished houses, procedural and on real floor plans."""
 
     def __init__(
         self,
@@ -64,49 +139,25 @@ class LayoutStream(IterableDataset[Batch]):
         network: LayoutConfig,
         batch: int,
     ) -> None:
-        self.config = config
+        super().__init__(network, batch)
+        self.config: StreamConfig = config
         self.real_plans = real_plans
-        self.network = network
-        self.batch = batch
 
-    def __iter__(self) -> Iterator[Batch]:
-        worker = get_worker_info()
-        rng = np.random.default_rng((self.config.seed, worker.id if worker else 0))
-        while True:
-            pool = [self._draw(rng) for _ in range(self.batch * POOL_BATCHES)]
-            pool.sort(key=lambda drawn: drawn.window)
-            for first in rng.permutation(POOL_BATCHES) * self.batch:
-                yield self._batch(pool[first : first + self.batch])
-
-    def _draw(self, rng: np.random.Generator) -> _Drawn:
+    def draw(self, rng: np.random.Generator) -> Drawn:
+        """A house in a random pose, shaded by chance."""
         house = random_pose(self._furnished_house(rng), rng)
         frame = raster.fit_frame(house.plan, margin_px=int(rng.integers(*self.config.margin_px)))
         shade = bool(rng.random() < self.config.shading_chance)
-        plan_image = raster.draw_plan(house.plan, frame, shade=shade)
-        labels, front = raster.draw_items(house.items, frame)
-        size = window_size(plan_image.rgb, self.network.window_multiple_px)
-        return _Drawn(plan_image, labels, front, size)
+        return _drawn_house(house, raster.draw_plan(house.plan, frame, shade=shade))
 
-    def _batch(self, houses: Sequence[_Drawn]) -> Batch:
-        size = (max(house.window[0] for house in houses), max(house.window[1] for house in houses))
-        samples = [self._sample(house, size) for house in houses]
-        return {
-            name: torch.from_numpy(np.stack([sample[name] for sample in samples]))
-            for name in samples[0]
-        }
-
-    def _sample(self, house: _Drawn, size: WindowSize) -> dict[str, np.ndarray]:
-        image = house.plan_image
-        window = window_of(image.rgb, size)
-        condition = plan_condition(image.rgb[window], image.frame.m_per_px, self.network.patch_px)
-        return {
-            "rgb": image.rgb[window],
-            "pixels": condition.pixels,
-            "grid": condition.grid,
-            "labels": house.labels[window],
-            "front": house.front[window],
-            "layout": raster.paint_layout(image, house.labels, house.front)[window],
-        }
+    def held_out(self, count: int) -> list[Drawn]:
+        """Test houses, every other one shaded."""
+        drawn = []
+        for index in range(count):
+            rng = np.random.default_rng(TEST_SEED + index)
+            house = furnish(random_plan(rng), rng)
+            drawn.append(_drawn_house(house, raster.draw_plan(house.plan, shade=index % 2 == 0)))
+        return drawn
 
     def _furnished_house(self, rng: np.random.Generator) -> SceneGraph:
         if self.real_plans and rng.random() < self.config.real_share:
@@ -119,7 +170,46 @@ class LayoutStream(IterableDataset[Batch]):
         return furnish(random_plan(house_rng), house_rng)
 
 
-def batch_loader(stream: LayoutStream, workers: int) -> DataLoader[Batch]:
+def _drawn_house(house: SceneGraph, image: PlanImage) -> Drawn:
+    return Drawn(image, *raster.draw_items(house.items, image.frame))
+
+
+@dataclass(frozen=True)
+class TableStreamConfig:
+    """What the stream of tabletops draws from."""
+
+    seed: int = 0
+
+
+class TableStream(BatchStream):
+    """Procedural tabletops."""
+
+    pool_batches = 16
+    """A bedside table fills a tenth of what a dining table does."""
+
+    def __init__(self, config: TableStreamConfig, network: LayoutConfig, batch: int) -> None:
+        super().__init__(network, batch)
+        self.config: TableStreamConfig = config
+
+    def draw(self, rng: np.random.Generator) -> Drawn:
+        """A laid supporting piece."""
+        seed = int(rng.integers(2**40))
+        while is_test_seed(seed):
+            seed = int(rng.integers(2**40))
+        return _drawn_table(seed)
+
+    def held_out(self, count: int) -> list[Drawn]:
+        """Test tabletops."""
+        return [_drawn_table(TEST_SEED + index) for index in range(count)]
+
+
+def _drawn_table(seed: int) -> Drawn:
+    tabletop = random_tabletop(np.random.default_rng(seed))
+    image = draw_table(tabletop.top)
+    return Drawn(image, *raster.draw_items(tabletop.items, image.frame, Level.TABLE))
+
+
+def batch_loader(stream: BatchStream, workers: int) -> DataLoader[Batch]:
     """The stream's batches; with workers = 0 they are made in this process."""
     return DataLoader(
         stream,

@@ -12,9 +12,13 @@ from chord_usd.layout.checkpoint import load_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import PRESETS, LayoutConfig
 from chord_usd.training import shards
-from chord_usd.training.plan2layout import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 from chord_usd.training.sheets import draw_sheet
-from chord_usd.training.stream import LayoutStream, StreamConfig, batch_loader
+from chord_usd.training.stream import (
+    LayoutStream,
+    StreamConfig,
+    batch_loader,
+)
+from chord_usd.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,
@@ -26,10 +30,14 @@ TINY_PAPER = replace(
 QUICK = TrainingConfig(minutes=0.02, batch=2, workers=0, warmup_steps=5, learning_rate=3e-3)
 
 
+def _houses(config: LayoutConfig = TINY, seed: int = 0) -> LayoutStream:
+    return LayoutStream(StreamConfig(seed=seed), [], config, QUICK.batch)
+
+
 @pytest.fixture(autouse=True)
 def _no_sheets(monkeypatch):
     """A sheet costs seconds of sampling; it has a test of its own."""
-    monkeypatch.setattr(LayoutTrainer, "_draw_sheet", lambda _self: None)
+    monkeypatch.setattr(LayoutTrainer, "_draw_sheet", lambda _self, _stream: None)
 
 
 @pytest.mark.parametrize(
@@ -38,14 +46,14 @@ def _no_sheets(monkeypatch):
 def test_one_batch_is_learned(tmp_path, config: LayoutConfig, left: float):
     """left: how much of the first loss remains; noise prediction starts at 1 and falls slowly."""
     trainer = LayoutTrainer(config, replace(QUICK, minutes=30.0), tmp_path)
-    batch = next(iter(batch_loader(LayoutStream(StreamConfig(seed=1), [], config, 2), workers=0)))
+    batch = next(iter(batch_loader(_houses(config, seed=1), workers=0)))
     losses = [float(trainer._step(batch)["loss"].detach()) for _ in range(50)]
     assert np.mean(losses[-10:]) < left * np.mean(losses[:5])
 
 
 def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
     first = LayoutTrainer(TINY, QUICK, tmp_path)
-    first.train([], lambda row: None)
+    first.train(_houses(), lambda row: None)
     second = LayoutTrainer(TINY, QUICK, tmp_path)
     assert second.resume()
     assert second.step == first.step
@@ -59,7 +67,7 @@ def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
     ]
     assert float(moments[0]["step"]) == float(moments[1]["step"])
     assert torch.allclose(moments[0]["exp_avg"], moments[1]["exp_avg"], rtol=1e-2, atol=1e-8)
-    second.train([], lambda row: None)
+    second.train(_houses(), lambda row: None)
     assert second.step > first.step
     assert not LayoutTrainer(TINY, QUICK, tmp_path / "empty").resume()
 
@@ -95,7 +103,7 @@ def test_a_damaged_shard_is_named(tmp_path):
 
 def test_the_checkpoint_is_the_moving_average_and_says_how_it_was_trained(tmp_path):
     trainer = LayoutTrainer(TINY, QUICK, tmp_path)
-    trainer.train([], lambda row: None)
+    trainer.train(_houses(), lambda row: None)
     loaded = load_checkpoint(tmp_path / "checkpoint")
     assert loaded.training["steps"] == trainer.step
     for name, tensor in trainer.average.state_dict().items():
@@ -146,7 +154,7 @@ def test_paper_training_divides_the_rate_by_ten_every_hundred_epochs(tmp_path):
 
 def test_a_sheet_shows_truth_and_two_samples_of_each_plan(tmp_path):
     trainer = LayoutTrainer(TINY, QUICK, tmp_path)
-    draw_sheet(trainer.average, tmp_path / "sheet.png", torch.device("cpu"), plans=1)
+    draw_sheet(trainer.average, tmp_path / "sheet.png", torch.device("cpu"), _houses().held_out(1))
     import cv2
 
     rows, columns, _ = cv2.imread(str(tmp_path / "sheet.png")).shape

@@ -1,37 +1,33 @@
-"""Training of the layout model: resumable, on a time budget, on CPU or CUDA."""
+"""Training of a layout model of any level: resumable, on a time budget, on CPU or CUDA."""
 
 from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import Tensor
 from torch.nn import functional
 
 from chord_usd.layout.checkpoint import load_checkpoint, save_checkpoint
-from chord_usd.layout.codes import CLASS_COUNT
-from chord_usd.layout.condition import AREA_PLANE, AREA_SCALE, FLOOR_PLANE
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import half_precision
+from chord_usd.layout.levels import traits_of
+from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.shards import load_state, save_state
-from chord_usd.training.stream import Batch, LayoutStream, StreamConfig, batch_loader
-from chord_usd.types import Plan
+from chord_usd.training.stream import Batch, BatchStream, batch_loader
 
 STATE_FOLDER = "state"
 LOG_FILE = "losses.csv"
 LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
-
-USUAL_ROOM_M2 = 8.0
-WEIGHED_AREA_M2 = (1.0, 40.0)
-"""Rooms smaller or larger than this count as these."""
 
 Report = Callable[[dict[str, float]], None]
 
@@ -50,8 +46,9 @@ class TrainingConfig:
     ema_decay: float = 0.999
     gradient_clip: float = 1.0
     front_weight: float = 0.3
-    room_area_power: float = 0.5
-    """Pixels count as the room's area to minus this power: 0 all alike, 1 all rooms alike."""
+    area_power: float = 0.5
+    """Pixels count as their room's (or table's) area to minus this power: 0 all pixels alike, 1 all
+    rooms alike."""
     decay_every_steps: int = 0
     """Where set, the learning rate is divided by 10 each time (paper), without cool-down."""
     workers: int = 1
@@ -61,7 +58,6 @@ class TrainingConfig:
     device: str = "cpu"
     mixed_precision: bool = True
     """bfloat16 in the network, float32 in losses and weights."""
-    stream: StreamConfig = field(default_factory=StreamConfig)
 
 
 PAPER_SCENES = 9706
@@ -78,6 +74,9 @@ PAPER_TRAINING = TrainingConfig(
 )
 """Batch 4, learning rate 1e-4 divided by 10 every 100 epochs (paper, section 5.1)."""
 
+TABLE_TRAINING = TrainingConfig(minutes=40.0, batch=16, learning_rate=6e-4, warmup_steps=100)
+"""Tabletops are small pictures: more of them a step for the same time."""
+
 
 class LayoutTrainer:
     """Holds what a run must not lose: network, moving average, optimiser, counters."""
@@ -85,6 +84,8 @@ class LayoutTrainer:
     def __init__(self, network_config: LayoutConfig, config: TrainingConfig, folder: Path) -> None:
         torch.manual_seed(config.seed)
         self.config, self.folder = config, folder
+        self.traits = traits_of(network_config)
+        self.data: dict[str, Any] = {}
         self.device = torch.device(config.device)
         self.network = LayoutNetwork(network_config).to(self.device)
         if self.device.type == "cuda":  # on a CPU the conversions cost more than they give
@@ -152,7 +153,7 @@ class LayoutTrainer:
             "batch": self.config.batch,
             "minutes": round(self.minutes_before + self.minutes, 1),
             "device": self.config.device,
-            "data": asdict(self.config.stream),
+            "data": self.data,
         }
 
     @property
@@ -160,12 +161,13 @@ class LayoutTrainer:
         """Minutes since this call of the program began."""
         return (time.monotonic() - self.started) / 60.0
 
-    def train(self, real_plans: Sequence[Plan], report: Report) -> None:
+    def train(self, stream: BatchStream, report: Report) -> None:
         """Runs until the minutes are spent, saving every save_minutes and at the end."""
         config = self.config
         keep_freed_memory()
-        stream_config = _continued(config.stream, self.step)
-        stream = LayoutStream(stream_config, real_plans, self.network.config, config.batch)
+        self.data = asdict(stream.config)
+        # A resumed run must not see the data of its first minutes again.
+        stream.skip_to(self.step)
         last_save = last_sheet = self.started = time.monotonic()
         self.first_step = self.step
         for batch in batch_loader(stream, config.workers):
@@ -177,12 +179,12 @@ class LayoutTrainer:
                 self.save()
                 last_save = now
             if now - last_sheet > config.sheet_minutes * 60:
-                self._draw_sheet()
+                self._draw_sheet(stream)
                 last_sheet = now
             if self.minutes > config.minutes:
                 break
         self.save()
-        self._draw_sheet()
+        self._draw_sheet(stream)
 
     def _step(self, batch: Batch) -> dict[str, Tensor]:
         rate = self._learning_rate()
@@ -212,10 +214,11 @@ class LayoutTrainer:
         return self._category_losses(output, batch)
 
     def _category_losses(self, output: Tensor, batch: Batch) -> dict[str, Tensor]:
-        """Means over floor pixels: nothing belongs outside, so nothing is learned there."""
-        logits, front_logit = output[:, :CLASS_COUNT], output[:, CLASS_COUNT]
+        """Means over pixels of the ground: nothing belongs outside, so nothing is learned there."""
+        classes = self.traits.class_count
+        logits, front_logit = output[:, :classes], output[:, classes]
         labels = batch["labels"].long()
-        inside = (batch["pixels"][:, FLOOR_PLANE] > 0) | (labels > 0)
+        inside = (batch["pixels"][:, self.traits.ground_plane] > 0) | (labels > 0)
         weight = inside * self._pixel_weight(batch)
         category = functional.cross_entropy(logits.float(), labels, reduction="none")
         category = (category * weight).sum() / weight.sum()
@@ -229,9 +232,10 @@ class LayoutTrainer:
 
     def _pixel_weight(self, batch: Batch) -> Tensor:
         """(B, H, W): a bathroom left empty is as bad as a bedroom, at a tenth of its pixels."""
-        area_m2 = torch.expm1(batch["grid"][:, AREA_PLANE : AREA_PLANE + 1] * AREA_SCALE)
-        relative = area_m2.clamp(*WEIGHED_AREA_M2) / USUAL_ROOM_M2
-        weight = torch.where(area_m2 > 0, relative**-self.config.room_area_power, 1.0)
+        plane = self.traits.area_plane
+        area_m2 = torch.expm1(batch["grid"][:, plane : plane + 1] * AREA_SCALE)
+        relative = area_m2.clamp(*self.traits.weighed_area_m2) / self.traits.usual_area_m2
+        weight = torch.where(area_m2 > 0, relative**-self.config.area_power, 1.0)
         return functional.interpolate(weight, batch["labels"].shape[1:])[:, 0]
 
     def _clean_state(self, batch: Batch) -> Tensor:
@@ -288,10 +292,11 @@ class LayoutTrainer:
             writer.writerow(row)
         report(row)
 
-    def _draw_sheet(self) -> None:
-        from chord_usd.training.sheets import draw_sheet
+    def _draw_sheet(self, stream: BatchStream) -> None:
+        from chord_usd.training.sheets import SHEET_COLUMNS, draw_sheet
 
-        draw_sheet(self.average, self.folder / "sheets" / f"step_{self.step:07d}.png", self.device)
+        path = self.folder / "sheets" / f"step_{self.step:07d}.png"
+        draw_sheet(self.average, path, self.device, stream.held_out(SHEET_COLUMNS))
 
 
 _MOMENTS = ("exp_avg", "exp_avg_sq")
@@ -305,8 +310,3 @@ def _below(tensors: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
         for name, tensor in tensors.items()
         if name.startswith(f"{prefix}.")
     }
-
-
-def _continued(stream: StreamConfig, step: int) -> StreamConfig:
-    """A resumed run must not see the houses of its first minutes again."""
-    return replace(stream, seed=stream.seed + step)
