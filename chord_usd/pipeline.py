@@ -78,9 +78,9 @@ def generate(
         plan = read_plan(plan_file, settings)
         refuse_shut(plan, plan_file)
         plan_image = draw_plan(plan)
-    with watch.step("load") as progress:
+    with watch.step("load"):
         model = load_model(settings)
-        reader = load_reader(settings, progress)
+        reader = load_reader(settings)
         load_usd()
     with watch.step("layout") as progress:
         layout = draw_layout(plan_image, model, plan_file, settings, progress)
@@ -145,12 +145,12 @@ def draw_layout(
     return replace(layout, provenance=provenance)
 
 
-def load_reader(settings: Settings, progress: Progress | None = None) -> GraphReader:
-    """The detector and the mesh database; these are drawn once per user, told by progress."""
+def load_reader(settings: Settings) -> GraphReader:
+    """The detector and the mesh database, whose meshes are drawn when they are first needed."""
     from chord_usd.assets.database import load_database
     from chord_usd.graph.detect import load_item_detector
 
-    return GraphReader(load_item_detector(), load_database(settings.asset_folders, progress))
+    return GraphReader(load_item_detector(), load_database(settings.asset_folders))
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,9 +227,9 @@ def regenerate(
         house = read_house(source)
         room = house.room(room_name, source)
         seed = house.seeds[room_name] + 1 if seed is None else seed
-    with watch.step("load") as progress:
+    with watch.step("load"):
         model = load_model(settings)
-        reader = load_reader(settings, progress)
+        reader = load_reader(settings)
     with watch.step("layout") as progress:
         drawn = redraw_room(house.graph, room, model, replace(settings, seed=seed), progress)
     with watch.step("graph"):
@@ -247,7 +247,8 @@ def write_regenerated(made: Regenerated, target: Path) -> StageFile:
     from chord_usd.stage.refurnish import NewFurniture, refurnish
 
     items = tuple(made.graph.items_of(made.room.id))
-    new = NewFurniture(made.room_name, made.room, items, made.graph.provenance)
+    openings = made.graph.openings
+    new = NewFurniture(made.room_name, made.room, items, made.graph.provenance, openings)
     return refurnish(made.source, target, new)
 
 
@@ -292,9 +293,7 @@ def redraw_room(
     return RedrawnRoom(before, layout=in_room_else(before), alone=in_room_else(bare))
 
 
-def read_scene_file(
-    scene_file: Path, settings: Settings, progress: Progress | None = None
-) -> SceneGraph:
+def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:
     """Scene graph file -> SceneGraph; items without a mesh on this machine get the nearest one."""
     from chord_usd.assets.database import load_database
     from chord_usd.chord_json import read_scene
@@ -302,9 +301,7 @@ def read_scene_file(
 
     graph = read_scene(scene_file)
     items = tuple(_without_lost_meshes(item) for item in graph.items)
-    return match_assets(
-        replace(graph, items=items), load_database(settings.asset_folders, progress)
-    )
+    return match_assets(replace(graph, items=items), load_database(settings.asset_folders))
 
 
 def _without_lost_meshes(item: Item) -> Item:

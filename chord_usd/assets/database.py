@@ -1,7 +1,7 @@
 """The mesh database: components with their category and size, and the paper's retrieval rule.
 
-A database is a folder with index.json beside its component packages. The embedded one is drawn by
-chord_usd.assets.furniture on first use and kept in the user's cache.
+A database is a folder with index.json beside its component packages. The embedded one is a list of
+designs; what a house needs of it is drawn on first use and kept in the user's cache.
 """
 
 from __future__ import annotations
@@ -12,15 +12,19 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.errors import AssetError, OutputError
 from chord_usd.palette import CATEGORIES, category
 from chord_usd.progress import Progress
 from chord_usd.types import Asset
+
+if TYPE_CHECKING:
+    from chord_usd.assets.model import Design
 
 INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
@@ -33,12 +37,24 @@ _REBUILD = "chord-usd assets build -o FOLDER"
 SizeM = tuple[float, float, float]
 
 
+OWN_FIRST_M = 0.25
+"""The shipped furniture comes in so many sizes that hardly anything else would ever be nearest."""
+
+
+def _is_there(asset: Asset) -> None:
+    """What need not be drawn."""
+
+
 @dataclass(frozen=True, eq=False)
 class AssetDatabase:
     """All meshes an item can be given."""
 
     assets: tuple[Asset, ...]
     """Ids are unique."""
+    own: frozenset[str] = frozenset()
+    """Ids of the assets that the user brought, which go before the shipped ones."""
+    prepare: Callable[[Asset], None] = _is_there
+    """Called before an asset is handed out: draws it where it is not on disk yet."""
     _by_category: Mapping[str, tuple[Asset, ...]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -55,8 +71,9 @@ class AssetDatabase:
         """The asset an item of this category and size (length, width, height) is given.
 
         The paper's rule: same category, least squared difference of length and width. Ties go to
-        the nearer height, then to the lower id, so that the answer never depends on order. Raises
-        AssetError where the category has no asset, SceneError for a name not in the palette.
+        the nearer height, then to the lower id, so that the answer never depends on order. An
+        asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
+        Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
         if not candidates:
@@ -65,7 +82,26 @@ class AssetDatabase:
                 expected="at least one asset of every category in use",
                 try_="--assets FOLDER with such an asset",
             )
-        return min(candidates, key=lambda asset: _retrieval_key(asset, size_m))
+        best = min(candidates, key=lambda asset: _retrieval_key(asset, size_m))
+        brought = [asset for asset in candidates if asset.id in self.own]
+        if brought:
+            first = min(brought, key=lambda asset: _retrieval_key(asset, size_m))
+            if _miss_m(first, size_m) <= _miss_m(best, size_m) + OWN_FIRST_M:
+                best = first
+        self.prepare(best)
+        return best
+
+    def named(self, asset_id: str) -> Asset:
+        """The asset of this id, on disk. Raises KeyError."""
+        asset = next((asset for asset in self.assets if asset.id == asset_id), None)
+        if asset is None:
+            raise KeyError(asset_id)
+        self.prepare(asset)
+        return asset
+
+
+def _miss_m(asset: Asset, size_m: SizeM) -> float:
+    return math.hypot(asset.size_m[0] - size_m[0], asset.size_m[1] - size_m[1])
 
 
 def _retrieval_key(asset: Asset, size_m: SizeM) -> tuple[float, float, str]:
@@ -74,18 +110,20 @@ def _retrieval_key(asset: Asset, size_m: SizeM) -> tuple[float, float, str]:
     return round(footprint, 9), round(abs(asset.size_m[2] - size_m[2]), 9), asset.id
 
 
-def load_database(folders: Sequence[Path] = (), progress: Progress | None = None) -> AssetDatabase:
+def load_database(folders: Sequence[Path] = ()) -> AssetDatabase:
     """The embedded database and, before it, those in folders.
 
     An id that occurs twice counts where it is met first, so a folder can replace an embedded
-    asset. progress is called while the embedded set is drawn, on first use only. Raises AssetError
-    for a folder without a readable index, OutputError when the cache cannot be written.
+    asset. Raises AssetError for a folder without a readable index.
     """
     found: dict[str, Asset] = {}
-    for folder in (*folders, embedded_library(progress)):
+    for folder in folders:
         for asset in read_index(folder):
             found.setdefault(asset.id, asset)
-    return AssetDatabase(tuple(found.values()))
+    own = frozenset(found)
+    for asset in embedded_assets():
+        found.setdefault(asset.id, asset)
+    return AssetDatabase(tuple(found.values()), own, draw_embedded)
 
 
 def read_index(folder: Path) -> tuple[Asset, ...]:
@@ -131,16 +169,18 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
     )
 
 
-def build_assets(folder: Path, progress: Progress | None = None) -> tuple[Asset, ...]:
-    """Draw every design into folder, with its index; returns the assets.
+def build_assets(
+    folder: Path, progress: Progress | None = None, chosen: Iterable[Design] | None = None
+) -> tuple[Asset, ...]:
+    """Draw designs into folder, with its index; returns the assets.
 
-    folder must exist and hold none of them yet.
+    folder must exist and hold none of them yet. chosen: by default every design there is.
     """
     from chord_usd.assets.component import AUTHOR, LICENCE, write_component
     from chord_usd.assets.furniture.catalogue import designs
 
     assets = []
-    catalogue = designs()
+    catalogue = designs() if chosen is None else tuple(chosen)
     for done, design in enumerate(catalogue):
         if progress is not None:
             progress(done, len(catalogue))
@@ -169,23 +209,55 @@ def write_index(assets: Iterable[Asset], folder: Path) -> None:
     (folder / INDEX_NAME).write_text(text + "\n", encoding="utf-8")
 
 
-def embedded_library(progress: Progress | None = None) -> Path:
-    """Folder of the embedded database; drawn now if this version of it has not been yet.
+def embedded_assets() -> tuple[Asset, ...]:
+    """The embedded database; nothing of it is drawn, nor need it be on disk.
+
+    Each asset lies in the user's cache once something has asked for it (draw_embedded).
+    """
+    from chord_usd.assets.component import AUTHOR, LICENCE
+    from chord_usd.assets.furniture.catalogue import designs
+
+    folder = embedded_folder()
+    return tuple(
+        Asset(
+            id=design.id,
+            category=design.category,
+            size_m=design.size_m,
+            usd_path=folder / design.id / f"{design.id}.usda",
+            licence=LICENCE,
+            author=AUTHOR,
+        )
+        for design in designs()
+    )
+
+
+def draw_embedded(asset: Asset) -> None:
+    """Draw an embedded asset into the cache, if it is one and has not been drawn yet.
 
     Raises OutputError when the cache cannot be written.
     """
-    target = cache_folder() / f"assets-{_generator_hash()}"
-    if not (target / INDEX_NAME).is_file():
-        try:
-            _build_into(target, progress)
-        except OSError as error:
-            raise OutputError(
-                f"the mesh database cannot be kept ({error.strerror or error})",
-                where=str(target.parent),
-                expected="a writable cache folder with 30 MB of space",
-                try_=f"set {CACHE_VARIABLE} to another folder",
-            ) from None
-    return target
+    folder = embedded_folder()
+    if asset.usd_path.is_file() or folder not in asset.usd_path.parents:
+        return
+    try:
+        _draw_into(folder, asset)
+    except OSError as error:
+        raise OutputError(
+            f"the mesh database cannot be kept ({error.strerror or error})",
+            where=str(folder),
+            expected="a writable cache folder with 30 MB of space",
+            try_=f"set {CACHE_VARIABLE} to another folder",
+        ) from None
+
+
+@lru_cache(maxsize=1)
+def _generator_folder() -> str:
+    return f"assets-{_generator_hash()}"
+
+
+def embedded_folder() -> Path:
+    """Where this version of the embedded database is kept."""
+    return cache_folder() / _generator_folder()
 
 
 def cache_folder() -> Path:
@@ -197,18 +269,21 @@ def cache_folder() -> Path:
     return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
 
 
-def _build_into(target: Path, progress: Progress | None) -> None:
-    """Draw beside the target and rename, so that nobody ever sees half a database."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    hidden = Path(tempfile.mkdtemp(prefix=".assets-", dir=target.parent))
+def _draw_into(folder: Path, asset: Asset) -> None:
+    """Draw beside the target and rename, so that nobody ever sees half a component."""
+    from chord_usd.assets.component import write_component
+    from chord_usd.assets.furniture.catalogue import designs
+
+    design = next(design for design in designs() if design.id == asset.id)
+    folder.mkdir(parents=True, exist_ok=True)
+    hidden = Path(tempfile.mkdtemp(prefix=".assets-", dir=folder))
     try:
-        build_assets(hidden, progress)
-        hidden.chmod(0o755)
+        write_component(design, hidden)
         try:
-            hidden.rename(target)
+            (hidden / asset.id).rename(folder / asset.id)
         except OSError:
             # Another process was faster; what it made is the same.
-            if not (target / INDEX_NAME).is_file():
+            if not asset.usd_path.is_file():
                 raise
     finally:
         shutil.rmtree(hidden, ignore_errors=True)

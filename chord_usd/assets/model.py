@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -35,6 +35,13 @@ class Part:
     """None for small trim that nothing needs to collide with."""
     above: bool = False
     """Stands on top and rises above the nominal height (a tap, a television)."""
+    on_wall: bool = False
+    """Hangs on the wall over the piece, and only where its place says so (a kitchen wall unit)."""
+
+    @property
+    def is_body(self) -> bool:
+        """Whether the part counts for the nominal size."""
+        return not (self.above or self.on_wall)
 
 
 Draw = Callable[[tuple[float, float, float]], tuple[Part, ...]]
@@ -49,7 +56,7 @@ class Design:
     """Prim and folder name; a valid USD identifier."""
     category: str
     size_m: tuple[float, float, float]
-    """Nominal length, width (depth) and height: the bounds of all parts that are not `above`."""
+    """Nominal length, width (depth) and height: the bounds of the parts that are its body."""
     draw: Draw
     colourways: Mapping[str, Mapping[str, str]]
     """Colourway name to (slot to finish name); the first one is the default."""
@@ -63,11 +70,43 @@ class Design:
         return fitted(self.draw(self.size_m), self.size_m, self.id)
 
 
+@dataclass(frozen=True)
+class Style:
+    """What the designs of a family share: all but length and width."""
+
+    name: str
+    draw: Draw
+    colourways: Mapping[str, Mapping[str, str]]
+    height_m: float
+
+
+def editions(
+    category: str, styles: Sequence[Style], lengths_m: Sequence[float], widths_m: Sequence[float]
+) -> Iterator[Design]:
+    """A design for every length and width, the styles taking turns over the grid.
+
+    Neighbours in size differ in style, so that a house whose pieces are nearly alike does not look
+    as if it came from one shop.
+    """
+    for column, length in enumerate(lengths_m):
+        for row, width in enumerate(widths_m):
+            style = styles[(column + row) % len(styles)]
+            name = f"{style.name}_{100 * length:.0f}x{100 * width:.0f}"
+            size_m = (length, width, style.height_m)
+            yield Design(name, category, size_m, style.draw, style.colourways)
+
+
+def steps(first: float, last: float, step: float = 0.1) -> tuple[float, ...]:
+    """first, first + step, … up to last, rounded to millimetres."""
+    count = round((last - first) / step) + 1
+    return tuple(round(first + step * index, 3) for index in range(count))
+
+
 def fitted(
     parts: tuple[Part, ...], size_m: tuple[float, float, float], name: str
 ) -> tuple[Part, ...]:
-    """Parts stretched and shifted so that those not `above` fill size_m exactly."""
-    body = np.array([part.solid.bounds_m() for part in parts if not part.above])
+    """Parts stretched and shifted so that the body fills size_m exactly."""
+    body = np.array([part.solid.bounds_m() for part in parts if part.is_body])
     low, high = body[:, 0].min(axis=0), body[:, 1].max(axis=0)
     factor = np.array(size_m) / (high - low)
     if np.any(np.abs(factor - 1.0) > FIT_TOLERANCE):

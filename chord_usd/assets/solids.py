@@ -154,6 +154,18 @@ def lathe(
     return loft([circle(radius, z, sides) for radius, z in profile_m], loop=loop)
 
 
+def rounded_profile(
+    profile_m: Sequence[tuple[float, float]], rounds: int = 2
+) -> list[tuple[float, float]]:
+    """A profile for lathe with its corners cut off, again and again (Chaikin); the ends stay."""
+    points = np.array(profile_m, dtype=np.float64)
+    for _ in range(rounds):
+        before, after = points[:-1], points[1:]
+        cut = np.stack([0.75 * before + 0.25 * after, 0.25 * before + 0.75 * after], axis=1)
+        points = np.concatenate([points[:1], cut.reshape(-1, 2)[1:-1], points[-1:]])
+    return [(float(radius), float(z)) for radius, z in points]
+
+
 def cylinder(
     radius_m: float, height_m: float, bevel_m: float = 0.0, sides: int = 24, top_m: float = -1.0
 ) -> Solid:
@@ -234,6 +246,31 @@ def cushion(
         inner[:, 2] += crown_m * np.prod(1.0 - (inner[:, :2] / half) ** 2, axis=1)
         rings.append(inner)
     return loft(rings)
+
+
+def piped_cushion(
+    size_m: Size, corner_m: float = 0.06, round_m: float = 0.05, crown_m: float = 0.03
+) -> Solid:
+    """A cushion with its seam: a thin cord around the upper edge."""
+    length, width, height = size_m
+    cord_m = 0.005
+    body = cushion((length - 2 * cord_m, width - 2 * cord_m, height), corner_m, round_m, crown_m)
+    edge = height - crown_m
+    inset = 0.3 * min(round_m, edge / 2)
+    z = edge - 0.3 * min(round_m, edge / 2)
+    outline = ring(length - 2 * inset, width - 2 * inset, max(corner_m - inset, 0.01), z, 3)
+    around = np.linspace(0.0, 2 * math.pi, 5, endpoint=False)
+    following, before = np.roll(outline, -1, axis=0), np.roll(outline, 1, axis=0)
+    along = following - before
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    out = np.stack([along[:, 1], -along[:, 0], np.zeros(len(along))], axis=-1)
+    sections = [
+        point - cord_m * side + cord_m * (math.cos(a) * side + math.sin(a) * np.array([0, 0, 1.0]))
+        for point, side in zip(outline, out, strict=True)
+        for a in around
+    ]
+    rings = np.array(sections).reshape(len(outline), len(around), 3)
+    return body + loft([*rings[::-1]], loop=True)
 
 
 def _with_edge_points(outline: FloatArray, corner_points: int) -> FloatArray:

@@ -40,8 +40,8 @@ def run(options: argparse.Namespace) -> Outcome:
     layout = read_layout(existing_file(options.layout), options.scale)
     with deliver() as delivery:
         target = delivery.place(options.output)
-        with watch.step("load") as progress:
-            reader = load_reader(settings, progress)
+        with watch.step("load"):
+            reader = load_reader(settings)
         with watch.step("graph"):
             graph = reader.read(layout)
         write_scene(graph, target)

@@ -36,8 +36,8 @@ def run(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     with deliver() as delivery:
         target = delivery.place(options.output)
-        with watch.step("load") as progress:
-            graph = read_scene_file(scene_file, settings, progress)
+        with watch.step("load"):
+            graph = read_scene_file(scene_file, settings)
         with watch.step("stage"):
             stage = write_stage(graph, target, settings)
     data = {

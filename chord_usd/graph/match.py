@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.graph.fit import fitted_box
 from chord_usd.graph.flush import Standing, align, flush_with_walls, kept_deep, part, pull_into
 from chord_usd.graph.snap import FoundItem
 from chord_usd.palette import Mount, category
@@ -23,6 +24,13 @@ LEAST_INSIDE = 0.5
 
 FLUSH_PX = 0.55
 """Edges this close to a wall are on it: half a pixel of drawing, and some for rounding."""
+
+
+SEEN_AT = "source_px"
+"""Key of Item.extra: the corners of what was seen, pixels of the layout raster."""
+
+ASSET_DISTANCE = "asset_distance_m"
+"""Key of Item.extra: how far the mesh misses the item's length and width."""
 
 
 class Database(Protocol):
@@ -70,15 +78,30 @@ def box_of(detection: Detection, frame: PixelFrame) -> Box:
 def match_assets(graph: SceneGraph, database: Database) -> SceneGraph:
     """Give every item without a mesh the nearest one: same category, least difference in size.
 
-    Tabletop items too. Raises AssetError when the database has nothing of a category.
+    Tabletop items too. Its box becomes what the mesh fills (fit.fitted_box); how far the mesh
+    missed the box asked for is noted in its extra. Raises AssetError when the database has nothing
+    of a category.
     """
     return replace(graph, items=tuple(_matched(item, database) for item in graph.items))
 
 
 def _matched(item: Item, database: Database) -> Item:
-    asset = item.asset or database.nearest(item.category, item.box.size_m)
-    children = tuple(_matched(child, database) for child in item.children)
-    return replace(item, asset=asset, children=children)
+    if item.asset:
+        children = tuple(_matched(child, database) for child in item.children)
+        return replace(item, children=children)
+    asset = database.nearest(item.category, item.box.size_m)
+    missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
+    extra = {**item.extra, ASSET_DISTANCE: round(missed_m, 6)}
+    box = fitted_box(item.box, asset, category(item.category), is_guess=SEEN_AT in extra)
+    raised_m = box.size_m[2] - item.box.size_m[2]
+    children = tuple(_matched(_raised(child, raised_m), database) for child in item.children)
+    return replace(item, asset=asset, box=box, children=children, extra=extra)
+
+
+def _raised(child: Item, by_m: float) -> Item:
+    """The child on a top that is higher by this much."""
+    x, y, z = child.box.center_m
+    return replace(child, box=replace(child.box, center_m=(x, y, z + by_m)))
 
 
 def _yaw_deg(along: np.ndarray) -> float:
@@ -142,7 +165,7 @@ def _order(one: FoundItem, box: Box) -> tuple[int, float, float]:
 
 def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:
     extra = {
-        "source_px": np.round(one.detection.corners_px, 2).tolist(),
+        SEEN_AT: np.round(one.detection.corners_px, 2).tolist(),
         "front_from": "mark" if one.front_seen else "wall",
         "detected": one.in_detector,
     }

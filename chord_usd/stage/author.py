@@ -18,6 +18,7 @@ from chord_usd.errors import OutputError
 from chord_usd.files import deliver
 from chord_usd.looks import Look, load_looks
 from chord_usd.stage.cameras import set_cameras
+from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.furniture import extent_of, place_furniture
 from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_light
@@ -108,9 +109,10 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
             _open_room(layer, room)
         extent = draw_shell(layer, house.rooms, walls, architecture)
         lamps = []
+        wardrobe = Wardrobe(house.seed, house.graph.openings)
         for room in house.rooms:
             floor = walls.floors_m[room.index]
-            place_furniture(layer, room, assets, Path(scratch))
+            place_furniture(layer, room, assets, Path(scratch), wardrobe)
             lamps.append(hang_light(layer, room, walls))
             wear_looks(layer, room, floor, house.looks, materials, house.seed)
     set_lighting(layer, lamps, walls, architecture)

@@ -7,6 +7,7 @@ holds the placement, beside the piece itself stand its Items. Everything else is
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from pxr import Sdf
 
 from chord_usd.geometry import footprint
 from chord_usd.palette import category
+from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
 from chord_usd.stage.packages import Packages
@@ -33,20 +35,34 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.types import OOD, Asset, Box, FloatArray, Item
+from chord_usd.types import OOD, Asset, Box, FloatArray, Item, Room
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
 
 
-def place_furniture(layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path) -> None:
+def place_furniture(
+    layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path, wardrobe: Wardrobe
+) -> None:
     """Write the Furniture group of a room.
 
-    scratch: a folder that is thrown away later, where a placeholder can be drawn.
+    scratch: a folder that is thrown away later, where a placeholder can be drawn. wardrobe: which
+    variants of its components the furniture wears.
     """
+    shop = _Shop(room.room, assets, scratch, wardrobe)
     furniture = define(layer, f"/House/Rooms/{room.name}/Furniture", "Xform", kind="group")
     for named in room.items:
-        _place(layer, furniture.path, named, assets, scratch)
+        _place(layer, furniture.path, named, shop)
+
+
+@dataclass(frozen=True)
+class _Shop:
+    """Where the components of a room come from."""
+
+    room: Room
+    assets: Packages
+    scratch: Path
+    wardrobe: Wardrobe
 
 
 def extent_of(items: Iterable[Item]) -> FloatArray:
@@ -60,35 +76,29 @@ def extent_of(items: Iterable[Item]) -> FloatArray:
     return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
 
 
-def _place(
-    layer: Sdf.Layer, parent: Sdf.Path, named: NamedItem, assets: Packages, scratch: Path
-) -> None:
+def _place(layer: Sdf.Layer, parent: Sdf.Path, named: NamedItem, shop: _Shop) -> None:
     path = parent.AppendChild(named.name)
     if not named.children:
-        _refer(layer, path, named, assets, scratch, placed=True)
+        _refer(layer, path, named, shop, placed=True)
         return
     group = define(layer, path, "Xform", kind="group")
     place(group, at_m=named.item.box.center_m, yaw_deg=named.item.box.yaw_deg)
-    _refer(layer, path.AppendChild(named.label), named, assets, scratch, placed=False)
+    _refer(layer, path.AppendChild(named.label), named, shop, placed=False)
     items = define(layer, path.AppendChild("Items"), "Xform", kind="group")
     for child in named.children:
-        _place(layer, items.path, child, assets, scratch)
+        _place(layer, items.path, child, shop)
 
 
 def _refer(
-    layer: Sdf.Layer,
-    path: Sdf.Path,
-    named: NamedItem,
-    assets: Packages,
-    scratch: Path,
-    *,
-    placed: bool,
+    layer: Sdf.Layer, path: Sdf.Path, named: NamedItem, shop: _Shop, *, placed: bool
 ) -> None:
     """An instance of the item's asset, scaled so that it fills the item's box exactly."""
     item = named.item
-    asset = item.asset or _placeholder(scratch)
+    asset = item.asset or _placeholder(shop.scratch)
     prim = define(layer, path, "Xform", kind="component", name=category(item.category).label)
-    prim.referenceList.prependedItems.append(Sdf.Reference(assets.add(asset.usd_path)))
+    prim.referenceList.prependedItems.append(Sdf.Reference(shop.assets.add(asset.usd_path)))
+    for variant_set, variant in shop.wardrobe.selections(item, shop.room).items():
+        prim.variantSelections[variant_set] = variant
     prim.instanceable = True
     box: Box = item.box
     scale = np.array(box.size_m) / np.array(asset.size_m)
@@ -111,7 +121,8 @@ def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
         note(prim, source_px=np.array(item.extra["source_px"], dtype=np.float64).reshape(-1, 2))
     if item.asset is not None:
         missed_m = np.subtract(item.asset.size_m[:2], item.box.size_m[:2])
-        note(prim, asset_distance_m=round(float(np.hypot(*missed_m)), 6))
+        distance_m = item.extra.get("asset_distance_m", round(float(np.hypot(*missed_m)), 6))
+        note(prim, asset_distance_m=float(distance_m))
 
 
 def _placeholder(scratch: Path) -> Asset:

@@ -25,11 +25,12 @@ from chord_usd.stage.cameras import EYE_M, choose_view
 from chord_usd.stage.check import open_stage
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.check_scene import read_scene
+from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.furniture import place_furniture
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.prims import Types, attribute
-from chord_usd.types import Item, Provenance, Room, SceneGraph, StageFile
+from chord_usd.types import Item, Opening, Provenance, Room, SceneGraph, StageFile
 
 SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
@@ -103,6 +104,8 @@ class NewFurniture:
     items: Sequence[Item]
     """Posed in the world, as in the scene graph."""
     made: Provenance
+    openings: Sequence[Opening] = ()
+    """Of the house; nothing is hung over them."""
 
 
 def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
@@ -208,7 +211,9 @@ def _edit(path: Path, final: Path, new: NewFurniture) -> None:
         del furniture.nameChildren[name]
     named = NamedRoom(0, new.room_name, new.room, name_items(new.items), ())
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
-        place_furniture(layer, named, Packages(path.parent, final, "assets"), Path(scratch))
+        wardrobe = Wardrobe(new.made.seed, new.openings)
+        packages = Packages(path.parent, final, "assets")
+        place_furniture(layer, named, packages, Path(scratch), wardrobe)
     _note_making(furniture, new.made)
     _clear_camera(layer, new)
     layer.Save()

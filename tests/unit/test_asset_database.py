@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.assets import database
+from chord_usd.assets import component, database
 from chord_usd.assets.database import AssetDatabase, load_database, read_index, write_index
+from chord_usd.assets.model import Design
 from chord_usd.errors import AssetError, OutputError, SceneError
 from chord_usd.types import Asset
 
@@ -77,9 +78,8 @@ def test_an_index_reads_back_as_it_was_written(tmp_path: Path) -> None:
 def test_a_folder_given_replaces_what_is_embedded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    embedded = tmp_path / "embedded"
-    stored(embedded, [bed("A", (1.0, 2.0, 0.9)), bed("B", (1.5, 2.1, 1.1))])
-    monkeypatch.setattr(database, "embedded_library", lambda progress=None: embedded)
+    shipped = stored(tmp_path / "embedded", [bed("A", (1.0, 2.0, 0.9)), bed("B", (1.5, 2.1, 1.1))])
+    monkeypatch.setattr(database, "embedded_assets", lambda: tuple(shipped))
     (mine,) = stored(tmp_path / "mine", [bed("A", (0.9, 1.9, 0.8))])
     found = load_database([tmp_path / "mine"])
     assert {asset.id: asset for asset in found.assets}["A"] == mine
@@ -128,19 +128,36 @@ def test_the_cache_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_
     assert database.cache_folder() == tmp_path / "chord-usd"
 
 
-def test_half_a_library_is_never_left_behind(
+def test_what_the_user_brought_goes_before_what_is_nearer() -> None:
+    shipped, mine = bed("Shipped", (1.8, 2.1, 1.0)), bed("Mine", (1.7, 2.0, 1.0))
+    beds = AssetDatabase((mine, shipped), frozenset({"Mine"}))
+    assert beds.nearest("bed", (1.8, 2.1, 1.0)) is mine
+    assert beds.nearest("bed", (2.1, 2.4, 1.0)) is mine
+    far = bed("Mine", (0.9, 1.9, 1.0))
+    assert AssetDatabase((far, shipped), frozenset({"Mine"})).nearest("bed", (1.8, 2.1, 1)) is (
+        shipped
+    )
+
+
+def shipped_bed() -> Asset:
+    return next(asset for asset in database.embedded_assets() if asset.category == "bed")
+
+
+def test_half_a_component_is_never_left_behind(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path))
 
-    def interrupted(folder: Path, progress: object = None) -> None:
-        (folder / "Bed").mkdir()
+    def interrupted(design: Design, folder: Path) -> Path:
+        (folder / design.id).mkdir()
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(database, "build_assets", interrupted)
+    monkeypatch.setattr(component, "write_component", interrupted)
     with pytest.raises(OutputError, match="CHORD_USD_CACHE"):
-        database.embedded_library()
-    assert list(tmp_path.iterdir()) == []
+        database.draw_embedded(shipped_bed())
+    assert [
+        path for path in tmp_path.rglob("*") if path.name != database.embedded_folder().name
+    ] == []
 
 
 def test_a_cache_that_is_a_file_is_an_output_error(
@@ -149,4 +166,4 @@ def test_a_cache_that_is_a_file_is_an_output_error(
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "file"))
     with pytest.raises(OutputError):
-        database.embedded_library()
+        database.draw_embedded(shipped_bed())

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, drawers, plinth
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -127,7 +127,7 @@ def washbasin(
     ]
     bowls = 1 if length < 1.15 else 2
     places = [(i - (bowls - 1) / 2) * length / bowls for i in range(bowls)]
-    bowl_l, bowl_w = min(0.5, length / bowls - 0.12), width - 0.2
+    bowl_l, bowl_w = min(0.5, length / bowls - 0.12), max(width - 0.2, 0.26)
     taps = joined([_basin_tap(0.15).moved(x, width / 2 - 0.06, height - 0.002) for x in places])
     return (
         Part("Body", case, "body"),
@@ -324,19 +324,18 @@ _VANITY = {
     "white": _vanity("white", "walnut", "black_metal"),
     "forest": _vanity("forest", "marble", "brass"),
 }
+_TOILET = Style("Toilet", toilet, _CERAMIC, 0.8)
+_WALL_HUNG = Style("Toilet_Wall_Frame", partial(toilet, wall_hung=True), _CERAMIC, 0.85)
+_PEDESTAL = Style("Washbasin_Pedestal", partial(washbasin, kind="pedestal"), _VANITY, 0.85)
+_DRAWERS = Style("Washbasin_Drawers", washbasin, _VANITY, 0.86)
+_VESSEL = Style("Washbasin_Vessel", partial(washbasin, kind="vessel"), _VANITY, 0.87)
+_TUB = Style("Bathtub_Built_In", bathtub, _CERAMIC, 0.56)
+_OVAL_TUB = Style("Bathtub_Oval", partial(bathtub, freestanding=True), _CERAMIC, 0.58)
+
 DESIGNS = (
-    Design("Toilet_Compact", "toilet", (0.37, 0.64, 0.78), toilet, _CERAMIC),
-    Design("Toilet_Classic", "toilet", (0.41, 0.7, 0.8), toilet, _CERAMIC),
-    Design("Toilet_Wall_Frame", "toilet", (0.44, 0.75, 0.85), partial(toilet, wall_hung=True),
-           _CERAMIC),
-    Design("Washbasin_Pedestal", "washbasin", (0.5, 0.42, 0.85), partial(washbasin,
-           kind="pedestal"), _VANITY),
-    Design("Washbasin_Drawers", "washbasin", (0.7, 0.47, 0.86), washbasin, _VANITY),
-    Design("Washbasin_Vessel", "washbasin", (0.95, 0.5, 0.92), partial(washbasin, kind="vessel"),
-           _VANITY),
-    Design("Washbasin_Double", "washbasin", (1.2, 0.52, 0.86), washbasin, _VANITY),
-    Design("Bathtub_Short", "bathtub", (1.4, 0.7, 0.55), bathtub, _CERAMIC),
-    Design("Bathtub_Built_In", "bathtub", (1.65, 0.75, 0.56), bathtub, _CERAMIC),
-    Design("Bathtub_Oval", "bathtub", (1.75, 0.85, 0.58), partial(bathtub, freestanding=True),
-           _CERAMIC),
-)  # fmt: skip
+    *editions("toilet", (_TOILET,), (0.37,), (0.52, 0.58)),
+    *editions("toilet", (_TOILET, _WALL_HUNG), (0.4,), (0.62, 0.65, 0.69, 0.73, 0.77)),
+    *editions("washbasin", (_PEDESTAL,), (0.38, 0.45, 0.52), (0.28, 0.36, 0.44)),
+    *editions("washbasin", (_DRAWERS, _VESSEL), steps(0.6, 1.3), (0.42, 0.48, 0.54)),
+    *editions("bathtub", (_TUB, _OVAL_TUB), (1.33, 1.42, 1.5, 1.6, 1.7, 1.8), (0.72, 0.8, 0.87)),
+)

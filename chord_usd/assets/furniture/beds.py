@@ -6,7 +6,7 @@ from functools import partial
 from typing import Literal
 
 from chord_usd.assets.furniture.joinery import four_legs
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -15,11 +15,12 @@ from chord_usd.assets.solids import (
     cushion,
     joined,
     pillow,
+    piped_cushion,
     rounded_slab,
     soft_block,
 )
 
-Headboard = Literal["panel", "slats", "channels"]
+Headboard = Literal["panel", "slats", "channels", "cushions"]
 
 _RAIL_TOP_M = 0.3
 _MATTRESS_TOP_M = 0.5
@@ -28,7 +29,7 @@ _MATTRESS_TOP_M = 0.5
 def bed(size_m: Size, *, headboard: Headboard = "panel", throw: bool = True) -> tuple[Part, ...]:
     """A bed with its head at the back (+y); length runs across the bed, width along it."""
     length, width, height = size_m
-    head = 0.1 if headboard == "channels" else 0.06
+    head = {"channels": 0.1, "cushions": 0.13}.get(headboard, 0.06)
     lying = width - head
     y = -head / 2
     rail = rounded_slab((length, lying, _RAIL_TOP_M - 0.12), 0.03, 0.012).moved(y=y, z=0.12)
@@ -60,6 +61,8 @@ def _headboard(
             for i in range(count)
         ]
         return (Part("Headboard", joined(pads), "frame"),)
+    if kind == "cushions":
+        return _cushioned(length, height, thick, back)
     posts = [block((0.06, thick, height)).moved(s * (length - 0.06) / 2, y) for s in (-1, 1)]
     rails = [block((length - 0.1, 0.035, 0.08)).moved(y=y, z=z) for z in (0.42, height - 0.1)]
     count = max(round(length / 0.13), 5)
@@ -69,6 +72,23 @@ def _headboard(
         for i in range(count)
     ]
     return (Part("Headboard", joined([*posts, *rails, *bars]), "frame"),)
+
+
+def _cushioned(length: float, height: float, thick: float, back: float) -> tuple[Part, ...]:
+    """Loose back cushions with piped edges, hung on a board."""
+    board_m = 0.03
+    board = block((length, board_m, height - 0.08), 0.006).moved(y=back - board_m / 2, z=0.1)
+    count = 2 if length >= 1.3 else 1
+    wide = length / count
+    deep = thick - board_m + 0.012
+    pad = piped_cushion((wide - 0.012, height - 0.5, deep), 0.06, 0.03, 0.02).turned("x", 90)
+    high = pad.bounds_m()[1]
+    pad = pad.moved(0.0, back - board_m + 0.012 - float(high[1]), height - float(high[2]))
+    pads = [pad.moved(x=(i - (count - 1) / 2) * wide) for i in range(count)]
+    return (
+        Part("Headboard", board.moved(z=-0.02), "frame"),
+        Part("Back_Cushions", joined(pads), "frame", collider=None),
+    )
 
 
 def _upright(plate: Solid) -> Solid:
@@ -150,16 +170,13 @@ _UPHOLSTERED = {
     },
 }  # fmt: skip
 
+_SLATS = Style("Bed_Slats", partial(bed, headboard="slats"), _WOODEN, 0.9)
+_PANEL = Style("Bed_Panel", bed, _WOODEN, 0.95)
+_PLAIN = Style("Bed_Plain", partial(bed, throw=False), _WOODEN, 1.0)
+_CHANNELS = Style("Bed_Channels", partial(bed, headboard="channels"), _UPHOLSTERED, 1.1)
+_CUSHIONS = Style("Bed_Cushions", partial(bed, headboard="cushions"), _UPHOLSTERED, 1.0)
+
 DESIGNS = (
-    Design("Bed_Single_Slats", "bed", (0.95, 2.0, 0.9), partial(bed, headboard="slats"), _WOODEN),
-    Design("Bed_Small_Double_Panel", "bed", (1.25, 2.05, 0.95), bed, _WOODEN),
-    Design(
-        "Bed_Double_Channels", "bed", (1.55, 2.1, 1.1), partial(bed, headboard="channels"),
-        _UPHOLSTERED,
-    ),
-    Design("Bed_Double_Panel", "bed", (1.7, 2.1, 1.0), partial(bed, throw=False), _WOODEN),
-    Design(
-        "Bed_King_Channels", "bed", (1.95, 2.15, 1.15), partial(bed, headboard="channels"),
-        _UPHOLSTERED,
-    ),
-)  # fmt: skip
+    *editions("bed", (_SLATS, _PANEL), (0.9, 1.0, 1.2), (1.97, 2.07)),
+    *editions("bed", (_CHANNELS, _PANEL, _CUSHIONS, _PLAIN), (1.35, 1.5, 1.8, 2.0), (2.07, 2.17)),
+)

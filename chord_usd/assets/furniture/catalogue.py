@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from chord_usd.assets.furniture import (
     bathroom,
     beds,
@@ -19,6 +21,7 @@ from chord_usd.assets.furniture import (
 from chord_usd.assets.model import Design
 
 
+@lru_cache(maxsize=1)
 def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seating, tables, storage, sideboards, panels)

@@ -19,6 +19,7 @@ from chord_usd.assets.solids import (
     joined,
     lathe,
     mirrored_pair,
+    rounded_profile,
     rounded_slab,
     tube,
 )
@@ -213,11 +214,13 @@ def table_lamp(size_m: Size, *, kind: Literal["shade", "arm"] = "shade") -> tupl
     shade = lathe(profile, 32, loop=True).moved(z=height - shade_h)
     spider = box((2 * neck, 0.006, 0.002)).moved(z=height - 0.012)
     foot_r = reach * 0.55
-    body = lathe(
-        [(foot_r, 0), (foot_r, 0.01), (foot_r * 0.4, 0.025), (foot_r * 0.75, height * 0.18),
-         (foot_r * 0.85, height * 0.3), (foot_r * 0.3, height * 0.46), (0.008, height * 0.5),
-         (0.008, height * 0.7), (0, height * 0.7)], 28,
+    belly = rounded_profile(
+        [(foot_r * 0.4, 0.022), (foot_r * 0.75, height * 0.18), (foot_r * 0.9, height * 0.32),
+         (foot_r * 0.2, height * 0.44), (0.008, height * 0.52)]
     )  # fmt: skip
+    body = lathe(
+        [(foot_r, 0), (foot_r, 0.01), *belly, (0.008, height * 0.7), (0, height * 0.7)], 28
+    )
     bulb = lathe([(0.012, 0), (0.028, 0.035), (0.026, 0.055), (0.0, 0.075)], 16)
     bulb = bulb.scaled(*(min(1.0, shade_h / 0.12),) * 3)
     return (
@@ -376,8 +379,11 @@ _PICTURE = {
 
 DESIGNS = (
     Design("Book_Lying", "lying_book", (0.15, 0.21, 0.025), lying_books, _PRINT),
+    Design("Book_Lying_Small", "lying_book", (0.13, 0.2, 0.03), lying_books, _PRINT),
+    Design("Books_Pair", "lying_book", (0.17, 0.24, 0.04), partial(lying_books, count=2), _PRINT),
     Design("Books_Pile", "lying_book", (0.2, 0.27, 0.06), partial(lying_books, count=3), _PRINT),
     Design("Books_Row_Short", "standing_book", (0.18, 0.18, 0.24), standing_books, _PRINT),
+    Design("Books_Row_Medium", "standing_book", (0.26, 0.18, 0.24), standing_books, _PRINT),
     Design("Books_Row_Long", "standing_book", (0.36, 0.2, 0.26), standing_books, _PRINT),
     Design("Magazine", "magazine", (0.21, 0.28, 0.008), magazine, _PRINT),
     Design("Computer_Compact", "all_in_one_computer", (0.5, 0.36, 0.42), all_in_one, _DEVICE),
@@ -385,14 +391,20 @@ DESIGNS = (
     Design("Laptop_Small", "laptop", (0.3, 0.27, 0.21), laptop, _DEVICE),
     Design("Laptop_Large", "laptop", (0.36, 0.31, 0.24), laptop, _DEVICE),
     Design("Desk_Mat", "big_mouse_pad", (0.8, 0.35, 0.004), mouse_pad, _MAT),
+    Design("Desk_Mat_Small", "big_mouse_pad", (0.7, 0.32, 0.004), mouse_pad, _MAT),
+    Design("Desk_Mat_Large", "big_mouse_pad", (0.9, 0.4, 0.004), mouse_pad, _MAT),
+    Design("Lamp_Shade_Small", "table_lamp", (0.22, 0.22, 0.4), table_lamp, _LAMP),
+    Design("Lamp_Shade_Large", "table_lamp", (0.32, 0.32, 0.55), table_lamp, _LAMP),
     Design("Lamp_Shade", "table_lamp", (0.26, 0.26, 0.45), table_lamp, _LAMP),
     Design("Lamp_Arm", "table_lamp", (0.36, 0.18, 0.46), partial(table_lamp, kind="arm"), _LAMP),
     Design("Pen_Cup", "pen_holder", (0.09, 0.09, 0.18), pen_holder, _CUP),
     Design("Phone", "electronic", (0.075, 0.15, 0.01), electronic, _DEVICE),
+    Design("Tablet", "electronic", (0.17, 0.24, 0.01), electronic, _DEVICE),
     Design("Speaker", "electronic", (0.11, 0.11, 0.16), partial(electronic, kind="speaker"),
            _DEVICE),
     Design("Alarm_Clock", "electronic", (0.18, 0.07, 0.08), partial(electronic, kind="clock"),
            _DEVICE),
     Design("Photo_Portrait", "photo_frame", (0.17, 0.09, 0.22), photo_frame, _PICTURE),
+    Design("Photo_Square", "photo_frame", (0.2, 0.08, 0.2), photo_frame, _PICTURE),
     Design("Photo_Landscape", "photo_frame", (0.27, 0.09, 0.2), photo_frame, _PICTURE),
 )  # fmt: skip

@@ -5,7 +5,10 @@ All base cabinets share one height, plinth and worktop, so that a row of them re
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
+
+import numpy as np
 
 from chord_usd.assets.furniture.joinery import (
     FRONT_M,
@@ -16,7 +19,7 @@ from chord_usd.assets.furniture.joinery import (
     drawers,
     plinth,
 )
-from chord_usd.assets.model import Design, Draw, Part
+from chord_usd.assets.model import Draw, Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -36,6 +39,12 @@ PLINTH_M = 0.1
 WORKTOP_M = 0.038
 HEIGHT_M = 0.87
 
+_WALL_UNIT_M = 0.35
+"""Depth of a wall unit, its door included."""
+
+_WALL_UNIT_Z_M = 1.42
+_WALL_UNIT_HEIGHT_M = 0.7
+
 
 def _face_y(width: float) -> float:
     return -width / 2 + HANDLE_M + FRONT_M
@@ -52,10 +61,63 @@ def _body(size_m: Size) -> tuple[Part, ...]:
 
 
 def _worktop(size_m: Size) -> Part:
-    """A plate over the whole footprint, flush at both ends so that runs join."""
+    """A plate over the whole footprint, cut straight at both ends so that a run has no joints."""
     length, width, height = size_m
-    plate = block((length, width, WORKTOP_M), 0.0015)
-    return Part("Worktop", plate.moved(z=height - WORKTOP_M), "worktop")
+    low, soft, front = height - WORKTOP_M, 0.004, -width / 2
+    profile = [
+        [-low, front + soft], [-low, width / 2], [-height, width / 2], [-height, front + soft],
+        [soft - height, front], [-low - soft, front],
+    ]  # fmt: skip
+    # Drawn lying with z to the left, then stood up: the plate's axis becomes the length.
+    plate = extruded(profile, length).turned("y", 90).moved(x=-length / 2)
+    return Part("Worktop", plate, "worktop")
+
+
+def _wall_unit(size_m: Size) -> tuple[Part, ...]:
+    """A cabinet on the wall over a base cabinet, and the splashback below it."""
+    length, width, height = size_m
+    depth = _WALL_UNIT_M - FRONT_M
+    back = width / 2
+    y = back - depth
+    case = block((length, depth - 0.001, _WALL_UNIT_HEIGHT_M), 0.002)
+    columns = max(1, round(length / 0.48))
+    face = list(cells(length, _WALL_UNIT_HEIGHT_M - 0.004, columns, z_m=_WALL_UNIT_Z_M + 0.002))
+    light = block((length - 0.06, 0.03, 0.012)).moved(y=back - 0.06, z=_WALL_UNIT_Z_M - 0.011)
+    body = case.moved(y=back - (depth - 0.001) / 2, z=_WALL_UNIT_Z_M)
+    parts = (
+        Part("Wall_Unit", body, "body"),
+        *(replace(part, name=f"Wall_Unit_{part.name}") for part in doors(face, y, "bar", low=True)),
+        Part("Wall_Unit_Light", light, "glow", collider=None),
+        _splashback(length, back, height, _WALL_UNIT_Z_M),
+    )
+    return tuple(replace(part, on_wall=True) for part in parts)
+
+
+def _splashback(length: float, back: float, low: float, high: float) -> Part:
+    panel = box((length, 0.008, high - low)).moved(y=back - 0.0045, z=low)
+    return Part("Splashback", panel, "splash", collider=None)
+
+
+def _hood(size_m: Size) -> tuple[Part, ...]:
+    """An extractor over a hob: a sloping canopy and its chimney."""
+    length, width, height = size_m
+    back, wide = width / 2, min(length, 0.6)
+    top = _WALL_UNIT_Z_M + _WALL_UNIT_HEIGHT_M
+    low, deep = _WALL_UNIT_Z_M + 0.06, 0.46
+    levels = ((wide, deep, 0.0), (wide, deep, 0.045), (0.3, 0.26, 0.21), (0.3, 0.26, 0.24))
+    rings = [
+        ring(long, far, 0.004, low + rise, 1) + np.array([0.0, back - far / 2 - 0.001, 0.0])
+        for long, far, rise in levels
+    ]
+    chimney = block((0.27, 0.23, top - low - 0.22)).moved(y=back - 0.117, z=low + 0.22)
+    keys = box((0.12, 0.004, 0.018)).moved(y=back - deep - 0.0015, z=low + 0.014)
+    parts = (
+        Part("Hood", loft(rings), "appliance"),
+        Part("Hood_Chimney", chimney, "appliance"),
+        Part("Hood_Keys", keys, "dark_glass", collider=None),
+        _splashback(length, back, height, low),
+    )
+    return tuple(replace(part, on_wall=True) for part in parts)
 
 
 def _fronts_height(size_m: Size) -> float:
@@ -74,6 +136,7 @@ def door_cabinet(size_m: Size, *, columns: int = 1, has_drawers: bool = True) ->
         *doors([cell for cell in face if cell.row == 0], y, "bar"),
         *(drawers(upper, y, "bar") if upper else ()),
         _worktop(size_m),
+        *_wall_unit(size_m),
     )
 
 
@@ -81,7 +144,10 @@ def drawer_cabinet(size_m: Size) -> tuple[Part, ...]:
     """A base cabinet of three deep drawers."""
     length, width, _ = size_m
     face = list(cells(length, _fronts_height(size_m), 1, (2, 2, 1), PLINTH_M + 0.002))
-    return (*_body(size_m), *drawers(face, _face_y(width), "bar"), _worktop(size_m))
+    return (
+        *_body(size_m), *drawers(face, _face_y(width), "bar"), _worktop(size_m),
+        *_wall_unit(size_m),
+    )  # fmt: skip
 
 
 def cooker_cabinet(size_m: Size, *, gas: bool = True) -> tuple[Part, ...]:
@@ -91,7 +157,10 @@ def cooker_cabinet(size_m: Size, *, gas: bool = True) -> tuple[Part, ...]:
     oven_length = min(0.6, length) - 0.006
     oven = _oven(oven_length, tall - 0.004, y, PLINTH_M + 0.004)
     side = (length - oven_length) / 2
-    parts = [*_body(size_m), *oven, _worktop(size_m), *_hob(length, width, height, gas=gas)]
+    parts = [
+        *_body(size_m), *oven, _worktop(size_m), *_hob(length, width, height, gas=gas),
+        *_hood(size_m),
+    ]  # fmt: skip
     if side > 0.1:
         fillers = [
             block((side - 0.006, FRONT_M, tall - 0.004)).moved(
@@ -182,6 +251,7 @@ def sink_cabinet(size_m: Size, *, has_drainer: bool = False) -> tuple[Part, ...]
         *_sink_body(size_m),
         *doors(face, y, "bar"),
         Part("Worktop", plate, "worktop", collider="none"),
+        *_wall_unit(size_m),
         Part("Bowl", sink_bowl(bowl_l, bowl_w, 0.17).moved(x, at_y, height), "steel", collider=None,
              above=True),
         Part("Tap", swan_neck().moved(x, at_y + bowl_w / 2 + 0.045, height - 0.002), "tap",
@@ -254,7 +324,8 @@ def electrical_cabinet(size_m: Size) -> tuple[Part, ...]:
         tall = _fronts_height(size_m)
         oven = _oven(length - 0.008, 0.58, y, PLINTH_M + 0.004 + tall - 0.586)
         low = list(cells(length, tall - 0.586, 1, z_m=PLINTH_M + 0.002))
-        return (*_body(size_m), *drawers(low, y, "bar"), *oven, _worktop(size_m))
+        return (*_body(size_m), *drawers(low, y, "bar"), *oven, _worktop(size_m),
+                *_wall_unit(size_m))  # fmt: skip
     depth = width / 2 - y
     case = block((length, depth, height - PLINTH_M), 0.003).moved(y=y + depth / 2, z=PLINTH_M)
     oven_z = 0.62
@@ -333,20 +404,22 @@ def refrigerator(size_m: Size, *, doors_across: int = 1) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def _kitchen(body: str, front: str, worktop: str, handle: str, appliance: str) -> dict[str, str]:
+def _kitchen(
+    body: str, front: str, worktop: str, handle: str, appliance: str, splash: str
+) -> dict[str, str]:
     return {
         "body": body, "front": front, "worktop": worktop, "handle": handle,
         "appliance": appliance, "plinth": "graphite", "steel": "steel", "tap": "chrome",
         "dark_glass": "black_glass", "burner": "graphite", "grate": "black_metal",
-        "glow": "light_grey",
+        "glow": "light_grey", "splash": splash,
     }  # fmt: skip
 
 
 # The same three names on every cabinet, so that one choice dresses a whole kitchen.
 LOOKS = {
-    "white": _kitchen("white", "white", "oak", "steel", "steel"),
-    "graphite": _kitchen("graphite", "graphite", "quartz", "black_metal", "black"),
-    "sage": _kitchen("sage", "sage", "marble", "brass", "black"),
+    "white": _kitchen("white", "white", "oak", "steel", "steel", "ceramic"),
+    "graphite": _kitchen("graphite", "graphite", "quartz", "black_metal", "black", "quartz"),
+    "sage": _kitchen("sage", "sage", "marble", "brass", "black", "marble"),
 }
 _FRIDGE = {
     "white": {"body": "white", "front": "white", "handle": "steel", "plinth": "graphite",
@@ -358,32 +431,38 @@ _FRIDGE = {
 }  # fmt: skip
 
 
-def _base(name: str, category: str, length: float, draw: Draw, width: float = 0.6) -> Design:
-    return Design(name, category, (length, width, HEIGHT_M), draw, LOOKS)
+def _base(name: str, draw: Draw) -> Style:
+    return Style(f"Kitchen_{name}", draw, LOOKS, HEIGHT_M)
 
 
-_SINGLE, _DOUBLE = "single_door_floor_cabinet", "double_door_floor_cabinet"
+_DOOR, _DOOR_PLAIN = (
+    _base("Door", door_cabinet),
+    _base("Door_Plain", partial(door_cabinet, has_drawers=False)),
+)
+_DOUBLE = (
+    _base("Doors", partial(door_cabinet, columns=2)),
+    _base("Drawers", drawer_cabinet),
+    _base("Doors_Plain", partial(door_cabinet, columns=2, has_drawers=False)),
+)
+_COOKERS = (
+    _base("Cooker_Gas", cooker_cabinet),
+    _base("Cooker_Glass", partial(cooker_cabinet, gas=False)),
+)
+_SINK = _base("Sink", sink_cabinet)
+_SINK_DRAINER = _base("Sink_Drainer", partial(sink_cabinet, has_drainer=True))
+_OVEN_LOW = _base("Oven_Low", electrical_cabinet)
+_OVEN_TALL = Style("Kitchen_Oven_Tall", electrical_cabinet, LOOKS, 2.1)
+_FRIDGE_ONE = Style("Refrigerator", refrigerator, _FRIDGE, 1.85)
+_FRIDGE_TWO = Style("Refrigerator_Double", partial(refrigerator, doors_across=2), _FRIDGE, 1.8)
+
+_DEPTHS_M = (0.51, 0.555, 0.6)
 DESIGNS = (
-    _base("Kitchen_Door_30", _SINGLE, 0.3, partial(door_cabinet, has_drawers=False)),
-    _base("Kitchen_Door_40", _SINGLE, 0.4, door_cabinet),
-    _base("Kitchen_Door_50", _SINGLE, 0.5, door_cabinet),
-    _base("Kitchen_Doors_60", _DOUBLE, 0.6, partial(door_cabinet, columns=2, has_drawers=False)),
-    _base("Kitchen_Doors_80", _DOUBLE, 0.8, partial(door_cabinet, columns=2)),
-    _base("Kitchen_Drawers_90", _DOUBLE, 0.9, drawer_cabinet),
-    _base("Kitchen_Doors_105", _DOUBLE, 1.05, partial(door_cabinet, columns=2)),
-    _base("Kitchen_Cooker_Gas", "cooker_cabinet", 0.62, cooker_cabinet),
-    _base("Kitchen_Cooker_Glass", "cooker_cabinet", 0.75, partial(cooker_cabinet, gas=False)),
-    _base("Kitchen_Cooker_Gas_Wide", "cooker_cabinet", 0.9, cooker_cabinet),
-    _base("Kitchen_Sink_60", "sink_cabinet", 0.62, sink_cabinet),
-    _base("Kitchen_Sink_80", "sink_cabinet", 0.8, sink_cabinet),
-    _base("Kitchen_Sink_Drainer", "sink_cabinet", 1.0, partial(sink_cabinet, has_drainer=True)),
-    _base("Kitchen_Oven_Low", "electrical_floor_cabinet", 0.6, electrical_cabinet, 0.58),
-    Design("Kitchen_Oven_Tall", "electrical_floor_cabinet", (0.62, 0.62, 2.1), electrical_cabinet,
-           LOOKS),
-    Design("Kitchen_Oven_Tall_Wide", "electrical_floor_cabinet", (0.72, 0.62, 2.1),
-           electrical_cabinet, LOOKS),
-    Design("Refrigerator_Slim", "refrigerator", (0.58, 0.62, 1.75), refrigerator, _FRIDGE),
-    Design("Refrigerator_Wide", "refrigerator", (0.7, 0.7, 1.85), refrigerator, _FRIDGE),
-    Design("Refrigerator_Double", "refrigerator", (0.91, 0.74, 1.8),
-           partial(refrigerator, doors_across=2), _FRIDGE),
-)  # fmt: skip
+    *editions("single_door_floor_cabinet", (_DOOR, _DOOR_PLAIN), steps(0.3, 0.55, 0.05), _DEPTHS_M),
+    *editions("double_door_floor_cabinet", _DOUBLE, steps(0.6, 1.1, 0.05), _DEPTHS_M),
+    *editions("cooker_cabinet", _COOKERS, steps(0.61, 0.94, 0.055), _DEPTHS_M),
+    *editions("sink_cabinet", (_SINK,), steps(0.6, 0.85, 0.05), _DEPTHS_M),
+    *editions("sink_cabinet", (_SINK_DRAINER, _SINK), steps(0.9, 1.1, 0.05), _DEPTHS_M),
+    *editions("electrical_floor_cabinet", (_OVEN_LOW, _OVEN_TALL), (0.6, 0.66), _DEPTHS_M),
+    *editions("refrigerator", (_FRIDGE_ONE,), (0.58, 0.64, 0.7), (0.6, 0.66, 0.72)),
+    *editions("refrigerator", (_FRIDGE_TWO,), (0.91,), (0.66, 0.74)),
+)

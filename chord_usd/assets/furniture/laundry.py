@@ -6,7 +6,7 @@ from functools import partial
 
 from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth, shifted
 from chord_usd.assets.furniture.kitchen import sink_bowl, swan_neck
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -212,15 +212,14 @@ _SET = {
     "graphite": _set_look("graphite", "walnut", "brass", "graphite", "chrome"),
 }
 
+_WASHER = Style("Washing_Machine", washing_machine, _MACHINE, 0.86)
+_WITH_SINK = Style("Laundry_Sink", laundry_counter, _SET, 0.9)
+_PAIR = Style("Laundry_Pair", partial(laundry_counter, has_dryer=True), _SET, 0.9)
+_TOWER = Style("Laundry_Tower", laundry_tower, _SET, 2.15)
+
 DESIGNS = (
-    Design("Washing_Machine_Slim", "washing_machine", (0.58, 0.54, 0.85), washing_machine,
-           _MACHINE),
-    Design("Washing_Machine_Full", "washing_machine", (0.61, 0.64, 0.86), washing_machine,
-           _MACHINE),
-    Design("Washing_Machine_Large", "washing_machine", (0.67, 0.67, 0.93), washing_machine,
-           _MACHINE),
-    Design("Laundry_Sink", "washing_set", (1.1, 0.6, 0.9), laundry_counter, _SET),
-    Design("Laundry_Pair", "washing_set", (1.28, 0.64, 0.9),
-           partial(laundry_counter, has_dryer=True), _SET),
-    Design("Laundry_Tower", "washing_set", (1.55, 0.64, 2.15), laundry_tower, _SET),
-)  # fmt: skip
+    *editions("washing_machine", (_WASHER,), (0.57, 0.6, 0.65), (0.53, 0.58, 0.64)),
+    *editions("washing_set", (_WITH_SINK,), (0.92, 1.0, 1.08, 1.16), (0.52, 0.58, 0.64)),
+    *editions("washing_set", (_PAIR, _WITH_SINK), (1.26, 1.34), (0.52, 0.58, 0.64)),
+    *editions("washing_set", (_TOWER, _WITH_SINK), steps(1.42, 1.67, 0.085), (0.52, 0.58, 0.64)),
+)

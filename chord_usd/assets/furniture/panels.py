@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -76,9 +76,10 @@ def _ledge(length: float, width: float, height: float) -> tuple[Part, ...]:
     )
 
 
-def pictures(size_m: Size, *, count: int = 3) -> tuple[Part, ...]:
+def pictures(size_m: Size) -> tuple[Part, ...]:
     """Framed abstract prints in a row, all of one height."""
     length, width, height = size_m
+    count = max(2, round(length / 0.72))
     gap = 0.06
     wide = (length - gap * (count - 1)) / count
     frames, mats = [], []
@@ -149,16 +150,17 @@ _PRINTS = {
     "forest": _prints("walnut", "forest", "sage", "mustard_cloth"),
 }
 
+_HEADS = (
+    Style("Bed_Panel_Channels", padded_panel, _PADS, 1.0),
+    Style("Bed_Panel_Slats", slatted_panel, _SLATS, 1.2),
+    Style("Bed_Panel_Tiles", partial(padded_panel, rows=3, pitch_m=0.38), _PADS, 1.05),
+)
+_PICTURES = Style("Sofa_Prints", pictures, _PRINTS, 0.85)
+_SLAT_WALL = Style("Sofa_Slats", slatted_panel, _SLATS, 1.2)
+_SLAT_LEDGE = Style("Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1)
+
 DESIGNS = (
-    Design("Bed_Panel_Channels", "bed_background", (1.5, 0.08, 0.9), padded_panel, _PADS),
-    Design("Bed_Panel_Tiles", "bed_background", (1.9, 0.08, 1.0),
-           partial(padded_panel, rows=3, pitch_m=0.38), _PADS),
-    Design("Bed_Panel_Slats", "bed_background", (2.4, 0.06, 1.2), slatted_panel, _SLATS),
-    Design("Bed_Panel_Channels_Wide", "bed_background", (3.0, 0.1, 1.1), padded_panel, _PADS),
-    Design("Sofa_Prints_Two", "sofa_background", (1.4, 0.05, 0.8), partial(pictures, count=2),
-           _PRINTS),
-    Design("Sofa_Prints_Three", "sofa_background", (2.1, 0.05, 0.85), pictures, _PRINTS),
-    Design("Sofa_Slats_Ledge", "sofa_background", (2.6, 0.12, 1.1),
-           partial(slatted_panel, has_shelf=True), _SLATS),
-    Design("Sofa_Slats_Wide", "sofa_background", (3.3, 0.06, 1.2), slatted_panel, _SLATS),
-)  # fmt: skip
+    *editions("bed_background", _HEADS, (1.2, 1.35, 1.5, 1.8, 2.0, 2.4, 3.0), (0.06, 0.09)),
+    *editions("sofa_background", (_PICTURES, _SLAT_WALL), steps(1.25, 3.55), (0.06,)),
+    *editions("sofa_background", (_SLAT_LEDGE, _PICTURES), steps(1.25, 3.55, 0.2), (0.1,)),
+)

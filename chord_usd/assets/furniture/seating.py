@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.assets.furniture.joinery import four_legs
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -23,6 +23,7 @@ from chord_usd.assets.solids import (
     loft,
     mirrored_pair,
     pillow,
+    piped_cushion,
     ring,
     rounded_slab,
     soft_block,
@@ -34,15 +35,20 @@ ArmKind = Literal["track", "soft", "slim"]
 _ARM_M = {"track": 0.15, "soft": 0.21, "slim": 0.09}
 _SEAT_TOP_M = 0.43
 _BASE_TOP_M = 0.27
+_SEAT_LENGTH_M = 0.66
 
 
 def sofa(
-    size_m: Size, *, seats: int = 2, arm: ArmKind = "track", pillows: bool = True
+    size_m: Size, *, seats: int = 0, arm: ArmKind = "track", pillows: bool = True
 ) -> tuple[Part, ...]:
-    """A sofa or armchair: base on legs, two arms, a back, loose seat and back cushions."""
+    """A sofa or armchair: base on legs, two arms, a back, loose seat and back cushions.
+
+    seats: how many; 0 takes as many as fit.
+    """
     length, width, height = size_m
     arm_m, leg_m = _ARM_M[arm], 0.11
     inner = length - 2 * arm_m
+    seats = seats or max(2, round(inner / _SEAT_LENGTH_M))
     back_m = 0.16
     y_back = width / 2 - back_m / 2
     base = rounded_slab((length - arm_m, width - 0.03, _BASE_TOP_M - leg_m), 0.03, 0.015, 4, 2)
@@ -83,9 +89,9 @@ def _seats(inner: float, width: float, height: float, back: float, seats: int) -
     """Seat and back cushions; a hand's breadth of seat shows in front of the arms' line."""
     wide = inner / seats - 0.008
     deep = width - back - 0.015
-    seat = cushion((wide, deep, _SEAT_TOP_M - _BASE_TOP_M + 0.03), 0.05, 0.045, 0.03)
+    seat = piped_cushion((wide, deep, _SEAT_TOP_M - _BASE_TOP_M + 0.03), 0.05, 0.045, 0.03)
     rest_height = height - _SEAT_TOP_M + 0.05
-    rest = cushion((wide - 0.01, rest_height, 0.19), 0.09, 0.07, 0.05).turned("x", 78)
+    rest = piped_cushion((wide - 0.01, rest_height, 0.19), 0.09, 0.07, 0.05).turned("x", 78)
     high = rest.bounds_m()[1]
     rest = rest.moved(0.0, width / 2 - back + 0.03 - float(high[1]), height - float(high[2]))
     places = [(i - (seats - 1) / 2) * inner / seats for i in range(seats)]
@@ -165,8 +171,8 @@ def lounge_chair(size_m: Size) -> tuple[Part, ...]:
         ]
     )
     inner = length - 0.13
-    seat = cushion((inner, width - 0.24, 0.13), 0.05, 0.045, 0.02).turned("x", -7)
-    back = cushion((inner, height - 0.28, 0.13), 0.06, 0.045, 0.03).turned("x", 66)
+    seat = piped_cushion((inner, width - 0.24, 0.13), 0.05, 0.045, 0.02).turned("x", -7)
+    back = piped_cushion((inner, height - 0.28, 0.13), 0.06, 0.045, 0.03).turned("x", 66)
     high = back.bounds_m()[1]
     back = back.moved(0.0, width / 2 - float(high[1]), height - float(high[2]))
     bars = [
@@ -177,6 +183,22 @@ def lounge_chair(size_m: Size) -> tuple[Part, ...]:
         Part("Frame", mirrored_pair(side) + joined(bars), "frame"),
         Part("Seat", seat.moved(y=-0.1, z=0.31), "cushion"),
         Part("Back", back, "cushion"),
+    )
+
+
+def slipper_chair(size_m: Size) -> tuple[Part, ...]:
+    """A low armless chair: a thick seat and a rolled back on turned legs."""
+    length, width, height = size_m
+    leg_m, seat_z = 0.18, 0.42
+    back_m = 0.16
+    base = rounded_slab((length - 0.02, width - 0.04, 0.12), 0.05, 0.02, 4, 2)
+    seat = piped_cushion((length - 0.006, width - back_m + 0.02, 0.15), 0.06, 0.05, 0.025)
+    back = soft_block((length, back_m, height - leg_m - 0.06), 0.06, (2, 1, 2))
+    return (
+        *four_legs(length - 0.08, width - 0.1, leg_m + 0.02, 0.045, is_round=True, splay_m=0.012),
+        Part("Base", base.moved(y=0.0, z=leg_m), "cloth"),
+        Part("Seat", seat.moved(y=-back_m / 2 + 0.01, z=seat_z - 0.14), "cushion"),
+        Part("Back", back.moved(y=(width - back_m) / 2, z=leg_m + 0.06), "cloth"),
     )
 
 
@@ -296,31 +318,33 @@ _OFFICE = {
     "blue": {"metal": "steel", "rubber": "rubber", "seat": "blue_cloth"},
 }
 
+_SOFAS = (
+    Style("Sofa_Track", sofa, _SOFA, 0.82),
+    Style("Sofa_Soft", partial(sofa, arm="soft"), _LEATHER, 0.84),
+    Style("Sofa_Slim", partial(sofa, arm="slim"), _SOFA, 0.8),
+)
+_ARMCHAIRS = (
+    Style("Armchair_Track", partial(sofa, seats=1, pillows=False), _ARMCHAIR, 0.8),
+    Style("Armchair_Soft", partial(sofa, seats=1, arm="soft", pillows=False), _LEATHER, 0.84),
+    Style("Armchair_Wing", wing_chair, _ARMCHAIR, 0.98),
+)
+_WOOD_LOUNGE = Style("Lounge_Chair_Wood", lounge_chair, _ARMCHAIR, 0.82)
+_BARREL = Style("Lounge_Chair_Barrel", barrel_chair, _ARMCHAIR, 0.76)
+_SLIPPER = Style("Lounge_Chair_Slipper", slipper_chair, _LEATHER, 0.8)
+_LOUNGES = (_BARREL, _SLIPPER, _WOOD_LOUNGE)
+_CHAIRS = (
+    Style("Chair_Slats", chair, _CHAIR, 0.86),
+    Style("Chair_Board", partial(chair, back="board"), _CHAIR, 0.8),
+    Style("Chair_Padded", partial(chair, back="padded"), _CHAIR, 0.92),
+)
+_OFFICE_CHAIR = Style("Chair_Office", office_chair, _OFFICE, 0.98)
+
 DESIGNS = (
-    Design("Sofa_Two_Seat_Track", "sofa", (1.55, 0.85, 0.82), sofa, _SOFA),
-    Design("Sofa_Two_Seat_Soft", "sofa", (1.85, 0.9, 0.82), partial(sofa, arm="soft"), _LEATHER),
-    Design("Sofa_Three_Seat_Track", "sofa", (2.15, 0.92, 0.84), partial(sofa, seats=3), _SOFA),
-    Design(
-        "Sofa_Three_Seat_Slim", "sofa", (2.45, 0.95, 0.82), partial(sofa, seats=3, arm="slim"),
-        _LEATHER,
-    ),
-    Design(
-        "Sofa_Four_Seat_Soft", "sofa", (3.0, 1.02, 0.85), partial(sofa, seats=4, arm="soft"), _SOFA
-    ),
-    Design(
-        "Armchair_Track", "single_sofa", (0.8, 0.8, 0.8),
-        partial(sofa, seats=1, pillows=False), _ARMCHAIR,
-    ),
-    Design(
-        "Armchair_Soft", "single_sofa", (0.95, 0.9, 0.84),
-        partial(sofa, seats=1, arm="soft", pillows=False), _LEATHER,
-    ),
-    Design("Armchair_Wing", "single_sofa", (0.86, 0.86, 0.98), wing_chair, _ARMCHAIR),
-    Design("Lounge_Chair_Wood", "leisure_sofa", (0.68, 0.8, 0.82), lounge_chair, _ARMCHAIR),
-    Design("Lounge_Chair_Barrel", "leisure_sofa", (0.8, 0.76, 0.76), barrel_chair, _ARMCHAIR),
-    Design("Lounge_Chair_Wide", "leisure_sofa", (0.9, 0.95, 0.86), lounge_chair, _LEATHER),
-    Design("Chair_Slats", "chair", (0.43, 0.48, 0.86), chair, _CHAIR),
-    Design("Chair_Board", "chair", (0.46, 0.52, 0.8), partial(chair, back="board"), _CHAIR),
-    Design("Chair_Padded", "chair", (0.47, 0.55, 0.92), partial(chair, back="padded"), _CHAIR),
-    Design("Chair_Office", "chair", (0.57, 0.58, 0.98), office_chair, _OFFICE),
-)  # fmt: skip
+    *editions("sofa", _SOFAS, steps(1.45, 3.15), (0.85, 0.95, 1.05)),
+    *editions("single_sofa", _ARMCHAIRS, (0.77, 0.85, 0.93), (0.77, 0.85, 0.93)),
+    *editions("leisure_sofa", _LOUNGES, (0.61, 0.68), (0.62, 0.7, 0.78)),
+    *editions("leisure_sofa", _LOUNGES, (0.75, 0.82), (0.7, 0.77, 0.84, 0.92)),
+    *editions("leisure_sofa", _LOUNGES, (0.9, 0.97), (0.82, 0.9, 0.98, 1.06)),
+    *editions("chair", _CHAIRS, (0.43, 0.48, 0.53), (0.49, 0.54, 0.59)),
+    *editions("chair", (_OFFICE_CHAIR,), (0.57,), (0.56,)),
+)

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -199,9 +199,12 @@ _SHOWER = {
     "brass": {"ceramic": "ceramic_grey", "glass": "glass", "metal": "brass"},
 }
 
+_QUADRANT = Style("Shower_Quadrant", partial(shower, kind="corner"), _SHOWER, 2.15)
+_CABIN = Style("Shower_Cabin", partial(shower, kind="cabin"), _SHOWER, 2.15)
+_WALK_IN = Style("Shower_Walk_In", shower, _SHOWER, 2.15)
+
 DESIGNS = (
-    Design("Shower_Quadrant", "shower", (0.85, 0.85, 2.15), partial(shower, kind="corner"),
-           _SHOWER),
-    Design("Shower_Cabin", "shower", (0.95, 0.9, 2.15), partial(shower, kind="cabin"), _SHOWER),
-    Design("Shower_Walk_In", "shower", (1.25, 0.95, 2.15), shower, _SHOWER),
-)  # fmt: skip
+    *editions("shower", (_CABIN, _QUADRANT, _WALK_IN), (0.78, 0.86, 0.94), (0.78, 0.86, 0.94)),
+    *editions("shower", (_WALK_IN, _CABIN), (1.03, 1.12, 1.21, 1.3, 1.38), (0.8, 0.9, 1.0, 1.1)),
+    *editions("shower", (_QUADRANT, _WALK_IN), (0.97,), (1.02, 1.1)),
+)

@@ -26,7 +26,7 @@ from chord_usd.assets.furniture.storage import (
     chest,
     fronts_y,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import Size, Solid, block, box, joined, mirrored_pair, rounded_slab
 
 
@@ -167,13 +167,11 @@ def _drum_stand(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def tv_cabinet(
-    size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers", tv_m: float = 1.1
-) -> tuple[Part, ...]:
+def tv_cabinet(size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers") -> tuple[Part, ...]:
     """A low cabinet with a television on it.
 
-    size_m is the cabinet's own: the television stands above the nominal height, near the wall,
-    and is tv_m long (16:9).
+    size_m is the cabinet's own: the television (16:9) stands above the nominal height, near the
+    wall.
     """
     length, width, height = size_m
     y, base, top = -width / 2 + FRONT_M, 0.1, 0.022
@@ -190,7 +188,7 @@ def tv_cabinet(
         Part("Body", body, "body"),
         panels,
         Part("Top", plate.moved(z=height - top), "top"),
-        *television(min(tv_m, length * 0.86), width / 2 - 0.1, height),
+        *television(min(0.45 + 0.45 * length, length * 0.86), width / 2 - 0.1, height),
     )
 
 
@@ -222,23 +220,25 @@ def television(length: float, y: float, z: float) -> tuple[Part, ...]:
     )
 
 
+_BEDSIDE = (
+    Style("Bedside_Drawers", bedside_table, LIVING, 0.52),
+    Style("Bedside_Open", partial(bedside_table, kind="open"), LIVING, 0.5),
+)
+_BEDSIDE_ROUND = Style("Bedside_Round", partial(bedside_table, kind="round"), LIVING, 0.5)
+_TV = (
+    Style("TV_Cabinet_Drawers", tv_cabinet, LIVING, 0.46),
+    Style("TV_Cabinet_Slats", partial(tv_cabinet, kind="slats"), LIVING, 0.45),
+)
+_DRESSER = Style("Dresser", hutch, FRAMED, 2.1)
+_SIDEBOARDS = (
+    Style("Sideboard", sideboard, LIVING, 0.85),
+    Style("Sideboard_Framed", partial(sideboard, framed=True, handle="knob"), FRAMED, 0.85),
+)
+
 DESIGNS = (
-    Design("Bedside_Drawers", "bedside_table", (0.48, 0.42, 0.52), bedside_table, LIVING),
-    Design("Bedside_Open", "bedside_table", (0.42, 0.38, 0.5), partial(bedside_table, kind="open"),
-           LIVING),
-    Design("Bedside_Round", "bedside_table", (0.44, 0.44, 0.5),
-           partial(bedside_table, kind="round"), LIVING),
-    Design("Bedside_Wide", "bedside_table", (0.58, 0.45, 0.5), bedside_table, LIVING),
-    Design("TV_Cabinet_Short", "tv_cabinet", (1.15, 0.35, 0.48), tv_cabinet, LIVING),
-    Design("TV_Cabinet_Slats", "tv_cabinet", (1.6, 0.4, 0.46),
-           partial(tv_cabinet, kind="slats", tv_m=1.23), LIVING),
-    Design("TV_Cabinet_Long", "tv_cabinet", (2.0, 0.42, 0.45), partial(tv_cabinet, tv_m=1.45),
-           LIVING),
-    Design("TV_Cabinet_Extra_Long", "tv_cabinet", (2.45, 0.45, 0.45),
-           partial(tv_cabinet, kind="slats", tv_m=1.67), LIVING),
-    Design("Dresser_Narrow", "dining_cabinet", (0.95, 0.42, 2.05), hutch, FRAMED),
-    Design("Dresser_Wide", "dining_cabinet", (1.3, 0.46, 2.1), hutch, FRAMED),
-    Design("Sideboard", "dining_cabinet", (1.45, 0.42, 0.85), sideboard, LIVING),
-    Design("Sideboard_Long", "dining_cabinet", (1.85, 0.45, 0.85),
-           partial(sideboard, framed=True, handle="knob"), FRAMED),
-)  # fmt: skip
+    *editions("bedside_table", _BEDSIDE, steps(0.4, 0.6, 0.05), (0.37, 0.46)),
+    *editions("bedside_table", (_BEDSIDE_ROUND,), (0.4, 0.45, 0.5), (0.42,)),
+    *editions("tv_cabinet", _TV, steps(1.05, 2.55), (0.33, 0.4, 0.47)),
+    *editions("dining_cabinet", (_DRESSER, *_SIDEBOARDS), steps(0.85, 1.45), (0.37, 0.43)),
+    *editions("dining_cabinet", _SIDEBOARDS, steps(1.55, 1.95), (0.37, 0.43)),
+)

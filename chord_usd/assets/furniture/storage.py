@@ -17,10 +17,13 @@ from chord_usd.assets.furniture.joinery import (
     plinth,
     shifted,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import Size, Solid, block, box, joined, mirrored_pair, rounded_slab
 
 BOARD_M = 0.022
+
+_LEAF_M = 0.46
+"""Usual length of a wardrobe door."""
 
 
 def fronts_y(width: float, kind: HandleKind) -> float:
@@ -35,11 +38,10 @@ def carcass(length: float, face_y: float, back_y: float, height: float, z: float
     return block((length, depth, height)).moved(y=face_y + depth / 2, z=z)
 
 
-def wardrobe(
-    size_m: Size, *, leaves: int = 2, handle: HandleKind = "bar", framed: bool = False
-) -> tuple[Part, ...]:
+def wardrobe(size_m: Size, *, handle: HandleKind = "bar", framed: bool = False) -> tuple[Part, ...]:
     """A wardrobe with hinged doors on a plinth; framed gives shaker doors and a cornice."""
     length, width, height = size_m
+    leaves = max(1, round(length / _LEAF_M))
     y, base, top = fronts_y(width, handle), 0.08, 0.03 if framed else 0.002
     body = carcass(length, y, width / 2, height - base - top + 0.002, base)
     face = list(cells(length - 0.006, height - base - top - 0.006, leaves, z_m=base + 0.003))
@@ -54,9 +56,10 @@ def wardrobe(
     return tuple(parts)
 
 
-def sliding_wardrobe(size_m: Size, *, leaves: int = 2) -> tuple[Part, ...]:
+def sliding_wardrobe(size_m: Size) -> tuple[Part, ...]:
     """Sliding doors in two tracks between a frame, every second one glazed dark."""
     length, width, height = size_m
+    leaves = max(2, round(length / 0.9))
     rail, depth = 0.05, 0.07
     y = -width / 2 + depth
     wide = (length - 0.05) / leaves
@@ -92,11 +95,11 @@ def sliding_wardrobe(size_m: Size, *, leaves: int = 2) -> tuple[Part, ...]:
 
 
 def chest(
-    size_m: Size, *, columns: int = 1, rows: tuple[float, ...] = (1.2, 1.0, 1.0, 0.8),
-    handle: HandleKind = "bar",
+    size_m: Size, *, rows: tuple[float, ...] = (1.2, 1.0, 1.0, 0.8), handle: HandleKind = "bar"
 ) -> tuple[Part, ...]:  # fmt: skip
     """A chest of drawers on short legs with a projecting top."""
     length, width, height = size_m
+    columns = max(1, round(length / 0.75))
     y, base, top = fronts_y(width, handle), 0.12, 0.024
     body = carcass(length - 0.012, y, width / 2 - 0.002, height - base - top + 0.002, base)
     face = list(cells(length - 0.02, height - base - top - 0.008, columns, rows, base + 0.004))
@@ -109,10 +112,28 @@ def chest(
     )
 
 
-def bookcase(size_m: Size, *, bays: int = 1, shelves: int = 5) -> tuple[Part, ...]:
-    """Open shelves above a pair of doors, with books on the shelves."""
+def low_cabinet(size_m: Size) -> tuple[Part, ...]:
+    """A low cabinet on a plinth: panelled doors with knobs under a wooden top."""
     length, width, height = size_m
-    base, low = 0.06, 0.5
+    y, base, top = fronts_y(width, "knob"), 0.08, 0.026
+    body = carcass(length - 0.012, y, width / 2 - 0.002, height - base - top + 0.002, base)
+    columns = max(1, round(length / 0.45))
+    face = list(cells(length - 0.02, height - base - top - 0.008, columns, z_m=base + 0.004))
+    plate = rounded_slab((length, width - HANDLE_M + 0.006, top), 0.006, 0.005, 3)
+    return (
+        plinth(size_m, base),
+        Part("Body", body, "body"),
+        *doors(face, y, "knob", framed=True),
+        Part("Top", plate.moved(y=HANDLE_M / 2 - 0.003, z=height - top), "top"),
+    )
+
+
+def bookcase(size_m: Size, *, low: float = 0.5) -> tuple[Part, ...]:
+    """Open shelves above pairs of doors of height low, with books on the shelves."""
+    length, width, height = size_m
+    base = 0.06
+    bays = max(1, round(length / 0.85))
+    shelves = max(1, round((height - base - low) / 0.31))
     y = fronts_y(width, "knob")
     inner = length - 2 * BOARD_M
     depth = width / 2 - y
@@ -277,31 +298,29 @@ _HALL = {
 }
 
 
+_WARDROBES = (
+    Style("Wardrobe_Hinged", wardrobe, _WARDROBE, 2.2),
+    Style("Wardrobe_Framed", partial(wardrobe, framed=True, handle="knob"), FRAMED, 2.15),
+)
+_SLIDING = Style("Wardrobe_Sliding", sliding_wardrobe, _WARDROBE, 2.35)
+_LOW = (
+    Style("Chest", partial(chest, rows=(1.2, 1, 0.8)), LIVING, 0.86),
+    Style("Low_Cabinet", low_cabinet, FRAMED, 0.84),
+    Style("Low_Bookcase", partial(bookcase, low=0.34), LIVING, 1.0),
+)
+_BOOKCASE = Style("Bookcase", bookcase, LIVING, 2.05)
+_SHOES = (
+    Style("Shoe_Cabinet_Flaps", shoe_cabinet, _HALL, 1.1),
+    Style("Shoe_Cabinet_Louvres", partial(shoe_cabinet, kind="louvres"), _HALL, 1.0),
+)
+_SHOE_BENCH = Style("Shoe_Cabinet_Bench", partial(shoe_cabinet, kind="bench"), _HALL, 2.1)
+
+# Shallow cabinets are low, so that they may stand under windows; deep ones are wardrobes.
 DESIGNS = (
-    Design(
-        "Chest_Narrow", "cabinet", (0.6, 0.42, 1.0),
-        partial(chest, rows=(1.2, 1, 1, 1, 0.8)), LIVING,
-    ),
-    Design("Bookcase_Single", "cabinet", (0.85, 0.4, 2.0), bookcase, LIVING),
-    Design(
-        "Wardrobe_Two_Doors", "cabinet", (0.95, 0.58, 2.1), partial(wardrobe, framed=True,
-        handle="knob"), FRAMED,
-    ),
-    Design(
-        "Chest_Double", "cabinet", (1.25, 0.46, 0.85),
-        partial(chest, columns=2, rows=(1.2, 1, 0.8)), LIVING,
-    ),
-    Design("Wardrobe_Three_Doors", "cabinet", (1.4, 0.6, 2.2), partial(wardrobe, leaves=3),
-           _WARDROBE),
-    Design("Bookcase_Double", "cabinet", (1.7, 0.42, 2.1), partial(bookcase, bays=2), LIVING),
-    Design("Wardrobe_Four_Doors", "cabinet", (1.85, 0.6, 2.3), partial(wardrobe, leaves=4),
-           _WARDROBE),
-    Design("Wardrobe_Sliding", "cabinet", (2.2, 0.64, 2.35), sliding_wardrobe, _WARDROBE),
-    Design("Wardrobe_Sliding_Wide", "cabinet", (2.65, 0.64, 2.4),
-           partial(sliding_wardrobe, leaves=3), _WARDROBE),
-    Design("Shoe_Cabinet_Flaps", "shoe_cabinet", (0.7, 0.28, 1.1), shoe_cabinet, _HALL),
-    Design("Shoe_Cabinet_Louvres", "shoe_cabinet", (1.0, 0.36, 1.0),
-           partial(shoe_cabinet, kind="louvres"), _HALL),
-    Design("Shoe_Cabinet_Bench", "shoe_cabinet", (1.4, 0.4, 2.15),
-           partial(shoe_cabinet, kind="bench"), _HALL),
-)  # fmt: skip
+    *editions("cabinet", _LOW, steps(0.65, 2.75), (0.41,)),
+    *editions("cabinet", (_BOOKCASE,), (0.8, 1.2, 1.6, 2.0), (0.48,)),
+    *editions("cabinet", _WARDROBES, steps(0.65, 1.35), (0.55, 0.63)),
+    *editions("cabinet", (_WARDROBES[0], _SLIDING, _WARDROBES[1]), steps(1.45, 2.75), (0.55, 0.63)),
+    *editions("shoe_cabinet", _SHOES, steps(0.65, 1.15), (0.29, 0.37)),
+    *editions("shoe_cabinet", (*_SHOES, _SHOE_BENCH), steps(1.25, 1.55), (0.29, 0.38)),
+)

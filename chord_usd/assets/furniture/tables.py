@@ -6,7 +6,7 @@ from functools import partial
 from typing import Literal
 
 from chord_usd.assets.furniture.joinery import HANDLE_M, cells, drawers, four_legs
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     block,
@@ -122,6 +122,28 @@ def shelf_coffee_table(size_m: Size) -> tuple[Part, ...]:
     )
 
 
+def waterfall_table(size_m: Size) -> tuple[Part, ...]:
+    """A low table whose top bends down into its sides, with a drawer between them."""
+    length, width, height = size_m
+    board = 0.035
+    top = block((length, width, board), 0.006).moved(z=height - board)
+    side = block((board, width - 0.002, height - board + 0.002), 0.004)
+    tall, depth = min(0.14, height * 0.35), width - HANDLE_M - 0.022
+    y_face = -width / 2 + HANDLE_M + 0.02
+    z = height - board - tall
+    case = block((length - 2 * board, depth, tall)).moved(y=y_face + depth / 2, z=z)
+    columns = 1 if length < 1.0 else 2
+    fronts = drawers(list(cells(length - 2 * board, tall - 0.004, columns, (1.0,), z + 0.002)),
+                     y_face, "knob")  # fmt: skip
+    return (
+        Part("Top", top, "top"),
+        Part("Sides", mirrored_pair(side.moved(x=(length - board) / 2 - 0.002)), "top",
+             collider="none"),
+        Part("Drawer_Box", case, "body"),
+        *fronts,
+    )  # fmt: skip
+
+
 def nest_of_drums(size_m: Size) -> tuple[Part, ...]:
     """A large low drum with a smaller, higher one at its side."""
     length, width, height = size_m
@@ -200,32 +222,46 @@ _DESK = {
     "sage": {**_pair("pale_oak", "black_metal"), "body": "sage", "front": "sage"},
 }
 
+_DESK_PLAIN = Style("Desk_Plain", partial(legged_table, leg_m=0.045), _WOOD, 0.74)
+_DESK_PORTAL = Style("Desk_Portal", trestle_table, _METAL, 0.75)
+_DESK_DRAWERS = Style("Desk_Drawers", drawer_desk, _DESK, 0.75)
+_DESK_LEFT = Style("Desk_Drawers_Left", partial(drawer_desk, side="left"), _DESK, 0.75)
+_DINING = (
+    Style("Dining_Table_Square_Legs", partial(legged_table, leg_m=0.06), _WOOD, 0.75),
+    Style(
+        "Dining_Table_Splayed", partial(legged_table, leg_m=0.07, top_m=0.035, is_round=True),
+        _WOOD, 0.75,
+    ),
+    Style("Dining_Table_Trestle", trestle_table, _METAL, 0.76),
+)  # fmt: skip
+_DINING_ROUND = Style("Dining_Table_Round", partial(pedestal_table, foot_m=0.3), _STONE, 0.75)
+_COFFEE = (
+    Style("Coffee_Table_Shelf", shelf_coffee_table, _WOOD, 0.42),
+    Style("Coffee_Table_Splayed", partial(legged_table, leg_m=0.05, is_round=True), _WOOD, 0.42),
+    Style("Coffee_Table_Waterfall", waterfall_table, _WOOD, 0.4),
+)
+_COFFEE_ROUND = Style("Coffee_Table_Round", pedestal_table, _STONE, 0.4)
+_COFFEE_DRUMS = Style("Coffee_Table_Drums", nest_of_drums, _STONE, 0.44)
+_SIDE = (
+    Style("Side_Table_Tray", tray_table, _METAL, 0.52),
+    Style("Side_Table_Cube", cube_table, _WOOD, 0.5),
+    Style("Side_Table_Pedestal", pedestal_table, _STONE, 0.55),
+)
+
 DESIGNS = (
-    Design("Desk_Plain", "table", (0.95, 0.5, 0.74), partial(legged_table, leg_m=0.045), _WOOD),
-    Design("Desk_Drawers", "table", (1.25, 0.6, 0.75), drawer_desk, _DESK),
-    Design("Desk_Portal", "table", (1.45, 0.7, 0.75), trestle_table, _METAL),
-    Design("Desk_Wide_Drawers", "table", (1.7, 0.75, 0.75), drawer_desk, _DESK),
-    Design(
-        "Dining_Table_Round", "dining_table", (0.95, 0.95, 0.75),
-        partial(pedestal_table, foot_m=0.3), _STONE,
-    ),
-    Design(
-        "Dining_Table_Four", "dining_table", (1.25, 0.8, 0.75), partial(legged_table, leg_m=0.06),
-        _WOOD,
-    ),
-    Design(
-        "Dining_Table_Six", "dining_table", (1.6, 0.88, 0.75),
-        partial(legged_table, leg_m=0.07, top_m=0.035, is_round=True), _WOOD,
-    ),
-    Design("Dining_Table_Eight", "dining_table", (2.0, 1.0, 0.76), trestle_table, _METAL),
-    Design("Coffee_Table_Drums", "coffee_table", (0.85, 0.55, 0.44), nest_of_drums, _STONE),
-    Design("Coffee_Table_Shelf", "coffee_table", (1.1, 0.6, 0.42), shelf_coffee_table, _WOOD),
-    Design(
-        "Coffee_Table_Splayed", "coffee_table", (1.3, 0.7, 0.42),
-        partial(legged_table, leg_m=0.05, is_round=True), _WOOD,
-    ),
-    Design("Coffee_Table_Round", "coffee_table", (0.8, 0.8, 0.4), pedestal_table, _STONE),
-    Design("Side_Table_Tray", "side_coffee_table", (0.42, 0.42, 0.52), tray_table, _METAL),
-    Design("Side_Table_Cube", "side_coffee_table", (0.5, 0.45, 0.5), cube_table, _WOOD),
-    Design("Side_Table_Pedestal", "side_coffee_table", (0.55, 0.55, 0.55), pedestal_table, _STONE),
+    *editions("table", (_DESK_PLAIN, _DESK_PORTAL), (0.8, 0.9, 0.97), (0.51, 0.6)),
+    *editions("table", (_DESK_DRAWERS, _DESK_PORTAL, _DESK_LEFT, _DESK_PLAIN), steps(1.05, 1.65),
+              (0.51, 0.6)),
+    *editions("table", (_DESK_DRAWERS, _DESK_PORTAL), (1.4, 1.6, 1.75), (0.71,)),
+    *editions("dining_table", _DINING, steps(0.83, 1.23), (0.77,)),
+    *editions("dining_table", _DINING, steps(1.2, 2.1), (0.79, 0.89, 0.99)),
+    *(design for side in (0.85, 0.95, 1.05)
+      for design in editions("dining_table", (_DINING_ROUND,), (side,), (side,))),
+    *editions("coffee_table", _COFFEE, steps(0.65, 1.35), (0.65, 0.75, 0.85)),
+    *(design for side in (0.6, 0.7, 0.8, 0.9)
+      for design in editions("coffee_table", (_COFFEE_ROUND,), (side,), (side,))),
+    *editions("coffee_table", (_COFFEE_DRUMS,), (0.85, 0.95), (0.55,)),
+    *(design for index, side in enumerate((0.36, 0.41, 0.46, 0.51, 0.56, 0.62))
+      for design in editions("side_coffee_table", (_SIDE[index % 3], _SIDE[(index + 1) % 3]),
+                             (side,), (side, round(side + 0.004, 3)))),
 )  # fmt: skip

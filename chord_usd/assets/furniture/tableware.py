@@ -18,20 +18,30 @@ from chord_usd.assets.solids import (
     joined,
     lathe,
     loft,
+    rounded_profile,
     rounded_slab,
     tube,
 )
 
+OrnamentKind = Literal["vase", "ring", "bowl", "candles"]
 
-def ornament(size_m: Size, *, kind: Literal["vase", "ring"] = "vase") -> tuple[Part, ...]:
-    """A small vase, or an abstract ring on a plinth."""
+
+def ornament(size_m: Size, *, kind: OrnamentKind = "vase") -> tuple[Part, ...]:
+    """A small vase, a shallow bowl, three candles, or an abstract ring on a plinth."""
     length, width, height = size_m
+    if kind == "bowl":
+        section = [(0.2, 0), (0.24, 0.06), (0.4, 0.3), (0.5, 1.0), (0.475, 1.0), (0.36, 0.34),
+                   (0.15, 0.12), (0.0, 0.1)]  # fmt: skip
+        bowl = lathe(rounded_profile(section), 36)
+        return (Part("Bowl", bowl.scaled(length, width, height), "ceramic", collider="convexHull"),)
+    if kind == "candles":
+        return _candles(length, width, height)
     if kind == "vase":
         profile = [
             (0.26, 0), (0.3, 0.02), (0.5, 0.35), (0.44, 0.6), (0.2, 0.82), (0.19, 0.9), (0.26, 1.0),
             (0.22, 1.0), (0.15, 0.9), (0.15, 0.8), (0.0, 0.78),
         ]  # fmt: skip
-        vase = lathe([(r, z) for r, z in profile], 32)
+        vase = lathe(rounded_profile(profile), 32)
         return (Part("Vase", vase.scaled(length, width, height), "ceramic"),)
     foot_h = height * 0.18
     bar = min(width, length * 0.3) / 2
@@ -47,6 +57,65 @@ def ornament(size_m: Size, *, kind: Literal["vase", "ring"] = "vase") -> tuple[P
         Part("Plinth", block((length * 0.7, width, foot_h), 0.003), "stone"),
         Part("Ring", hoop, "metal", collider="convexHull"),
     )
+
+
+def _candles(length: float, width: float, height: float) -> tuple[Part, ...]:
+    """Three candles of unlike height on a tray."""
+    tray = rounded_slab((length, width, 0.012), min(length, width) / 2, 0.004, 8)
+    radius = min(length * 0.13, width * 0.3)
+    candles, wicks = [], []
+    for index, share in enumerate((1.0, 0.62, 0.8)):
+        tall, x = height * share - 0.022, (index - 1) * length * 0.29
+        candles.append(cylinder(radius, tall, 0.003, 20).moved(x, 0.0, 0.011))
+        wicks.append(cylinder(0.0015, 0.014, 0, 6).moved(x, 0.0, 0.008 + tall))
+    return (
+        Part("Tray", tray, "metal"),
+        Part("Candles", joined(candles), "wax"),
+        Part("Wicks", joined(wicks), "wick", collider=None),
+    )
+
+
+def sword_plant(size_m: Size) -> tuple[Part, ...]:
+    """A snake plant: stiff upright leaves in a tall round pot."""
+    length, width, height = size_m
+    pot_h, pot_r = height * 0.38, min(length, width) * 0.42
+    profile = [(pot_r * 0.8, 0), (pot_r * 0.98, pot_h * 0.4), (pot_r, pot_h), (pot_r * 0.92, pot_h),
+               (pot_r * 0.9, pot_h * 0.9), (0, pot_h * 0.9)]  # fmt: skip
+    soil = cylinder(pot_r * 0.88, pot_h * 0.05, 0, 24).moved(z=pot_h * 0.87)
+    leaves = []
+    for index in range(13):
+        turn, share = 137.5 * index, math.sqrt((index + 0.5) / 13)
+        tall = (height - pot_h * 0.9) * (1.0 - 0.4 * share)
+        leaf = _sword(tall, pot_r * 0.28).turned("y", 14.0 * share).turned("z", turn)
+        angle = math.radians(turn)
+        at = pot_r * 0.62 * share
+        leaves.append(leaf.moved(at * math.cos(angle), at * math.sin(angle), pot_h * 0.88))
+    foliage = _filled(joined(leaves), length, width, pot_h * 0.88, height)
+    return (
+        Part("Pot", lathe(profile, 32), "pot"),
+        Part("Soil", soil, "soil", collider=None),
+        Part("Leaves", foliage, "leaf", collider=None),
+    )
+
+
+def _sword(tall: float, wide: float) -> Solid:
+    """A stiff leaf that tapers to a point and twists a little."""
+    rings = []
+    for share in np.linspace(0.0, 1.0, 7):
+        half = wide / 2 * (0.75 + 0.5 * share - 1.25 * share**3) * (share < 1.0)
+        twist = math.radians(50.0 * share)
+        across = np.array([math.sin(twist), math.cos(twist), 0.0])
+        through = np.array([math.cos(twist), -math.sin(twist), 0.0]) * min(half, 0.003)
+        centre = np.array([0.0, 0.0, tall * share])
+        rings.append(np.array([centre - half * across, centre + through, centre + half * across,
+                               centre - through]))  # fmt: skip
+    return loft(rings[:]) if _outwards(rings) else loft([ring[::-1] for ring in rings])
+
+
+def _outwards(rings: list[np.ndarray]) -> bool:
+    """Whether a ring runs counter-clockwise seen from above, as loft wants it."""
+    x, y = rings[0][:, 0], rings[0][:, 1]
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) > 0.0
 
 
 def plant(size_m: Size, *, leaves: int = 18, kind: str = "broad") -> tuple[Part, ...]:
@@ -121,10 +190,9 @@ def coffee_cup(size_m: Size) -> tuple[Part, ...]:
     ).scaled(length / 2, plate_r, 1.0)  # fmt: skip
     r, z = plate_r * 0.55, 0.006
     tall = height - z
-    cup = lathe(
-        [(r * 0.6, 0), (r * 0.9, tall * 0.35), (r, tall), (r - 0.003, tall),
-         (r * 0.86, tall * 0.4), (r * 0.5, 0.006), (0, 0.006)], 32,
-    ).moved(z=z)  # fmt: skip
+    outside = rounded_profile([(r * 0.6, 0), (r * 0.92, tall * 0.3), (r, tall)])
+    inside = rounded_profile([(r - 0.003, tall), (r * 0.88, tall * 0.3), (r * 0.5, 0.006)])
+    cup = lathe([*outside, *inside, (0.0, 0.006)], 32).moved(z=z)
     coffee = cylinder(r * 0.94, 0.004, 0, 28).moved(z=z + tall * 0.76)
     ear = bent_path(
         [
@@ -173,7 +241,8 @@ def _fruit(kind: str, radius: float) -> Solid:
         "orange": ((0, 0.0), (0.6, 0.2), (0.96, 0.7), (0.96, 1.3), (0.6, 1.8), (0, 2.0)),
         "pear": ((0, 0.05), (0.5, 0.0), (0.92, 0.5), (0.8, 1.1), (0.45, 1.6), (0.3, 2.1), (0, 2.2)),
     }
-    return lathe([(r * radius, z * radius) for r, z in profiles[kind]], 18)
+    profile = [(r * radius, z * radius) for r, z in profiles[kind]]
+    return lathe(rounded_profile(profile, 1), 18)
 
 
 def bread_board(size_m: Size) -> tuple[Part, ...]:
@@ -248,9 +317,12 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
     """A wine bottle, alone or with two glasses."""
     length, width, height = size_m
     r = min(width / 2, 0.042) if kind == "carafe" else min(length, width) / 2
+    shoulder = rounded_profile(
+        [(r, height * 0.56), (r * 0.94, height * 0.64), (r * 0.4, height * 0.7),
+         (r * 0.34, height * 0.93)]
+    )  # fmt: skip
     bottle = lathe(
-        [(r * 0.94, 0), (r, 0.006), (r, height * 0.56), (r * 0.72, height * 0.66),
-         (r * 0.36, height * 0.74), (r * 0.34, height * 0.93), (r * 0.4, height * 0.94),
+        [(r * 0.94, 0), (r, 0.006), *shoulder, (r * 0.4, height * 0.94),
          (r * 0.4, height * 0.985), (0, height * 0.985)], 28,
     )  # fmt: skip
     label = lathe(
@@ -277,8 +349,27 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
 
 
 _ORNAMENT = {
-    "white": {"ceramic": "ceramic", "stone": "marble", "metal": "brass"},
-    "clay": {"ceramic": "terracotta", "stone": "dark_stone", "metal": "black_metal"},
+    "white": {
+        "ceramic": "ceramic",
+        "stone": "marble",
+        "metal": "brass",
+        "wax": "cream_cloth",
+        "wick": "black",
+    },
+    "clay": {
+        "ceramic": "terracotta",
+        "stone": "dark_stone",
+        "metal": "black_metal",
+        "wax": "mattress",
+        "wick": "black",
+    },
+    "sage": {
+        "ceramic": "sage",
+        "stone": "concrete",
+        "metal": "steel",
+        "wax": "blush",
+        "wick": "black",
+    },
 }
 _PLANT = {
     "clay": {"pot": "terracotta", "soil": "soil", "leaf": "leaf"},
@@ -301,13 +392,22 @@ DESIGNS = (
     Design("Vase", "small_ornament", (0.12, 0.12, 0.22), ornament, _ORNAMENT),
     Design("Ring_Sculpture", "small_ornament", (0.15, 0.06, 0.2), partial(ornament, kind="ring"),
            _ORNAMENT),
+    Design("Vase_Tall", "small_ornament", (0.09, 0.09, 0.28), ornament, _ORNAMENT),
+    Design("Ornament_Bowl", "small_ornament", (0.19, 0.19, 0.07), partial(ornament, kind="bowl"),
+           _ORNAMENT),
+    Design("Candles", "small_ornament", (0.2, 0.09, 0.13), partial(ornament, kind="candles"),
+           _ORNAMENT),
+    Design("Snake_Plant_Large", "big_plant", (0.32, 0.32, 0.7), sword_plant, _PLANT),
+    Design("Snake_Plant_Small", "small_plant", (0.15, 0.15, 0.33), sword_plant, _PLANT),
     Design("Plant_Large", "big_plant", (0.4, 0.4, 0.6), partial(plant, leaves=26), _PLANT),
     Design("Plant_Medium", "big_plant", (0.3, 0.3, 0.45), partial(plant, leaves=20), _PLANT),
     Design("Plant_Small", "small_plant", (0.18, 0.18, 0.24), partial(plant, leaves=14), _PLANT),
     Design("Succulent", "small_plant", (0.12, 0.12, 0.13),
            partial(plant, leaves=22, kind="succulent"), _PLANT),
+    Design("Coffee_Mug", "coffee_cup", (0.11, 0.11, 0.1), coffee_cup, _TABLEWARE),
     Design("Coffee_Cup", "coffee_cup", (0.14, 0.14, 0.08), coffee_cup, _TABLEWARE),
     Design("Fruit_Bowl", "food", (0.27, 0.27, 0.16), fruit_bowl, _TABLEWARE),
+    Design("Fruit_Bowl_Small", "food", (0.2, 0.2, 0.13), fruit_bowl, _TABLEWARE),
     Design("Bread_Board", "food", (0.33, 0.18, 0.11), bread_board, _TABLEWARE),
     Design("Dinner_Set", "dinner_set", (0.44, 0.33, 0.12), dinner_set, _TABLEWARE),
     Design("Plate_Set", "dinner_set", (0.38, 0.28, 0.02), partial(dinner_set, has_bowl=False),

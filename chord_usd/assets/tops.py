@@ -1,0 +1,84 @@
+"""Assets seen from above: their meshes as heights over a grid."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from chord_usd.errors import AssetError
+from chord_usd.relief import LEAST_HEIGHT, Relief
+from chord_usd.types import Asset, FloatArray
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+CELL_M = 0.005
+
+_FINE_BITS = 4
+
+
+def relief_of(asset: Asset) -> Relief:
+    """The relief of an asset at its own size, read from its meshes once.
+
+    Parts that rise above its nominal height are in it. Raises AssetError for a file that cannot be
+    opened.
+    """
+    return _read(asset.usd_path, asset.size_m)
+
+
+@lru_cache(maxsize=256)
+def _read(path: Path, size_m: tuple[float, float, float]) -> Relief:
+    triangles = _triangles_m(path)
+    normals_z = np.cross(
+        triangles[:, 1, :2] - triangles[:, 0, :2], triangles[:, 2, :2] - triangles[:, 0, :2]
+    )
+    tops_m = triangles[:, :, 2].max(axis=1)
+    seen = np.abs(normals_z) > 1e-10
+    seen &= tops_m > LEAST_HEIGHT * size_m[2]
+    rows, columns = (max(round(side / CELL_M), 1) for side in (size_m[1], size_m[0]))
+    scale = np.array([columns / size_m[0], -rows / size_m[1]])
+    points = triangles[seen][:, :, :2] * scale + (columns / 2 - 0.5, rows / 2 - 0.5)
+    points = np.rint(points * (1 << _FINE_BITS)).astype(np.int32)
+    heights = np.zeros((rows, columns), np.float32)
+    # Lower ones first, so that what is highest remains.
+    for index in tops_m[seen].argsort(kind="stable"):
+        height = float(tops_m[seen][index])
+        cv2.fillConvexPoly(heights, points[index], (height,), shift=_FINE_BITS)
+    return Relief(heights.astype(np.float64), size_m)
+
+
+def _triangles_m(path: Path) -> FloatArray:
+    """(N, 3, 3) corners of all triangles that are shown, in the frame of the asset."""
+    from pxr import Tf, Usd, UsdGeom
+
+    try:
+        stage = Usd.Stage.Open(str(path))
+    except Tf.ErrorException as error:
+        raise AssetError("the mesh cannot be opened", where=str(path)) from error
+    transforms = UsdGeom.XformCache()
+    parts = [np.zeros((0, 3, 3))]
+    for prim in stage.Traverse():
+        if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() != "guide":
+            matrix = np.array(transforms.GetLocalToWorldTransform(prim))
+            parts.append(_faces_m(prim, matrix))
+    return np.concatenate(parts)
+
+
+def _faces_m(prim: Usd.Prim, matrix: FloatArray) -> FloatArray:
+    """(N, 3, 3) triangles of one mesh; faces are cut into fans."""
+    from pxr import UsdGeom
+
+    mesh = UsdGeom.Mesh(prim)
+    points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64).reshape(-1, 3)
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int64)
+    points = points @ matrix[:3, :3] + matrix[3, :3]
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    faces = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
+    step = np.arange(len(faces)) - np.searchsorted(faces, faces) + 1
+    first = starts[faces]
+    return points[np.stack([corners[first], corners[first + step], corners[first + step + 1]], 1)]

@@ -1,0 +1,39 @@
+"""How a mesh fills the box that it was found for: stretched a little, never out of proportion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from chord_usd.palette import Category, Mount
+from chord_usd.types import Asset, Box
+from chord_usd.units import rotation_2d
+
+MOST_STRETCH = 1.05
+"""Most that one side of a mesh is stretched against another."""
+
+
+_OWN_HEIGHT_FROM = 0.85
+"""A mesh that is scaled down less than this keeps its height."""
+
+
+def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
+    """The part of box that the mesh fills, against the back of the box and in the middle of it.
+
+    Length and width never exceed those of the box, so that nothing collides that did not before;
+    where the mesh has other proportions, it fills less of the longer side. Panels on walls have no
+    proportions to keep, and kitchens no gaps: they fill their box. is_guess: the height is the
+    category's usual one, which no picture shows; the mesh brings its own.
+    """
+    ratio = np.array(box.size_m) / np.array(asset.size_m)
+    if row.mount is Mount.WALL or row.rooms == ("kitchen",):
+        scale, least = ratio, 1.0
+    else:
+        least = float(ratio[:2].min())
+        scale = np.minimum(ratio, least * MOST_STRETCH)
+    if is_guess:
+        scale[2] = min(1.0, least / _OWN_HEIGHT_FROM)
+    size_m = np.round(np.array(asset.size_m) * scale, 6)
+    back_m = np.array([0.0, (box.size_m[1] - size_m[1]) / 2])
+    x, y = np.array(box.center_m[:2]) + rotation_2d(box.yaw_deg) @ back_m
+    length, width, height = (float(side) for side in size_m)
+    return Box((float(x), float(y), box.center_m[2]), (length, width, height), box.yaw_deg)
