@@ -7,9 +7,9 @@ from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
+    Parser,
     Verbs,
     add_output,
-    add_seed,
     add_verb,
     existing_file,
     names,
@@ -19,79 +19,118 @@ from chord_usd.commands.common import (
     whole_number,
 )
 
+QUALITIES = ("draft", "good", "final")
+"""As image.options has them, which may not be imported for a help page."""
+
 
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "render", run, "make pictures of a stage with Blender Cycles")
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda")
-    add_output(parser, "folder for the pictures, CAMERA.png each")
-    parser.add_argument(
-        "--samples", type=whole_number(1), default=128, metavar="N", help="paths per pixel (128)"
-    )
-    parser.add_argument(
-        "--resolution",
-        type=resolution,
-        default=(1280, 720),
-        metavar="WxH",
-        help="size in pixels (1280x720)",
-    )
-    parser.add_argument(
-        "--camera",
-        action="append",
-        default=[],
-        metavar="NAME",
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda, or any USD stage")
+    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it")
+    _add_what(parser)
+    _add_how(parser)
+    _add_parts(parser)
+
+
+def _add_what(parser: Parser) -> None:
+    group = parser.add_argument_group("what to render")
+    group.add_argument(
+        "--camera", action="append", default=[], metavar="NAME",
         help="a camera of the stage; may be given several times (all)",
-    )
-    parser.add_argument(
-        "--room",
-        action="append",
-        default=[],
-        metavar="NAME",
+    )  # fmt: skip
+    group.add_argument(
+        "--room", action="append", default=[], metavar="NAME",
         help="only cameras in this room; may be given several times",
-    )
-    parser.add_argument(
-        "--passes", type=names, default=("rgb",), metavar="LIST", help="what to render (rgb)"
-    )
-    parser.add_argument("--engine", default="cycles", metavar="NAME", help="(cycles)")
-    parser.add_argument(
-        "--device", default="auto", metavar="NAME", help="auto, cpu, gpu, or a backend such as cuda"
-    )
-    parser.add_argument(
-        "--tile", type=tile, metavar="I/N", help="only band I of N, the top one is 0"
-    )
-    parser.add_argument(
-        "--lighting",
-        default="",
-        metavar="NAME",
+    )  # fmt: skip
+    group.add_argument(
+        "--walkthrough", type=whole_number(1), default=0, metavar="N",
+        help="instead of the stage's cameras, N views along a walk through the doors",
+    )  # fmt: skip
+    group.add_argument(
+        "--resolution", type=resolution, default=(1280, 720), metavar="WxH",
+        help="size in pixels (1280x720)",
+    )  # fmt: skip
+    group.add_argument(
+        "--passes", type=names, default=("rgb",), metavar="LIST",
+        help="some of rgb,depth,normal,instance,semantic (rgb)",
+    )  # fmt: skip
+    group.add_argument(
+        "--lighting", default="", metavar="NAME",
         help="day, evening or another lighting of the stage (the one it has selected)",
+    )  # fmt: skip
+
+
+def _add_how(parser: Parser) -> None:
+    group = parser.add_argument_group("how")
+    group.add_argument(
+        "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
     )
-    add_seed(parser)
-    parser.add_argument(
-        "--skip-existing", action="store_true", help="keep the pictures that are already there"
+    group.add_argument(
+        "--samples", type=whole_number(1), metavar="N",
+        help="paths per pixel, at most (16, 128 or 1024, by the quality)",
+    )  # fmt: skip
+    group.add_argument("--engine", default="cycles", metavar="NAME", help="(cycles)")
+    group.add_argument(
+        "--device", default="auto", metavar="NAME",
+        help="auto, cpu, gpu, or a backend such as cuda (auto: a GPU if there is one)",
+    )  # fmt: skip
+    group.add_argument(
+        "--seed", type=whole_number(0), default=0, metavar="N", help="of the noise (0)"
     )
+    group.add_argument(
+        "--skip-existing", action="store_true",
+        help="keep what is there already, if it is whole and was made with the same options",
+    )  # fmt: skip
+
+
+def _add_parts(parser: Parser) -> None:
+    group = parser.add_argument_group("parts, for render farms")
+    group.add_argument(
+        "--tile", type=tile, metavar="I/N", help="only band I of N, the top one is 0, as an EXR"
+    )
+    group.add_argument(
+        "--sample-block", type=tile, metavar="I/N", help="only share I of N of the samples"
+    )
+    group.add_argument(
+        "--merge", action="store_true",
+        help="make the pictures of the parts in the folder; give the options they were made with",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.image.render import RenderOptions, render_stage
+    from chord_usd.image.options import QUALITIES, RenderOptions
+    from chord_usd.image.render import render_stage
 
     wanted = RenderOptions(
         cameras=tuple(options.camera),
         rooms=tuple(options.room),
+        walkthrough=options.walkthrough,
         resolution_px=options.resolution,
+        quality=QUALITIES[options.quality],
         samples=options.samples,
         seed=options.seed,
         passes=options.passes,
         engine=options.engine,
         device=options.device,
         tile=options.tile,
+        sample_block=options.sample_block,
+        merge=options.merge,
         skip_existing=options.skip_existing,
         lighting=options.lighting,
     )
     stage = existing_file(options.stage)
     watch = stopwatch(options)
     with watch.step("render") as progress:
-        pictures = [
-            str(picture) for picture in render_stage(stage, options.output, wanted, progress)
-        ]
-    return Outcome("\n".join(pictures), {"pictures": pictures, "seconds": watch.seconds})
+        rendered = render_stage(stage, options.output, wanted, progress)
+    pictures = [str(path) for path in rendered.pictures]
+    data = {
+        "pictures": pictures,
+        "files": [str(path) for path in rendered.files],
+        "rendered": rendered.rendered,
+        "device": rendered.device,
+        "seconds": watch.seconds,
+    }
+    text = "\n".join([*pictures, *([f"rendered on {rendered.device}"] if rendered.device else [])])
+    return Outcome(text, data, warnings=rendered.warnings)

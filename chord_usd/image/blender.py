@@ -13,11 +13,8 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import chord_usd
-from chord_usd.errors import OutputError, RenderError
-
-EXIT_NO_DEVICE = 3
-EXIT_DISK_FULL = 75
-"""Exit codes of blender_worker, which cannot be imported where there is no bpy."""
+from chord_usd.errors import RenderError
+from chord_usd.image.job import EXIT_NO_DEVICE, Job, write_job
 
 STOP_SECONDS = 5.0
 """How long Blender has to end after SIGTERM."""
@@ -26,11 +23,11 @@ _FOREIGN_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "PYTHONSTARTUP", "PXR_PLUGINPA
 """What could bring another Python's modules, or another USD's plug-ins, into Blender."""
 
 
-def run_blender(job: dict[str, Any], on_message: Callable[[dict[str, Any]], None]) -> None:
+def run_blender(job: Job, on_message: Callable[[dict[str, Any]], None]) -> None:
     """Run one job in a Blender of its own; on_message gets each line it reports.
 
     Leaving early, by Ctrl-C or any other exception, ends the process. Raises RenderError with the
-    last thing Blender said, OutputError for a full disk.
+    last thing Blender said.
     """
     with (
         tempfile.TemporaryDirectory(prefix="chord-usd-blender-") as home,
@@ -40,7 +37,7 @@ def run_blender(job: dict[str, Any], on_message: Callable[[dict[str, Any]], None
         assert process.stdin is not None
         assert process.stdout is not None
         with process.stdin as job_file:
-            job_file.write(json.dumps(job))
+            job_file.write(write_job(job))
         for line in process.stdout:
             # While bpy is imported, it may warn before the worker has claimed standard output.
             if line.startswith("{"):
@@ -63,7 +60,7 @@ def _started(home: str, said: TextIO) -> Iterator[subprocess.Popen[str]]:
         BLENDER_USER_RESOURCES=home,
     )
     process = subprocess.Popen(
-        [sys.executable, "-m", "chord_usd.image.blender_worker"],
+        [sys.executable, "-m", "chord_usd.image.worker"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=said,
@@ -90,14 +87,9 @@ def _end(process: subprocess.Popen[str]) -> None:
         process.wait()
 
 
-def _failure(code: int, said: str) -> RenderError | OutputError:
+def _failure(code: int, said: str) -> RenderError:
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     last = lines[-1] if lines else "it said nothing"
-    if code == EXIT_DISK_FULL:
-        where = last.split(": the disk is full")[0]
-        return OutputError(
-            "the disk is full", where=where, try_="free some space, or write to another disk"
-        )
     if code == EXIT_NO_DEVICE:
         return RenderError(last, where="--device", expected="a device of this machine", try_="cpu")
     if code < 0:

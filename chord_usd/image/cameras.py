@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from chord_usd.errors import StageError
 
 if TYPE_CHECKING:
-    from pxr import Gf, Usd
+    from pxr import Gf, Sdf, Usd
 
 TENTHS = 0.1
 """USD gives focal lengths and apertures in tenths of a scene unit."""
+
+DEFAULT_CAMERA = "Default"
+_CORNER = (-0.6, -0.7, 0.45)
+_FAR_RADII = 5.0
+"""A default camera of 50 mm stands this many radii away, where a picture of 16 : 9 holds all."""
 
 Matrix = tuple[tuple[float, ...], ...]
 
@@ -55,18 +61,29 @@ def read_views(path: Path) -> StageViews:
     from pxr import Usd, UsdGeom, UsdLux
 
     stage = open_stage(path)
-    rooms = _room_prims(stage)
+    rooms = [room.GetName() for room in room_prims(stage)]
     prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
+    found = [prim for prim in prims if prim.IsA(UsdGeom.Camera)]
     top_m = _top_m(stage)
+    names = _distinct_names([prim.GetPath() for prim in found])
+    cameras = [
+        _read_camera(prim, name, rooms, top_m) for prim, name in zip(found, names, strict=True)
+    ]
     return StageViews(
-        cameras=tuple(
-            _read_camera(prim, [room.GetName() for room in rooms], top_m)
-            for prim in prims
-            if prim.IsA(UsdGeom.Camera)
-        ),
-        rooms=tuple(room.GetName() for room in rooms),
+        cameras=tuple(cameras) or _default_cameras(stage),
+        rooms=tuple(rooms),
         has_dome=any(prim.IsA(UsdLux.DomeLight) or prim.IsA(UsdLux.DomeLight_1) for prim in prims),
     )
+
+
+def _distinct_names(paths: list[Sdf.Path]) -> list[str]:
+    """Names of prims; where two are the same, with the names of what they lie in."""
+    count = Counter(path.name for path in paths)
+    whole = [str(path).strip("/").replace("/", "_") for path in paths]
+    return [
+        path.name if count[path.name] == 1 else name
+        for path, name in zip(paths, whole, strict=True)
+    ]
 
 
 def open_stage(path: Path) -> Usd.Stage:
@@ -91,7 +108,16 @@ def open_stage(path: Path) -> Usd.Stage:
         ) from error
 
 
-def _room_prims(stage: Usd.Stage) -> list[Usd.Prim]:
+def missing_files(path: Path) -> list[str]:
+    """Files a stage points to and that are not there."""
+    from pxr import UsdUtils
+
+    _, _, missing = UsdUtils.ComputeAllDependencies(str(path))
+    return sorted(missing)
+
+
+def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The rooms of a house; none on a stage that is not one of ours."""
     house = stage.GetDefaultPrim()
     rooms = house.GetChild("Rooms") if house else None
     return list(rooms.GetChildren()) if rooms else []
@@ -102,23 +128,23 @@ def _top_m(stage: Usd.Stage) -> float:
     from pxr import Usd, UsdGeom
 
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_], True)
-    bounds = [cache.ComputeWorldBound(room).ComputeAlignedRange() for room in _room_prims(stage)]
+    bounds = [cache.ComputeWorldBound(room).ComputeAlignedRange() for room in room_prims(stage)]
     up = 1 if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y else 2
     tops = [box.GetMax()[up] for box in bounds if not box.IsEmpty()]
     return max(tops, default=float("inf")) * UsdGeom.GetStageMetersPerUnit(stage)
 
 
-def _read_camera(prim: Usd.Prim, rooms: list[str], top_m: float) -> StageCamera:
+def _read_camera(prim: Usd.Prim, name: str, rooms: list[str], top_m: float) -> StageCamera:
     from pxr import UsdGeom
 
     stage = prim.GetStage()
     m_per_unit = UsdGeom.GetStageMetersPerUnit(stage)
     camera = UsdGeom.Camera(prim).GetCamera()
-    matrix = _matrix(camera.transform, m_per_unit, UsdGeom.GetStageUpAxis(stage))
+    matrix = rigid(camera.transform, stage)
     near, far = camera.clippingRange.min, camera.clippingRange.max
     return StageCamera(
-        name=prim.GetName(),
-        room=_room_of(prim, rooms),
+        name=name,
+        room=_room_of(name, rooms),
         matrix=matrix,
         focal_m=camera.focalLength * TENTHS * m_per_unit,
         aperture_m=camera.horizontalAperture * TENTHS * m_per_unit,
@@ -134,20 +160,54 @@ def _read_camera(prim: Usd.Prim, rooms: list[str], top_m: float) -> StageCamera:
     )
 
 
-def _matrix(transform: Gf.Matrix4d, m_per_unit: float, up_axis: Any) -> Matrix:
-    """Gf's row vectors to column vectors, scene units to metres, Y up to Z up, scale removed."""
+def rigid(transform: Gf.Matrix4d, stage: Usd.Stage) -> Matrix:
+    """A place of the stage in our world: metres, Z up, column vectors, scale removed; (4, 4)."""
     from pxr import Gf, UsdGeom
 
-    if up_axis == UsdGeom.Tokens.y:
+    if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y:
         transform = transform * Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
-    place_m = transform.ExtractTranslation() * m_per_unit
+    place_m = transform.ExtractTranslation() * UsdGeom.GetStageMetersPerUnit(stage)
     turn = transform.RemoveScaleShear().ExtractRotationMatrix().GetTranspose()
     rows = [(*turn.GetRow(row), place_m[row]) for row in range(3)]
     return (*(tuple(float(x) for x in row) for row in rows), (0.0, 0.0, 0.0, 1.0))
 
 
-def _room_of(prim: Usd.Prim, rooms: list[str]) -> str:
+def _room_of(name: str, rooms: list[str]) -> str:
     """A camera is named after its room, with or without a number behind it."""
-    name = prim.GetName()
     fitting = [room for room in rooms if name == room or name.startswith(f"{room}_")]
     return max(fitting, key=len, default="")
+
+
+def _default_cameras(stage: Usd.Stage) -> tuple[StageCamera, ...]:
+    """A view of everything from above one corner, for a stage that has none; none for nothing."""
+    from pxr import Gf, Usd, UsdGeom
+
+    stage.Load()
+    cache = UsdGeom.BBoxCache(
+        Usd.TimeCode.Default(), [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
+    )
+    box = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
+    if box.IsEmpty():
+        return ()
+    radius = max(box.GetSize().GetLength() / 2, 1e-3)
+    middle = box.GetMidpoint()
+    y_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
+    up, towards = (Gf.Vec3d(0, 1, 0), (-0.6, 0.45, 0.7)) if y_up else (Gf.Vec3d(0, 0, 1), _CORNER)
+    eye = middle + Gf.Vec3d(*towards).GetNormalized() * radius * _FAR_RADII
+    look = Gf.Matrix4d().SetLookAt(eye, middle, up).GetInverse()
+    radius_m = radius * UsdGeom.GetStageMetersPerUnit(stage)
+    return (
+        StageCamera(
+            name=DEFAULT_CAMERA,
+            room="",
+            matrix=rigid(look, stage),
+            focal_m=0.05,
+            aperture_m=0.036,
+            shift=(0.0, 0.0),
+            orthographic=False,
+            clip_m=(0.01 * radius_m, 20.0 * radius_m),
+            focus_m=0.0,
+            f_stop=0.0,
+            from_above=False,
+        ),
+    )

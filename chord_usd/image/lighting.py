@@ -1,4 +1,4 @@
-"""Choosing a stage's lighting for a picture without touching the stage."""
+"""Layers over a stage for one picture, which leave the stage itself alone."""
 
 from __future__ import annotations
 
@@ -6,9 +6,13 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
 from chord_usd.image.cameras import open_stage
+
+if TYPE_CHECKING:
+    from pxr import Sdf
 
 VARIANT_SET = "lighting"
 """On the default prim."""
@@ -24,14 +28,33 @@ def lit_stage(path: Path, lighting: str) -> Iterator[Path]:
     It is a layer over the stage, thrown away afterwards. Raises StageError for a stage that cannot
     be read, RenderError with the choices there are.
     """
+    from pxr import Sdf
+
     if not lighting:
         yield path
         return
     house = _check(path, lighting)
-    with tempfile.TemporaryDirectory(prefix="chord-usd-lit-") as folder:
-        file = Path(folder) / "lit.usda"
-        _write_choice(path, house, lighting, file)
+    with layer_over(path) as (layer, file):
+        prim = Sdf.PrimSpec(layer, house, Sdf.SpecifierOver)
+        prim.variantSelections[VARIANT_SET] = lighting
+        layer.Save()
         yield file
+
+
+@contextmanager
+def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
+    """Yield an empty layer over a stage and its file, which goes away afterwards."""
+    from pxr import Sdf
+
+    below = Sdf.Layer.FindOrOpen(str(path.absolute()))
+    with tempfile.TemporaryDirectory(prefix="chord-usd-over-") as folder:
+        file = Path(folder) / "over.usda"
+        layer = Sdf.Layer.CreateNew(str(file))
+        layer.subLayerPaths.append(str(path.absolute()))
+        for key in _KEPT:
+            if below.pseudoRoot.HasInfo(key):
+                layer.pseudoRoot.SetInfo(key, below.pseudoRoot.GetInfo(key))
+        yield layer, file
 
 
 def _check(path: Path, lighting: str) -> str:
@@ -46,17 +69,3 @@ def _check(path: Path, lighting: str) -> str:
             expected=f"one of {', '.join(choices)}" if choices else "a stage with such variants",
         )
     return str(house.GetName())
-
-
-def _write_choice(path: Path, house: str, lighting: str, file: Path) -> None:
-    from pxr import Sdf
-
-    below = Sdf.Layer.FindOrOpen(str(path.absolute()))
-    layer = Sdf.Layer.CreateNew(str(file))
-    layer.subLayerPaths.append(str(path.absolute()))
-    for key in _KEPT:
-        if below.pseudoRoot.HasInfo(key):
-            layer.pseudoRoot.SetInfo(key, below.pseudoRoot.GetInfo(key))
-    prim = Sdf.PrimSpec(layer, house, Sdf.SpecifierOver)
-    prim.variantSelections[VARIANT_SET] = lighting
-    layer.Save()

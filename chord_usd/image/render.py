@@ -1,140 +1,228 @@
 """StageFile -> pictures: reads the cameras, starts Blender in its own process, follows it.
 
-bpy carries a second, older pxr, so the two never share a process: the cameras are read here with
-usd-core, and blender_worker.py does the rest.
+bpy carries a second, older pxr, so the two never share a process: the stage is read here with
+usd-core, `worker` renders it, and what comes back becomes files here.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import OutputError, RenderError
+from chord_usd.files import hash_file
 from chord_usd.image.blender import run_blender
-from chord_usd.image.cameras import StageCamera, StageViews, read_views
+from chord_usd.image.cameras import (
+    DEFAULT_CAMERA,
+    StageCamera,
+    StageViews,
+    missing_files,
+    read_views,
+)
+from chord_usd.image.exr import colour_channels, write_exr
+from chord_usd.image.job import PICTURE_FILE, Job, Negative
 from chord_usd.image.lighting import lit_stage
+from chord_usd.image.marks import Marks, marked_stage, read_marks
+from chord_usd.image.options import RenderOptions
+from chord_usd.image.parts import is_finished_part, merge_parts, part_file, write_part
+from chord_usd.image.products import are_finished, product_files, write_coco, write_products
+from chord_usd.image.takes import Take, read_take
 from chord_usd.progress import Progress
 
-PASSES = ("rgb",)
-"""Passes that can be rendered."""
-
-PLANNED_PASSES = ("depth", "normal", "instance", "semantic")
-
-DEVICES = ("auto", "cpu", "gpu", "cuda", "optix", "hip", "oneapi", "metal")
+_NO_MARKS = Marks((), (), (), ())
 
 
 @dataclass(frozen=True)
-class RenderOptions:
-    """How to take pictures of a stage."""
+class Rendered:
+    """What a run left."""
 
-    cameras: tuple[str, ...] = ()
-    """Names of the cameras to use; empty for all."""
-    rooms: tuple[str, ...] = ()
-    """Only cameras that stand in these rooms; empty for all."""
-    resolution_px: tuple[int, int] = (1280, 720)
-    """Width and height."""
-    samples: int = 128
-    """Paths traced through each pixel, at most."""
-    seed: int = 0
-    """Of the noise; the same seed gives the same picture."""
-    passes: tuple[str, ...] = ("rgb",)
-    engine: str = "cycles"
-    device: str = "auto"
-    """auto (a GPU if there is one), cpu, gpu or a backend such as cuda."""
-    tile: tuple[int, int] | None = None
-    """(index, count): the index-th of count horizontal bands, the top one 0. Bands are not
-    denoised, so that they fit together without a seam."""
-    skip_existing: bool = False
-    """Leave pictures alone that are there already and decode to the wanted size."""
-    exposure_ev: float | None = None
-    """Exposure in stops for every picture; None meters each one."""
-    lighting: str = ""
-    """Choice of the stage's variant set `lighting`; empty for the one it has selected."""
+    files: tuple[Path, ...]
+    """All pictures, camera by camera; parts of them where parts were asked for."""
+    rendered: int
+    """How many cameras were rendered or merged, and not found finished."""
+    device: str
+    """What Cycles ran on; empty where nothing was rendered."""
+    warnings: tuple[str, ...] = ()
+    """What a user should know of the stage."""
 
-    def __post_init__(self) -> None:
-        """Raises RenderError for a combination that cannot be rendered."""
-        _check_options(self)
+    @property
+    def pictures(self) -> tuple[Path, ...]:
+        """`<camera>.png` of each camera; all files where rgb was not asked for."""
+        pngs = [file for file in self.files if file.name.count(".") == 1 and file.suffix == ".png"]
+        return tuple(pngs) or self.files
 
 
 def render_stage(
     stage: Path, folder: Path, options: RenderOptions, progress: Progress | None = None
-) -> list[Path]:
-    """Render the stage's cameras into `<folder>/<camera>.png`; returns the files, in order.
+) -> Rendered:
+    """Render the stage's cameras into a folder, `<camera>.png` and the other passes beside it.
 
-    progress: called with the samples done and the samples of all pictures together. Every picture
-    appears whole or not at all; an interrupt ends Blender and leaves no part of one. Raises
-    StageError for a stage that cannot be read, RenderError for a camera or room that is not in
-    it, for a missing device and for a failure inside Blender, OutputError for a folder that
+    progress: called with the samples done and the samples of all pictures together. The files of
+    a camera appear together or not at all; an interrupt ends Blender and leaves no part of one.
+    Raises StageError for a stage that cannot be read, RenderError for a camera or room that is not
+    in it, for a missing device and for a failure inside Blender, OutputError for a folder that
     cannot be written or a full disk.
     """
     with lit_stage(stage, options.lighting) as lit:
-        return _render(stage, lit, folder, options, progress)
+        views = read_views(lit)
+        cameras = _chosen(stage, lit, views, options)
+        if not options.merge:
+            _make_folder(folder)
+        run = _Run(stage, lit, folder, views, options)
+        due = [camera for camera in cameras if not run.is_finished(camera.name)]
+        if due:
+            _merge(run, due) if options.merge else _render(run, due, progress)
+    files = [file for camera in cameras for file in run.files(camera.name)]
+    if "instance" in options.passes and options.part is None:
+        files.append(write_coco(folder, [camera.name for camera in cameras]))
+    return Rendered(tuple(files), len(due), run.device, tuple(_warnings(stage, views)))
 
 
-def _render(
-    stage: Path, lit: Path, folder: Path, options: RenderOptions, progress: Progress | None
-) -> list[Path]:
-    """lit: the stage, or a layer over it, which is what Blender opens."""
-    views = read_views(lit)
-    cameras = _chosen(stage, views, options)
-    files = {c.name: folder.absolute() / picture_name(c.name, options.tile) for c in cameras}
-    due = [
-        camera
-        for camera in cameras
-        if not (options.skip_existing and is_finished(files[camera.name], _size_px(options)))
-    ]
-    _make_folder(folder)
-    if due:
-        follow = _Follower([camera.name for camera in due], options.samples, progress)
-        try:
-            run_blender(_job(lit, views, due, files, options), follow)
-        finally:
-            # The worker removes its own parts, unless it was ended.
-            for camera in due:
-                files[camera.name].with_suffix(".part.png").unlink(missing_ok=True)
-    return list(files.values())
+def _warnings(stage: Path, views: StageViews) -> Iterator[str]:
+    missing = missing_files(stage)
+    if missing:
+        named = ", ".join(missing[:3]) + (", ..." if len(missing) > 3 else "")
+        yield f"{stage}: {len(missing)} files are missing ({named}); plain colours stand in"
+    if [camera.name for camera in views.cameras] == [DEFAULT_CAMERA]:
+        yield f"{stage}: has no camera; took a view of everything"
 
 
-def picture_name(camera: str, tile: tuple[int, int] | None = None) -> str:
-    """File name of a camera's picture, or of one band of it."""
-    if tile is None:
-        return f"{camera}.png"
-    return f"{camera}.tile-{tile[0]}-of-{tile[1]}.png"
+@dataclass
+class _Run:
+    """What is asked for, and where it goes."""
+
+    stage: Path
+    lit: Path
+    """The stage, or a layer over it, which is what Blender opens."""
+    folder: Path
+    views: StageViews
+    options: RenderOptions
+    device: str = ""
+    made: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.made = self.options.made(hash_file(self.stage))
+
+    def files(self, camera: str) -> list[Path]:
+        """What a camera's picture is written to."""
+        if self.options.part is not None:
+            return [part_file(self.folder, camera, self.options.part)]
+        return product_files(self.folder, camera, self.options.passes)
+
+    def is_finished(self, camera: str) -> bool:
+        """Whether an earlier run left it whole and the user wants to keep it."""
+        if not self.options.skip_existing:
+            return False
+        if self.options.part is not None:
+            return is_finished_part(self.folder, camera, self.options.part, self.made)
+        return are_finished(self.folder, camera, self.made)
+
+    def write(self, take: Take, marks: Marks) -> None:
+        """Write what was taken."""
+        if self.options.part is not None:
+            write_part(take, self.folder, self.options.part, self.made)
+        else:
+            write_products(take, self.folder, self.options.passes, marks.things, self.made)
 
 
-def is_finished(file: Path, size_px: tuple[int, int]) -> bool:
-    """Whether a picture is there, decodes to its last row and has this width and height."""
-    from PIL import Image
-
-    try:
-        with Image.open(file) as picture:
-            picture.load()
-            return bool(picture.size == size_px)
-    except (OSError, SyntaxError):
-        return False
+def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) -> None:
+    options = run.options
+    first_block = options.part is None or options.part.block[0] == 0
+    data, colour = options.data and first_block, "rgb" in options.passes
+    hides = colour and options.quality.hide_rooms and bool(run.views.rooms)
+    marks = read_marks(run.lit) if data or hides else _NO_MARKS
+    with (
+        tempfile.TemporaryDirectory(prefix="chord-usd-render-") as raw,
+        marked_stage(run.lit, marks) if marks.numbers else nullcontext(run.lit) as seen,
+    ):
+        job = Job(
+            folder=raw,
+            stage=str(seen.absolute()),
+            cameras=tuple(cameras),
+            width_px=options.resolution_px[0],
+            height_px=options.resolution_px[1],
+            quality=options.traced,
+            seed=options.seed,
+            device=options.device,
+            part=options.part,
+            colour=colour,
+            data=data,
+            rooms=marks.room_of_numbers(),
+            neighbours=marks.neighbours if hides else (),
+            has_dome=run.views.has_dome,
+            exposure_ev=options.exposure_ev,
+        )
+        run_blender(job, _Follower(run, job, marks, progress))
 
 
 class _Follower:
-    """Adds up what the worker reports for each camera."""
+    """Adds up what the worker reports, and turns what it has taken into files."""
 
-    def __init__(self, cameras: list[str], samples: int, progress: Progress | None) -> None:
-        self._done = dict.fromkeys(cameras, 0.0)
-        self._samples = samples
-        self._progress = progress
+    def __init__(self, run: _Run, job: Job, marks: Marks, progress: Progress | None) -> None:
+        self._run, self._job, self._marks, self._progress = run, job, marks, progress
+        self._views = {camera.name: camera for camera in job.cameras}
+        self._done = dict.fromkeys(self._views, 0.0)
 
     def __call__(self, message: dict[str, Any]) -> None:
+        if "device" in message:
+            self._run.device = message["device"]
+            return
         if "progress" in message:
             told = message["progress"]
             self._done[told["camera"]] = told["done"] / told["total"]
-        if "written" in message:
-            self._done[message["written"]] = 1.0
+        if "taken" in message:
+            self._keep(message["taken"], message["exposure_ev"])
+            self._done[message["taken"]] = 1.0
         if self._progress is not None:
-            total = self._samples * len(self._done)
-            self._progress(round(self._samples * sum(self._done.values())), total)
+            samples = self._job.quality.samples
+            total = samples * len(self._done)
+            self._progress(round(samples * sum(self._done.values())), total)
+
+    def _keep(self, camera: str, exposure_ev: float) -> None:
+        raw = Path(self._job.folder)
+        try:
+            take = read_take(
+                raw,
+                self._views[camera],
+                exposure_ev,
+                colour=self._job.colour,
+                data=self._job.data,
+            )
+        except OSError as error:
+            # Blender says "Saved" and exits 0 for a file that a full disk cut short.
+            raise OutputError(
+                "Blender left a file that is cut short; the disk may be full",
+                where=str(raw.parent),
+                try_="free some space there, or set TMPDIR to another disk",
+            ) from error
+        self._run.write(take, self._marks)
+        for file in raw.glob(f"{camera}.*"):
+            file.unlink()
+
+
+def _merge(run: _Run, cameras: list[StageCamera]) -> None:
+    marks = read_marks(run.lit) if run.options.data else _NO_MARKS
+    with tempfile.TemporaryDirectory(prefix="chord-usd-merge-") as raw:
+        takes = [merge_parts(run.folder, view, run.made) for view in cameras]
+        negatives = []
+        for take in takes:
+            if take.colour is None:
+                continue
+            linear = Path(raw) / f"{take.view.name}.exr"
+            write_exr(linear, colour_channels(take.colour))
+            picture = Path(raw) / PICTURE_FILE.format(take.view.name)
+            negatives.append(Negative(str(linear), str(picture), take.exposure_ev))
+        if negatives:
+            run_blender(Job(folder=raw, negatives=tuple(negatives)), lambda message: None)
+        for take in takes:
+            picture = Path(raw) / PICTURE_FILE.format(take.view.name)
+            run.write(take.developed(picture), marks)
 
 
 def _make_folder(folder: Path) -> None:
@@ -152,61 +240,23 @@ def _make_folder(folder: Path) -> None:
 # --- what to render -----------------------------------------------------------------------------
 
 
-def _check_options(options: RenderOptions) -> None:
-    width_px, height_px = options.resolution_px
-    if not (4 <= width_px <= 16384 and 4 <= height_px <= 16384):
-        raise RenderError(
-            f"a picture of {width_px}x{height_px} cannot be rendered",
-            where="--resolution",
-            expected="4 to 16384 pixels each way, such as 1280x720",
-        )
-    if not 1 <= options.samples <= 65536:
-        raise RenderError(f"{options.samples} samples", where="--samples", expected="1 to 65536")
-    if not 0 <= options.seed < 2**31:
-        raise RenderError(f"seed {options.seed}", where="--seed", expected="0 to 2147483647")
-    if options.engine != "cycles":
-        raise RenderError(f"unknown engine '{options.engine}'", where="--engine", expected="cycles")
-    if options.device not in DEVICES:
-        raise RenderError(
-            f"unknown device '{options.device}'",
-            where="--device",
-            expected=f"one of {', '.join(DEVICES)}",
-        )
-    if options.tile is not None and not 0 <= options.tile[0] < options.tile[1] <= height_px:
-        raise RenderError(
-            f"there is no tile {options.tile[0]} of {options.tile[1]}",
-            where="--tile",
-            expected="I/N with I from 0 to N-1, and no more tiles than rows of pixels",
-        )
-    for name in options.passes:
-        _check_pass(name)
-
-
-def _check_pass(name: str) -> None:
-    if name in PASSES:
-        return
-    if name in PLANNED_PASSES:
-        raise RenderError(
-            f"pass '{name}' cannot be rendered by this version yet",
-            where="--passes",
-            expected=", ".join(PASSES),
-        )
-    raise RenderError(
-        f"unknown pass '{name}'",
-        where="--passes",
-        expected=f"one of {', '.join((*PASSES, *PLANNED_PASSES))}",
-    )
-
-
-def _chosen(stage: Path, views: StageViews, options: RenderOptions) -> list[StageCamera]:
+def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -> list[StageCamera]:
     """The cameras the options name. Raises RenderError with the names there are."""
-    if not views.cameras:
-        raise RenderError("has no camera", where=str(stage), expected="a Camera prim")
-    _check_names(stage, "camera", options.cameras, [camera.name for camera in views.cameras])
+    if options.walkthrough:
+        from chord_usd.image.walk import walk_cameras
+
+        there: Sequence[StageCamera] = walk_cameras(lit, options.walkthrough)
+    else:
+        there = views.cameras
+    if not there:
+        raise RenderError(
+            "holds nothing to look at", where=str(stage), expected="a stage with meshes"
+        )
+    _check_names(stage, "camera", options.cameras, [camera.name for camera in there])
     _check_names(stage, "room", options.rooms, views.rooms)
     chosen = [
         camera
-        for camera in views.cameras
+        for camera in there
         if (not options.cameras or camera.name in options.cameras)
         and (not options.rooms or camera.room in options.rooms)
     ]
@@ -214,7 +264,7 @@ def _chosen(stage: Path, views: StageViews, options: RenderOptions) -> list[Stag
         raise RenderError(
             "no camera fits both --camera and --room" if options.cameras else "no camera there",
             where=f"{stage}, {', '.join(options.rooms)}",
-            expected=f"one of {', '.join(camera.name for camera in views.cameras)}",
+            expected=f"one of {', '.join(camera.name for camera in there)}",
         )
     return chosen
 
@@ -229,48 +279,3 @@ def _check_names(stage: Path, what: str, wanted: Sequence[str], there: Sequence[
                 expected=f"one of {', '.join(there)}" if there else "a stage with one",
                 try_=f"--{what} {near[0]}" if near else "",
             )
-
-
-def _size_px(options: RenderOptions) -> tuple[int, int]:
-    width_px, height_px = options.resolution_px
-    if options.tile is None:
-        return width_px, height_px
-    index, count = options.tile
-    return width_px, height_px * (index + 1) // count - height_px * index // count
-
-
-def _job(
-    stage: Path,
-    views: StageViews,
-    cameras: list[StageCamera],
-    files: dict[str, Path],
-    options: RenderOptions,
-) -> dict[str, Any]:
-    """The worker's Job, as plain values."""
-    return {
-        "stage": str(stage.absolute()),
-        "has_dome": views.has_dome,
-        "shots": [
-            {
-                "name": camera.name,
-                "file": str(files[camera.name]),
-                "matrix": camera.matrix,
-                "focal_m": camera.focal_m,
-                "aperture_m": camera.aperture_m,
-                "shift": camera.shift,
-                "orthographic": camera.orthographic,
-                "clip_m": camera.clip_m,
-                "focus_m": camera.focus_m,
-                "f_stop": camera.f_stop,
-                "from_above": camera.from_above,
-            }
-            for camera in cameras
-        ],
-        "width_px": options.resolution_px[0],
-        "height_px": options.resolution_px[1],
-        "samples": options.samples,
-        "seed": options.seed,
-        "device": options.device,
-        "tile": options.tile,
-        "exposure_ev": options.exposure_ev,
-    }

@@ -2,118 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils
+from pxr import Sdf, Usd, UsdGeom, UsdUtils
+from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
+from scipy.stats import spearmanr
 
 from chord_usd.errors import OutputError, RenderError, StageError
 from chord_usd.image.cameras import read_views
-from chord_usd.image.render import RenderOptions, is_finished, picture_name, render_stage
-
-SIZE_PX = (64, 36)
-TINY = RenderOptions(resolution_px=SIZE_PX, samples=4, device="cpu")
-
-ROOM_M = (4.0, 3.5, 2.6)
-
-
-def define_box(stage: Usd.Stage, path: str, low: tuple, high: tuple, rgb: tuple) -> None:
-    """A box with flat normals and a material of its own."""
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    (x0, y0, z0), (x1, y1, z1) = low, high
-    ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-    mesh.CreatePointsAttr([(x, y, z) for z in (z0, z1) for x, y in ring])
-    mesh.CreateFaceVertexCountsAttr([4] * 6)
-    faces = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
-    mesh.CreateFaceVertexIndicesAttr([corner for face in faces for corner in face])
-    normals = [(0, 0, -1), (0, 0, 1), (0, -1, 0), (1, 0, 0), (0, 1, 0), (-1, 0, 0)]
-    mesh.CreateNormalsAttr([normal for normal in normals for _ in range(4)])
-    mesh.SetNormalsInterpolation("faceVarying")
-    mesh.CreateSubdivisionSchemeAttr("none")
-    mesh.CreateExtentAttr([low, high])
-    material = UsdShade.Material.Define(stage, f"/House/Materials/{Sdf.Path(path).name}")
-    surface = UsdShade.Shader.Define(stage, f"{material.GetPath()}/Surface")
-    surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(rgb)
-    material.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
-    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
-
-
-def paint_red(stage: Usd.Stage, path: str, picture: Path) -> None:
-    """Let a box wear a red texture, given by its path relative to the stage."""
-    picture.parent.mkdir()
-    Image.new("RGB", (4, 4), (200, 40, 40)).save(picture)
-    st = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(path)).CreatePrimvar(
-        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
-    )
-    st.Set([(0, 0), (1, 0), (1, 1), (0, 1)] * 6)
-    texture = UsdShade.Shader.Define(stage, f"/House/Materials/{Sdf.Path(path).name}/Map")
-    texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{picture.parent.name}/red.png")
-    output = texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
-    reader = UsdShade.Shader.Define(stage, f"/House/Materials/{Sdf.Path(path).name}/St")
-    reader.CreateIdAttr("UsdPrimvarReader_float2")
-    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
-    texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
-        reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
-    )
-    surface = UsdShade.Shader.Get(stage, f"/House/Materials/{Sdf.Path(path).name}/Surface")
-    surface.GetInput("diffuseColor").ConnectToSource(output)
-
-
-def define_cameras(stage: Usd.Stage) -> None:
-    length_m, width_m, _ = ROOM_M
-    UsdGeom.Scope.Define(stage, "/House/Cameras")
-    room = UsdGeom.Camera.Define(stage, "/House/Cameras/Bedroom_0")
-    look = Gf.Matrix4d().SetLookAt(
-        Gf.Vec3d(3.7, 0.3, 1.5), Gf.Vec3d(1, 2.6, 0.8), Gf.Vec3d(0, 0, 1)
-    )
-    room.AddTransformOp().Set(look.GetInverse())
-    room.CreateFocalLengthAttr(0.2)
-    room.CreateHorizontalApertureAttr(0.36)
-    room.CreateVerticalApertureOffsetAttr(-0.018)
-    top = UsdGeom.Camera.Define(stage, "/House/Cameras/Top")
-    top.AddTransformOp().Set(Gf.Matrix4d().SetTranslate((length_m / 2, width_m / 2, 12)))
-    top.CreateProjectionAttr("orthographic")
-    top.CreateHorizontalApertureAttr(64.0)
-    room.CreateClippingRangeAttr((0.05, 100))
-    top.CreateClippingRangeAttr((0.05, 100))
-
-
-def write_house(path: Path) -> Path:
-    """One room with a red floor, a ceiling, four walls, a blue box, a lamp and two cameras."""
-    stage = Usd.Stage.CreateNew(str(path))
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/House").GetPrim())
-    for name in ("Rooms", "Rooms/Bedroom_0", "Rooms/Bedroom_0/Geometry"):
-        UsdGeom.Xform.Define(stage, f"/House/{name}")
-    UsdGeom.Scope.Define(stage, "/House/Materials")
-    geometry = "/House/Rooms/Bedroom_0/Geometry"
-    length, width, height = ROOM_M
-    white = (0.8, 0.8, 0.78)
-    define_box(stage, f"{geometry}/Floor", (0, 0, -0.1), (length, width, 0), white)
-    paint_red(stage, f"{geometry}/Floor", path.parent / "maps" / "red.png")
-    define_box(stage, f"{geometry}/Ceiling", (0, 0, height), (length, width, height + 0.1), white)
-    define_box(stage, f"{geometry}/Wall_0", (0, -0.1, 0), (length, 0, height), white)
-    define_box(stage, f"{geometry}/Wall_1", (0, width, 0), (length, width + 0.1, height), white)
-    define_box(stage, f"{geometry}/Wall_2", (-0.1, 0, 0), (0, width, height), white)
-    define_box(stage, f"{geometry}/Wall_3", (length, 0, 0), (length + 0.1, width, height), white)
-    define_box(stage, f"{geometry}/Bed", (0.4, 1.4, 0), (2.0, 3.4, 0.5), (0.05, 0.1, 0.6))
-    lamp = UsdLux.RectLight.Define(stage, f"{geometry}/AreaLight")
-    lamp.CreateIntensityAttr(30.0)
-    UsdGeom.XformCommonAPI(lamp).SetTranslate((length / 2, width / 2, height - 0.05))
-    define_cameras(stage)
-    stage.Save()
-    return path
+from chord_usd.image.exr import read_exr
+from chord_usd.image.options import RenderOptions
+from chord_usd.image.products import are_finished
+from chord_usd.image.render import Rendered, render_stage
 
 
 @pytest.fixture(scope="module")
@@ -122,9 +34,9 @@ def house(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def pictures(house: Path, tmp_path_factory) -> list[Path]:
+def rendered(house: Path, tmp_path_factory) -> Rendered:
     told: list[tuple[int, int]] = []
-    files = render_stage(
+    rendered = render_stage(
         house,
         tmp_path_factory.mktemp("pictures"),
         TINY,
@@ -132,7 +44,12 @@ def pictures(house: Path, tmp_path_factory) -> list[Path]:
     )
     assert told[-1] == (8, 8)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
-    return files
+    return rendered
+
+
+@pytest.fixture(scope="module")
+def pictures(rendered: Rendered) -> tuple[Path, ...]:
+    return rendered.pictures
 
 
 def rgb(file: Path) -> np.ndarray:
@@ -145,11 +62,23 @@ def header_of(png: Path) -> tuple[int, int]:
     return start[24], start[25]
 
 
-def test_every_camera_gives_a_picture_and_nothing_else_is_left(pictures):
+def test_every_camera_gives_a_picture_and_nothing_else_is_left(rendered, pictures):
     assert [file.name for file in pictures] == ["Bedroom_0.png", "Top.png"]
-    assert sorted(pictures[0].parent.iterdir()) == sorted(pictures)
-    assert all(is_finished(file, SIZE_PX) for file in pictures)
+    assert rendered.device == "CPU"
+    left = sorted(file.name for file in pictures[0].parent.iterdir())
+    assert left == [
+        f"{camera}.{kind}" for camera in ("Bedroom_0", "Top") for kind in ("exr", "json", "png")
+    ]
+    assert all(Image.open(file).size == SIZE_PX for file in pictures)
     assert all(header_of(file) == (8, 2) for file in pictures)  # 8 bits, RGB
+
+
+def test_the_linear_picture_is_the_light_behind_the_picture(pictures):
+    """Brighter light, brighter pixel; and there is more of it than a picture can show."""
+    channels, _ = read_exr(pictures[0].with_suffix(".exr"))
+    light = 0.2126 * channels["R"] + 0.7152 * channels["G"] + 0.0722 * channels["B"]
+    shown = rgb(pictures[0]) @ (0.2126, 0.7152, 0.0722)
+    assert spearmanr(light.ravel(), shown.ravel()).statistic > 0.97
 
 
 def test_the_room_is_lit_and_shows_its_red_floor_and_blue_bed(pictures):
@@ -173,45 +102,84 @@ def test_the_house_is_seen_from_above_through_its_ceiling(pictures):
 def test_the_same_seed_gives_the_same_picture_and_finished_ones_are_skipped(
     house, pictures, tmp_path
 ):
-    options = RenderOptions(**{**vars(TINY), "cameras": ("Bedroom_0",), "skip_existing": True})
-    (again,) = render_stage(house, tmp_path, options)
+    options = replace(TINY, cameras=("Bedroom_0",), skip_existing=True)
+    again = render_stage(house, tmp_path, options)
     # Pixels, not bytes: Cycles writes its render times into the file.
-    np.testing.assert_array_equal(rgb(again), rgb(pictures[0]))
-    written = again.stat().st_mtime_ns
-    render_stage(house, tmp_path, options)
-    assert again.stat().st_mtime_ns == written
+    np.testing.assert_array_equal(rgb(again.pictures[0]), rgb(pictures[0]))
+    written = again.pictures[0].stat().st_mtime_ns
+    assert render_stage(house, tmp_path, options).rendered == 0
+    assert again.pictures[0].stat().st_mtime_ns == written
 
 
-def test_tiles_are_bands_of_the_picture(house, tmp_path):
-    options = {**vars(TINY), "cameras": ("Bedroom_0",), "resolution_px": (32, 19)}
-    bands = [
-        render_stage(house, tmp_path, RenderOptions(**{**options, "tile": (index, 2)}))[0]
-        for index in range(2)
-    ]
-    assert [band.name for band in bands] == [
-        "Bedroom_0.tile-0-of-2.png",
-        "Bedroom_0.tile-1-of-2.png",
-    ]
-    assert [Image.open(band).size for band in bands] == [(32, 9), (32, 10)]
-    (whole,) = render_stage(house, tmp_path, RenderOptions(**{**options, "tile": (0, 1)}))
-    np.testing.assert_array_equal(np.concatenate([rgb(band) for band in bands]), rgb(whole))
+@pytest.mark.parametrize("harm", ["cut", "zeroed", "flipped", "other options", "sidecar lost"])
+def test_what_is_damaged_or_of_another_kind_is_not_finished(pictures, tmp_path, harm):
+    for file in pictures[0].parent.glob("Bedroom_0.*"):
+        shutil.copy(file, tmp_path)
+    made = json.loads((tmp_path / "Bedroom_0.json").read_text())["made"]
+    assert are_finished(tmp_path, "Bedroom_0", made)
+    picture = tmp_path / "Bedroom_0.png"
+    data = bytearray(picture.read_bytes())
+    if harm == "cut":
+        picture.write_bytes(data[:-200])
+    elif harm == "zeroed":
+        picture.write_bytes(bytes(len(data)))
+    elif harm == "flipped":
+        data[len(data) // 2] ^= 1
+        picture.write_bytes(data)
+    elif harm == "other options":
+        made = {**made, "seed": 1}
+    else:
+        (tmp_path / "Bedroom_0.json").unlink()
+    assert not are_finished(tmp_path, "Bedroom_0", made)
+
+
+def test_two_runs_into_one_folder_leave_whole_pictures(house, tmp_path):
+    options = replace(TINY, cameras=("Bedroom_0",))
+    with ThreadPoolExecutor() as pool:
+        runs = [pool.submit(render_stage, house, tmp_path, options) for _ in range(2)]
+        made = [run.result() for run in runs]
+    assert [run.rendered for run in made] == [1, 1]
+    assert render_stage(house, tmp_path, replace(options, skip_existing=True)).rendered == 0
+    assert len(list(tmp_path.iterdir())) == 3
 
 
 def test_a_packed_stage_brings_its_textures(house, tmp_path):
     packed = tmp_path / "house.usdz"
     assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(house)), str(packed))
-    options = RenderOptions(**{**vars(TINY), "cameras": ("Top",)})
-    (file,) = render_stage(packed, tmp_path / "pictures", options)
+    options = replace(TINY, cameras=("Top",))
+    (file,) = render_stage(packed, tmp_path / "pictures", options).pictures
     floor = rgb(file)[18:33, 36:50]
     assert (floor[..., 0] > 1.5 * floor[..., 2]).mean() > 0.8
 
 
-def test_a_part_of_a_picture_is_not_a_finished_one(pictures, tmp_path):
-    cut = tmp_path / "cut.png"
-    cut.write_bytes(pictures[0].read_bytes()[:-200])
-    assert not is_finished(cut, SIZE_PX)
-    assert not is_finished(tmp_path / "none.png", SIZE_PX)
-    assert not is_finished(pictures[0], (65, 36))
+def test_a_stage_of_anybody_is_rendered_with_a_camera_and_light_of_our_own(tmp_path):
+    """Y up, centimetres, no camera, no light, and a texture that is missing."""
+    path = tmp_path / "box.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+    define_box(stage, "/House/Box", (0, 0, 0), (50, 100, 60), (0.05, 0.6, 0.1))
+    define_box(stage, "/House/Lost", (100, 0, 0), (150, 100, 60), (0.7, 0.7, 0.7))
+    paint_red(stage, "/House/Lost", tmp_path / "maps" / "red.png")
+    stage.Save()
+    shutil.rmtree(tmp_path / "maps")
+    made = render_stage(path, tmp_path / "pictures", TINY)
+    assert [file.name for file in made.pictures] == ["Default.png"]
+    assert "1 files are missing (" in made.warnings[0]
+    assert "has no camera" in made.warnings[1]
+    picture = rgb(made.pictures[0])
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    assert ((green > 1.3 * red) & (green > 1.3 * blue)).mean() > 0.02
+    magenta = (red > 1.5 * green) & (blue > 1.5 * green)
+    assert magenta.mean() < 0.01
+
+
+def test_an_empty_stage_holds_nothing_to_look_at(tmp_path):
+    stage = Usd.Stage.CreateNew(str(tmp_path / "empty.usda"))
+    UsdGeom.Xform.Define(stage, "/Nothing")
+    stage.Save()
+    with pytest.raises(RenderError, match="holds nothing to look at"):
+        render_stage(tmp_path / "empty.usda", tmp_path / "pictures", TINY)
 
 
 def test_cameras_are_read_in_metres(house):
@@ -250,12 +218,16 @@ def test_a_stage_that_cannot_be_read_is_named(tmp_path):
     ("wrong", "says"),
     [
         ({"resolution_px": (0, 10)}, "--resolution"),
+        ({"resolution_px": (100000, 10)}, "--resolution"),
         ({"samples": 0}, "--samples"),
         ({"seed": -1}, "--seed"),
         ({"engine": "eevee"}, "--engine"),
         ({"device": "toaster"}, "--device"),
         ({"tile": (2, 2)}, "--tile"),
-        ({"passes": ("rgb", "depth")}, "cannot be rendered by this version"),
+        ({"sample_block": (0, 3), "samples": 16}, "only equal blocks"),
+        ({"merge": True, "tile": (0, 2)}, "--merge"),
+        ({"walkthrough": -1}, "--walkthrough"),
+        ({"passes": ()}, "no pass"),
         ({"passes": ("smell",)}, "unknown pass 'smell'"),
     ],
 )
@@ -304,11 +276,6 @@ def children(pid: int) -> list[int]:
     return [int(line) for line in found.stdout.split()]
 
 
-def test_picture_names():
-    assert picture_name("Top") == "Top.png"
-    assert picture_name("Top", (0, 4)) == "Top.tile-0-of-4.png"
-
-
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_a_read_only_folder_is_refused(house, tmp_path):
     tmp_path.chmod(0o500)
@@ -341,7 +308,8 @@ def test_a_full_disk_leaves_no_picture(house, tiny_disk):
     [
         (["none.usda"], "none.usda"),
         (["{house}", "--camera", "Attic"], "one of Bedroom_0, Top"),
-        (["{house}", "--passes", "depth"], "expected rgb"),
+        (["{house}", "--passes", "smell"], "one of rgb, depth"),
+        (["{house}", "--merge"], "has no parts of 'Bedroom_0'"),
         (["{house}", "--device", "toaster"], "--device"),
     ],
 )

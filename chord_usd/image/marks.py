@@ -1,0 +1,204 @@
+"""What the pixels of a mask can show: the things of a stage, and marks by which Blender knows them.
+
+A thing is the nearest prim with a semantic label (SemanticsLabelsAPI); where nothing is labelled,
+an instance or a single shape. Blender keeps custom attributes of instance roots and of shapes, so
+a layer over the stage gives each of these the number of its thing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chord_usd.errors import RenderError
+from chord_usd.image.cameras import Matrix, open_stage, rigid, room_prims
+from chord_usd.image.lighting import layer_over
+
+if TYPE_CHECKING:
+    from pxr import Sdf, Usd
+
+NUMBER_MARK = "chord_number"
+ROOM_MARK = "chord_room"
+"""Blender's names of the marks; in USD they lie in the namespace userProperties."""
+
+MOST_THINGS = 65535
+"""Masks have 16 bits."""
+
+_OTHER_TAXONOMIES = ("room", "material")
+"""Labels that do not say what a thing is."""
+
+
+@dataclass(frozen=True)
+class Thing:
+    """One thing a mask tells from the others. The world is Z up, in metres."""
+
+    number: int
+    """From 1; the value of its pixels in an instance mask."""
+    path: str
+    """Of its prim."""
+    label: str
+    """Semantic label, else the prim's name without a number."""
+    room: str
+    """Name of the room prim it is in; may be empty."""
+    matrix: Matrix
+    """(4, 4) from its box to the world, column vectors, without scale; the origin is the centre."""
+    size_m: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Marks:
+    """The things of a stage and the prims that belong to each."""
+
+    things: tuple[Thing, ...]
+    numbers: tuple[tuple[str, int], ...]
+    """(prim path, number of its thing) of shapes and instances."""
+    rooms: tuple[tuple[str, str], ...]
+    """(prim path, room) of furniture and lamps: what can be hidden with their room."""
+    neighbours: tuple[tuple[str, str], ...]
+    """Names of rooms that open into each other."""
+
+    def room_of_numbers(self) -> tuple[str, ...]:
+        """Room of each number, from 0, which is no thing."""
+        return ("", *(thing.room for thing in self.things))
+
+
+def read_marks(path: Path) -> Marks:
+    """The things of a stage. Raises StageError, RenderError for more than a mask can hold."""
+    from pxr import Usd
+
+    stage = open_stage(path)
+    stage.Load()
+    owners: dict[str, int] = {}
+    numbers, rooms = [], []
+    for prim in Usd.PrimRange(stage.GetPseudoRoot()):
+        room = _room_of(prim)
+        if _is_light(prim) and room:
+            # Blender's lamps lose their attributes; the empty above keeps them.
+            rooms.append((str(prim.GetPath().GetParentPath()), room))
+        if not _is_shown(prim):
+            continue
+        owner = str(_owner(prim).GetPath())
+        numbers.append((str(prim.GetPath()), owners.setdefault(owner, len(owners) + 1)))
+        if room and "Furniture" in prim.GetPath().pathString.split("/"):
+            rooms.append((str(prim.GetPath()), room))
+    if len(owners) > MOST_THINGS:
+        raise RenderError(
+            f"holds {len(owners)} things", where=str(path), expected=f"at most {MOST_THINGS}"
+        )
+    things = tuple(_thing(stage.GetPrimAtPath(path), number) for path, number in owners.items())
+    return Marks(things, tuple(numbers), tuple(dict.fromkeys(rooms)), tuple(_neighbours(stage)))
+
+
+@contextmanager
+def marked_stage(path: Path, marks: Marks) -> Iterator[Path]:
+    """Yield a layer over the stage that writes its marks; it is thrown away afterwards."""
+    from pxr import Sdf
+
+    with layer_over(path) as (layer, file):
+        with Sdf.ChangeBlock():
+            for prim_path, number in marks.numbers:
+                _write_mark(layer, prim_path, NUMBER_MARK, Sdf.ValueTypeNames.Int, number)
+            for prim_path, room in marks.rooms:
+                _write_mark(layer, prim_path, ROOM_MARK, Sdf.ValueTypeNames.String, room)
+        layer.Save()
+        yield file
+
+
+def _write_mark(
+    layer: Sdf.Layer, prim_path: str, name: str, kind: Sdf.ValueTypeName, value: int | str
+) -> None:
+    from pxr import Sdf
+
+    prim = layer.GetPrimAtPath(prim_path) or Sdf.CreatePrimInLayer(layer, prim_path)
+    spec = Sdf.AttributeSpec(
+        prim, f"userProperties:{name}", kind, Sdf.VariabilityVarying, declaresCustom=True
+    )
+    spec.default = value
+
+
+def _is_shown(prim: Usd.Prim) -> bool:
+    """Whether Blender makes an object of it that a camera can see."""
+    from pxr import UsdGeom
+
+    if not (prim.IsInstance() or prim.IsA(UsdGeom.Gprim)):
+        return False
+    shape = UsdGeom.Imageable(prim)
+    purposes = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
+    return bool(
+        shape
+        and shape.ComputePurpose() in purposes
+        and shape.ComputeVisibility() != UsdGeom.Tokens.invisible
+    )
+
+
+def _is_light(prim: Usd.Prim) -> bool:
+    from pxr import UsdLux
+
+    return bool(prim.HasAPI(UsdLux.LightAPI))
+
+
+def _owner(prim: Usd.Prim) -> Usd.Prim:
+    """The nearest prim with a label, else the prim itself."""
+    above = prim
+    while above and not above.IsPseudoRoot():
+        if _label(above):
+            return above
+        above = above.GetParent()
+    return prim
+
+
+def _label(prim: Usd.Prim) -> str:
+    for attribute in prim.GetAuthoredPropertiesInNamespace("semantics:labels"):
+        if attribute.GetBaseName() not in _OTHER_TAXONOMIES:
+            labels = attribute.Get()
+            if labels:
+                return str(labels[0])
+    return ""
+
+
+def _thing(prim: Usd.Prim, number: int) -> Thing:
+    from pxr import Gf, Usd, UsdGeom
+
+    stage = prim.GetStage()
+    purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
+    bounds = UsdGeom.BBoxCache(Usd.TimeCode.Default(), purposes).ComputeUntransformedBound(prim)
+    box = bounds.ComputeAlignedRange()
+    place = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default())
+    middle = Gf.Matrix4d().SetTranslate(box.GetMidpoint()) * place
+    m_per_unit = UsdGeom.GetStageMetersPerUnit(stage)
+    extent = box.GetSize()
+    stretch = [place.TransformDir(axis).GetLength() for axis in Gf.Matrix3d(1.0)]
+    x, y, z = (float(extent[i]) * float(stretch[i]) * m_per_unit for i in range(3))
+    name = re.sub(r"_?\d+$", "", prim.GetName()).lower()
+    label = _label(prim) or name or prim.GetName()
+    return Thing(
+        number, str(prim.GetPath()), label, _room_of(prim), rigid(middle, stage), (x, y, z)
+    )
+
+
+def _room_of(prim: Usd.Prim) -> str:
+    parts = prim.GetPath().pathString.split("/")
+    return parts[3] if len(parts) > 3 and parts[2] == "Rooms" else ""
+
+
+def _neighbours(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
+    """Pairs of rooms with a door, a window or a passage between them."""
+    from pxr import Usd
+
+    names = {_text(room, "chord:node_id"): room.GetName() for room in room_prims(stage)}
+    for room in room_prims(stage):
+        for prim in Usd.PrimRange(room):
+            joined = (
+                prim.GetAttribute("chord:rooms").Get() if prim.HasAttribute("chord:rooms") else ()
+            )
+            known = sorted({names[node] for node in joined or () if node in names})
+            if len(known) == 2:
+                yield known[0], known[1]
+
+
+def _text(prim: Usd.Prim, name: str) -> str:
+    return str(prim.GetAttribute(name).Get()) if prim.HasAttribute(name) else ""

@@ -1,0 +1,174 @@
+"""The files that become of a take, and whether those of an earlier run are whole."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chord_usd.files import deliver, hash_file, write_atomic
+from chord_usd.image.annotations import (
+    MaskArray,
+    camera_record,
+    category_ids,
+    coco,
+    semantic_mask,
+    thing_records,
+)
+from chord_usd.image.exr import write_exr
+from chord_usd.image.marks import Thing
+from chord_usd.image.takes import Take
+
+PASSES = ("rgb", "depth", "normal", "instance", "semantic")
+
+FILES_OF_PASS = {
+    "rgb": ("{}.png", "{}.exr"),
+    "depth": ("{}.depth.exr",),
+    "normal": ("{}.normal.exr",),
+    "instance": ("{}.instance.png",),
+    "semantic": ("{}.semantic.png",),
+}
+"""Of each camera; beside them its sidecar `<camera>.json`, and `coco.json` for all together."""
+
+COCO_FILE = "coco.json"
+
+BACKDROP_RGB = (240, 241, 243)
+"""8-bit paper on which a house seen from above lies, instead of in the sky."""
+
+
+def product_files(folder: Path, camera: str, passes: Sequence[str]) -> list[Path]:
+    """The files a camera's passes end in, in their order."""
+    names = [name for one in PASSES if one in passes for name in FILES_OF_PASS[one]]
+    return [folder / name.format(camera) for name in names]
+
+
+def write_products(
+    take: Take, folder: Path, passes: Sequence[str], things: Sequence[Thing], made: dict[str, Any]
+) -> list[Path]:
+    """Write all files of a take at once, and its sidecar; returns them without the sidecar.
+
+    made: how it was made, for the sidecar. Raises OutputError; then none of the files is there.
+    """
+    targets = product_files(folder, take.view.name, passes)
+    with deliver() as delivery:
+        placed = {target.name: delivery.place(target) for target in targets}
+        _write_colour(take, placed)
+        _write_data(take, placed, things)
+        sidecar = _sidecar(take, passes, things, made)
+        sidecar["files"] = {name: hash_file(path) for name, path in placed.items()}
+        # Placed last, so that it is moved last: what it lists is there when it is.
+        delivery.place(sidecar_file(folder, take.view.name)).write_text(_json(sidecar))
+    return targets
+
+
+def sidecar_file(folder: Path, camera: str) -> Path:
+    """Where the words on a camera's files are."""
+    return folder / f"{camera}.json"
+
+
+def are_finished(folder: Path, camera: str, made: dict[str, Any]) -> bool:
+    """Whether an earlier run made these files in this way, and their bytes are still the same."""
+    try:
+        sidecar = json.loads(sidecar_file(folder, camera).read_text())
+        files: dict[str, str] = sidecar["files"]
+        wanted = {path.name for path in product_files(folder, camera, made["passes"])}
+        return (
+            sidecar["made"] == made
+            and set(files) == wanted
+            and all(hash_file(folder / name) == digest for name, digest in files.items())
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def write_coco(folder: Path, cameras: Sequence[str]) -> Path:
+    """Write the COCO data set of these cameras' instance masks. Raises OutputError."""
+    pictures = []
+    for camera in cameras:
+        sidecar = json.loads(sidecar_file(folder, camera).read_text())
+        shown = "png" if "rgb" in sidecar["made"]["passes"] else "instance.png"
+        mask = read_mask(folder / f"{camera}.instance.png")
+        pictures.append((f"{camera}.{shown}", sidecar, mask))
+    target = folder / COCO_FILE
+    write_atomic(target, json.dumps(coco(pictures)))
+    return target
+
+
+def read_mask(path: Path) -> MaskArray:
+    """(H, W) ids of an instance or semantic mask."""
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        return np.asarray(picture).astype(np.uint16)
+
+
+def _write_colour(take: Take, placed: dict[str, Path]) -> None:
+    png, exr = (placed.get(name.format(take.view.name)) for name in FILES_OF_PASS["rgb"])
+    if png is None or exr is None:
+        return
+    assert take.picture is not None
+    assert take.colour is not None
+    _on_paper(take.picture, png)
+    channels = {
+        name: take.colour[..., at] for at, name in enumerate("RGBA"[: take.colour.shape[2]])
+    }
+    write_exr(exr, channels, half=True)
+
+
+def _on_paper(picture: Path, target: Path) -> None:
+    """Lay a picture with a transparent background on paper; others are taken as they are."""
+    from PIL import Image
+
+    with Image.open(picture) as image:
+        image.load()  # a file that was cut short is found out here
+        if image.mode != "RGBA":
+            target.write_bytes(picture.read_bytes())
+            return
+        backdrop = Image.new("RGBA", image.size, (*BACKDROP_RGB, 255))
+        backdrop.alpha_composite(image)
+    backdrop.convert("RGB").save(target, format="PNG")
+
+
+def _write_data(take: Take, placed: dict[str, Path], things: Sequence[Thing]) -> None:
+    name = take.view.name
+    if path := placed.get(f"{name}.depth.exr"):
+        assert take.depth_m is not None
+        write_exr(path, {"Z": take.depth_m})
+    if path := placed.get(f"{name}.normal.exr"):
+        assert take.normal is not None
+        write_exr(path, {axis: take.normal[..., at] for at, axis in enumerate("XYZ")})
+    if path := placed.get(f"{name}.instance.png"):
+        _write_mask(path, _numbers(take))
+    if path := placed.get(f"{name}.semantic.png"):
+        _write_mask(path, semantic_mask(_numbers(take), things))
+
+
+def _numbers(take: Take) -> MaskArray:
+    assert take.numbers is not None
+    return take.numbers.astype(np.uint16)
+
+
+def _write_mask(path: Path, mask: MaskArray) -> None:
+    from PIL import Image
+
+    Image.fromarray(mask).save(path, format="PNG")
+
+
+def _sidecar(
+    take: Take, passes: Sequence[str], things: Sequence[Thing], made: dict[str, Any]
+) -> dict[str, Any]:
+    size_px = (made["width_px"], made["height_px"])
+    told: dict[str, Any] = {"camera": camera_record(take.view, size_px), "made": made}
+    if take.colour is not None:
+        told["exposure_ev"] = take.exposure_ev
+    if "instance" in passes or "semantic" in passes:
+        told["instances"] = thing_records(_numbers(take), things)
+        told["categories"] = category_ids(thing.label for thing in things)
+    return told
+
+
+def _json(value: dict[str, Any]) -> str:
+    return json.dumps(value, indent=1) + "\n"

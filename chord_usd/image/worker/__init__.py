@@ -1,0 +1,1 @@
+"""Runs inside Blender, in a process of its own: imports bpy, never pxr."""

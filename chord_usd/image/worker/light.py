@@ -1,0 +1,124 @@
+"""How light is traced and how the picture is exposed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from chord_usd.image.job import Job, Part
+
+METER_WIDTH_PX = 96
+METER_SAMPLES = 16
+KEY = 0.36
+KEY_FROM_ABOVE = 0.2
+"""Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale.
+From above one sees their floors instead, which are darker."""
+
+EXPOSURE_RANGE_EV = (-12.0, 12.0)
+
+FIREFLY_WHITE = 10.0
+"""Indirect light is clamped at this many times white. An absolute limit would take the bounced
+light out of a stage whose lamps are given in large numbers."""
+
+
+def set_quality(scene: Any, job: Job) -> None:
+    """Settings for interiors: few bounces, no caustics, light tree, denoised."""
+    cycles, render, quality = scene.cycles, scene.render, job.quality
+    cycles.seed = job.seed
+    cycles.max_bounces = quality.bounces
+    cycles.diffuse_bounces = quality.diffuse_bounces
+    cycles.glossy_bounces = quality.glossy_bounces
+    cycles.transmission_bounces = 6
+    cycles.transparent_max_bounces = 8
+    cycles.volume_bounces = 0
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.blur_glossy = 1.0
+    cycles.use_light_tree = quality.light_tree
+    cycles.use_guiding = quality.guiding
+    # A part must equal the same pixels of the whole picture, and these three look around.
+    whole = job.part is None
+    render.dither_intensity = 1.0 if whole else 0.0
+    cycles.use_adaptive_sampling = whole and quality.noise > 0.0
+    cycles.adaptive_threshold = quality.noise
+    cycles.adaptive_min_samples = quality.least_samples
+    cycles.use_denoising = whole and quality.denoise
+    cycles.denoiser = "OPENIMAGEDENOISE"
+    cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+    cycles.denoising_prefilter = quality.prefilter
+    render.use_persistent_data = quality.keep_scene
+    if quality.texture_px:
+        render.use_simplify = True
+        cycles.texture_limit_render = str(quality.texture_px)
+    render.resolution_x, render.resolution_y = job.width_px, job.height_px
+    render.resolution_percentage = 100
+    set_samples(scene, quality.samples, job.part)
+    set_look(scene)
+
+
+def set_samples(scene: Any, samples: int, part: Part | None) -> None:
+    """Samples of the whole picture, of which a part takes its block."""
+    cycles = scene.cycles
+    cycles.samples = samples
+    cycles.use_sample_subset = part is not None
+    if part is not None:
+        index, count = part.block
+        cycles.sample_offset = samples // count * index
+        cycles.sample_subset_length = samples // count
+
+
+def set_look(scene: Any) -> None:
+    """How scene-linear light becomes a picture."""
+    scene.view_settings.view_transform = "AgX"
+    scene.view_settings.look = "AgX - Medium High Contrast"
+
+
+def expose(scene: Any, exposure_ev: float, clamp: bool) -> None:
+    """Set the exposure, and clamp fireflies at a brightness that is white after it."""
+    scene.view_settings.exposure = exposure_ev
+    limit = FIREFLY_WHITE * 2.0**-exposure_ev
+    scene.cycles.sample_clamp_indirect = limit if clamp else 0.0
+
+
+def metered_exposure_ev(scene: Any, job: Job, from_above: bool) -> float:
+    """Stops that bring the picture's log-average luminance to its key.
+
+    Metered on a tiny noisy rendering of the whole view, so every part of a picture gets the same.
+    """
+    render, cycles = scene.render, scene.cycles
+    denoised = cycles.use_denoising
+    render.resolution_percentage = max(1, math.ceil(100 * METER_WIDTH_PX / job.width_px))
+    cycles.use_denoising = False
+    set_samples(scene, METER_SAMPLES, None)
+    cycles.sample_clamp_indirect = 0.0
+    render.use_border = False
+    picture = render.image_settings
+    picture.media_type, picture.file_format = "IMAGE", "OPEN_EXR"
+    render.filepath = str(Path(job.folder) / "meter.exr")
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(render.filepath)
+    rgba = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(rgba)
+    rgb = rgba.reshape(-1, image.channels)[:, :3].astype(np.float64)
+    bpy.data.images.remove(image)
+    render.resolution_percentage, cycles.use_denoising = 100, denoised
+    set_samples(scene, job.quality.samples, job.part)
+    key = KEY_FROM_ABOVE if from_above else KEY
+    return exposure_ev(rgb @ np.array([0.2126, 0.7152, 0.0722]), key)
+
+
+def exposure_ev(luminance: Any, key: float) -> float:
+    """Stops from scene-linear luminances to a log-average of key.
+
+    The darkest tenth is left out: what no light reaches should stay dark. 0.0 for a black scene.
+    """
+    lit = np.sort(np.asarray(luminance).ravel())
+    lit = lit[len(lit) // 10 :]
+    lit = lit[lit > 1e-6]
+    if not len(lit):
+        return 0.0
+    log_average = float(np.exp2(np.log2(lit).mean()))
+    return float(np.clip(math.log2(key / log_average), *EXPOSURE_RANGE_EV))

@@ -1,0 +1,109 @@
+"""One picture after the other, of a stage that is imported once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from chord_usd.image.cameras import StageCamera
+from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
+from chord_usd.image.worker.data import data_scene, render_data, rooms_to_show
+from chord_usd.image.worker.devices import choose_device
+from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
+from chord_usd.image.worker.scene import aim, import_stage, open_roof, show_rooms
+
+Report = Callable[[dict[str, Any]], None]
+
+_SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
+
+
+def shoot(job: Job, report: Report) -> None:
+    """Render all cameras of a job into its folder. Raises DeviceMissingError."""
+    scene = import_stage(job)
+    device = choose_device(scene, job.device)
+    report({"device": device})
+    set_quality(scene, job)
+    # Made when all objects are in place: a copy of a scene lists those it had.
+    data = data_scene(scene, job) if job.data or job.quality.hide_rooms else None
+    for view in job.cameras:
+        aim(scene.camera, view)
+        open_roof(scene, view.from_above)
+        show_rooms(None)
+        if data is not None and job.quality.hide_rooms and job.colour:
+            show_rooms(rooms_to_show(data, job))
+        exposure_ev = _take_light(scene, job, view, report) if job.colour else 0.0
+        if data is not None and job.data:
+            _frame_part(data, job)
+            render_data(data, Path(job.folder) / DATA_FILE.format(view.name))
+        report({"taken": view.name, "exposure_ev": exposure_ev})
+
+
+def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> float:
+    """Render one view as a picture and as linear light; returns its exposure in stops."""
+    fixed = job.exposure_ev
+    exposure_ev = metered_exposure_ev(scene, job, view.from_above) if fixed is None else fixed
+    expose(scene, exposure_ev, job.quality.clamp)
+    _frame_part(scene, job)
+
+    # Cycles prints no samples on standard output; this is where it tells them.
+    def on_stats(status: str, *_: Any) -> None:
+        found = _SAMPLE.search(status)
+        if found:
+            done, total = map(int, found.groups())
+            report({"progress": {"camera": view.name, "done": done, "total": total}})
+
+    bpy.app.handlers.render_stats.append(on_stats)
+    try:
+        bpy.ops.render.render(write_still=False)
+    finally:
+        bpy.app.handlers.render_stats.remove(on_stats)
+    result = bpy.data.images["Render Result"]
+    folder = Path(job.folder)
+    if job.part is None:
+        _write_png(scene, result, folder / PICTURE_FILE.format(view.name), view.from_above)
+    _write_linear(scene, result, folder / COLOUR_FILE.format(view.name), view.from_above)
+    return exposure_ev
+
+
+def _frame_part(scene: Any, job: Job) -> None:
+    """Restrict the render to the job's band."""
+    render = scene.render
+    render.use_border = render.use_crop_to_border = job.part is not None
+    if job.part is None:
+        return
+    top, bottom = job.part.rows_px(job.height_px)
+    # A quarter of a pixel inside: k / height is a pixel off now and then. Blender counts from
+    # the bottom.
+    render.border_min_x, render.border_max_x = 0.0, 1.0
+    render.border_min_y = (job.height_px - bottom + 0.25) / job.height_px
+    render.border_max_y = (job.height_px - top + 0.25) / job.height_px
+
+
+def develop(negative: Negative) -> None:
+    """Turn linear light into a picture, as it would have come out of a render."""
+    scene = bpy.context.scene
+    set_look(scene)
+    scene.view_settings.exposure = negative.exposure_ev
+    image = bpy.data.images.load(negative.file)
+    image.colorspace_settings.name = "Linear Rec.709"
+    _write_png(scene, image, Path(negative.picture), image.channels == 4)
+    bpy.data.images.remove(image)
+
+
+def _write_png(scene: Any, image: Any, path: Path, transparent: bool) -> None:
+    picture = scene.render.image_settings
+    picture.media_type, picture.file_format, picture.color_depth = "IMAGE", "PNG", "8"
+    picture.color_mode = "RGBA" if transparent else "RGB"
+    image.save_render(str(path), scene=scene)
+
+
+def _write_linear(scene: Any, image: Any, path: Path, transparent: bool) -> None:
+    picture = scene.render.image_settings
+    picture.media_type, picture.file_format = "IMAGE", "OPEN_EXR"
+    picture.color_depth, picture.exr_codec = "32", "ZIP"
+    picture.color_mode = "RGBA" if transparent else "RGB"
+    image.save_render(str(path), scene=scene)
