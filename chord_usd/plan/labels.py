@@ -47,6 +47,8 @@ def _texts_in(room: Room, texts: Sequence[Text], frame: PixelFrame) -> list[Text
 
 def _labelled(room: Room, texts: Sequence[Text]) -> Room:
     """The room with the leading kind among its texts; a name in two lines is one name, too."""
+    if room.kind != "unknown":
+        return room
     names = [text for text in texts if not _is_measure_alone(text.text)]
     joined = " ".join(text.text for text in names)
     kinds: dict[str, RoomKind] = {text.text: room_kind(text.text) for text in names}

@@ -48,11 +48,16 @@ class Estimate:
 
 
 def estimates(
-    texts: Sequence[Text], polygons_px: Sequence[FloatArray], ink: BoolArray
+    texts: Sequence[Text], polygons_px: Sequence[FloatArray], ink: BoolArray | None = None
 ) -> list[Estimate]:
-    """What every printed measure says. polygons_px: rooms; ink: (H, W) everything drawn."""
+    """What every printed measure says.
+
+    polygons_px: rooms; ink: (H, W) everything drawn, for dimension lines.
+    """
     rooms = [Polygon(polygon) for polygon in polygons_px]
     found = [*_from_rooms(texts, rooms), *_from_bar(texts)]
+    if ink is None:
+        return found
     return [*found, *(e for text in texts for e in _from_line(text, ink))]
 
 

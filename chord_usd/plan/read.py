@@ -14,6 +14,7 @@ from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.drawing import read_drawing
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import WARNINGS
+from chord_usd.plan.vector.formats import is_vector, read_vector
 from chord_usd.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
@@ -32,9 +33,15 @@ def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Pla
     """
     if path.is_dir():
         raise PlanError("is a folder", where=str(path), expected="a plan: a picture or CHOrD JSON")
-    plan = read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part)
+    plan = _read(path, scale, part)
     warnings = _warnings(plan)
     return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
+
+
+def _read(path: Path, scale: float | None, part: int) -> Plan:
+    if is_vector(path):
+        return read_vector(path, scale, part)
+    return read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part)
 
 
 def _is_json(path: Path) -> bool:

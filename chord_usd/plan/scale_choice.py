@@ -28,7 +28,7 @@ _TRUST = {
 }  # fmt: skip
 """Areas are rounded, and count wardrobes in one country and not in the other."""
 
-_CONFIDENCE = {"given": 1.0, "doors": 0.6, "walls": 0.4}
+_CONFIDENCE = {"given": 1.0, "file": 1.0, "doors": 0.6, "walls": 0.4}
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Scale:
 
     m_per_px: float
     witness: str
-    """Given, room sizes, room areas, dimension lines, scale bar, doors or walls."""
+    """Given, file, room sizes, room areas, dimension lines, scale bar, doors or walls."""
     count: int = 1
     """How many measures speak for it."""
     agreement: float = 1.0
@@ -71,7 +71,7 @@ class Scale:
             for name, ratio in rest.items()
             if abs(ratio) > _ODD and name != "walls"
         ]
-        if odd and self.witness != "given":
+        if odd and self.witness not in ("given", "file"):
             return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: check --scale"]
         if self.witness == "walls":
             return ["no printed measure and no door gives the scale; it is a guess from the walls"]

@@ -1,0 +1,274 @@
+"""DXF: layers say what is what; units come from the header.
+
+Walls are closed outlines, hatches or pairs of lines on a wall layer; a door is an arc of a quarter
+circle, wherever it is drawn, or a block or line on a door layer; rooms are closed outlines on a
+room layer, else what the walls enclose.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from shapely.geometry import LineString, Polygon
+from shapely.ops import polygonize, unary_union
+
+from chord_usd.errors import PlanError
+from chord_usd.geometry import polygons_of
+from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.types import FloatArray, OpeningKind
+
+_EXPECTED = "a DXF drawing with layers for walls or rooms"
+_LARGEST_BYTES = 256 * 2**20
+_MOST_ENTITIES = 300_000
+_DEEPEST_BLOCK = 6
+
+_WALL = re.compile(r"wall|mauer|w[aä]nd|mur|pared|v[aä]gg|sein[aä]|墙|壁", re.I)
+_DOOR = re.compile(r"door|t[uü]r|porte|puerta|porta|d[oö]rr|ovi|门|ドア", re.I)
+_WINDOW = re.compile(r"window|glaz|fenster|fen[eê]tre|ventana|janela|f[oö]nster|ikkuna|窗|窓", re.I)
+_ROOM = re.compile(r"room|space|area|raum|pi[eè]ce|local|rum\b|tila|房间|部屋", re.I)
+_NOT = re.compile(r"text|dim|hatch.?pattern|tag|annot|furn", re.I)
+
+_M_PER_UNIT = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 10: 0.9144, 14: 0.1}
+"""$INSUNITS."""
+
+_HOUSE_M = (3.0, 120.0)
+_SWING_DEG = (50.0, 130.0)
+_SWING_M = (0.5, 1.5)
+_THICKEST_WALL_M = 0.6
+
+
+def read_dxf(path: Path) -> list[VectorDrawing]:
+    """The drawing in model space. Raises PlanError, MissingExtraError."""
+    document = _open(path)
+    flat = list(_flattened(document.modelspace(), 0))
+    if len(flat) > _MOST_ENTITIES:
+        raise PlanError("has too many entities", where=str(path), expected=_EXPECTED)
+    m_per_unit = _units(document, flat)
+    sorter = _Sorter(m_per_unit)
+    for entity in flat:
+        sorter.add(entity)
+    drawing = sorter.drawing()
+    if not drawing.rooms and not drawing.walls:
+        layers = sorted({e.dxf.layer for e in flat if e.dxf.hasattr("layer")})[:8]
+        raise PlanError(
+            f"has no layer that speaks of walls or rooms (it has {', '.join(layers) or 'none'})",
+            where=str(path), expected=_EXPECTED, try_="rename the walls' layer to WALLS",
+        )  # fmt: skip
+    return [drawing]
+
+
+def _open(path: Path) -> Any:
+    from chord_usd.plan.vector.formats import missing
+
+    try:
+        import ezdxf
+        from ezdxf import recover
+    except ImportError as error:
+        raise missing("ezdxf", "dxf") from error
+    if path.stat().st_size > _LARGEST_BYTES:
+        raise PlanError(
+            f"is larger than {_LARGEST_BYTES // 2**20} MiB", where=str(path), expected=_EXPECTED
+        )
+    try:
+        document, _ = recover.readfile(path)
+    except (ezdxf.DXFError, UnicodeError, ValueError, IndexError) as error:
+        raise PlanError(f"is not a DXF drawing ({error})", where=str(path)) from error
+    return document
+
+
+def _flattened(entities: Iterable[Any], depth: int) -> Iterator[Any]:
+    """All entities with blocks taken apart; a block's parts on layer 0 are on the block's own."""
+    for entity in entities:
+        if entity.dxftype() != "INSERT" or depth > _DEEPEST_BLOCK:
+            yield entity
+            continue
+        block = f"{entity.dxf.layer} {entity.dxf.name}"
+        parts = list(_flattened(entity.virtual_entities(), depth + 1))
+        for part in parts:
+            if part.dxf.layer == "0":
+                part.dxf.layer = re.sub(r"[<>/\\\":;?*|=`]", "_", block)
+        yield from parts
+
+
+def _units(document: Any, entities: list[Any]) -> float:
+    """Metres per unit: of the header if a house comes out, else those with which one does."""
+    points = [p for e in entities if _means(e) for p in _points(e)]
+    if not points:
+        return _M_PER_UNIT.get(int(document.header.get("$INSUNITS", 0)), 0.001)
+    side = float(np.ptp(np.array(points), axis=0).max())
+    stated = _M_PER_UNIT.get(int(document.header.get("$INSUNITS", 0)))
+    choices = [stated] if stated else []
+    for m_per_unit in (*choices, 0.001, 0.01, 1.0, 0.0254, 0.3048):
+        if m_per_unit and _HOUSE_M[0] <= side * m_per_unit <= _HOUSE_M[1]:
+            return m_per_unit
+    return stated or 0.001
+
+
+def _means(entity: Any) -> str:
+    """Wall, door, window or room, by the layer."""
+    layer = entity.dxf.layer if entity.dxf.hasattr("layer") else ""
+    if _NOT.search(layer):
+        return ""
+    patterns = (("window", _WINDOW), ("door", _DOOR), ("wall", _WALL), ("room", _ROOM))
+    return next((name for name, pattern in patterns if pattern.search(layer)), "")
+
+
+def _points(entity: Any) -> list[tuple[float, float]]:
+    """The entity's points, arcs as they bend."""
+    kind = entity.dxftype()
+    if kind == "LINE":
+        return [(entity.dxf.start.x, entity.dxf.start.y), (entity.dxf.end.x, entity.dxf.end.y)]
+    if kind in ("LWPOLYLINE", "POLYLINE", "ARC", "SPLINE", "ELLIPSE", "CIRCLE"):
+        from ezdxf import path as paths
+
+        return [(p.x, p.y) for p in paths.make_path(entity).flattening(_sagitta(entity))]
+    if kind in ("SOLID", "TRACE", "3DFACE"):
+        corners = [entity.dxf.get(f"vtx{i}") for i in (0, 1, 3, 2)]
+        return [(c.x, c.y) for c in corners if c is not None]
+    return []
+
+
+def _sagitta(entity: Any) -> float:
+    """How far the polygon of a curve may lie inside it."""
+    radius = entity.dxf.radius if entity.dxf.is_supported("radius") else 100.0
+    return float(radius) / 50.0
+
+
+class _Sorter:
+    """Sorts entities into walls, openings, rooms and labels. Lengths in drawing units."""
+
+    def __init__(self, m_per_unit: float) -> None:
+        self.m_per_unit = m_per_unit
+        self.areas: list[Polygon] = []
+        self.lines: list[LineString] = []
+        self.rooms: list[RoomShape] = []
+        self.arcs: list[Any] = []
+        self.leaves: list[FloatArray] = []
+        self.bars: dict[OpeningKind, list[LineString]] = {"door": [], "window": []}
+        self.labels: list[Label] = []
+
+    def add(self, entity: Any) -> None:
+        kind, means = entity.dxftype(), _means(entity)
+        if kind in ("TEXT", "MTEXT"):
+            said = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
+            place = entity.dxf.insert
+            self.labels.append(Label(" ".join(said.split()), np.array([place.x, place.y])))
+        elif kind == "ARC" and self._is_swing(entity):
+            self.arcs.append(entity)
+        elif kind == "HATCH" and means == "wall":
+            self.areas += list(_hatch(entity))
+        elif means and (points := _points(entity)) and len(points) >= 2:
+            self._add_line(means, points)
+
+    def _is_swing(self, arc: Any) -> bool:
+        sweep = (arc.dxf.end_angle - arc.dxf.start_angle) % 360.0
+        radius_m = arc.dxf.radius * self.m_per_unit
+        fits = _SWING_DEG[0] <= sweep <= _SWING_DEG[1]
+        return fits and _SWING_M[0] <= radius_m <= _SWING_M[1]
+
+    def _add_line(self, means: str, points: list[tuple[float, float]]) -> None:
+        line = LineString(points)
+        closed = len(points) > 3 and line.is_ring
+        if means == "room" and closed:
+            self.rooms.append(RoomShape(Polygon(points)))
+        elif means == "wall" and closed and self._is_thin(Polygon(points)):
+            self.areas.append(Polygon(points).buffer(0))
+        elif means == "wall":
+            self.lines.append(line)
+        elif means == "window":
+            self.bars["window"].append(line)
+        elif means == "door":
+            self.bars["door"].append(line)
+
+    def _is_thin(self, area: Polygon) -> bool:
+        return area.buffer(-_THICKEST_WALL_M / self.m_per_unit / 2).is_empty
+
+    def drawing(self) -> VectorDrawing:
+        openings = [*self._doors(), *self._bars("window")]
+        return VectorDrawing(
+            self.rooms, [*self.areas, *self._between_lines()], openings, self.labels,
+            self.m_per_unit,
+        )  # fmt: skip
+
+    def _between_lines(self) -> list[Polygon]:
+        """Walls drawn as pairs of lines: the thin faces between them."""
+        if not self.lines:
+            return []
+        reach = 0.02 / self.m_per_unit
+        stretched = [_stretched(line, reach) for line in self.lines]
+        faces = polygonize(unary_union(stretched))
+        return [face for face in faces if self._is_thin(face)]
+
+    def _doors(self) -> Iterator[OpeningShape]:
+        """By their arcs; what else lies on a door layer counts where no arc is."""
+        taken = []
+        for arc in self.arcs:
+            shape = self._swing(arc)
+            taken.append(LineString([shape.start, shape.stop]).buffer(0.2 / self.m_per_unit))
+            yield shape
+        swept = unary_union(
+            [*taken, *(_disc(arc) for arc in self.arcs)]
+        )  # fmt: skip
+        for opening in self._bars("door"):
+            if not LineString([opening.start, opening.stop]).intersects(swept):
+                yield opening
+
+    def _swing(self, arc: Any) -> OpeningShape:
+        """From the hinge to the end of the arc at the other jamb: the leaf runs to the other."""
+        hinge = np.array([arc.dxf.center.x, arc.dxf.center.y])
+        ends = [np.array([p.x, p.y]) for p in (arc.start_point, arc.end_point)]
+        solid = unary_union([*self.areas, *self.lines]) if self.areas or self.lines else None
+        if solid is None:
+            return OpeningShape("door", hinge, ends[0])
+        reach = [LineString([end, end + 1e-6]).distance(solid) for end in ends]
+        return OpeningShape("door", hinge, ends[int(np.argmin(reach))])
+
+    def _bars(self, kind: OpeningKind) -> Iterator[OpeningShape]:
+        """Openings drawn as rectangles or bundles of lines: one for each that hang together."""
+        lines = self.bars[kind]
+        if not lines:
+            return
+        blob = unary_union([line.buffer(0.06 / self.m_per_unit) for line in lines])
+        for part in polygons_of(blob):
+            shrunk = part.minimum_rotated_rectangle
+            corners = np.array(shrunk.exterior.coords[:4])
+            edges = np.roll(corners, -1, axis=0) - corners
+            lengths = np.hypot(edges[:, 0], edges[:, 1]) - 0.12 / self.m_per_unit
+            first = int(np.argmax(lengths[:2]))
+            if lengths[first] <= 0.3 / self.m_per_unit:
+                continue
+            middle = corners.mean(axis=0)
+            half = edges[first] / np.hypot(*edges[first]) * lengths[first] / 2
+            yield OpeningShape(kind, middle - half, middle + half)
+
+
+def _disc(arc: Any) -> Polygon:
+    center = arc.dxf.center
+    return LineString([(center.x, center.y), (center.x + 1e-9, center.y)]).buffer(arc.dxf.radius)
+
+
+def _hatch(entity: Any) -> Iterator[Polygon]:
+    for boundary in entity.paths:
+        vertices = getattr(boundary, "vertices", None)
+        if vertices and len(vertices) >= 3:
+            area = Polygon([(v[0], v[1]) for v in vertices]).buffer(0)
+            if isinstance(area, Polygon) and not area.is_empty:
+                yield area
+
+
+def _stretched(line: LineString, reach: float) -> LineString:
+    """The line, a little longer at both ends, so that lines that should touch do."""
+    points = np.array(line.coords)
+    if line.is_ring:
+        return line
+    for end, inner in ((0, 1), (-1, -2)):
+        way = points[end] - points[inner]
+        length = math.hypot(*way)
+        if length > 0.0:
+            points[end] = points[end] + way / length * reach
+    return LineString(points)

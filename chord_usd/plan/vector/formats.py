@@ -1,0 +1,90 @@
+"""Which file is read how: one table of suffixes."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+
+from chord_usd.errors import MissingExtraError, PlanError
+from chord_usd.plan.placement import WARNINGS
+from chord_usd.plan.vector.assemble import assemble
+from chord_usd.plan.vector.shapes import VectorDrawing
+from chord_usd.types import Plan
+
+Reader = Callable[[Path], list[VectorDrawing]]
+
+_READERS = {
+    ".svg": ("svg", "read_svg"),
+    ".dxf": ("dxf", "read_dxf"),
+    ".ifc": ("ifc", "read_ifc"),
+    ".sh3d": ("sweethome", "read_sweethome"),
+}
+
+SUFFIXES = tuple(_READERS)
+
+
+def is_vector(path: Path) -> bool:
+    """Whether a file is read as shapes, by its suffix."""
+    return path.suffix.lower() in _READERS
+
+
+def read_drawings(path: Path) -> list[VectorDrawing]:
+    """The storeys or sheets in a vector file. Raises PlanError, and MissingExtraError."""
+    module, function = _READERS[path.suffix.lower()]
+    try:
+        if path.stat().st_size == 0:
+            raise PlanError("is empty", where=str(path), expected=f"a {path.suffix.lower()} file")
+        read: Reader = getattr(
+            importlib.import_module(f"chord_usd.plan.vector.{module}"), function
+        )  # fmt: skip
+        return read(path)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
+
+
+def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> Plan:
+    """The plan in a vector file.
+
+    m_per_unit overrides the file's own units; part: which storey, the one with most floor being 1.
+    Raises PlanError.
+    """
+    drawings = read_drawings(path)
+    plans, reasons = [], []
+    for drawing in drawings:
+        try:
+            plans.append((assemble(drawing, str(path), m_per_unit), drawing.name))
+        except PlanError as error:
+            reasons.append(error)
+    if not plans:
+        raise reasons[0]
+    plans.sort(key=lambda row: -_floor_m2(row[0]))
+    if part > len(plans):
+        raise PlanError(
+            f"part {part} was asked for, but the file holds {len(plans)}", where=str(path)
+        )
+    plan, name = plans[part - 1]
+    if len(plans) == 1:
+        return plan
+    called = f" ({name})" if name else ""
+    told = f"the file holds {len(plans)} storeys; number {part} by floor area{called} was taken"
+    extra = {**plan.extra, WARNINGS: [f"{told}, --part N takes another", *_told(plan)]}
+    return Plan(plan.rooms, plan.openings, extra)
+
+
+def _told(plan: Plan) -> list[str]:
+    return list(plan.extra.get(WARNINGS, ()))
+
+
+def _floor_m2(plan: Plan) -> float:
+    from chord_usd.geometry import room_polygon
+
+    return float(sum(room_polygon(room).area for room in plan.rooms))
+
+
+def missing(package: str, extra: str) -> MissingExtraError:
+    """The error for a format whose package is not installed."""
+    return MissingExtraError(
+        f"reading this format needs {package}", try_=f"pip install 'chord-usd[{extra}]'"
+    )
