@@ -50,9 +50,9 @@ _KIND_CODES = {kind: _FIRST_KIND + index for index, kind in enumerate(ROOM_KINDS
 _WALL_GREY = palette.category("wall").rgb[0]
 
 _OPENING_RGB = {
-    "door": palette.category("door").rgb,
-    "window": palette.category("window").rgb,
-    "passage": palette.BACKGROUND_RGB,
+    "door": np.array(palette.category("door").rgb, np.uint8),
+    "window": np.array(palette.category("window").rgb, np.uint8),
+    "passage": np.array(palette.BACKGROUND_RGB, np.uint8),
 }
 
 _WALL_BITS = 12
@@ -73,7 +73,7 @@ def fit_frame(plan: Plan, size_px: int = CANVAS_PX, margin_px: int = 6) -> Pixel
     """
     if not plan.rooms:
         raise PlanError("the plan has no rooms", expected="at least one room")
-    points_m = np.concatenate(_wall_outlines(plan.rooms, WALL_THICKNESS_M))
+    points_m = _wall_outlines(plan.rooms).reshape(-1, 2)
     low, high = points_m.min(axis=0), points_m.max(axis=0)
     m_per_px = float((high - low).max()) / (size_px - 2 * margin_px)
     origin = (low + high) / 2 - m_per_px * size_px / 2
@@ -98,7 +98,7 @@ def draw_plan(plan: Plan, frame: PixelFrame | None = None, shade: bool = True) -
     return PlanImage(rgb, frame)
 
 
-def _draw_shell(rooms: Sequence[Room], frame: PixelFrame, shade: bool) -> ByteArray:
+def _draw_shell(rooms: tuple[Room, ...], frame: PixelFrame, shade: bool) -> ByteArray:
     """(H, W) grey levels of walls and rooms; whatever is not an opening is grey in the palette."""
     if not rooms:
         return np.full((frame.height_px, frame.height_px), palette.BACKGROUND_RGB[0], np.uint8)
@@ -109,7 +109,7 @@ def _draw_shell(rooms: Sequence[Room], frame: PixelFrame, shade: bool) -> ByteAr
     weights = np.repeat(np.left_shift(kinds, _WALL_BITS), counts)
     floors = px_from_m(np.concatenate([room.polygon_m for room in rooms]), frame)
     following = _following(counts)
-    corners = px_from_m(np.stack(_wall_outlines(rooms, WALL_THICKNESS_M), axis=1), frame)
+    corners = px_from_m(_wall_outlines(rooms), frame)
     loop = np.concatenate([corners, corners[following, :1]], axis=1)
     starts = np.concatenate([floors, loop[:, :-1].reshape(-1, 2)])
     ends = np.concatenate([floors[following], loop[:, 1:].reshape(-1, 2)])
@@ -129,8 +129,9 @@ def _following(counts: Sequence[int]) -> IntArray:
     return following
 
 
-def _wall_outlines(rooms: Sequence[Room], thickness_m: float) -> list[FloatArray]:
-    """Four (N, 2) arrays: the points of the rooms' outlines, grown by thickness_m, at each corner.
+@lru_cache(maxsize=1)  # a plan's frame is fitted right before the plan is drawn
+def _wall_outlines(rooms: tuple[Room, ...]) -> FloatArray:
+    """(N, 4, 2) points of the rooms' outlines, grown by a wall's thickness, at each corner.
 
     N counts the corners of all rooms. At a convex corner they are the end of one grown edge, the
     (cut) mitre and the start of the next; at a reflex corner the outline runs back through the
@@ -144,23 +145,21 @@ def _wall_outlines(rooms: Sequence[Room], thickness_m: float) -> list[FloatArray
     arriving = np.empty_like(leaving)
     arriving[following] = leaving
     turn = arriving[:, 0] * leaving[:, 1] - arriving[:, 1] * leaving[:, 0]
-    cosine = (arriving * leaving).sum(axis=1)
+    cosine = arriving[:, 0] * leaving[:, 0] + arriving[:, 1] * leaving[:, 1]
     # Along its own edge's direction the tip lies tan(half the turn) away, in wall thicknesses.
     tangent = turn / np.maximum(1.0 + cosine, 1e-9)
     half = np.sqrt(np.maximum((1.0 + cosine) / 2, 1e-12))  # cosine of half the turn
     sine = np.sqrt(np.maximum((1.0 - cosine) / 2, 1e-12))
     tangent = np.minimum(tangent, (MITRE_LIMIT - half) / sine)
     arriving_along = np.stack([-arriving[:, 1], arriving[:, 0]], axis=1)
-    reach = np.where(turn > 0, tangent, 0.0)[:, None] * thickness_m
-    first = corners + arriving * thickness_m
-    last = corners + leaving * thickness_m
-    convex = (turn > -1e-9)[:, None]
-    return [
-        first,
-        np.where(convex, first + arriving_along * reach, corners),
-        np.where(convex, last - along * reach, corners),
-        last,
-    ]
+    reach = np.where(turn > 0, tangent, 0.0)[:, None] * WALL_THICKNESS_M
+    first = corners + arriving * WALL_THICKNESS_M
+    last = corners + leaving * WALL_THICKNESS_M
+    points = np.stack([first, first + arriving_along * reach, last - along * reach, last], axis=1)
+    reflex = turn <= -1e-9
+    points[reflex, 1:3] = corners[reflex, None]
+    points.setflags(write=False)
+    return points
 
 
 def _winding(
@@ -174,8 +173,8 @@ def _winding(
     """
     (x0, y0), (x1, y1) = starts.T, ends.T
     low, high = np.minimum(y0, y1), np.maximum(y0, y1)
-    first_row = np.clip(np.ceil(low - 0.5), 0, size_px).astype(np.int64)
-    counts = np.clip(np.ceil(high - 0.5), 0, size_px).astype(np.int64) - first_row
+    first_row = _pixels(low, size_px)
+    counts = _pixels(high, size_px) - first_row
     edges = np.flatnonzero(counts)
     counts = counts[edges]
     x0, y0, x1, y1 = x0[edges], y0[edges], x1[edges], y1[edges]
@@ -185,7 +184,7 @@ def _winding(
     rows = np.arange(counts.sum()) + np.repeat(first_row[edges] - skipped, counts)
     # The reference row is added last, so that vertical edges keep their x to the last bit.
     x = np.repeat(x0, counts) + (rows + 0.5 - np.repeat(y0, counts)) * np.repeat(slope, counts)
-    columns = np.clip(np.ceil(x - 0.5), 0, size_px).astype(np.int64)
+    columns = _pixels(x, size_px)
     # Each row's steps sum to zero, so one running sum serves all rows, and steps at a row's right
     # edge may as well be taken at the start of the next.
     steps = rows * size_px + columns
@@ -193,6 +192,12 @@ def _winding(
     bounds = np.concatenate([[0], steps[order], [size_px * size_px]])
     sums = np.concatenate([[0], np.cumsum(np.repeat(signed, counts)[order])])
     return sums, np.diff(bounds)
+
+
+def _pixels(edges_px: FloatArray, size_px: int) -> IntArray:
+    """The first pixel of a row or column whose centre lies at or beyond each edge; size_px if none."""
+    first: IntArray = np.minimum(np.maximum(np.ceil(edges_px - 0.5), 0), size_px).astype(np.int64)
+    return first
 
 
 def _spread(values: npt.NDArray[Any], lengths: IntArray, size_px: int) -> npt.NDArray[Any]:
@@ -207,9 +212,9 @@ def _draw_openings(
     half_widths = np.maximum(spots.widths_px, WALL_THICKNESS_M / frame.m_per_px) / 2 + _TIE_PX
     covered = spots.covered(spots.lengths_px / 2, -half_widths, half_widths)
     for opening, (top, bottom, left, right, inside) in zip(openings, covered, strict=True):
-        mask = is_wall[top:bottom, left:right]
-        mask = mask if inside is None else mask & inside
-        rgb[top:bottom, left:right][mask] = _OPENING_RGB[opening.kind]
+        mask = is_wall[top:bottom, left:right, None]
+        mask = mask if inside is None else mask & inside[:, :, None]
+        np.copyto(rgb[top:bottom, left:right], _OPENING_RGB[opening.kind], where=mask)
 
 
 @lru_cache(maxsize=1)
@@ -231,7 +236,8 @@ def room_pixels(room: Room, frame: PixelFrame) -> BoolArray:
 
 # Items -------------------------------------------------------------------------------------------
 
-_MOUNT_ORDER = {Mount.UNDERFOOT: 0, Mount.FLOOR: 1, Mount.WALL: 2}
+_MOUNTS = (Mount.UNDERFOOT, Mount.FLOOR, Mount.WALL)
+_MOUNT_ORDER = {row.name: _MOUNTS.index(row.mount) for row in palette.CATEGORIES.values()}
 
 
 def draw_items(
@@ -266,7 +272,7 @@ def draw_items(
 
 def _painting_order(row: tuple[palette.Category, Box]) -> tuple[int, float]:
     category, box = row
-    return _MOUNT_ORDER[category.mount], -box.size_m[0] * box.size_m[1]
+    return _MOUNT_ORDER[category.name], -box.size_m[0] * box.size_m[1]
 
 
 Covered = tuple[int, int, int, int, BoolArray | None]
@@ -313,11 +319,8 @@ class _Spots:
             self._x + (-half_x - np.maximum(x_from, x_to)),
             self._x + (half_x - np.minimum(x_from, x_to)),
         ])  # fmt: skip
-        edges = np.minimum(np.maximum(np.ceil(corners - 0.5), 0), self._size_px)
-        covered: list[Covered] = [
-            (top, bottom, left, right, None)
-            for top, bottom, left, right in edges.T.astype(np.int64).tolist()
-        ]
+        windows = _pixels(corners, self._size_px).T.tolist()
+        covered: list[Covered] = [(*window, None) for window in windows]
         for i in np.flatnonzero((cos != 0.0) & (sin != 0.0)).tolist():
             inside = self._inside(i, covered[i], half_lengths[i], widths_from[i], widths_to[i])
             covered[i] = (*covered[i][:4], inside)

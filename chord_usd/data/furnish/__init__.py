@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -146,11 +145,11 @@ def _repair(floor: Floor) -> None:
 
 
 def _items(floor: Floor) -> list[Item]:
-    counts: Counter[str] = Counter()
+    counts: dict[str, int] = {}
     items = []
     for piece in floor.placed:
-        number = counts[piece.category]
-        counts[piece.category] += 1
+        number = counts.get(piece.category, 0)
+        counts[piece.category] = number + 1
         items.append(_item(floor.room.id, piece, number))
     return items
 

@@ -15,6 +15,9 @@ from chord_usd.units import wrap_deg
 Size = tuple[float, float, float]
 """Length, width (depth), height in metres."""
 
+Bounds = tuple[float, float, float, float]
+"""x and y from, x and y to, metres."""
+
 
 class Placed(NamedTuple):
     """One piece on the floor. The front points along (uy, -ux), u being its length direction."""
@@ -66,6 +69,8 @@ class Floor:
         self.dice = dice
         self.corners = straight_corners(room.polygon_m.tolist())
         self.area_m2 = _area_m2(self.corners)
+        xs, ys = zip(*self.corners, strict=True) if self.corners else ((0.0,), (0.0,))
+        self.bounds_m: Bounds = (min(xs), min(ys), max(xs), max(ys))
         self._things: list[Thing] = []
         self.walls = [
             Wall(i, corner, self.corners[(i + 1) % len(self.corners)], self._things)

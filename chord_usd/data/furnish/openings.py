@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from chord_usd.data.furnish.floor import Door, Floor
+from chord_usd.data.furnish.floor import Bounds, Door, Floor
 from chord_usd.data.furnish.walls import NO_SILL_M, REACH, ZONE, Wall
 from chord_usd.types import WALL_THICKNESS_M, Opening
 
@@ -41,7 +41,7 @@ def attach_open_sides(floors: Sequence[Floor]) -> None:
 
     To be called before attach_openings: what a door keeps free reaches into touching rooms.
     """
-    bounds = [_bounds(floor) for floor in floors]
+    bounds = [floor.bounds_m for floor in floors]
     for i, floor in enumerate(floors):
         for j, other in enumerate(floors):
             if i != j and _near(bounds[i], bounds[j]):
@@ -151,15 +151,7 @@ def _marked(extra: Mapping[str, object]) -> bool:
     return bool(extra.get("entrance")) or extra.get("role") == "entrance"
 
 
-def _bounds(floor: Floor) -> tuple[float, float, float, float]:
-    xs = [x for x, _ in floor.corners]
-    ys = [y for _, y in floor.corners]
-    return min(xs), min(ys), max(xs), max(ys)
-
-
-def _near(
-    a: tuple[float, float, float, float], b: tuple[float, float, float, float], gap: float = 0.05
-) -> bool:
+def _near(a: Bounds, b: Bounds, gap: float = 0.05) -> bool:
     return a[0] < b[2] + gap and b[0] < a[2] + gap and a[1] < b[3] + gap and b[1] < a[3] + gap
 
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from chord_usd.data.furnish.floor import Door, Floor, Placed
+from chord_usd.data.furnish.floor import Bounds, Door, Floor, Placed
 
 CELL_M = 0.1
 
@@ -39,17 +39,13 @@ NEEDS_NO_ACCESS = frozenset(
 
 _GUARD_CELLS = 2
 
-Bounds = tuple[float, float, float, float]
-"""x and y from, x and y to, metres."""
-
 
 class Grid:
     """The cells of a room's bounding box, and what is known about them."""
 
     def __init__(self, floor: Floor) -> None:
         corners = floor.corners
-        self.x0, self.y0 = min(x for x, _ in corners), min(y for _, y in corners)
-        x1, y1 = max(x for x, _ in corners), max(y for _, y in corners)
+        self.x0, self.y0, x1, y1 = floor.bounds_m
         self.columns = math.ceil((x1 - self.x0) / CELL_M)
         self.rows = math.ceil((y1 - self.y0) / CELL_M)
         self.stride = self.columns + _GUARD_CELLS
@@ -96,11 +92,16 @@ class Grid:
                 cells |= self.inside((xs[i], low, xs[i + 1], high))
         return cells
 
-    def walkable(self, free: int, path_cells: int, doors: Sequence[int]) -> int:
-        """Where one can walk on these free cells, from the first door that lets anybody in."""
+    def walkable(
+        self, free: int, path_cells: int, doors: Sequence[int], used: Sequence[int] = ()
+    ) -> int:
+        """Where one can walk on these free cells, from the first door that lets anybody in.
+
+        Complete only where one of the doors or of the used cells cannot be reached.
+        """
         standing = _eroded(free, self.stride, path_cells)
         seed = next((door & standing for door in doors if door & standing), standing & -standing)
-        return _flooded(standing, seed, self.stride, self.columns, self.rows)
+        return _flooded(standing, seed, self.stride, self.columns, self.rows, [*doors, *used])
 
     def connected_doors(self, path_cells: int) -> list[int]:
         """The doors that a path of this width joins while the room is empty."""
@@ -148,10 +149,11 @@ def _count_faults(floor: Floor) -> int:
     narrow = floor.is_tight or floor.kind == "bathroom"
     path_cells = NARROW_PATH_CELLS if narrow else PATH_CELLS
     doors = grid.connected_doors(path_cells)
-    walk = grid.walkable(free, path_cells, doors)
+    used = [(piece, beside) for piece, _, beside in pieces if piece.category not in NEEDS_NO_ACCESS]
+    walk = grid.walkable(free, path_cells, doors, [beside for _, beside in used])
     faults = CUT_OFF * sum(not door & walk for door in doors)
-    for piece, _, beside in pieces:
-        if not beside & walk and piece.category not in NEEDS_NO_ACCESS:
+    for piece, beside in used:
+        if not beside & walk:
             faults += CORE_LOST if piece.core else LOST
     return faults
 
@@ -227,8 +229,10 @@ def _eroded(free: int, stride: int, cells: int) -> int:
     return free << (cells // 2) * (stride + 1)
 
 
-def _flooded(standing: int, seed: int, stride: int, columns: int, rows: int) -> int:
-    """Everything that connects to the seed, diagonal steps included.
+def _flooded(
+    standing: int, seed: int, stride: int, columns: int, rows: int, wanted: Sequence[int]
+) -> int:
+    """What connects to the seed, diagonal steps included, until it touches everything wanted.
 
     Each round runs to the ends of all free rows and columns at once, by steps of 1, 2, 4, ... cells
     over what is free that far; a room without niches needs one or two rounds.
@@ -236,7 +240,7 @@ def _flooded(standing: int, seed: int, stride: int, columns: int, rows: int) -> 
     left = _runs(standing, 1, columns)
     down = _runs(standing, stride, rows)
     walk, before = seed, 0
-    while walk not in (before, standing):
+    while walk != before and not all(cells & walk for cells in wanted):
         before = walk
         walk |= walk << 1 | walk >> 1
         walk |= walk << stride | walk >> stride

@@ -158,16 +158,19 @@ class Wall:
         if len(blocks) < len(self._things):
             wx, wy, x0, y0 = self.ux, self.uy, self.x, self.y
             level, upright = wy == 0.0, wx == 0.0
-            new = self._things[len(blocks) :]
-            for x, y, ux, uy, half_length, half_width, bits, sill, half_s, half_t in new:
-                if upright:
+            for thing in self._things[len(blocks) :]:
+                x, y, ux, uy, half_length, half_width, bits, sill, half_s, half_t = thing
+                if level:
+                    s, t = (x - x0) * wx, (y - y0) * wx
+                elif upright:
+                    s, t = (y - y0) * wy, (x0 - x) * wy
                     half_s, half_t = half_t, half_s
-                elif not level:
+                else:
+                    dx, dy = x - x0, y - y0
+                    s, t = dx * wx + dy * wy, dy * wx - dx * wy
                     along, across = abs(ux * wx + uy * wy), abs(ux * wy - uy * wx)
                     half_s = along * half_length + across * half_width
                     half_t = across * half_length + along * half_width
-                dx, dy = x - x0, y - y0
-                s, t = dx * wx + dy * wy, dy * wx - dx * wy
                 blocks.append((s - half_s, s + half_s, t - half_t, t + half_t, bits, sill))
         return blocks
 
