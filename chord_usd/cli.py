@@ -25,6 +25,7 @@ from chord_usd.commands import (
     diff,
     evaluate,
     export,
+    farm,
     generate,
     graph,
     layout,
@@ -38,8 +39,8 @@ from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
 
 VERBS = (
-    generate, plan, layout, graph, stage, render, check, regenerate, export, diff, dataset, train,
-    evaluate, assets,
+    generate, plan, layout, graph, stage, render, farm, check, regenerate, export, diff, dataset,
+    train, evaluate, assets,
 )  # fmt: skip
 """In the order of the line, then the workshop."""
 

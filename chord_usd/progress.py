@@ -15,7 +15,7 @@ from typing import Any, Literal, Protocol
 Progress = Callable[[int, int], None]
 """Called with how many of how many parts are done."""
 
-ProgressStyle = Literal["auto", "bar", "lines", "json", "none"]
+ProgressStyle = Literal["auto", "bar", "lines", "json", "openjd", "none"]
 PROGRESS_STYLES: tuple[ProgressStyle, ...] = ProgressStyle.__args__  # type: ignore[attr-defined]
 
 
@@ -88,6 +88,26 @@ class JsonReporter(SilentReporter):
             _say(json.dumps({"step": name, "done": self._total, "total": self._total}))
 
 
+class JobReporter(SilentReporter):
+    """Messages of Open Job Description, by which a render farm follows a task."""
+
+    def step(self, name: str) -> Progress:
+        _say(f"openjd_status: {name}")
+        told = -1.0
+
+        def progress(done: int, total: int) -> None:
+            nonlocal told
+            percent = 100.0 * done / max(total, 1)
+            if percent >= told + 1.0:
+                told = percent
+                _say(f"openjd_progress: {percent:.1f}")
+
+        return progress
+
+    def finish(self, name: str, seconds: float) -> None:
+        _say("openjd_progress: 100.0")
+
+
 class LineReporter(SilentReporter):
     """One line per finished step."""
 
@@ -131,6 +151,7 @@ def make_reporter(style: ProgressStyle) -> Reporter:
         "bar": BarReporter,
         "lines": LineReporter,
         "json": JsonReporter,
+        "openjd": JobReporter,
         "none": SilentReporter,
     }
     return reporters[style]()

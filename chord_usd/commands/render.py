@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
     Outcome,
@@ -19,6 +20,9 @@ from chord_usd.commands.common import (
     whole_number,
 )
 
+if TYPE_CHECKING:
+    from chord_usd.image.options import RenderOptions
+
 QUALITIES = ("draft", "good", "final")
 """As image.options has them, which may not be imported for a help page."""
 
@@ -28,12 +32,13 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(verbs, "render", run, "make pictures of a stage with Blender Cycles")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda, or any USD stage")
     add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it")
-    _add_what(parser)
-    _add_how(parser)
+    add_what(parser)
+    add_how(parser)
     _add_parts(parser)
 
 
-def _add_what(parser: Parser) -> None:
+def add_what(parser: Parser) -> None:
+    """The options that say which pictures."""
     group = parser.add_argument_group("what to render")
     group.add_argument(
         "--camera", action="append", default=[], metavar="NAME",
@@ -61,7 +66,8 @@ def _add_what(parser: Parser) -> None:
     )  # fmt: skip
 
 
-def _add_how(parser: Parser) -> None:
+def add_how(parser: Parser) -> None:
+    """The options that say how well and where."""
     group = parser.add_argument_group("how")
     group.add_argument(
         "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
@@ -98,12 +104,11 @@ def _add_parts(parser: Parser) -> None:
     )  # fmt: skip
 
 
-def run(options: argparse.Namespace) -> Outcome:
-    """Runs the verb."""
+def render_options(options: argparse.Namespace) -> RenderOptions:
+    """What add_what and add_how have read. Raises RenderError."""
     from chord_usd.image.options import QUALITIES, RenderOptions
-    from chord_usd.image.render import render_stage
 
-    wanted = RenderOptions(
+    return RenderOptions(
         cameras=tuple(options.camera),
         rooms=tuple(options.room),
         walkthrough=options.walkthrough,
@@ -114,11 +119,39 @@ def run(options: argparse.Namespace) -> Outcome:
         passes=options.passes,
         engine=options.engine,
         device=options.device,
+        skip_existing=options.skip_existing,
+        lighting=options.lighting,
+    )
+
+
+def words_of(options: argparse.Namespace) -> list[str]:
+    """The same options as words of a command line, cameras and rooms left out."""
+    width_px, height_px = options.resolution
+    words = {
+        "--resolution": f"{width_px}x{height_px}",
+        "--passes": ",".join(options.passes),
+        "--quality": options.quality,
+        "--samples": options.samples,
+        "--seed": options.seed,
+        "--engine": options.engine,
+        "--device": options.device,
+        "--lighting": options.lighting,
+        "--walkthrough": options.walkthrough or None,
+    }
+    return [str(word) for pair in words.items() for word in pair if pair[1] not in (None, "")]
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from dataclasses import replace
+
+    from chord_usd.image.render import render_stage
+
+    wanted = replace(
+        render_options(options),
         tile=options.tile,
         sample_block=options.sample_block,
         merge=options.merge,
-        skip_existing=options.skip_existing,
-        lighting=options.lighting,
     )
     stage = existing_file(options.stage)
     watch = stopwatch(options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,6 +115,17 @@ def missing_files(path: Path) -> list[str]:
 
     _, _, missing = UsdUtils.ComputeAllDependencies(str(path))
     return sorted(missing)
+
+
+def stage_files(path: Path) -> list[Path]:
+    """All files a stage is made of, itself first, absolute. Raises StageError."""
+    from pxr import UsdUtils
+
+    open_stage(path)
+    layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path.absolute()))
+    # Files in a package are named package[file].
+    found = [str(layer.realPath) for layer in layers] + list(assets)
+    return list(dict.fromkeys(Path(os.path.abspath(name.split("[")[0])) for name in found))  # noqa: PTH100
 
 
 def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:

@@ -28,6 +28,8 @@ class Quality:
     bounces: int = 8
     diffuse_bounces: int = 4
     glossy_bounces: int = 4
+    caustics: bool = False
+    """Light that mirrors and glass throw on other things: dear, and mostly fireflies."""
     light_tree: bool = True
     """Choose lamps by how much they can give to a point."""
     guiding: bool = False

@@ -93,6 +93,11 @@ def _warnings(stage: Path, views: StageViews) -> Iterator[str]:
         yield f"{stage}: has no camera; took a view of everything"
 
 
+def camera_names(stage: Path, options: RenderOptions) -> list[str]:
+    """The cameras that render_stage would use. Raises StageError, RenderError."""
+    return [camera.name for camera in _chosen(stage, stage, read_views(stage), options)]
+
+
 @dataclass
 class _Run:
     """What is asked for, and where it goes."""

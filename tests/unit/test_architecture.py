@@ -29,8 +29,9 @@ ALLOWED: dict[str, set[str]] = {
     "data": {"metrics"},
     "training": {"layout", "graph", "data"},
     "evaluation": {"layout", "graph", "data", "metrics"},
+    "farm": set(),
     "pipeline": {*STEPS, "assets"},
-    "commands": {"pipeline", *STEPS, *WORKSHOP},
+    "commands": {"pipeline", "farm", *STEPS, *WORKSHOP},
     "cli": {"commands"},
     "__main__": {"cli"},
 }

@@ -1,7 +1,8 @@
 """Takes one job on standard input, renders it, and tells how it goes on standard output.
 
 One JSON object per line: `{"device": "CPU"}` once, `{"progress": {"camera": …, "done": samples,
-"total": samples}}` and `{"taken": camera, "exposure_ev": …}`. Whatever Blender itself prints goes
+"total": samples}}` and `{"taken": camera, "exposure_ev": …,
+"cpu_s": …}`. Whatever Blender itself prints goes
 to standard error. bpy must be imported and used on the main thread: elsewhere it crashes at exit.
 
 Exit codes: 0 all is taken; 1 Blender failed; 3 the wanted device is not there.

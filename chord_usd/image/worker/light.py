@@ -35,7 +35,7 @@ def set_quality(scene: Any, job: Job) -> None:
     cycles.transmission_bounces = 6
     cycles.transparent_max_bounces = 8
     cycles.volume_bounces = 0
-    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.caustics_reflective = cycles.caustics_refractive = quality.caustics
     cycles.blur_glossy = 1.0
     cycles.use_light_tree = quality.light_tree
     cycles.use_guiding = quality.guiding

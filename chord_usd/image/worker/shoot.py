@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ def shoot(job: Job, report: Report) -> None:
     # Made when all objects are in place: a copy of a scene lists those it had.
     data = data_scene(scene, job) if job.data or job.quality.hide_rooms else None
     for view in job.cameras:
+        started = time.process_time()
         aim(scene.camera, view)
         open_roof(scene, view.from_above)
         show_rooms(None)
@@ -39,7 +41,8 @@ def shoot(job: Job, report: Report) -> None:
         if data is not None and job.data:
             _frame_part(data, job)
             render_data(data, Path(job.folder) / DATA_FILE.format(view.name))
-        report({"taken": view.name, "exposure_ev": exposure_ev})
+        cpu_s = time.process_time() - started
+        report({"taken": view.name, "exposure_ev": exposure_ev, "cpu_s": cpu_s})
 
 
 def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> float:
