@@ -27,9 +27,11 @@ from chord_usd.types import (
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
     from chord_usd.graph.detect import ItemDetector
+    from chord_usd.graph.tabletop import Tabletops
     from chord_usd.layout.sample import LayoutModel
 
 LAYOUT_CHECKPOINT = "plan2layout"
+TABLE_CHECKPOINT = "table"
 
 
 @dataclass(frozen=True)
@@ -43,11 +45,15 @@ class Settings:
     sampler: str = "ddim"
     """ddim, dpm or ddpm (layout.schedule)."""
     m_per_px: float | None = None
-    """Scale of a plan picture; None measures it from the walls."""
+    """Scale of a plan picture; None measures it."""
+    part: int = 1
+    """Which plan of a sheet, or storey of a file, by floor area."""
     device: str = "auto"
     """auto, cpu or cuda."""
     asset_folders: tuple[Path, ...] = ()
     """Folders of further meshes, tried beside the shipped ones."""
+    tabletop: bool = True
+    """Whether tables, desks and worktops are laid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +64,9 @@ class House:
     plan_image: PlanImage
     layout: LayoutImage
     graph: SceneGraph
+    """With the tabletop items, where they were asked for."""
     stage: StageFile
+    tabletops: Tabletops | None = None
 
 
 def generate(
@@ -69,7 +77,7 @@ def generate(
 ) -> House:
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
-    The stopwatch times plan, load, layout, graph, outliers and stage. Raises ChordError.
+    The stopwatch times plan, load, layout, graph, outliers, tabletop and stage. Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -80,6 +88,7 @@ def generate(
         plan_image = draw_plan(plan)
     with watch.step("load"):
         model = load_model(settings)
+        table_model = load_table_model(settings)
         reader = load_reader(settings)
         load_usd()
     with watch.step("layout") as progress:
@@ -88,16 +97,21 @@ def generate(
         graph = reader.read(layout, plan)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, model)
+    tabletops = None
+    if table_model:
+        with watch.step("tabletop") as progress:
+            tabletops = lay_tables(graph, table_model, reader.database, settings, progress)
+            graph = tabletops.graph
     with watch.step("stage"):
         stage = write_stage(graph, stage_path, settings)
-    return House(plan, plan_image, layout, graph, stage)
+    return House(plan, plan_image, layout, graph, stage, tabletops)
 
 
 def read_plan(plan_file: Path, settings: Settings) -> Plan:
-    """Plan file, a picture or CHOrD JSON -> Plan."""
+    """Plan file, a picture, vector file or CHOrD JSON -> Plan."""
     from chord_usd.plan.read import read_plan_file
 
-    return read_plan_file(plan_file, settings.m_per_px)
+    return read_plan_file(plan_file, settings.m_per_px, settings.part)
 
 
 def refuse_shut(plan: Plan, plan_file: Path) -> None:
@@ -124,6 +138,15 @@ def load_model(settings: Settings) -> LayoutModel:
     from chord_usd.layout.sample import LayoutModel
 
     return LayoutModel.load(checkpoint_folder(LAYOUT_CHECKPOINT), settings.device)
+
+
+def load_table_model(settings: Settings) -> LayoutModel | None:
+    """The model of what stands on tables; None where that is not wanted."""
+    if not settings.tabletop:
+        return None
+    from chord_usd.layout.sample import LayoutModel
+
+    return LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
 
 
 def draw_layout(
@@ -179,6 +202,33 @@ def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel)
     return replace(graph, items=items)
 
 
+def lay_tables(
+    graph: SceneGraph,
+    model: LayoutModel,
+    database: AssetDatabase,
+    settings: Settings,
+    progress: Progress | None = None,
+    rooms: tuple[str, ...] = (),
+) -> Tabletops:
+    """SceneGraph -> the same with items on every supporting piece, all of them in one batch.
+
+    rooms: ids of the rooms whose pieces are laid, by default all.
+    """
+    from chord_usd.assets.tops import relief_of
+    from chord_usd.graph.tabletop import fill_tables, table_views
+    from chord_usd.table_top import draw_table
+
+    views = table_views(graph, relief_of, rooms)
+    large = [view for view in views if not view.is_too_small]
+    layouts = model.sample_batch(
+        [draw_table(view.top) for view in large],
+        seeds=[view.seed(settings.seed) for view in large],
+        sampler=settings.sampler,
+        progress=progress,
+    )
+    return fill_tables(graph, views, layouts, database, relief_of)
+
+
 def load_usd() -> None:
     """Import what writes stages, so that the time of the step is its own."""
     import chord_usd.stage.author  # noqa: F401
@@ -216,8 +266,8 @@ def regenerate(
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
     room_name: name of the room's prim. seed: in place of that of settings; None takes the one
-    after the room's last. The stopwatch times read, load, layout, graph and outliers. Raises
-    ChordError.
+    after the room's last. The stopwatch times read, load, layout, graph, outliers and tabletop.
+    Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -229,6 +279,7 @@ def regenerate(
         seed = house.seeds[room_name] + 1 if seed is None else seed
     with watch.step("load"):
         model = load_model(settings)
+        table_model = load_table_model(settings)
         reader = load_reader(settings)
     with watch.step("layout") as progress:
         drawn = redraw_room(house.graph, room, model, replace(settings, seed=seed), progress)
@@ -239,6 +290,12 @@ def regenerate(
         graph = replace(house.graph, items=items, provenance=drawn.layout.provenance)
     with watch.step("outliers"):
         graph = score_outliers(graph, draw_plan(house.graph.plan), model)
+    if table_model:
+        with watch.step("tabletop") as progress:
+            own = replace(settings, seed=seed)
+            graph = lay_tables(
+                graph, table_model, reader.database, own, progress, (room.id,)
+            ).graph
     return Regenerated(source, room_name, room, drawn.before, drawn.layout, graph)
 
 

@@ -106,6 +106,14 @@ def add_assets(parser: Parser) -> None:
     )
 
 
+def add_part(parser: Parser) -> None:
+    """The option --part."""
+    parser.add_argument(
+        "--part", type=whole_number(1), default=1, metavar="N",
+        help="which plan of a sheet, or storey of a file, by floor area (1, the largest)",
+    )  # fmt: skip
+
+
 def stopwatch(options: argparse.Namespace) -> Stopwatch:
     """A stopwatch that reports as --progress asks."""
     return Stopwatch(make_reporter(options.progress))

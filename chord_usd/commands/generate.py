@@ -12,6 +12,7 @@ from chord_usd.commands.common import (
     add_assets,
     add_device,
     add_output,
+    add_part,
     add_seed,
     add_verb,
     existing_file,
@@ -28,7 +29,10 @@ if TYPE_CHECKING:
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
-    parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
+    parser.add_argument(
+        "plan", type=Path, metavar="PLAN",
+        help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON",
+    )  # fmt: skip
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     parser.add_argument(
@@ -36,6 +40,10 @@ def add(verbs: Verbs) -> None:
     )
     parser.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+    )
+    add_part(parser)
+    parser.add_argument(
+        "--no-tabletop", action="store_true", help="leave tables, desks and worktops bare"
     )
     add_assets(parser)
     add_device(parser)
@@ -54,8 +62,10 @@ def run(options: argparse.Namespace) -> Outcome:
         seed=options.seed,
         steps=options.steps,
         m_per_px=options.scale,
+        part=options.part,
         device=options.device,
         asset_folders=tuple(options.assets),
+        tabletop=not options.no_tabletop,
     )
     plan_file = existing_file(options.plan)
     watch = stopwatch(options)
@@ -105,19 +115,35 @@ def _summary(
         "rooms": len(house.graph.rooms),
         "furniture": furniture,
         "items": furniture + tabletop,
+        "tabletop": _tabletop(house, tabletop),
         "openings": len(house.graph.openings),
         "seconds": seconds,
         "m_per_px": house.plan_image.frame.m_per_px,
+        "scale": house.plan.extra.get("scale"),
         "certificate": check,
         "warnings": list(house.plan.extra.get("warnings", ())),
+    }
+
+
+def _tabletop(house: House, items: int) -> dict[str, Any]:
+    """How many pieces were laid with how much, and which were left empty, by node id."""
+    tables = house.tabletops
+    return {
+        "pieces": len(tables.laid) + len(tables.too_small) if tables else 0,
+        "items": items,
+        "too_small": list(tables.too_small) if tables else [],
+        "bare": list(tables.bare) if tables else [],
+        "left_out": tables.left_out if tables else 0,
     }
 
 
 def _text(data: dict[str, Any], holds: bool) -> str:
     total = sum(data["seconds"].values())
     told = "holds" if holds else "does not hold: chord-usd check says why"
+    carried = data["tabletop"]["items"]
+    small = f" and {carried} items on them" if carried else ""
     return (
-        f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture, "
+        f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture{small}, "
         f"{data['openings']} doors, windows and passages, in {total:.1f} s\n"
         f"certificate {told}"
     )

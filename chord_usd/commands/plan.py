@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
     add_group,
     add_output,
+    add_part,
     add_verb,
     existing_file,
     positive,
@@ -17,16 +19,24 @@ from chord_usd.commands.common import (
 )
 from chord_usd.files import deliver
 
+if TYPE_CHECKING:
+    from chord_usd.types import Plan
+
 
 def add(verbs: Verbs) -> None:
     """Adds the verbs."""
     group = add_group(verbs, "plan", "read and draw floor plans")
     read = add_verb(group, "read", run_read, "turn a drawing into a vector plan (CHOrD JSON)")
-    read.add_argument("image", type=Path, metavar="IMAGE", help="drawing of a floor plan")
+    read.add_argument(
+        "image", type=Path, metavar="IMAGE",
+        help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
+    )  # fmt: skip
     add_output(read, "the vector plan, plan.json")
     read.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of the drawing"
-    )
+        "--scale", type=positive, metavar="M_PER_PX",
+        help="metres per pixel of the drawing, or per unit of a vector file",
+    )  # fmt: skip
+    add_part(read)
     read.add_argument(
         "--overlay", type=Path, metavar="PNG", help="also draw what was read over the drawing"
     )
@@ -46,7 +56,7 @@ def run_read(options: argparse.Namespace) -> Outcome:
         target = delivery.place(options.output)
         overlay = delivery.place(options.overlay) if options.overlay else None
         with stopwatch(options).step("plan"):
-            plan = read_plan_file(image, options.scale)
+            plan = read_plan_file(image, options.scale, options.part)
             write_plan(plan, target)
         if overlay:
             from chord_usd.plan.overlay import draw_overlay
@@ -61,6 +71,7 @@ def run_read(options: argparse.Namespace) -> Outcome:
         "doors": kinds.count("door"),
         "windows": kinds.count("window"),
         "passages": kinds.count("passage"),
+        **reading_report(plan),
         "warnings": warnings,
     }
     return Outcome(
@@ -69,6 +80,17 @@ def run_read(options: argparse.Namespace) -> Outcome:
         data,
         warnings=warnings,
     )
+
+
+def reading_report(plan: Plan) -> dict[str, Any]:
+    """For --json: where the scale is from, and how sure the reading is of rooms and openings."""
+    from chord_usd.plan.openings import CONFIDENCE
+    from chord_usd.plan.scale_choice import SCALE
+
+    extras = [(room.id, room.extra) for room in plan.rooms]
+    extras += [(opening.id, opening.extra) for opening in plan.openings]
+    sure = {name: extra[CONFIDENCE] for name, extra in extras if CONFIDENCE in extra}
+    return {"scale": plan.extra.get(SCALE), "confidence": sure}
 
 
 def run_draw(options: argparse.Namespace) -> Outcome:

@@ -20,7 +20,7 @@ from chord_usd.plan.labels import label_rooms
 from chord_usd.plan.openings import CONFIDENCE, Bar, read_openings
 from chord_usd.plan.parts import parts_of
 from chord_usd.plan.placement import DRAWING, WARNINGS, placement
-from chord_usd.plan.printed import estimates
+from chord_usd.plan.printed import STATED, Estimate, estimates
 from chord_usd.plan.regions import (
     Outline,
     Regions,
@@ -62,7 +62,19 @@ _APART = 4.0
 """Rooms more wall thicknesses apart than this belong to two plans."""
 
 
-def read_drawing(rgb: ByteArray, m_per_px: float | None = None, part: int = 1) -> Plan:
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known of a picture beside its pixels."""
+
+    texts: tuple[Text, ...] = ()
+    """What is printed on it; empty where that has to be read from the pixels, too."""
+    stated_m_per_px: float | None = None
+    """By a scale such as 1:100 and the size of the paper."""
+
+
+def read_drawing(
+    rgb: ByteArray, m_per_px: float | None = None, part: int = 1, known: Known | None = None
+) -> Plan:
     """The plan in a drawing, RGB (H, W, 3).
 
     m_per_px: of the picture as given; without it printed measures, doors (0.8 m) or else the walls
@@ -72,8 +84,10 @@ def read_drawing(rgb: ByteArray, m_per_px: float | None = None, part: int = 1) -
     sheet = prepare(rgb)
     given = m_per_px and m_per_px / sheet.shrink
     reading, told = _take_part(_best_reading(sheet.rgb, given), part)
-    texts = _texts(sheet)
-    scale = _scale(reading, texts, given)
+    known = known or Known()
+    texts = _texts(sheet, known)
+    stated = known.stated_m_per_px and known.stated_m_per_px / sheet.shrink
+    scale = _scale(reading, texts, given, stated)
     if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) > _REREAD:
         reading, told = _take_part(_read(reading.strokes, scale.m_per_px), part)
     reading = replace(reading, frame=replace(reading.frame, m_per_px=scale.m_per_px))
@@ -86,8 +100,10 @@ def read_drawing(rgb: ByteArray, m_per_px: float | None = None, part: int = 1) -
     return replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
 
 
-def _texts(sheet: Sheet) -> tuple[Text, ...]:
+def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
     """What is printed, in pixels of the working picture."""
+    if known.texts and not sheet.skew_deg:
+        return tuple(replace(t, corners_px=t.corners_px * sheet.shrink) for t in known.texts)
     return tuple(
         replace(text, corners_px=text.corners_px / sheet.fine_per_px)
         for text in read_texts(sheet.fine)
@@ -156,9 +172,13 @@ def _take_part(reading: _Reading, part: int) -> tuple[_Reading, list[str]]:
     return chosen, [f"the sheet shows {len(parts)} plans; {which}, --part N takes another"]
 
 
-def _scale(reading: _Reading, texts: Sequence[Text], given: float | None) -> Scale:
+def _scale(
+    reading: _Reading, texts: Sequence[Text], given: float | None, stated: float | None
+) -> Scale:
     polygons = [outline.polygon_px for outline in reading.outlines]
     printed = estimates(texts, polygons, reading.strokes.ink)
+    if stated:
+        printed.append(Estimate(STATED, stated, "1:n"))
     walls = WALL_THICKNESS_M / reading.strokes.thickness_px
     return choose_scale(printed, reading.doors_m_per_px, walls, given)
 

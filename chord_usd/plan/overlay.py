@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -13,7 +14,11 @@ from chord_usd.errors import PlanError
 from chord_usd.files import write_atomic
 from chord_usd.geometry import footprint
 from chord_usd.plan.picture import read_picture
-from chord_usd.plan.placement import frame_of
+from chord_usd.plan.placement import DRAWING, PAGE, frame_of
+from chord_usd.plan.sheet import UPRIGHT, turned
+from chord_usd.plan.vector.backdrop import backdrop
+from chord_usd.plan.vector.formats import is_vector
+from chord_usd.plan.vector.pdf import read_pages
 from chord_usd.types import ByteArray, FloatArray, Plan
 from chord_usd.units import px_from_m
 
@@ -50,13 +55,27 @@ def overlay(plan: Plan, rgb: ByteArray) -> ByteArray:
     return canvas
 
 
-def draw_overlay(plan: Plan, picture: Path, target: Path) -> None:
-    """Write the overlay of a plan on the picture it was read from. Raises ChordError."""
+def draw_overlay(plan: Plan, source: Path, target: Path) -> None:
+    """Write the overlay of a plan on the file it was read from. Raises ChordError."""
     from PIL import Image
 
     buffer = io.BytesIO()
-    Image.fromarray(overlay(plan, read_picture(picture).rgb), "RGB").save(buffer, "PNG")
+    picture = overlay_on(plan, source)
+    Image.fromarray(picture, "RGB").save(buffer, "PNG")
     write_atomic(target, buffer.getvalue())
+
+
+def overlay_on(plan: Plan, source: Path) -> ByteArray:
+    """(H, W, 3) the overlay on a picture, a page, or the shapes of a vector file."""
+    if is_vector(source):
+        rgb, entry = backdrop(source, plan)
+        return overlay(replace(plan, extra={**plan.extra, **entry}), rgb)
+    if source.suffix.lower() == ".pdf":
+        number = int(plan.extra.get(PAGE, 1))
+        return overlay(plan, next(p.rgb for p in read_pages(source) if p.number == number))
+    skew_deg = plan.extra.get(DRAWING, {}).get(UPRIGHT, {}).get("skewDeg", 0.0)
+    rgb = read_picture(source).rgb
+    return overlay(plan, turned(rgb, skew_deg) if skew_deg else rgb)
 
 
 def _outline(

@@ -10,6 +10,9 @@ from chord_usd.types import PixelFrame, Plan
 DRAWING = "drawing"
 """Key of Plan.extra."""
 
+PAGE = "page"
+"""Key of Plan.extra: the page of a PDF that was read, from 1."""
+
 WARNINGS = "warnings"
 """Key of Plan.extra: sentences about what a user should know of the plan."""
 

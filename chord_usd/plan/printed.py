@@ -31,6 +31,9 @@ _BREAK_PX = 3
 _BAR_NUMBERS = 3
 _BAR_SLACK = 0.05
 
+STATED = "stated scale"
+"""Witness: a scale such as 1:100, on paper whose size is known."""
+
 _NAMES = {"size": "room sizes", "area": "room areas", "length": "dimension lines"}
 
 
@@ -39,7 +42,7 @@ class Estimate:
     """One printed measure's word on the scale."""
 
     witness: str
-    """Room sizes, room areas, dimension lines or scale bar."""
+    """Room sizes, room areas, dimension lines, scale bar or stated scale."""
     m_per_px: float
     text: str
     """What is printed."""

@@ -1,7 +1,8 @@
-"""Plan file -> Plan: CHOrD JSON, a plan raster, or any other drawing of a floor plan."""
+"""Plan file -> Plan: CHOrD JSON, vector files, a plan raster, or any other drawing of a plan."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,10 +12,11 @@ from chord_usd import palette
 from chord_usd.chord_json import read_plan
 from chord_usd.errors import PlanError
 from chord_usd.plan.decode import decode_plan
-from chord_usd.plan.drawing import read_drawing
+from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.picture import read_picture
-from chord_usd.plan.placement import WARNINGS
+from chord_usd.plan.placement import PAGE, WARNINGS
 from chord_usd.plan.vector.formats import is_vector, read_vector
+from chord_usd.plan.vector.pdf import PdfPage, read_pages
 from chord_usd.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
@@ -25,20 +27,25 @@ _SAMPLES = 50_000
 
 
 def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Plan:
-    """The plan in a file: CHOrD JSON or a picture of whatever kind.
+    """The plan in a file: CHOrD JSON, SVG, DXF, IFC, Sweet Home 3D, PDF, or any kind of picture.
 
-    scale: metres per pixel of a picture; None takes it from the picture's own text, its doors or
-    its walls. What is worth knowing, such as that no doors were found, is listed in
+    scale: metres per pixel of a picture, or per unit of a vector file; None takes it from the file,
+    from what is printed, from doors or from walls. part: which plan of a sheet or which storey, the
+    largest being 1. What is worth knowing, such as that no doors were found, is listed in
     extra["warnings"]. Raises PlanError.
     """
     if path.is_dir():
-        raise PlanError("is a folder", where=str(path), expected="a plan: a picture or CHOrD JSON")
+        raise PlanError(
+            "is a folder", where=str(path), expected="a plan: a picture, SVG, DXF, IFC, PDF or JSON"
+        )
     plan = _read(path, scale, part)
     warnings = _warnings(plan)
     return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
 
 
 def _read(path: Path, scale: float | None, part: int) -> Plan:
+    if path.suffix.lower() == ".pdf":
+        return _plan_of_pdf(path, scale, part)
     if is_vector(path):
         return read_vector(path, scale, part)
     return read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part)
@@ -65,10 +72,40 @@ def _plan_of_picture(path: Path, scale: float | None, part: int) -> Plan:
         else:
             plan = read_drawing(picture.rgb, scale, part)
     except PlanError as error:
-        raise PlanError(
-            error.what, where=str(path), expected=error.expected, try_=error.try_
-        ) from error
+        raise _at(path, error) from error
     return plan
+
+
+def _plan_of_pdf(path: Path, scale: float | None, part: int) -> Plan:
+    """The plan on the first page that shows one."""
+    first: PlanError | None = None
+    for page in _pages(path):
+        try:
+            known = Known(page.texts, page.stated_m_per_px)
+            plan = read_drawing(page.rgb, scale, part, known)
+        except PlanError as error:
+            first = first or error
+            continue
+        if page.count == 1:
+            return plan
+        told = f"the file has {page.count} pages; page {page.number} was read"
+        return replace(
+            plan, extra={**plan.extra, PAGE: page.number, WARNINGS: [told, *_told(plan)]}
+        )
+    raise _at(path, first or PlanError("has no pages"))
+
+
+def _pages(path: Path) -> Iterator[PdfPage]:
+    try:
+        yield from read_pages(path)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
+
+
+def _at(path: Path, error: PlanError) -> PlanError:
+    """The error with the file it is about."""
+    return PlanError(error.what, where=str(path), expected=error.expected, try_=error.try_)
 
 
 def is_plan_raster(rgb: ByteArray) -> bool:
@@ -87,8 +124,12 @@ def is_plan_raster(rgb: ByteArray) -> bool:
     return has_openings and bool(known.mean() >= _PALETTE_SHARE)
 
 
+def _told(plan: Plan) -> list[str]:
+    return list(plan.extra.get(WARNINGS, ()))
+
+
 def _warnings(plan: Plan) -> list[str]:
-    warnings = list(plan.extra.get(WARNINGS, ()))
+    warnings = _told(plan)
     kinds = [opening.kind for opening in plan.openings]
     if "door" not in kinds and "passage" not in kinds:
         warnings.append("no doors were found: rooms cannot be entered")

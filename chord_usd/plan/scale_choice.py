@@ -25,6 +25,7 @@ _ODD = math.log(1.6)
 
 _TRUST = {
     "room sizes": 3.0, "dimension lines": 2.0, "scale bar": 4.0, "room areas": 1.5,
+    "stated scale": 4.0,
 }  # fmt: skip
 """Areas are rounded, and count wardrobes in one country and not in the other."""
 
@@ -37,7 +38,7 @@ class Scale:
 
     m_per_px: float
     witness: str
-    """Given, file, room sizes, room areas, dimension lines, scale bar, doors or walls."""
+    """Given, file, doors, walls, or a printed measure: see printed.Estimate."""
     count: int = 1
     """How many measures speak for it."""
     agreement: float = 1.0

@@ -173,6 +173,7 @@ BAD: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "no ifc": (".ifc", lambda p: p.write_text("plan"), "is not an IFC file"),
     "cut ifc": (".ifc", lambda p: p.write_text("ISO-10303-21;\nHEADER;"), "IFC"),
     "missing": (".dxf", lambda p: None, "no such file"),
+    "no pdf": (".pdf", lambda p: p.write_text("plan"), "is not a PDF"),
     "folder": (".ifc", lambda p: p.mkdir(), "is a folder"),
 }
 
@@ -198,3 +199,68 @@ def test_walls_alone_make_rooms(tmp_path: Path) -> None:
     assert polygons_of(wall_area(())) == []
     with pytest.raises(PlanError, match="neither walls nor rooms"):
         read_plan_file(tmp_path / "empty.svg")
+
+
+# PDF ---------------------------------------------------------------------------------------------
+
+
+def write_pdf(path: Path, *texts: tuple[float, float, str], scale: int = 100) -> float:
+    """A page with the plan's walls and openings drawn at 1:scale, and texts at places in metres.
+
+    Returns the plan's floor area.
+    """
+    from matplotlib.backends.backend_pdf import PdfPages
+    from matplotlib.figure import Figure
+
+    inch = 1 / 0.0254 / scale
+    figure = Figure(figsize=(11.69, 8.27))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(-1, 11.69 / inch - 1), ylim=(-1, 8.27 / inch - 1))
+    axes.axis("off")
+    walls = wall_area(PLAN.rooms)
+    low = corner(PLAN)
+    for opening in PLAN.openings:
+        walls = walls.difference(footprint_polygon(opening.box).buffer(1e-6))
+        hole = np.array(footprint_polygon(opening.box).exterior.coords) - low
+        if opening.kind != "passage":
+            axes.plot(*hole.T, color="black", linewidth=0.5)
+    for wall in polygons_of(walls):
+        axes.fill(*(np.array(wall.exterior.coords) - low).T, color="black")
+        for ring in wall.interiors:
+            axes.fill(*(np.array(ring.coords) - low).T, color="white")
+    for x, y, text in texts:
+        axes.text(x, y, text, fontsize=7, ha="center")
+    with PdfPages(path) as pages:
+        pages.savefig(figure)
+    return area(PLAN)
+
+
+def test_a_pdf_page_is_read_at_its_stated_scale(tmp_path: Path) -> None:
+    middles = [np.array(room_polygon(r).representative_point().coords[0]) for r in PLAN.rooms]
+    names = [(*(m - corner(PLAN)), r.kind) for m, r in zip(middles, PLAN.rooms, strict=True)]
+    floor_m2 = write_pdf(tmp_path / "plan.pdf", *names, (5, 15, "Ground floor 1:100"))
+    plan = read_plan_file(tmp_path / "plan.pdf")
+    assert plan.extra["scale"]["witness"] == "stated scale"
+    assert area(plan) == pytest.approx(floor_m2, rel=0.03)
+    assert "unknown" not in {room.kind for room in plan.rooms}
+
+
+def test_a_password_is_told(tmp_path: Path) -> None:
+    # An encryption dictionary without the password to it.
+    (tmp_path / "plan.pdf").write_bytes(
+        b"%PDF-1.4\n1 0 obj<</Type/Catalog/Pages 2 0 R>>endobj\n"
+        b"2 0 obj<</Type/Pages/Kids[]/Count 0>>endobj\n"
+        b"3 0 obj<</Filter/Standard/V 1/R 2/O<" + b"41" * 32 + b">/U<" + b"42" * 32 + b">/P -4>>"
+        b"endobj\ntrailer<</Root 1 0 R/Encrypt 3 0 R/ID[<41><41>]/Size 4>>\n%%EOF"
+    )
+    with pytest.raises(PlanError, match="protected by a password"):
+        read_plan_file(tmp_path / "plan.pdf")
+
+
+def test_the_overlay_of_a_vector_file_shows_its_walls(tmp_path: Path) -> None:
+    from chord_usd.plan.overlay import overlay_on
+
+    write_sweethome(tmp_path / "home.sh3d")
+    picture = overlay_on(read_plan_file(tmp_path / "home.sh3d"), tmp_path / "home.sh3d")
+    assert picture.shape[2] == 3
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 4

@@ -1,0 +1,141 @@
+"""Printed measures, and which of several witnesses of the scale to believe."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chord_usd.plan.measures import parse_measure
+from chord_usd.plan.printed import Estimate, estimates
+from chord_usd.plan.scale_choice import choose_scale
+from chord_usd.plan.text import Text
+
+MEASURES = {
+    "13m²": ("area", (13.0,)),
+    "41 m2": ("area", (41.0,)),
+    "8,5 ㎡": ("area", (8.5,)),
+    "120 sq ft": ("area", (11.148,)),
+    "LDK 12.5帖": ("area", (20.25,)),
+    "6 畳": ("area", (9.72,)),
+    "8 jo": ("area", (12.96,)),
+    "3.45 x 2.90": ("size", (3.45, 2.9)),
+    "3,45m × 2,90m": ("size", (3.45, 2.9)),
+    "322 X 347": ("size", (3.22, 3.47)),
+    "3220x3470": ("size", (3.22, 3.47)),
+    "10'1\" × 11'1\"": ("size", (3.073, 3.378)),
+    "11'1° × 13'6\"": ("size", (3.378, 4.115)),
+    "12'-6\"": ("length", (3.81,)),
+    "12ft 6in": ("length", (3.81,)),
+    "4500": ("length", (4.5,)),
+    "3.5 m": ("length", (3.5,)),
+    "350 cm": ("length", (3.5,)),
+}
+
+
+@pytest.mark.parametrize("text", MEASURES)
+def test_measures_are_read_in_metres(text: str) -> None:
+    kind, values = MEASURES[text]
+    measure = parse_measure(text)
+    assert measure is not None
+    assert measure.kind == kind
+    assert measure.values == pytest.approx(values, rel=1e-3)
+
+
+@pytest.mark.parametrize("text", ["", "BH=700", "2", "Bedroom 2", "18", "9000 m²", "0 x 0", "x"])
+def test_what_no_room_measures_is_no_measure(text: str) -> None:
+    assert parse_measure(text) is None
+
+
+@given(st.text(max_size=30))
+def test_no_text_is_too_strange(text: str) -> None:
+    measure = parse_measure(text)
+    assert measure is None or all(value > 0.0 for value in measure.values)
+
+
+# Estimates ---------------------------------------------------------------------------------------
+
+
+def text_at(said: str, x: float, y: float, *, width: float = 40.0, height: float = 10.0) -> Text:
+    half = np.array([width, height]) / 2
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    return Text(said, np.array([x, y]) + signs * half, 1.0)
+
+
+def test_room_sizes_may_be_printed_either_way_round() -> None:
+    room = np.array([[0, 0], [400, 0], [400, 300], [0, 300]], float)
+    for said in ("4.00 x 3.00", "3.00 x 4.00", "400 x 300"):
+        (estimate,) = estimates([text_at(said, 200, 150)], [room])
+        assert estimate.m_per_px == pytest.approx(0.01)
+    # The proportions of another room.
+    assert estimates([text_at("4.00 x 1.50", 200, 150)], [room]) == []
+    assert estimates([text_at("4.00 x 3.00", 900, 150)], [room]) == []
+
+
+def test_areas_of_an_open_plan_are_added() -> None:
+    room = np.array([[0, 0], [400, 0], [400, 300], [0, 300]], float)
+    (estimate,) = estimates([text_at("8 m²", 100, 100), text_at("4 m²", 300, 200)], [room])
+    assert estimate.m_per_px == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("broken", [False, True])
+def test_a_dimension_line_is_measured_between_its_ticks(turned: bool, broken: bool) -> None:
+    canvas = np.zeros((200, 700), np.uint8)
+    y = 80 if broken else 92
+    for x in (50, 250, 650):
+        cv2.line(canvas, (x - 5, y + 5), (x + 5, y - 5), (255,), 2)
+    cv2.line(canvas, (50, y), (650, y), (255,), 1)
+    if broken:
+        canvas[60:100, 125:175] = canvas[60:100, 425:475] = 0
+    texts = [text_at("2000", 150, 80), text_at("4000", 450, 80)]
+    ink = canvas > 0
+    if turned:
+        ink = ink.T
+        texts = [Text(t.text, t.corners_px[:, ::-1], 1.0) for t in texts]
+    sure = [e.m_per_px for e in estimates(texts, [], ink)]
+    assert sum(value == pytest.approx(0.01, rel=0.02) for value in sure) == 2
+
+
+def test_a_scale_bar_is_read_in_one_piece_or_in_several() -> None:
+    numbers = [text_at(said, 100 + 80 * i, 50, width=8) for i, said in enumerate("0123")]
+    (estimate,) = estimates([*numbers, text_at("4m", 420, 50, width=16)], [])
+    assert estimate.m_per_px == pytest.approx(1 / 80, rel=0.02)
+
+
+# Choice ------------------------------------------------------------------------------------------
+
+
+def printed(*values: float, witness: str = "room sizes") -> list[Estimate]:
+    return [Estimate(witness, value, f"{i}") for i, value in enumerate(values)]
+
+
+def test_printed_measures_that_agree_outvote_one_that_does_not() -> None:
+    scale = choose_scale(printed(0.0101, 0.0099, 0.0100, 0.0300), doors=0.012, walls=0.015)
+    assert scale.witness == "room sizes"
+    assert scale.m_per_px == pytest.approx(0.01, rel=0.02)
+    assert scale.count == 3
+    assert scale.agreement == pytest.approx(0.75)
+
+
+def test_a_lone_misread_measure_loses_to_the_doors() -> None:
+    assert choose_scale(printed(0.1), doors=0.012, walls=0.015).witness == "doors"
+    assert choose_scale(printed(0.011), doors=0.012, walls=0.015).witness == "room sizes"
+    assert choose_scale([], doors=None, walls=0.015).witness == "walls"
+
+
+def test_the_scale_given_wins_and_the_report_tells_what_the_others_say() -> None:
+    scale = choose_scale(printed(0.01), doors=0.012, walls=0.015, given=0.02)
+    report = scale.report()
+    assert (report["mPerPx"], report["witness"], report["confidence"]) == (0.02, "given", 1.0)
+    assert report["says"] == {"doors": 0.012, "room sizes": 0.01, "walls": 0.015}
+    assert scale.warnings() == []
+
+
+def test_witnesses_far_apart_are_a_warning() -> None:
+    assert choose_scale([], doors=0.01, walls=0.012).warnings() == []
+    assert "guess" in choose_scale([], doors=None, walls=0.012).warnings()[0]
+    scale = choose_scale(printed(0.01, 0.01, 0.01), doors=0.02, walls=0.01)
+    assert "doors say 2.00 times" in scale.warnings()[0]
