@@ -22,7 +22,10 @@ from pathlib import Path
 from results import write_section
 
 ROOT = Path(__file__).parents[1]
-IMPORTS = "chord_usd.layout.sample, chord_usd.graph.extract, chord_usd.stage.author"
+IMPORTS = (
+    "onnxruntime, chord_usd.plan.read, chord_usd.layout.sample, chord_usd.graph.extract, "
+    "chord_usd.assets.database, chord_usd.stage.author"
+)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ holds, beside its weights, how they are computed with: network.onnx, which train
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,7 +68,7 @@ def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[np.float16]]:
         return load_file(path)
     except (OSError, SafetensorError) as error:
         raise CheckpointError(
-            f"the weights cannot be read ({_first_line(error)})",
+            f"the weights are damaged or cannot be read ({_first_line(error)})",
             where=str(path),
             expected="a safetensors file",
             try_=try_,
@@ -83,7 +84,7 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
 
     weights = read_weights(folder / WEIGHTS_FILE, try_)
     options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
+    options.intra_op_num_threads = threads or usable_cores()
     options.log_severity_level = 3
     options.add_external_initializers(*_initializers(weights))
     path = folder / GRAPH_FILE
@@ -97,6 +98,12 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
             try_=try_,
         ) from error
     return Network(session, path)
+
+
+def usable_cores() -> int:
+    """Cores this process may use; the runtime would count those of the machine."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def _initializers(weights: Mapping[str, npt.NDArray[Any]]) -> tuple[Sequence[str], Sequence[Any]]:

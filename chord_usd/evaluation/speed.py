@@ -8,8 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import torch
-
 from chord_usd.data.splits import split_hash
 from chord_usd.evaluation.cases import Case
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled, score_layouts
@@ -17,6 +15,7 @@ from chord_usd.evaluation.realism import Encoder, Realism, realism, reference_la
 from chord_usd.evaluation.report import figure_png, markdown_table, new_figure, score_text
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.scores import Score
+from chord_usd.networks import usable_cores
 from chord_usd.raster import draw_plan
 
 DEFAULT_STEPS = (1, 2, 5, 10, 20, 50, 100)
@@ -95,7 +94,7 @@ def measure_speed(
         plans=len(cases),
         checkpoint=model.checkpoint.content_hash,
         device=model.device,
-        threads=torch.get_num_threads(),
+        threads=usable_cores(),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         default_steps=model.config.default_steps,
     )

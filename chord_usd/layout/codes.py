@@ -13,6 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.palette import HOUSE_CATEGORIES
+from chord_usd.types import BoolArray, ByteArray
+
+StateArray = npt.NDArray[np.float32]
 
 CODE_BITS = 16
 CLASS_COUNT = 1 + len(HOUSE_CATEGORIES)
@@ -35,3 +38,10 @@ def codebook(count: int = CLASS_COUNT) -> npt.NDArray[np.float32]:
         parity = [(position & mask).bit_count() for position in range(CODE_BITS)]
         words.append([(bit + sign) % 2 for bit in parity])
     return 1.0 - 2.0 * np.array(words, np.float32)
+
+
+def encode(labels: ByteArray, front: BoolArray, count: int = CLASS_COUNT) -> StateArray:
+    """(STATE_CHANNELS, H, W) clean state of labels (H, W) < count and their front marks."""
+    words = codebook(count)[labels].transpose(2, 0, 1)
+    marks = np.where(front & (labels > 0), np.float32(1.0), np.float32(-1.0))
+    return np.concatenate([words, marks[None]])

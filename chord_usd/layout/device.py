@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeVar
-
-import torch
 
 from chord_usd.errors import ChordError
 
@@ -19,7 +19,9 @@ _NO_MEMORY_WORDS = ("not enough memory", "can't allocate memory", "out of memory
 
 def choose_device(name: str) -> str:
     """auto, cpu or cuda to what torch takes. Raises ChordError where CUDA is absent."""
-    has_cuda = torch.cuda.is_available()
+    if name == "cpu":
+        return name
+    has_cuda = _has_cuda()
     if name == "auto":
         return "cuda" if has_cuda else "cpu"
     if name.startswith("cuda") and not has_cuda:
@@ -35,13 +37,25 @@ def half_precision(device: str) -> AbstractContextManager[Any]:
 
     Processors without bfloat16 instructions would emulate them, at several times the cost.
     """
+    import torch
+
     kind = torch.device(device).type
-    fast = torch.cuda.is_bf16_supported() if kind == "cuda" else _cpu_has_bfloat16()
+    if kind == "cuda":
+        fast = torch.cuda.is_bf16_supported()
+    else:
+        fast = bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
     return torch.autocast(kind, torch.bfloat16) if fast else nullcontext()
 
 
-def _cpu_has_bfloat16() -> bool:
-    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
+def _has_cuda() -> bool:
+    """Asks torch only where there is a driver: importing it costs more than a layout."""
+    try:
+        ctypes.CDLL("nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1")
+    except OSError:
+        return False
+    import torch
+
+    return torch.cuda.is_available()
 
 
 def in_batches(
@@ -78,11 +92,12 @@ def in_batches(
 
 def is_out_of_memory(error: BaseException) -> bool:
     """Whether an error of torch or Python says that memory ended."""
-    if isinstance(error, MemoryError | torch.OutOfMemoryError):
+    if isinstance(error, MemoryError):
         return True
     return any(words in str(error).lower() for words in _NO_MEMORY_WORDS)
 
 
 def _give_memory_back() -> None:
-    if torch.cuda.is_available():
+    torch = sys.modules.get("torch")
+    if torch and torch.cuda.is_available():
         torch.cuda.empty_cache()

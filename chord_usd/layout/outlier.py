@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import torch
-from torch import Tensor
 
 from chord_usd import raster
-from chord_usd.layout.sample import LayoutModel, Plans
-from chord_usd.layout.schedule import training_scheduler
+from chord_usd.layout.denoiser import Plans
+from chord_usd.layout.sample import LayoutModel
+from chord_usd.layout.schedule import State, alphas_cumprod, noised
 from chord_usd.types import BoolArray, ByteArray, FloatArray, Item, PlanImage
 
 ITEM_NOISE = (8.0, 16.0, 32.0)
@@ -46,9 +45,8 @@ class NoiseError:
 
     def __init__(self, model: LayoutModel) -> None:
         self.model = model
-        self._scheduler = training_scheduler(model.config)
-        alphas = self._scheduler.alphas_cumprod.double()
-        self.noise_to_signal: FloatArray = ((1.0 - alphas) / alphas).sqrt().numpy()
+        self._alphas = alphas_cumprod(model.config)
+        self.noise_to_signal: FloatArray = np.sqrt((1.0 - self._alphas) / self._alphas)
         """(training_steps,) sigma/alpha of each training step, growing."""
 
     def time_of(self, noise_to_signal: float) -> int:
@@ -66,34 +64,33 @@ class NoiseError:
         images = [drawing.plan_image for drawing in drawings]
         windows = self.model.windows(images)
         plans = self.model.plans(images, windows)
-        clean = torch.cat(
+        clean = np.concatenate(
             [
                 self._clean(drawing)[:, :, window[0], window[1]]
                 for drawing, window in zip(drawings, windows, strict=True)
             ]
         )
-        generator = torch.Generator().manual_seed(seed)
+        rng = np.random.default_rng(seed)
         for time in times:
-            noise = torch.randn(clean.shape[1:], generator=generator).to(clean.device)
-            error = self._squared_error(clean, noise.expand_as(clean), plans, time)
-            inside = (error * plans.inside[:, 0]).cpu().numpy()
+            noise = rng.standard_normal(clean.shape[1:], np.float32)
+            error = self._squared_error(clean, np.broadcast_to(noise, clean.shape), plans, time)
+            inside = error * plans.inside[:, 0]
             maps = np.zeros((len(drawings), *drawings[0].labels.shape), np.float32)
             for whole, part, window in zip(maps, inside, windows, strict=True):
                 whole[window] = part
             yield maps
 
-    @torch.inference_mode()
-    def _squared_error(self, clean: Tensor, noise: Tensor, plans: Plans, time: int) -> Tensor:
-        at = torch.full((len(clean),), time, device=clean.device)
-        noisy = self._scheduler.add_noise(clean, noise, at)
-        output = self.model.predict(noisy, at, plans)
-        if self.model.config.prediction == "epsilon":
-            error = output - noise
+    def _squared_error(
+        self, clean: State, noise: State, plans: Plans, time: int
+    ) -> npt.NDArray[np.float32]:
+        noisy = noised(clean, noise, self._alphas[time])
+        estimate = self.model.estimate(noisy, [time] * len(clean), plans)
+        if estimate.clean is None:
+            error = estimate.output - noise
         else:
             # A clean estimate that is off by d is a noise that is off by d · alpha / sigma.
-            estimate = self.model.clean_estimate(output, plans)
-            error = (clean - estimate) / float(self.noise_to_signal[time])
-        return (error**2).mean(dim=1)
+            error = (clean - estimate.clean) / np.float32(self.noise_to_signal[time])
+        return np.asarray((error**2).mean(axis=1), np.float32)
 
     def item_scores(
         self, plan_image: PlanImage, items: Sequence[Item], seed: int = 0
@@ -111,7 +108,7 @@ class NoiseError:
             for time, maps in zip(times, self.maps([drawing], times, seed), strict=True)
         ) / len(times)
         bare = self._clean(Drawing.of(plan_image, []))
-        contrast = ((self._clean(drawing) - bare) ** 2).mean(dim=1)[0].cpu().numpy()
+        contrast = ((self._clean(drawing) - bare) ** 2).mean(axis=1)[0]
         scores = {}
         for item in items:
             pixels = raster.draw_items([item], plan_image.frame)[0] > 0
@@ -120,6 +117,6 @@ class NoiseError:
                 scores[item.id] = round(float(error[pixels].sum()) / expected, 3)
         return scores
 
-    def _clean(self, drawing: Drawing) -> Tensor:
+    def _clean(self, drawing: Drawing) -> State:
         rgb = raster.paint_layout(drawing.plan_image, drawing.labels, drawing.front)
         return self.model.encode(drawing.labels, drawing.front, rgb)

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import torch
-from torch import Tensor
 
 from chord_usd import __version__
-from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint
-from chord_usd.layout.codes import STATE_CHANNELS
-from chord_usd.layout.device import choose_device, half_precision
+from chord_usd.layout.codes import STATE_CHANNELS, encode
+from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
 from chord_usd.layout.levels import traits_of
-from chord_usd.layout.network import RGB_CHANNELS
-from chord_usd.layout.schedule import sampling_scheduler
+from chord_usd.layout.schedule import (
+    DiffusersSampler,
+    Sampler,
+    State,
+    WrittenSampler,
+    alphas_cumprod,
+    noised,
+)
 from chord_usd.layout.window import Window, WindowSize, window_of, window_size
+from chord_usd.progress import Progress
 from chord_usd.raster import paint_layout
 from chord_usd.types import (
     BoolArray,
@@ -31,40 +32,31 @@ from chord_usd.types import (
     frozen_array,
 )
 
-Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Plans:
-    """A batch of plans as tensors."""
-
-    pixels: Tensor
-    grid: Tensor | None
-    inside: Tensor
-    """(B, 1, H, W) floor; items exist nowhere else."""
+RGB_CHANNELS = 3
+_SURE = 50.0
+"""Logit of what is certain."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Kept:
     """What masked diffusion leaves alone."""
 
-    clean: Tensor
+    clean: State
     """(B, C, H, W) clean state."""
-    redrawn: Tensor
+    redrawn: BoolArray
     """(B, 1, H, W) bool: where it does not hold."""
 
 
 class LayoutModel:
     """A trained layout model on a device. Make one with load; sampling is deterministic."""
 
-    def __init__(self, checkpoint: Checkpoint, device: str = "cpu", *, full: bool = False) -> None:
-        """full: float32 throughout, also where bfloat16 would be faster."""
-        self.checkpoint = checkpoint
-        self.config = checkpoint.config
-        self.traits = traits_of(checkpoint.config)
-        self.device = device
-        self._full = full
-        checkpoint.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    def __init__(self, denoiser: Denoiser) -> None:
+        self.checkpoint = denoiser.description
+        self.config = denoiser.description.config
+        self.traits = traits_of(self.config)
+        self.device = denoiser.device
+        self._denoiser = denoiser
+        self._alphas = alphas_cumprod(self.config)
 
     @classmethod
     def load(cls, folder: Path, device: str = "auto") -> LayoutModel:
@@ -73,8 +65,7 @@ class LayoutModel:
         Raises CheckpointError for an unusable folder, ChordError where CUDA is asked for and
         absent.
         """
-        chosen = choose_device(device)
-        return cls(load_checkpoint(folder, chosen), chosen)
+        return cls(load_denoiser(folder, device))
 
     def sample(
         self,
@@ -142,8 +133,7 @@ class LayoutModel:
         before = paint_layout(plan_image, labels, front, self.traits.level)
         window = window_of(plan_image.rgb, self._window_size(plan_image))
         kept = _Kept(
-            self.encode(labels[window], front[window], before[window]),
-            torch.from_numpy(region[window].copy())[None, None].to(self.device),
+            self.encode(labels[window], front[window], before[window]), region[window][None, None]
         )
         final = self._denoise(self.plans([plan_image], [window]), run, kept)
         image = self._picture(plan_image, final[0], run, 0, [window])
@@ -162,88 +152,62 @@ class LayoutModel:
             self.traits.describe(rgb, image.frame.m_per_px, cell)
             for rgb, image in zip(pictures, plan_images, strict=True)
         ]
-        masks = torch.from_numpy(np.stack([condition.pixels for condition in conditions]))
-        inside = masks[:, self.traits.ground_plane, None].to(self.device, torch.float32)
+        masks = np.stack([condition.pixels for condition in conditions])
+        inside = masks[:, self.traits.ground_plane, None] > 0
         if self.config.condition == "rgb":
-            rgb = torch.from_numpy(np.stack(pictures))
-            pixels = rgb.permute(0, 3, 1, 2).to(self.device, torch.float32) / 127.5 - 1.0
-            return Plans(pixels, None, inside)
-        grid = torch.from_numpy(np.stack([condition.grid for condition in conditions]))
-        return Plans(masks.to(self.device, torch.float32), grid.to(self.device), inside)
+            return Plans(np.stack([_as_state(rgb) for rgb in pictures]), None, inside)
+        grid = np.stack([condition.grid for condition in conditions])
+        return Plans(masks.astype(np.float32), grid, inside)
 
-    def encode(self, labels: ByteArray, front: BoolArray, rgb: ByteArray) -> Tensor:
+    def encode(self, labels: ByteArray, front: BoolArray, rgb: ByteArray) -> State:
         """(1, C, H, W) clean state of a layout: its code words, or its (H, W, 3) picture."""
         if self.config.state == "rgb":
-            picture = torch.from_numpy(rgb.copy()).permute(2, 0, 1)[None]
-            return picture.to(self.device, torch.float32) / 127.5 - 1.0
-        marks = torch.from_numpy(front & (labels > 0))[None].to(self.device)
-        names = torch.from_numpy(labels.astype(np.int64))[None].to(self.device)
-        return self.checkpoint.network.encode(names, marks)
+            return _as_state(rgb)[None]
+        return encode(labels, front, self.traits.class_count)[None]
 
-    def predict(self, state: Tensor, times: Tensor, plans: Plans) -> Tensor:
-        """The network's output for a noisy batch, float32 (network.LayoutNetwork.forward)."""
-        with nullcontext() if self._full else half_precision(self.device):
-            output = self.checkpoint.network(state, times, plans.pixels, plans.grid)
-        return output.float()
+    def estimate(self, state: State, times: Sequence[int], plans: Plans) -> Estimate:
+        """What the network says of a noisy batch (B, C, H, W); bare wherever there is no floor."""
+        estimate = self._denoiser.estimate(state, times, plans)
+        if estimate.clean is None:
+            return estimate
+        nothing = np.zeros((1, 1), np.uint8)
+        bare = encode(nothing, nothing > 0, self.traits.class_count)
+        logits = np.full((self.traits.class_count + 1, 1, 1), -_SURE, np.float32)
+        logits[0] = _SURE
+        return Estimate(
+            np.where(plans.inside, estimate.output, logits),
+            np.where(plans.inside, estimate.clean, bare),
+        )
 
-    def clean_estimate(self, output: Tensor, plans: Plans) -> Tensor:
-        """The clean state that category logits stand for: bare wherever there is no floor."""
-        expected = self.checkpoint.network.expected_state(output)
-        return torch.where(plans.inside > 0, expected, self._bare_floor(output))
-
-    @torch.inference_mode()
-    def _denoise(self, plans: Plans, run: _Run, kept: _Kept | None) -> Tensor:
+    def _denoise(self, plans: Plans, run: _Run, kept: _Kept | None) -> State:
         """The reverse process; returns category and front logits, or the clean RGB state."""
-        scheduler = sampling_scheduler(self.config, run.sampler)
-        scheduler.set_timesteps(run.steps, device=self.device)
+        sampler = self._sampler(run)
         noise = self._noise(run.seeds, *plans.pixels.shape[-2:])
-        times = [*scheduler.timesteps, None]
-        state = self._held(noise, noise, kept, scheduler, times[0])
+        levels = [float(self._alphas[time]) for time in sampler.times]
+        state = _held(noise, noise, kept, levels[0])
         output = state
-        for done, (time, after) in enumerate(pairwise(times), start=1):
-            output = self.predict(state, time.expand(len(state)), plans)
-            sample = output if self.config.state == "rgb" else self.clean_estimate(output, plans)
-            stepped = scheduler.step(sample, time, state, **run.randomness()).prev_sample
-            state = self._held(stepped, noise, kept, scheduler, after)
+        for index, (time, after) in enumerate(zip(sampler.times, [*levels[1:], 1.0], strict=True)):
+            estimate = self.estimate(state, [time] * len(state), plans)
+            output = estimate.output
+            prediction = output if estimate.clean is None else estimate.clean
+            state = _held(sampler.step(prediction, index, state), noise, kept, after)
             if run.progress:
-                run.progress(done, run.steps)
-        if self.config.state == "rgb":
-            return state
-        return torch.where(plans.inside > 0, output, self._nothing())
+                run.progress(index + 1, run.steps)
+        return state if self.config.state == "rgb" else output
 
-    @staticmethod
-    def _held(
-        state: Tensor, noise: Tensor, kept: _Kept | None, scheduler: Any, time: Tensor | None
-    ) -> Tensor:
-        """The state with what is kept at its own noise level, which is none after the last step."""
-        if kept is None:
-            return state
-        held = kept.clean
-        if time is not None:
-            held = scheduler.add_noise(kept.clean, noise, time.reshape(1))
-        return torch.where(kept.redrawn, state, held)
+    def _sampler(self, run: _Run) -> Sampler:
+        walk = self.checkpoint.walk
+        if run.sampler == "ddim" and run.steps == len(walk):
+            return WrittenSampler(walk)
+        return DiffusersSampler(self.config, run.sampler, run.steps, run.seeds)
 
-    def _noise(self, seeds: Sequence[int], height: int, width: int) -> Tensor:
-        """Noise is drawn per seed on the CPU, so that batch size and device do not change it."""
+    def _noise(self, seeds: Sequence[int], height: int, width: int) -> State:
+        """Noise is drawn per seed, so that neither batch size nor device changes it."""
         channels = RGB_CHANNELS if self.config.state == "rgb" else STATE_CHANNELS
-        return torch.stack(
-            [
-                torch.randn(
-                    (channels, height, width), generator=torch.Generator().manual_seed(seed)
-                )
-                for seed in seeds
-            ]
-        ).to(self.device)
-
-    def _bare_floor(self, like: Tensor) -> Tensor:
-        labels = torch.zeros((1, *like.shape[-2:]), dtype=torch.long, device=like.device)
-        return self.checkpoint.network.encode(labels, labels > 0)
-
-    def _nothing(self) -> Tensor:
-        """(1, classes + 1, 1, 1) logits of the bare ground without a front mark."""
-        logits = torch.full((1, self.traits.class_count + 1, 1, 1), -50.0, device=self.device)
-        logits[:, 0] = 50.0
-        return logits
+        shape = (channels, height, width)
+        return np.stack(
+            [np.random.default_rng(seed).standard_normal(shape, np.float32) for seed in seeds]
+        )
 
     def windows(self, plan_images: Sequence[PlanImage]) -> list[Window]:
         """What the network looks at of each raster: windows of one size that hold their houses."""
@@ -261,20 +225,20 @@ class LayoutModel:
     def _picture(
         self,
         plan_image: PlanImage,
-        final: Tensor,
+        final: State,
         run: _Run,
         index: int,
         windows: Sequence[Window],
     ) -> LayoutImage:
         if self.config.state == "rgb":
-            rgb = ((final + 1.0) * 127.5).round().clamp(0, 255).byte()
-            pixels = rgb.permute(1, 2, 0).cpu().numpy()
+            rgb = np.clip(np.rint((final + 1.0) * 127.5), 0, 255).astype(np.uint8)
+            pixels = rgb.transpose(1, 2, 0)
         else:
             labels = np.zeros(plan_image.rgb.shape[:2], np.uint8)
             front = np.zeros(labels.shape, np.bool_)
             window = windows[index]
-            labels[window] = final[:-1].argmax(dim=0).cpu().numpy()
-            front[window] = (final[-1] > 0).cpu().numpy() & (labels[window] > 0)
+            labels[window] = final[:-1].argmax(axis=0)
+            front[window] = (final[-1] > 0) & (labels[window] > 0)
             pixels = paint_layout(plan_image, labels, front, self.traits.level)
         provenance = Provenance(
             checkpoint_hash=self.checkpoint.content_hash,
@@ -285,19 +249,26 @@ class LayoutModel:
         return LayoutImage(frozen_array(pixels, np.uint8), plan_image.frame, provenance)
 
 
+@dataclass(frozen=True)
 class _Run:
     """How one batch is sampled."""
 
-    def __init__(
-        self, steps: int, sampler: str, seeds: tuple[int, ...], progress: Progress | None
-    ) -> None:
-        self.steps, self.sampler, self.seeds, self.progress = steps, sampler, seeds, progress
-        # Ancestral sampling draws noise at every step: from its own generators, per picture.
-        self._generators = [torch.Generator().manual_seed(seed + 2**32) for seed in seeds]
+    steps: int
+    sampler: str
+    seeds: tuple[int, ...]
+    progress: Progress | None
 
-    def randomness(self) -> dict[str, Any]:
-        """What scheduler.step needs so that it never draws from torch's global generator."""
-        return {"generator": self._generators} if self.sampler == "ddpm" else {}
+
+def _held(state: State, noise: State, kept: _Kept | None, alpha: float) -> State:
+    """The state with what is kept at the noise level alpha, which is 1 after the last step."""
+    if kept is None:
+        return state
+    return np.where(kept.redrawn, state, noised(kept.clean, noise, alpha))
+
+
+def _as_state(rgb: ByteArray) -> State:
+    """(H, W, 3) picture to (3, H, W) in [-1, 1]."""
+    return np.ascontiguousarray(rgb.transpose(2, 0, 1).astype(np.float32) / 127.5 - 1.0)
 
 
 def _share(progress: Progress | None, before: int, part: int, count: int) -> Progress | None:

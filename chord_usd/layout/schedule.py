@@ -1,20 +1,36 @@
-"""Noise schedules, as diffusers schedulers."""
+"""Noise schedules, and how samplers walk down them, as diffusers has them.
+
+diffusers and torch are imported where they are needed: a walk that a checkpoint has written down
+does without.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from diffusers import DDIMScheduler, DDPMScheduler, DPMSolverMultistepScheduler
 
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.types import FloatArray
+
+if TYPE_CHECKING:
+    import torch
 
 SAMPLERS = ("ddim", "dpm", "ddpm")
+
+State = npt.NDArray[np.float32]
+"""(B, C, H, W)."""
+
+Walk = Sequence[tuple[int, float, float]]
+"""For each step its time, and how much of the noisy state is kept and of the clean one added."""
 
 
 def training_scheduler(config: LayoutConfig) -> Any:
     """Adds noise in training and, over all its steps, samples as DDPM does (paper)."""
+    from diffusers import DDPMScheduler
+
     return DDPMScheduler(**_common(config))
 
 
@@ -23,6 +39,8 @@ def sampling_scheduler(config: LayoutConfig, sampler: str = "ddim") -> Any:
 
     sampler: ddim (deterministic), dpm (DPM-Solver++, second order) or ddpm (ancestral, paper).
     """
+    from diffusers import DDIMScheduler, DDPMScheduler, DPMSolverMultistepScheduler
+
     if sampler == "ddpm":
         return DDPMScheduler(**_common(config), timestep_spacing="trailing")
     if sampler == "dpm":
@@ -56,3 +74,94 @@ def log_snr_betas(config: LayoutConfig) -> npt.NDArray[np.float32]:
     alphas_cumprod = 1.0 / (1.0 + ratio**2)
     previous = np.concatenate([[1.0], alphas_cumprod[:-1]])
     return (1.0 - alphas_cumprod / previous).astype(np.float32)
+
+
+def alphas_cumprod(config: LayoutConfig) -> FloatArray:
+    """(training_steps,) share of the signal's variance that is left at each time."""
+    if config.schedule == "linear":
+        betas = np.linspace(*LINEAR_BETAS, config.training_steps)
+    else:
+        betas = log_snr_betas(config).astype(np.float64)
+    return np.cumprod(1.0 - betas)
+
+
+LINEAR_BETAS = (1e-4, 0.02)
+"""DDPM's (Ho et al., 2020), which diffusers takes where no others are named."""
+
+
+def noised(clean: State, noise: State, alpha: float) -> State:
+    """A clean state at a noise level: the forward process in one step (paper, equation 1)."""
+    return (np.sqrt(alpha) * clean + np.sqrt(1.0 - alpha) * noise).astype(np.float32)
+
+
+def ddim_walk(config: LayoutConfig, steps: int) -> Walk:
+    """The steps of diffusers' DDIM for a network that predicts the clean state.
+
+    Without noise of its own DDIM is linear in both states, so its two weights tell it whole.
+    """
+    import torch
+
+    scheduler = sampling_scheduler(config)
+    scheduler.set_timesteps(steps)
+    zero, one = torch.zeros(1), torch.ones(1)
+    return [
+        (
+            int(time),
+            float(scheduler.step(zero, time, one).prev_sample),
+            float(scheduler.step(one, time, zero).prev_sample),
+        )
+        for time in scheduler.timesteps
+    ]
+
+
+class Sampler(Protocol):
+    """Steps down from noise to a clean state."""
+
+    times: list[int]
+    """Of the steps, falling, in [0, training_steps)."""
+
+    def step(self, prediction: State, index: int, state: State) -> State:
+        """The state after step index: prediction is the network's, clean state or noise."""
+
+
+class WrittenSampler:
+    """DDIM by the walk that a checkpoint has written down."""
+
+    def __init__(self, walk: Walk) -> None:
+        self.times = [time for time, _, _ in walk]
+        self._walk = walk
+
+    def step(self, prediction: State, index: int, state: State) -> State:
+        """The next state."""
+        _, keep, pull = self._walk[index]
+        return (np.float32(keep) * state + np.float32(pull) * prediction).astype(np.float32)
+
+
+class DiffusersSampler:
+    """Any sampler of diffusers."""
+
+    def __init__(
+        self, config: LayoutConfig, sampler: str, steps: int, seeds: Sequence[int]
+    ) -> None:
+        """seeds: one per picture; samplers that add noise draw it from them, not from a global."""
+        import torch
+
+        self._scheduler = sampling_scheduler(config, sampler)
+        self._scheduler.set_timesteps(steps)
+        self.times = [int(time) for time in self._scheduler.timesteps]
+        self._more: dict[str, list[torch.Generator]] = {}
+        if sampler == "ddpm":
+            generators = [torch.Generator().manual_seed(seed + 2**32) for seed in seeds]
+            self._more = {"generator": generators}
+
+    def step(self, prediction: State, index: int, state: State) -> State:
+        """The next state."""
+        import torch
+
+        stepped = self._scheduler.step(
+            torch.from_numpy(prediction),
+            self._scheduler.timesteps[index],
+            torch.from_numpy(state),
+            **self._more,
+        )
+        return np.asarray(stepped.prev_sample.numpy(), np.float32)

@@ -16,8 +16,8 @@ from chord_usd.layout.measures import (
     near,
     size_planes,
 )
-from chord_usd.palette import BACKGROUND_RGB, SUPPORTS, TOP_SHADES, category, painted
-from chord_usd.table_top import NEIGHBOURS, top_mask
+from chord_usd.palette import SUPPORTS, TOP_SHADES
+from chord_usd.table_top import NEIGHBOURS, border_rgb, top_mask
 from chord_usd.types import BoolArray, ByteArray
 
 PIXEL_PLANES = 1 + len(NEIGHBOURS)
@@ -35,17 +35,13 @@ AREA_PLANE = 1 + len(SUPPORTS)
 FAR_M = 1.0
 """Distances to what is beside the top saturate here."""
 
-_NEIGHBOUR_RGB = [
-    category(name).rgb if kind == "wall" else painted(BACKGROUND_RGB, category(name).rgb)
-    for kind, name in NEIGHBOURS.items()
-]
 _SHADE_LEVELS = np.array([TOP_SHADES[name][0] for name in SUPPORTS])
 
 
 def table_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
     """Masks and measures of an (H, W, 3) top view; one grid cell is cell_px pixels wide."""
     top = top_mask(rgb)
-    beside = [near(rgb, color) & ~top for color in _NEIGHBOUR_RGB]
+    beside = [near(rgb, border_rgb(kind)) & ~top for kind in NEIGHBOURS]
     half = cell_px // 2
     coarse = top[half::cell_px, half::cell_px].astype(np.int32)
     grid = np.concatenate(

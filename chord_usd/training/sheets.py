@@ -13,6 +13,7 @@ from chord_usd import raster
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.training.stream import Drawn
 from chord_usd.types import ByteArray
 
@@ -25,7 +26,7 @@ def draw_sheet(
     network: LayoutNetwork, path: Path, device: torch.device, examples: Sequence[Drawn]
 ) -> None:
     """Writes a PNG: a column per held-out example; above what the data holds, then two samples."""
-    model = LayoutModel(Checkpoint(network, network.config, "", {}), str(device))
+    model = LayoutModel(TorchDenoiser(Checkpoint(network, network.config), str(device)))
     images = [example.image for example in examples]
     steps = min(model.config.default_steps, MOST_STEPS)
     rows = [

@@ -21,6 +21,7 @@ from chord_usd.layout.levels import traits_of
 from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
+from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.shards import load_state, save_state
 from chord_usd.training.stream import Batch, BatchStream, batch_loader
@@ -145,6 +146,7 @@ class LayoutTrainer:
         }
         save_state(self.folder / STATE_FOLDER, tensors, counters)
         save_checkpoint(self.folder / "checkpoint", self.average, self.training_record())
+        write_layout_graph(self.folder / "checkpoint", self.average)
 
     def training_record(self) -> dict[str, object]:
         """What the model card says of this run."""

@@ -21,6 +21,7 @@ from chord_usd.layout.config import PRESETS
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.outlier import NoiseError
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.scores import Score
 from chord_usd.types import Provenance
@@ -36,7 +37,7 @@ def network_model():
     """A model that was never trained: its pictures are noise."""
     torch.manual_seed(0)
     network = LayoutNetwork(TINY).eval().requires_grad_(False)
-    return LayoutModel(Checkpoint(network, TINY, "hash", {}))
+    return LayoutModel(TorchDenoiser(Checkpoint(network, TINY, "hash", {})))
 
 
 class Drawer:

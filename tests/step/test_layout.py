@@ -1,6 +1,8 @@
 """The layout model: schedules against diffusers' own, sampling, checkpoints."""
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -15,9 +17,19 @@ from chord_usd.layout.config import PRESETS, LayoutConfig
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.schedule import SAMPLERS, sampling_scheduler, training_scheduler
+from chord_usd.layout.schedule import (
+    SAMPLERS,
+    DiffusersSampler,
+    WrittenSampler,
+    alphas_cumprod,
+    ddim_walk,
+    sampling_scheduler,
+    training_scheduler,
+)
+from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.palette import CATEGORIES
 from chord_usd.raster import paint_layout
+from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.types import PixelFrame, PlanImage
 
 TINY = replace(
@@ -33,7 +45,7 @@ TINY_PAPER = replace(
 def model(request):
     torch.manual_seed(0)
     network = LayoutNetwork(request.param).eval().requires_grad_(False)
-    return LayoutModel(Checkpoint(network, request.param, "hash", {}))
+    return LayoutModel(TorchDenoiser(Checkpoint(network, request.param, "hash", {})))
 
 
 def _plan_image(width_px: int = 180) -> PlanImage:
@@ -53,7 +65,7 @@ def test_same_seed_same_pixels_other_seed_other_pixels(model):
 def test_a_batch_gives_each_plan_what_it_would_get_alone():
     torch.manual_seed(0)
     network = LayoutNetwork(TINY).eval().requires_grad_(False)
-    model = LayoutModel(Checkpoint(network, TINY, "hash", {}))
+    model = LayoutModel(TorchDenoiser(Checkpoint(network, TINY, "hash", {})))
     batch = model.sample_batch([_plan_image(180), _plan_image(120)], seeds=[1, 2])
     alone = model.sample(_plan_image(120), seed=2)
     same = (batch[1].rgb == alone.rgb).all(axis=2).mean()
@@ -64,7 +76,7 @@ def test_nothing_is_painted_outside_the_house():
     torch.manual_seed(0)
     network = LayoutNetwork(TINY).eval().requires_grad_(False)
     plan = _plan_image()
-    layout = LayoutModel(Checkpoint(network, TINY, "hash", {})).sample(plan, seed=0)
+    layout = LayoutModel(TorchDenoiser(Checkpoint(network, TINY, "hash", {}))).sample(plan, seed=0)
     floor = np.zeros((256, 256), bool)
     floor[36:214, 26:194] = True
     assert np.array_equal(layout.rgb[~floor], plan.rgb[~floor])
@@ -103,6 +115,54 @@ def test_every_sampler_takes_the_steps_it_is_given(model, sampler):
 
 def test_the_command_line_offers_the_samplers_there_are():
     assert set(offered.SAMPLERS) == set(SAMPLERS)
+
+
+def test_the_graph_draws_what_the_network_does(tmp_path):
+    torch.manual_seed(0)
+    network = LayoutNetwork(TINY).eval().requires_grad_(False)
+    save_checkpoint(tmp_path, network, {})
+    write_layout_graph(tmp_path, network)
+    fast = LayoutModel.load(tmp_path, "cpu")
+    slow = LayoutModel(TorchDenoiser(load_checkpoint(tmp_path), full=True))
+    for width, steps in ((180, TINY.default_steps), (120, 3)):
+        one, other = (m.sample(_plan_image(width), steps=steps) for m in (fast, slow))
+        assert (one.rgb == other.rgb).all(axis=2).mean() > 0.999
+        assert one.provenance == other.provenance
+
+
+def test_shipped_models_draw_without_torch():
+    code = (
+        "import sys; from chord_usd.layout.sample import LayoutModel;"
+        "from chord_usd.locations import checkpoint_folder;"
+        "from chord_usd.raster import draw_plan; from chord_usd.data.houses import random_plan;"
+        "import numpy; plan = draw_plan(random_plan(numpy.random.default_rng(1)));"
+        "LayoutModel.load(checkpoint_folder('plan2layout'), 'cpu').sample(plan);"
+        "from chord_usd.graph.detect import load_item_detector;"
+        "load_item_detector().detect(plan.rgb);"
+        "assert not {'torch', 'diffusers', 'ultralytics'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_written_walk_is_that_of_diffusers():
+    config = PRESETS["default"]
+    written = WrittenSampler(ddim_walk(config, 6))
+    diffusers = DiffusersSampler(config, "ddim", 6, [0])
+    assert written.times == diffusers.times
+    rng = np.random.default_rng(0)
+    state = rng.standard_normal((1, 3, 4, 4), np.float32)
+    for index in range(6):
+        clean = rng.standard_normal(state.shape, np.float32)
+        after = written.step(clean, index, state)
+        np.testing.assert_allclose(after, diffusers.step(clean, index, state), atol=1e-5)
+        state = after
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_noise_levels_are_those_of_training(preset):
+    config = PRESETS[preset]
+    trained = training_scheduler(config).alphas_cumprod.double().numpy()
+    np.testing.assert_allclose(alphas_cumprod(config), trained, rtol=1e-3)
 
 
 def test_progress_counts_every_step(model):

@@ -10,10 +10,13 @@ import torch
 
 from chord_usd import raster
 from chord_usd.layout.checkpoint import Checkpoint
+from chord_usd.layout.codes import encode
 from chord_usd.layout.config import PRESETS
+from chord_usd.layout.denoiser import Estimate
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.outlier import Drawing, NoiseError
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.layout.torch_denoiser import TorchDenoiser
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16
@@ -30,7 +33,7 @@ def drawing(furnished_house):
 def model(request):
     torch.manual_seed(0)
     network = LayoutNetwork(request.param).eval().requires_grad_(False)
-    return LayoutModel(Checkpoint(network, request.param, "hash", {}))
+    return LayoutModel(TorchDenoiser(Checkpoint(network, request.param, "hash", {})))
 
 
 class Knowing(LayoutModel):
@@ -38,19 +41,16 @@ class Knowing(LayoutModel):
 
     def tell(self, drawing: Drawing) -> None:
         (window,) = self.windows([drawing.plan_image])
-        self.labels = torch.from_numpy(drawing.labels[window].astype(np.int64))[None]
-        self.front = torch.from_numpy(drawing.front[window].copy())[None]
+        self.clean = encode(drawing.labels[window], drawing.front[window])[None]
 
-    def predict(self, state, times, plans):
-        logits = torch.nn.functional.one_hot(self.labels, 29).permute(0, 3, 1, 2) * 60.0
-        front = torch.where(self.front, 60.0, -60.0)[:, None]
-        return torch.cat([logits, front], dim=1).expand(len(state), -1, -1, -1)
+    def estimate(self, state, times, plans):
+        return Estimate(state, np.broadcast_to(self.clean, state.shape))
 
 
 @pytest.fixture
 def knowing():
     network = LayoutNetwork(TINY).eval().requires_grad_(False)
-    return Knowing(Checkpoint(network, TINY, "hash", {}))
+    return Knowing(TorchDenoiser(Checkpoint(network, TINY, "hash", {})))
 
 
 def test_maps_are_of_floor_and_the_same_again(model, drawing):
@@ -59,7 +59,7 @@ def test_maps_are_of_floor_and_the_same_again(model, drawing):
     again = list(errors.maps([drawing, drawing], [10, 500]))
     assert [one.shape for one in first] == [(2, 256, 256)] * 2
     assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
-    inside = model.plans([drawing.plan_image]).inside[0, 0].numpy() > 0
+    inside = model.plans([drawing.plan_image]).inside[0, 0]
     assert all((one[:, ~inside] == 0).all() and (one >= 0).all() for one in first)
     assert all(one[:, inside].mean() > 0 for one in first)
 
