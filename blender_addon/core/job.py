@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import IO, Any
 
@@ -18,8 +18,8 @@ from .program import clean_environment
 CANCEL_GRACE_S = 5.0
 """How long a cancelled program may take to clean up after itself."""
 
-DONE, CHECK_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
-"""The program's exit codes."""
+DONE, CHECK_FAILED, INTERRUPTED = 0, 1, 130
+"""The program's exit codes; all others are failures that it has put into words."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Job:
     progress: Progress | None = None
     outcome: Outcome | None = None
     _process: subprocess.Popen[str] | None = field(default=None, repr=False)
-    _lines: queue.Queue[str | None] = field(default_factory=queue.Queue, repr=False)
+    _lines: queue.Queue[str] = field(default_factory=queue.Queue, repr=False)
     _said: list[str] = field(default_factory=list, repr=False)
     _answer: list[str] = field(default_factory=list, repr=False)
     _threads: list[threading.Thread] = field(default_factory=list, repr=False)
@@ -85,21 +85,19 @@ class Job:
             reason = error.strerror or type(error).__name__
             self.outcome = Outcome(None, f"{self.command[0]} cannot be started: {reason}")
             return
-        self._follow(self._process.stderr, self._hear)
+        self._follow(self._process.stderr, self._lines.put)
         self._follow(self._process.stdout, self._answer.append)
 
     def poll(self) -> bool:
         """Take in what was said since; True while the program runs."""
-        while not self._lines.empty():
-            self._take(self._lines.get())
+        self._take_in()
         if self.outcome is not None or self._process is None:
             return False
         if self._process.poll() is None:
             return True
         for thread in self._threads:
             thread.join()
-        while not self._lines.empty():
-            self._take(self._lines.get())
+        self._take_in()
         self.outcome = self._ended(self._process.returncode)
         return False
 
@@ -124,7 +122,7 @@ class Job:
         assert self.outcome is not None
         return self.outcome
 
-    def _follow(self, stream: IO[str] | None, take: Any) -> None:
+    def _follow(self, stream: IO[str] | None, take: Callable[[str], None]) -> None:
         def read() -> None:
             for line in stream or ():
                 take(line)
@@ -133,11 +131,12 @@ class Job:
         thread.start()
         self._threads.append(thread)
 
-    def _hear(self, line: str) -> None:
-        self._lines.put(line)
+    def _take_in(self) -> None:
+        while not self._lines.empty():
+            self._take(self._lines.get())
 
-    def _take(self, line: str | None) -> None:
-        text = (line or "").strip()
+    def _take(self, line: str) -> None:
+        text = line.strip()
         if not text:
             return
         try:
