@@ -39,7 +39,6 @@ BLENDER = Quality(
     glossy_bounces=4,
     clamp=False,
     caustics=True,
-    hide_rooms=False,
     keep_scene=False,
 )
 """Blender's own settings, its denoiser on."""
@@ -53,7 +52,7 @@ WAYS: dict[str, Quality] = {
     "ours, caustics": replace(OURS, caustics=True),
     "ours, fireflies not clamped": replace(OURS, clamp=False),
     "ours, no light tree": replace(OURS, light_tree=False),
-    "ours, all rooms shown": replace(OURS, hide_rooms=False),
+    "ours, rooms out of sight hidden": replace(OURS, hide_rooms=True),
     "ours, path guiding": replace(OURS, guiding=True),
     "ours, fast prefilter": replace(OURS, prefilter="FAST"),
     "ours, no prefilter": replace(OURS, prefilter="NONE"),

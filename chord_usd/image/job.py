@@ -39,8 +39,9 @@ class Quality:
     denoise: bool = True
     prefilter: str = "ACCURATE"
     """How the denoiser's guides are cleaned: NONE, FAST or ACCURATE."""
-    hide_rooms: bool = True
-    """Leave out furniture and lamps of rooms that neither are seen nor open into a seen one."""
+    hide_rooms: bool = False
+    """Leave out furniture and lamps of rooms that neither are seen nor open into a seen one.
+    Finding them costs a look around; in houses of a few rooms that is more than it gives."""
     keep_scene: bool = True
     """Keep what Cycles built for one picture for the next one."""
     texture_px: int = 0
@@ -126,4 +127,5 @@ def read_job(text: str) -> Job:
 
 
 def _camera(fields: dict) -> StageCamera:
-    return StageCamera(**{**fields, "matrix": tuple(map(tuple, fields["matrix"]))})
+    pairs = {name: tuple(fields[name]) for name in ("shift", "clip_m")}
+    return StageCamera(**{**fields, **pairs, "matrix": tuple(map(tuple, fields["matrix"]))})

@@ -110,6 +110,8 @@ def _division(folder: Path, camera: str) -> Part:
 def _read_part(path: Path, part: Part) -> _Found:
     """Raises RenderError unless the part is whole and its pixels are those that were written."""
     try:
+        if not path.exists():  # OpenEXR would complain on standard error too
+            raise FileNotFoundError(path)
         channels, header = read_exr(path)
         note = json.loads(str(header[_NOTE]))
         whole = note["sha256"] == _digest(channels)
