@@ -293,9 +293,7 @@ def regenerate(
     if table_model:
         with watch.step("tabletop") as progress:
             own = replace(settings, seed=seed)
-            graph = lay_tables(
-                graph, table_model, reader.database, own, progress, (room.id,)
-            ).graph
+            graph = lay_tables(graph, table_model, reader.database, own, progress, (room.id,)).graph
     return Regenerated(source, room_name, room, drawn.before, drawn.layout, graph)
 
 

@@ -195,7 +195,7 @@ def _winding(
 
 
 def _pixels(edges_px: FloatArray, size_px: int) -> IntArray:
-    """The first pixel of a row or column whose centre lies at or beyond each edge; size_px if none."""
+    """The first pixel of a row whose centre lies at or beyond each edge; size_px if none does."""
     first: IntArray = np.minimum(np.maximum(np.ceil(edges_px - 0.5), 0), size_px).astype(np.int64)
     return first
 
@@ -267,7 +267,8 @@ def draw_items(
         code = 2 * (row.detector_class + 1)
         _fill(codes, body, code)
         _fill(codes, mark, code + 1)
-    return codes >> 1, (codes & 1).astype(np.bool_)
+    labels: ByteArray = codes >> np.uint8(1)
+    return labels, (codes & 1).astype(np.bool_)
 
 
 def _painting_order(row: tuple[palette.Category, Box]) -> tuple[int, float]:
@@ -304,7 +305,7 @@ class _Spots:
     def covered(
         self, half_lengths: FloatArray, widths_from: FloatArray, widths_to: FloatArray
     ) -> list[Covered]:
-        """For each spot, the pixels whose centres lie no farther along it, and in [from, to) across.
+        """Of each spot, the pixels whose centres lie at most so far along, in [from, to) across.
 
         (N,) pixels: half lengths from the middle along own x, and spans of own y.
         """

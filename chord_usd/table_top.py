@@ -70,7 +70,7 @@ def draw_table(top: TableTop, frame: PixelFrame | None = None) -> PlanImage:
     frame = frame or table_frame(top.size_m)
     rgb = np.full((frame.height_px, frame.height_px, 3), palette.BACKGROUND_RGB, np.uint8)
     for border in top.borders:
-        rgb[_strip(border, top.size_m, frame)] = _border_rgb(border.kind)
+        rgb[_strip(border, top.size_m, frame)] = border_rgb(border.kind)
     half_length, half_width = top.size_m[0] / 2, top.size_m[1] / 2
     window = _window((-half_length, half_length), (-half_width, half_width), frame)
     shape = rgb[window].shape[:2]
@@ -90,7 +90,8 @@ def top_mask(rgb: ByteArray) -> BoolArray:
     return np.asarray(grey & np.isin(rgb[..., 0], levels), np.bool_)
 
 
-def _border_rgb(kind: Neighbour) -> palette.Rgb:
+def border_rgb(kind: Neighbour) -> palette.Rgb:
+    """The colour of a strip."""
     rgb = palette.category(NEIGHBOURS[kind]).rgb
     return rgb if kind == "wall" else palette.painted(palette.BACKGROUND_RGB, rgb)
 

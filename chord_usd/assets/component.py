@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.assets.finishes import FINISHES, Finish
+from chord_usd.assets.finishes import Finish
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
 
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 AUTHOR = "CHOrD USD"
 LICENCE = "CC0-1.0"
 COMPONENT_VERSION = "1"
+TEXTURES = "textures"
+"""Folder of the pictures of a component."""
+
 COLOUR_VARIANT_SET = "colour"
 WALL_VARIANT_SET = "wallUnit"
 WALL_VARIANTS = ("none", "hung")
@@ -40,6 +43,8 @@ class ComponentInfo:
 
     licence: str = LICENCE
     author: str = AUTHOR
+    label: str = ""
+    """For people, where it differs from the name."""
 
 
 def write_component(design: Design, folder: Path, info: ComponentInfo | None = None) -> Path:
@@ -106,10 +111,13 @@ def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
     mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(points))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    if part.two_sided:
+        mesh.CreateDoubleSidedAttr(True)
     normals = corner_normals(part.solid).astype(np.float32)
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
-    uvs = Vt.Vec2fArray.FromNumpy(corner_uvs_m(part.solid).astype(np.float32))
+    flat = corner_uvs_m(part.solid) if part.uvs is None else part.uvs
+    uvs = Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(flat, dtype=np.float32))
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
     )
@@ -125,7 +133,11 @@ def _write_materials(design: Design, parts: Iterable[Part], path: Path) -> None:
     UsdGeom.Scope.Define(stage, f"/{design.id}/Materials")
     first = next(iter(design.colourways.values()))
     for slot in used_slots(parts):
-        _define_material(stage, material_path(design.id, slot), FINISHES[first[slot]])
+        finish = design.finishes[first[slot]]
+        path_ = material_path(design.id, slot)
+        _define_material(stage, path_, finish)
+        if finish.texture is not None:
+            _add_texture(stage, path_, finish, path.parent / TEXTURES / f"{slot}.jpg")
     for part in parts:
         prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
         material = UsdShade.Material.Get(stage, material_path(design.id, part.slot))
@@ -155,6 +167,31 @@ def _define_material(stage: Usd.Stage, path: str, finish: Finish) -> None:
     shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.5)
     surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface)
+
+
+def _add_texture(stage: Usd.Stage, material: str, finish: Finish, file: Path) -> None:
+    """Put a picture, written to file, in place of a material's colour."""
+    from pxr import Sdf, UsdShade
+
+    assert finish.texture is not None
+    file.parent.mkdir(exist_ok=True)
+    finish.texture.save(file, quality=88)
+    reader = UsdShade.Shader.Define(stage, f"{material}/Uv")
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
+    texture = UsdShade.Shader.Define(stage, f"{material}/Texture")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{TEXTURES}/{file.name}")
+    texture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set("sRGB")
+    for side in ("wrapS", "wrapT"):
+        texture.CreateInput(side, Sdf.ValueTypeNames.Token).Set("repeat")
+    texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
+        reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+    )
+    surface = UsdShade.Shader.Get(stage, _surface_path(material))
+    surface.GetInput("diffuseColor").ConnectToSource(
+        texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
+    )
 
 
 def _surface_path(material: str) -> str:
@@ -235,7 +272,12 @@ def _write_interface(
     )
     root.SetCustomDataByKey(
         "chord",
-        {"category": design.category, "licence": info.licence, "author": info.author},
+        {
+            "category": design.category,
+            "licence": info.licence,
+            "author": info.author,
+            **({"label": info.label} if info.label else {}),
+        },
     )
     stage.CreateClassPrim("/__class__")
     inherited = stage.CreateClassPrim(f"/__class__/{design.id}")
@@ -311,7 +353,7 @@ def _add_colourways(stage: Usd.Stage, design: Design, slots: tuple[str, ...]) ->
 def _worn(design: Design, slots: tuple[str, ...], index: int) -> list[tuple[str, Finish]]:
     """(slot, finish) in one colourway."""
     looks = list(design.colourways.values())[index]
-    return [(slot, FINISHES[looks[slot]]) for slot in slots]
+    return [(slot, design.finishes[looks[slot]]) for slot in slots]
 
 
 def _override_inputs(stage: Usd.Stage, path: str, values: Mapping[str, tuple[str, Any]]) -> None:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 @dataclass(frozen=True)
@@ -16,6 +20,8 @@ class Finish:
     opacity: float = 1.0
     glow: float = 0.0
     """Emission as a share of the colour; screens and lamp shades."""
+    texture: Image | None = None
+    """A picture in place of the colour, on the part's own texture coordinates."""
 
     def linear_rgb(self) -> tuple[float, float, float]:
         """The colour in linear light, 0 to 1, which is what USD colour inputs hold."""

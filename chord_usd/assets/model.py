@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
+from chord_usd.assets.finishes import FINISHES, Finish
 from chord_usd.assets.solids import Solid
 from chord_usd.errors import AssetError
+from chord_usd.types import FloatArray
 
 Collider = Literal["boundingCube", "convexHull", "none"]
 """USD Physics approximation; `none` collides with the triangles themselves (fixed, hollow parts).
@@ -35,6 +37,10 @@ class Part:
     """None for small trim that nothing needs to collide with."""
     above: bool = False
     """Stands on top and rises above the nominal height (a tap, a television)."""
+    uvs: FloatArray | None = None
+    """(3 T, 2) texture coordinates of the corners; None projects them in metres."""
+    two_sided: bool = False
+    """Its surface may be open: both sides are seen."""
     on_wall: bool = False
     """Hangs on the wall over the piece, and only where its place says so (a kitchen wall unit)."""
 
@@ -60,6 +66,8 @@ class Design:
     draw: Draw
     colourways: Mapping[str, Mapping[str, str]]
     """Colourway name to (slot to finish name); the first one is the default."""
+    finishes: Mapping[str, Finish] = field(default_factory=lambda: FINISHES)
+    """Finish by name."""
 
     def parts(self) -> tuple[Part, ...]:
         """The parts, brought to exactly the nominal size.

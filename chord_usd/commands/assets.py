@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
@@ -14,10 +17,12 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     stopwatch,
+    whole_number,
 )
-from chord_usd.files import output_folder
+from chord_usd.files import deliver, output_folder
 
 if TYPE_CHECKING:
+    from chord_usd.assets.database import AssetDatabase
     from chord_usd.types import Asset
 
 
@@ -27,11 +32,32 @@ def add(verbs: Verbs) -> None:
     listing = add_verb(group, "list", run_list, "list the meshes of the database")
     listing.add_argument("--category", metavar="NAME", help="only this category")
     add_assets(listing)
+    _add_sheet(listing, "also draw a picture of each")
     show = add_verb(group, "show", run_show, "show one mesh: size, licence, files")
     show.add_argument("id", metavar="ID", help="as chord-usd assets list prints it")
     add_assets(show)
+    _add_sheet(show, "also draw it in all of its colours")
+    adding = add_verb(group, "add", run_add, "convert a library of models for --assets")
+    adding.add_argument(
+        "library",
+        type=Path,
+        metavar="PATH",
+        help="a folder with manifest.json, 3D-FUTURE's folder, or a Sweet Home 3D library (.sh3f)",
+    )
+    add_output(adding, "the folder for --assets; models are added to those that it holds")
+    adding.add_argument(
+        "--triangles",
+        type=whole_number(100),
+        default=20_000,
+        metavar="N",
+        help="meshes with more are reduced to it (20000)",
+    )
     build = add_verb(group, "build", run_build, "build the parametric furniture as USD components")
     add_output(build, "folder for the components, replaced as a whole")
+
+
+def _add_sheet(parser: argparse.ArgumentParser, summary: str) -> None:
+    parser.add_argument("--sheet", type=Path, metavar="PNG", help=summary)
 
 
 def run_list(options: argparse.Namespace) -> Outcome:
@@ -41,11 +67,10 @@ def run_list(options: argparse.Namespace) -> Outcome:
 
     if options.category:
         palette.category(options.category)
-    assets = [
-        asset
-        for asset in load_database(options.assets).assets
-        if options.category in (None, asset.category)
-    ]
+    database = load_database(options.assets)
+    assets = [a for a in database.assets if options.category in (None, a.category)]
+    if options.sheet:
+        _draw_sheet(database, assets, options)
     lines = [f"{a.id:<32} {a.category:<28} {_size(a)}" for a in assets]
     return Outcome("\n".join(lines), {"assets": [_described(asset) for asset in assets]})
 
@@ -56,14 +81,18 @@ def run_show(options: argparse.Namespace) -> Outcome:
 
     from chord_usd.assets.database import load_database
 
-    assets = {asset.id: asset for asset in load_database(options.assets).assets}
+    database = load_database(options.assets)
+    assets = {asset.id: asset for asset in database.assets}
     if options.id not in assets:
         near = get_close_matches(options.id, assets, n=1)
         raise UsageError(
             f"there is no mesh {options.id!r}",
             try_=f"chord-usd assets show {near[0]}" if near else "chord-usd assets list",
         )
-    data = _described(assets[options.id])
+    asset = database.named(options.id)
+    if options.sheet:
+        _draw_sheet(database, [asset], options, colours=True)
+    data = _described(asset)
     return Outcome("\n".join(f"{key}: {value}" for key, value in data.items()), data)
 
 
@@ -75,6 +104,43 @@ def run_build(options: argparse.Namespace) -> Outcome:
         assets = build_assets(folder, progress)
     data = {"folder": str(options.output), "assets": len(assets)}
     return Outcome(f"{options.output}: {len(assets)} components", data)
+
+
+def run_add(options: argparse.Namespace) -> Outcome:
+    """Runs assets add."""
+    from chord_usd.assets.libraries.add import add_library
+
+    folder: Path = options.output
+    with output_folder(folder) as target, stopwatch(options).step("assets") as progress:
+        if folder.is_dir():
+            shutil.copytree(folder, target, dirs_exist_ok=True)
+        added = add_library(
+            options.library, target, most_triangles=options.triangles, progress=progress
+        )
+    data = {
+        "folder": str(folder),
+        "added": [{**_described(a), "usd": f"{folder / a.id / a.id}.usda"} for a in added.assets],
+        "refused": [{"id": refused.id, "why": refused.why} for refused in added.refused],
+        "warnings": added.warnings,
+    }
+    lines = [f"{folder}: {len(added.assets)} models added, {len(added.refused)} refused"]
+    lines += [f"  {refused.id}: {refused.why}" for refused in added.refused]
+    return Outcome("\n".join(lines), data, warnings=added.warnings)
+
+
+def _draw_sheet(
+    database: AssetDatabase,
+    assets: Sequence[Asset],
+    options: argparse.Namespace,
+    *,
+    colours: bool = False,
+) -> None:
+    from chord_usd.assets.sheet import draw_sheet
+
+    with deliver() as delivery, stopwatch(options).step("sheet") as progress:
+        target = delivery.place(options.sheet)
+        ready = [database.named(asset.id) for asset in assets]
+        draw_sheet(ready, colours=colours, progress=progress).save(target, format="PNG")
 
 
 def _described(asset: Asset) -> dict[str, Any]:

@@ -7,12 +7,14 @@ from chord_usd.commands import (
     evaluate_diversity,
     evaluate_layouts,
     evaluate_ood,
+    evaluate_plans,
     evaluate_speed,
 )
 from chord_usd.commands.common import Verbs, add_group
 
 VERBS = (
     evaluate_layouts, evaluate_ood, evaluate_speed, evaluate_diversity, evaluate_detector,
+    evaluate_plans,
 )  # fmt: skip
 
 

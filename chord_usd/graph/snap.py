@@ -81,18 +81,20 @@ def find_items(
     m_per_px: float,
     directions: Directions | None = None,
     proposals: Iterable[Detection] = (),
+    categories: Sequence[Category] = HOUSE_CATEGORIES,
 ) -> list[FoundItem]:
     """Items in decoded pixels, helped by the detector's proposals.
 
-    directions: of the walls; read from the pixels where not given. Ordered by category, then by
-    position, so that equal rasters give equal lists.
+    directions: of the walls; read from the pixels where not given. categories: those of the level
+    that the pixels' item labels are of. Ordered by category, then by position, so that equal
+    rasters give equal lists.
     """
     directions = directions or raster_directions(pixels.structure)
     by_category: dict[str, list[Detection]] = {}
     for proposal in proposals:
         by_category.setdefault(proposal.category, []).append(proposal)
     found: list[FoundItem] = []
-    for row, window in zip(HOUSE_CATEGORIES, _windows(pixels.item), strict=False):
+    for row, window in zip(categories, _windows(pixels.item), strict=False):
         if window:
             seen = by_category.get(row.name, [])
             found += _of_category(pixels, row, window, m_per_px, directions, seen)

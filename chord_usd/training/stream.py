@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import torch
@@ -31,24 +30,23 @@ POOL_BATCHES = 4
 
 
 @dataclass(frozen=True)
-class StreamConfig:
-    """What the stream draws from. Shares and chances are in [0, 1]."""
+class SeededConfig:
+    """Settings of a stream."""
 
     seed: int = 0
+    """Same seed, same data."""
+
+
+@dataclass(frozen=True)
+class StreamConfig(SeededConfig):
+    """What the stream of houses draws from. Shares and chances are in [0, 1]."""
+
     real_share: float = 0.5
     """Share of houses on real floor plans, where there are any."""
     shading_chance: float = 0.5
     """Chance that rooms are shaded by kind; else the model must guess it."""
     margin_px: tuple[int, int] = (4, 28)
     """Free border of the canvas, which varies the scale."""
-
-
-class SeededConfig(Protocol):
-    """Settings of a stream."""
-
-    @property
-    def seed(self) -> int:
-        """Same seed, same data."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,10 +173,8 @@ def _drawn_house(house: SceneGraph, image: PlanImage) -> Drawn:
 
 
 @dataclass(frozen=True)
-class TableStreamConfig:
+class TableStreamConfig(SeededConfig):
     """What the stream of tabletops draws from."""
-
-    seed: int = 0
 
 
 class TableStream(BatchStream):

@@ -21,6 +21,7 @@ from chord_usd.layout.levels import traits_of
 from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
+from chord_usd.layout.transfer import adopt
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.shards import load_state, save_state
@@ -39,8 +40,8 @@ class TrainingConfig:
 
     minutes: float = 60.0
     batch: int = 8
-    learning_rate: float = 5e-4
-    warmup_steps: int = 300
+    learning_rate: float = 4e-4
+    warmup_steps: int = 60
     cooldown_share: float = 0.25
     """Last share of the budget in which the learning rate falls to a twentieth."""
     weight_decay: float = 0.01
@@ -75,7 +76,7 @@ PAPER_TRAINING = TrainingConfig(
 )
 """Batch 4, learning rate 1e-4 divided by 10 every 100 epochs (paper, section 5.1)."""
 
-TABLE_TRAINING = TrainingConfig(minutes=40.0, batch=16, learning_rate=6e-4, warmup_steps=100)
+TABLE_TRAINING = TrainingConfig(minutes=40.0, batch=16, learning_rate=4e-4, warmup_steps=60)
 """Tabletops are small pictures: more of them a step for the same time."""
 
 
@@ -103,8 +104,15 @@ class LayoutTrainer:
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
-        """Starts from the weights of a checkpoint folder; the optimiser starts fresh."""
+        """Starts from the weights of a checkpoint folder; the optimiser starts fresh.
+
+        A checkpoint of another level gives what fits (transfer.adopt); steps count from 0 then.
+        """
         loaded = load_checkpoint(checkpoint, str(self.device))
+        if loaded.config.level != self.network.config.level:
+            adopt(self.network, loaded.network)
+            self.average.load_state_dict(self.network.state_dict())
+            return
         self.network.load_state_dict(loaded.network.state_dict())
         self.average.load_state_dict(loaded.network.state_dict())
         self.step = int(loaded.training.get("steps", 0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -71,8 +72,13 @@ def imports_of(node: ast.AST) -> Iterator[tuple[str, ast.stmt]]:
                 yield f"{child.module}.{alias.name}", child
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text())
+
+
 def parts_imported(file: Path) -> set[str]:
-    names = (name.split(".") for name, _ in imports_of(ast.parse(file.read_text())))
+    names = (name.split(".") for name, _ in imports_of(parsed(file)))
     own = {name[1] for name in names if name[0] == "chord_usd" and len(name) > 1}
     return {part for part in own if part in ALLOWED}
 
@@ -98,7 +104,7 @@ def test_imports_point_one_way(file: Path) -> None:
 @pytest.mark.parametrize("file", MODULES, ids=name_of)
 def test_heavy_libraries_stay_in_their_step(file: Path) -> None:
     part = part_of(file)
-    tree = ast.parse(file.read_text())
+    tree = parsed(file)
     heavy = {name.split(".")[0] for name, _ in imports_of(tree)} & set(HEAVY)
     wrong = {library for library in heavy if part not in HEAVY[library]}
     assert not wrong, f"{part} imports {wrong}"
@@ -109,7 +115,7 @@ def test_heavy_libraries_stay_in_their_step(file: Path) -> None:
 )
 def test_the_line_and_the_base_import_steps_only_inside_functions(file: Path) -> None:
     """So that `chord-usd --help` does not wait for numpy, let alone torch."""
-    tree = ast.parse(file.read_text())
+    tree = parsed(file)
     skipped = only_for_types(tree)
     line = part_of(file) in LINE
     for statement in tree.body:
@@ -150,7 +156,8 @@ def test_no_absolute_paths(file: Path) -> None:
 
 def test_every_palette_colour_is_written_once() -> None:
     """One table per fact: no other module holds the paper's colours."""
-    code = re.compile(r"""["']#?[0-9A-F]{6}["']""")
-    assert code.search((PACKAGE / "palette.py").read_text())
-    others = [f for f in MODULES if f.name != "palette.py" and code.search(f.read_text())]
-    assert [name_of(f) for f in others] == []
+    code = re.compile(r"""["']#?([0-9A-Fa-f]{6})["']""")
+    colours = set(code.findall((PACKAGE / "palette.py").read_text()))
+    assert len(colours) > 28
+    others = [f for f in MODULES if f.name != "palette.py"]
+    assert [name_of(f) for f in others if colours & set(code.findall(f.read_text()))] == []

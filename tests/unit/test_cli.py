@@ -51,9 +51,8 @@ def test_every_option_of_the_readme_exists() -> None:
 
 @pytest.mark.parametrize("verb", ["", *VERBS])
 def test_help_answers_at_once(verb: str) -> None:
-    """Processor seconds, the best of three: the machine may be busy with other things."""
-    seconds = min(_help_seconds(verb.split()) for _ in range(3))
-    assert seconds < HELP_SECONDS
+    """Processor seconds, up to three tries: the machine may be busy with other things."""
+    assert any(_help_seconds(verb.split()) < HELP_SECONDS for _ in range(3))
 
 
 def _help_seconds(words: list[str]) -> float:

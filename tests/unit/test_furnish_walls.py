@@ -122,5 +122,10 @@ def test_flooding_reaches_what_connects(columns: int, rows: int, data: st.DataOb
         reached |= fresh
         border += fresh
     standing = sum(1 << cell for cell in free)
-    walked = _flooded(standing, 1 << start, stride, columns, rows)
-    assert walked == sum(1 << cell for cell in reached)
+    connected = sum(1 << cell for cell in reached)
+    never = 0  # touches nothing, so that the flood runs to its end
+    assert _flooded(standing, 1 << start, stride, columns, rows, [never]) == connected
+    wanted = [1 << data.draw(st.sampled_from(cells)) for _ in range(2)]
+    walked = _flooded(standing, 1 << start, stride, columns, rows, wanted)
+    assert walked & connected == walked
+    assert [bool(cell & walked) for cell in wanted] == [bool(cell & connected) for cell in wanted]

@@ -14,6 +14,7 @@ from chord_usd.data.tabletops.sizes import (
     varied,
 )
 from chord_usd.data.tabletops.tops import Piece
+from chord_usd.table_top import Side
 
 
 def lay_desk(place: Place, seat_m: float) -> None:
@@ -30,7 +31,7 @@ def lay_desk(place: Place, seat_m: float) -> None:
     _put_beside(place, seat_m)
 
 
-def sitter_of(piece: Piece) -> tuple[str, float]:
+def sitter_of(piece: Piece) -> tuple[Side, float]:
     """Side at which one works, and where along own x the seat is; the front where none is."""
     seats = piece.seats()
     if not seats:

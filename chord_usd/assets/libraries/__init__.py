@@ -1,0 +1,1 @@
+"""Furniture of other people: read from their libraries, converted to components of ours."""

@@ -1,0 +1,295 @@
+"""Three kinds of libraries: a folder with a manifest, 3D-FUTURE's layout, Sweet Home 3D's .sh3f."""
+
+from __future__ import annotations
+
+import csv
+import json
+import tempfile
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from chord_usd.assets.libraries.archives import checked_archive, unpack_folder
+from chord_usd.assets.libraries.models import AXES, Library, Model, SizeM
+from chord_usd.errors import AssetError
+
+MANIFESTS = ("manifest.json", "manifest.csv")
+FUTURE_INFO = "model_info.json"
+SWEET_HOME_CATALOGUE = "PluginFurnitureCatalog.properties"
+MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".usd", ".usda", ".usdc", ".usdz")
+
+_UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+_EXAMPLE = '[{"file": "chair.glb", "category": "chair", "licence": "CC-BY-4.0", "author": "…"}]'
+
+
+def open_library(path: Path) -> Library:
+    """The library at path. Raises AssetError for what is none of the three kinds."""
+    if path.is_file() and path.suffix.lower() in (".sh3f", ".zip"):
+        return SweetHomeLibrary(path)
+    if path.is_dir():
+        for name in MANIFESTS:
+            if (path / name).is_file():
+                return ManifestLibrary(path, path / name)
+        found = [path / FUTURE_INFO, path.parent / FUTURE_INFO]
+        for info in found:
+            if info.is_file():
+                return FutureLibrary(path, info)
+    raise AssetError(
+        "is no library of models" if path.exists() else "there is no such library",
+        where=str(path),
+        expected=f"a folder with {MANIFESTS[0]} or {MANIFESTS[1]}, 3D-FUTURE's folder with "
+        f"{FUTURE_INFO}, or a Sweet Home 3D library (.sh3f)",
+        try_=f"write {MANIFESTS[0]}: {_EXAMPLE}",
+    )
+
+
+class ManifestLibrary:
+    """A folder of meshes and a list of them, as JSON or CSV.
+
+    Of each: file and category; perhaps id, label, size_m or size_cm (length, width, height), unit
+    (m, cm, mm, in, ft), up and front (axes such as +y), licence, author.
+    """
+
+    def __init__(self, folder: Path, manifest: Path) -> None:
+        self.name = folder.name
+        self._folder, self._manifest = folder, manifest
+
+    def models(self) -> list[Model]:
+        """The entries of the manifest. Raises AssetError that names the one at fault."""
+        try:
+            text = self._manifest.read_text(encoding="utf-8-sig")
+            rows = _json_rows(text) if self._manifest.suffix == ".json" else _csv_rows(text)
+        except (OSError, ValueError, csv.Error) as error:
+            raise AssetError(
+                f"the manifest cannot be read ({error})",
+                where=str(self._manifest),
+                expected=_EXAMPLE,
+            ) from None
+        return [self._model(row, number) for number, row in enumerate(rows, start=1)]
+
+    def _model(self, row: Mapping[str, Any], number: int) -> Model:
+        try:
+            file = str(row["file"])
+            return Model(
+                id=str(row.get("id") or PurePosixPath(file).stem),
+                category=str(row["category"]),
+                file=_inside(file),
+                size_m=_size_m(row),
+                unit_m=_UNITS_M[str(row["unit"])] if row.get("unit") else None,
+                up=_axis(row.get("up")),
+                front=_axis(row.get("front")),
+                label=str(row.get("label") or ""),
+                licence=str(row.get("licence") or row.get("license") or ""),
+                author=str(row.get("author") or row.get("creator") or ""),
+            )
+        except (KeyError, ValueError, TypeError) as error:
+            raise AssetError(
+                f"entry {number} of the manifest is wrong ({error})",
+                where=str(self._manifest),
+                expected=_EXAMPLE,
+            ) from None
+
+    @contextmanager
+    def opened(self, model: Model) -> Iterator[Path]:
+        """The mesh where it lies."""
+        yield _existing(self._folder / model.file)
+
+
+class FutureLibrary:
+    """3D-FUTURE: a folder per model with raw_model.obj and texture.png; model_info.json beside."""
+
+    name = "3D-FUTURE"
+
+    def __init__(self, folder: Path, info: Path) -> None:
+        self._folder, self._info = folder, info
+
+    def models(self) -> list[Model]:
+        """The models that are there; the data set comes in parts."""
+        try:
+            rows = json.loads(self._info.read_text(encoding="utf-8"))
+            found = [(str(row["model_id"]), row) for row in rows]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise AssetError(
+                f"cannot be read ({error})",
+                where=str(self._info),
+                expected='3D-FUTURE\'s list of {"model_id", "super-category", "category", …}',
+            ) from None
+        return [
+            Model(
+                id=f"future_{model_id}",
+                category=str(row.get("category") or row.get("super-category") or ""),
+                file=f"{_inside(model_id)}/raw_model.obj",
+                unit_m=1.0,
+                up="+y",
+                front="+z",
+                label=str(row.get("category") or ""),
+                licence="3D-FUTURE terms of use",
+                author="Alibaba 3D-FUTURE",
+            )
+            for model_id, row in found
+            if (self._folder / model_id).is_dir()
+        ]
+
+    @contextmanager
+    def opened(self, model: Model) -> Iterator[Path]:
+        """The mesh where it lies."""
+        yield _existing(self._folder / model.file)
+
+
+class SweetHomeLibrary:
+    """A Sweet Home 3D furniture library: a zip of OBJ meshes, textures and a catalogue."""
+
+    def __init__(self, path: Path) -> None:
+        self.name = path.stem
+        self._path = path
+
+    def models(self) -> list[Model]:
+        """The catalogue's furniture, without doors and windows. Raises AssetError."""
+        with checked_archive(self._path) as archive:
+            try:
+                text = archive.read(SWEET_HOME_CATALOGUE).decode("latin-1")
+            except (KeyError, OSError, zipfile.BadZipFile) as error:
+                raise AssetError(
+                    f"the catalogue cannot be read ({error})",
+                    where=str(self._path),
+                    expected=f"{SWEET_HOME_CATALOGUE} inside the archive",
+                ) from None
+        entries = _by_number(read_properties(text))
+        library = read_properties(text)
+        return [
+            self._model(entry, library, number)
+            for number, entry in entries.items()
+            if "model" in entry and entry.get("doorOrWindow", "false") != "true"
+        ]
+
+    def _model(
+        self, entry: Mapping[str, str], library: Mapping[str, str], number: int
+    ) -> Model:  # fmt: skip
+        try:
+            size = tuple(float(entry[side]) / 100.0 for side in ("width", "depth", "height"))
+        except (KeyError, ValueError) as error:
+            raise AssetError(
+                f"furniture {number} has no sound size ({error})", where=str(self._path)
+            ) from None
+        name = entry.get("name", "")
+        return Model(
+            id=entry.get("id", f"{self.name}_{number}").split("#")[-1],
+            category=f"{name} {entry.get('tags', '')}".strip() or entry.get("category", ""),
+            file=_inside(entry["model"].lstrip("/")),
+            size_m=(size[0], size[1], size[2]),
+            up="+y",
+            front="+z",
+            rotation=_rotation(entry.get("modelRotation", "")),
+            label=name,
+            licence=entry.get("license", library.get("license", "")),
+            author=entry.get("creator", library.get("provider", "")),
+        )
+
+    @contextmanager
+    def opened(self, model: Model) -> Iterator[Path]:
+        """The mesh and what lies beside it in the archive, unpacked for a while."""
+        inside = PurePosixPath(model.file)
+        with checked_archive(self._path) as archive, tempfile.TemporaryDirectory() as folder:
+            parent = "" if str(inside.parent) == "." else str(inside.parent)
+            unpack_folder(archive, parent, Path(folder))
+            yield _existing(Path(folder) / inside.name)
+
+
+def read_properties(text: str) -> dict[str, str]:
+    """A Java properties file: key = value, # comments, \\uXXXX, lines continued by a backslash."""
+    found: dict[str, str] = {}
+    lines = iter(text.splitlines())
+    for line in lines:
+        line = line.strip()
+        while line.endswith("\\"):
+            line = line[:-1] + next(lines, "").strip()
+        if not line or line[0] in "#!":
+            continue
+        key, _, value = line.partition("=")
+        found[key.strip()] = _unescaped(value.strip())
+    return found
+
+
+def _unescaped(value: str) -> str:
+    """The escapes of Java in a value of Latin-1 letters."""
+    try:
+        return value.encode("latin-1", "backslashreplace").decode("unicode_escape")
+    except UnicodeDecodeError:
+        return value
+
+
+def _by_number(properties: Mapping[str, str]) -> dict[int, dict[str, str]]:
+    """Entries `name#7 = value` under their number."""
+    entries: dict[int, dict[str, str]] = {}
+    for key, value in properties.items():
+        name, hash_mark, number = key.partition("#")
+        if hash_mark and number.isdigit():
+            entries.setdefault(int(number), {})[name] = value
+    return dict(sorted(entries.items()))
+
+
+def _json_rows(text: str) -> list[Mapping[str, Any]]:
+    data = json.loads(text)
+    rows = data.get("models") if isinstance(data, dict) else data
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise ValueError("it is no list of objects")
+    return rows
+
+
+def _csv_rows(text: str) -> list[Mapping[str, Any]]:
+    rows: list[Mapping[str, Any]] = []
+    for row in csv.DictReader(text.splitlines()):
+        sides = [row.get(f"{side}_m") or "" for side in ("length", "width", "height")]
+        rows.append({**row, **({"size_m": sides} if all(sides) else {})})
+    return rows
+
+
+def _size_m(row: Mapping[str, Any]) -> SizeM | None:
+    for key, unit_m in (("size_m", 1.0), ("size_cm", 0.01)):
+        if row.get(key):
+            length, width, height = (float(side) * unit_m for side in row[key])
+            if not all(0.0 < side < 100.0 for side in (length, width, height)):
+                raise ValueError(f"{key} is {row[key]}, not three positive lengths")
+            return length, width, height
+    return None
+
+
+def _rotation(text: str) -> tuple[float, ...]:
+    """The nine numbers of a catalogue's modelRotation; none where it has none."""
+    try:
+        numbers = tuple(float(number) for number in text.split())
+    except ValueError:
+        return ()
+    return numbers if len(numbers) == 9 else ()
+
+
+def _axis(value: object) -> str | None:
+    if not value:
+        return None
+    text = str(value).lower()
+    text = text if text[0] in "+-" else f"+{text}"
+    if text not in AXES:
+        raise ValueError(f"{value!r} is no axis; one of {', '.join(AXES)}")
+    return text
+
+
+def _inside(name: str) -> str:
+    """The name, if it stays inside the library. Raises ValueError or AssetError."""
+    path = PurePosixPath(name.replace("\\", "/"))
+    if path.is_absolute() or ".." in path.parts:
+        raise AssetError(f"the library names a file outside itself: {name!r}")
+    return str(path)
+
+
+def _existing(path: Path) -> Path:
+    if not path.is_file():
+        raise AssetError("the mesh is missing", where=path.name)
+    if path.suffix.lower() not in MESH_SUFFIXES:
+        raise AssetError(
+            f"{path.suffix or 'no suffix'} is no mesh format that can be read",
+            where=path.name,
+            expected=", ".join(MESH_SUFFIXES),
+        )
+    return path

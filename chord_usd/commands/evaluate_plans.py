@@ -1,0 +1,33 @@
+"""evaluate plans: drawn plans in many styles, read back."""
+
+from __future__ import annotations
+
+import argparse
+
+from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch, whole_number
+from chord_usd.commands.evaluate_options import add_report, told
+
+
+def add(group: Verbs) -> None:
+    """Adds the verb to the verbs of evaluate."""
+    parser = add_verb(group, "plans", run, "score the reader on plans drawn in many styles")
+    parser.add_argument(
+        "--count", type=whole_number(1), default=10, metavar="N", help="plans per style (10)"
+    )
+    parser.add_argument(
+        "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same drawings (0)"
+    )
+    add_report(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.evaluation.plans import as_markdown, measure_reading, summaries
+    from chord_usd.plan.drawing import read_drawing
+    from chord_usd.plan.placement import frame_of
+
+    watch = stopwatch(options)
+    with watch.step("plans") as progress:
+        scores = measure_reading(read_drawing, frame_of, options.count, progress, seed=options.seed)
+    data = {"styles": summaries(scores), "seed": options.seed, "seconds": watch.seconds}
+    return told(options, as_markdown(scores), data, {}, [])

@@ -1,0 +1,176 @@
+"""Drawn plans in many styles, read back: how right, how often refused, how often wrong unsaid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chord_usd.data.drawn.draw import Drawing, draw_in_style
+from chord_usd.data.drawn.styles import FAMILIES, random_style
+from chord_usd.data.houses import random_plan
+from chord_usd.errors import PlanError
+from chord_usd.evaluation.report import markdown_table
+from chord_usd.geometry import room_polygon
+from chord_usd.metrics.fidelity import plan_fidelity, room_iou
+from chord_usd.progress import Progress
+from chord_usd.types import ByteArray, PixelFrame, Plan, Room, frozen_array
+from chord_usd.units import m_from_px, px_from_m
+
+Reader = Callable[[ByteArray], Plan]
+"""RGB (H, W, 3) -> plan; raises PlanError."""
+
+FrameOf = Callable[[Plan], PixelFrame | None]
+
+_FIRST_SEED = 900_000
+"""Far from the seeds that houses are trained on."""
+
+_RIGHT_IOU = 0.7
+"""A house whose rooms overlap the true ones less is wrong."""
+
+_SAME_ROOM_IOU = 0.5
+
+
+@dataclass(frozen=True)
+class PlanScore:
+    """One drawing, read. Scores of a refused one are 0."""
+
+    family: str
+    refused: bool = True
+    walls: float = 0.0
+    openings: float = 0.0
+    """F1 over doors, windows and passages together."""
+    room_iou: float = 0.0
+    kinds_right: int = 0
+    kinds: int = 0
+    """Rooms with a name in the drawing."""
+    scale_error: float = 0.0
+    """|metres per pixel / truth - 1|."""
+    warned: bool = False
+
+    @property
+    def wrong_in_silence(self) -> bool:
+        """A wrong house without a word."""
+        return not self.refused and not self.warned and self.room_iou < _RIGHT_IOU
+
+
+def measure_reading(
+    read: Reader, frame_of: FrameOf, count: int, progress: Progress,
+    families: Sequence[str] = FAMILIES, seed: int = 0,
+) -> list[PlanScore]:  # fmt: skip
+    """Draw count plans of every family and read them. Same seed, same drawings."""
+    scores = []
+    total = count * len(families)
+    for number in range(total):
+        family = families[number % len(families)]
+        rng = np.random.default_rng([_FIRST_SEED + seed, number])
+        drawing = draw_in_style(random_plan(rng), random_style(rng, family), rng)
+        scores.append(score_reading(drawing, read, frame_of))
+        progress(number + 1, total)
+    return scores
+
+
+def score_reading(drawing: Drawing, read: Reader, frame_of: FrameOf) -> PlanScore:
+    """Read one drawing and compare; positions are compared on the paper, not by the read scale."""
+    named = sum(room.kind != "unknown" for room in drawing.truth.rooms)
+    kinds = named if drawing.style.has_names else 0
+    try:
+        plan = read(drawing.rgb)
+    except PlanError:
+        return PlanScore(drawing.style.family, kinds=kinds)
+    frame = frame_of(plan)
+    if frame is None:
+        raise ValueError("the reader does not tell where its plan lies in the picture")
+    placed = _on_paper(plan, frame, drawing)
+    fidelity = plan_fidelity(placed, drawing.truth)
+    parts = (fidelity.doors, fidelity.windows, fidelity.passages)
+    total = sum(part.found + part.truth for part in parts)
+    right = sum(2 * part.found_right for part in parts)
+    return PlanScore(
+        drawing.style.family, refused=False, walls=fidelity.walls.value,
+        openings=right / total if total else 1.0, room_iou=room_iou(placed, drawing.truth),
+        kinds_right=_kinds_right(placed, drawing.truth) if kinds else 0, kinds=kinds,
+        scale_error=abs(frame.m_per_px / drawing.frame.m_per_px - 1.0),
+        warned=bool(plan.extra.get("warnings")),
+    )  # fmt: skip
+
+
+def _on_paper(plan: Plan, frame: PixelFrame, drawing: Drawing) -> Plan:
+    """The plan in the drawing's own metres: through pixels, and turned back where it was askew."""
+    truth = drawing.frame
+    ratio = truth.m_per_px / frame.m_per_px
+    # A straightened picture is larger than the drawing, about the same middle.
+    grown = (frame.height_px - truth.height_px) / 2
+    width = drawing.rgb.shape[1]
+    cos = np.cos(np.radians(drawing.style.skew_deg))
+    sin = abs(np.sin(np.radians(drawing.style.skew_deg)))
+    grown_x = (width * cos + truth.height_px * sin - width) / 2 if grown > 0 else 0.0
+
+    def moved(points: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+        return m_from_px(px_from_m(points, frame) - (grown_x, grown), truth)
+
+    rooms = tuple(replace(r, polygon_m=frozen_array(moved(r.polygon_m))) for r in plan.rooms)
+    openings = []
+    for opening in plan.openings:
+        x, y = moved(np.array(opening.box.center_m[:2]))
+        size = opening.box.size_m
+        box = replace(
+            opening.box, center_m=(float(x), float(y), opening.box.center_m[2]),
+            size_m=(size[0] * ratio, size[1] * ratio, size[2]),
+        )  # fmt: skip
+        openings.append(replace(opening, box=box))
+    return Plan(rooms, tuple(openings))
+
+
+def _kinds_right(plan: Plan, truth: Plan) -> int:
+    return sum(
+        any(found.kind == room.kind and _iou(found, room) > _SAME_ROOM_IOU for found in plan.rooms)
+        for room in truth.rooms
+        if room.kind != "unknown"
+    )
+
+
+def _iou(one: Room, other: Room) -> float:
+    first, second = room_polygon(one), room_polygon(other)
+    shared = first.intersection(second).area
+    return float(shared / (first.area + second.area - shared))
+
+
+# Report ------------------------------------------------------------------------------------------
+
+
+def summaries(scores: Sequence[PlanScore]) -> dict[str, dict[str, float]]:
+    """Means per family and over all; every figure is over all drawings of the row."""
+    families = list(dict.fromkeys(score.family for score in scores))
+    rows = {name: [s for s in scores if s.family == name] for name in families}
+    return {name: _summary(own) for name, own in {**rows, "all": list(scores)}.items()}
+
+
+def _summary(scores: Sequence[PlanScore]) -> dict[str, float]:
+    read = [score for score in scores if not score.refused]
+    kinds = sum(score.kinds for score in scores)
+    return {
+        "plans": len(scores),
+        "read": len(read),
+        "wall_f1": float(np.mean([s.walls for s in scores])),
+        "opening_f1": float(np.mean([s.openings for s in scores])),
+        "room_iou": float(np.mean([s.room_iou for s in scores])),
+        "kind": sum(s.kinds_right for s in scores) / kinds if kinds else 0.0,
+        "scale_error": float(np.median([s.scale_error for s in read])) if read else 0.0,
+        "wrong_in_silence": sum(s.wrong_in_silence for s in scores),
+    }
+
+
+def as_markdown(scores: Sequence[PlanScore]) -> str:
+    """The table of summaries."""
+    head = ["style", "plans", "read", "wall F1", "opening F1", "room IoU", "kind", "scale error",
+            "wrong in silence"]  # fmt: skip
+    return markdown_table(head, [_row(name, row) for name, row in summaries(scores).items()])
+
+
+def _row(name: str, row: Mapping[str, Any]) -> list[str]:
+    counts = [f"{row[key]:.0f}" for key in ("plans", "read")]
+    means = [f"{row[key]:.3f}" for key in ("wall_f1", "opening_f1", "room_iou", "kind")]
+    return [name, *counts, *means, f"{row['scale_error']:.1%}", f"{row['wrong_in_silence']:.0f}"]

@@ -1,0 +1,183 @@
+"""Items read from a tabletop raster -> children that stand on the mesh of their piece.
+
+An item keeps the place the raster gives it; it is moved a little only to bring it back over the
+edge. What cannot stand there is left out: beyond the edge, on top of another item, or up against a
+panel on the wall behind. Its height comes from the meshes: the highest point below its footprint,
+of the piece or of what lies underfoot.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from chord_usd.geometry import footprint_polygon
+from chord_usd.graph.fit import fitted_box
+from chord_usd.graph.match import Database, box_of
+from chord_usd.graph.snap import FoundItem
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2
+from chord_usd.palette import Mount, category
+from chord_usd.relief import Relief, Reliefs
+from chord_usd.types import Box, FloatArray, Item, PixelFrame
+from chord_usd.units import rotation_2d
+
+ON_TOP = 0.995
+"""Share of its footprint that must lie over the top; the rest is rounding of cells."""
+
+STRAIGHT_DEG = 3.0
+"""Smaller turns are noise of the pixels."""
+
+_STEP_M, _STEPS = 0.01, 6
+"""How an item is moved back over the edge."""
+
+_TOUCH_M = 0.002
+"""Boxes that share no more height than this only touch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """What became of a tabletop raster."""
+
+    children: tuple[Item, ...]
+    """In the frame of the piece, standing."""
+    seen: tuple[Item, ...]
+    """All that was read, before anything was moved or left out; z is that of the top."""
+
+
+def place_on(
+    table: Item,
+    relief: Relief,
+    found: Sequence[FoundItem],
+    frame: PixelFrame,
+    database: Database,
+    reliefs: Reliefs,
+    around: Sequence[Item] = (),
+) -> Laid:
+    """Stand what was read from a tabletop raster on its piece.
+
+    relief: of the piece's mesh at the size of the piece. around: items of the room that hang over
+    it. Raises AssetError where the database has nothing of a category.
+    """
+    seen = [_matched(table, one, frame, relief.level_m, database) for one in found]
+    standing: list[Item] = []
+    for item in sorted(seen, key=_order):
+        moved = _back_over_edge(item, relief)
+        if moved is None:
+            continue
+        placed = _stood(moved, relief, standing, reliefs)
+        if placed is not None and not _runs_into(placed.box, table.box, around):
+            standing.append(placed)
+    return Laid(_named(table, standing), tuple(seen))
+
+
+def _order(item: Item) -> tuple[bool, float, str, tuple[float, float, float]]:
+    """What lies underfoot first, then larger before smaller: these are surest."""
+    row = category(item.category)
+    area = item.box.size_m[0] * item.box.size_m[1]
+    return row.mount is not Mount.UNDERFOOT, -round(area, 6), item.category, item.box.center_m
+
+
+def _matched(
+    table: Item, one: FoundItem, frame: PixelFrame, level_m: float, database: Database
+) -> Item:
+    """The item with its mesh, in the mesh's own proportions, about the place it was read at."""
+    row = category(one.detection.category)
+    box = box_of(one.detection, frame)
+    nearest = round(box.yaw_deg / 90.0) * 90.0
+    yaw_deg = nearest if abs(box.yaw_deg - nearest) < STRAIGHT_DEG else box.yaw_deg
+    asset = database.nearest(row.name, box.size_m)
+    size_m = fitted_box(box, asset, row, is_guess=True).size_m
+    x, y, _ = box.center_m
+    extra = {"front_from": "mark" if one.front_seen else "guess"}
+    return Item(
+        id="", category=row.name, box=Box((x, y, level_m), size_m, yaw_deg),
+        room_id=table.room_id, asset=asset, score=round(one.detection.score, 4), extra=extra,
+    )  # fmt: skip
+
+
+def _back_over_edge(item: Item, relief: Relief) -> Item | None:
+    """The item where all of it lies over the top: there, or a few steps towards the middle."""
+    x, y, z = item.box.center_m
+    inward = -np.array([x, y]) / max(float(np.hypot(x, y)), 1e-9)
+    ways: list[FloatArray] = [
+        inward,
+        *(np.array(way) for way in ((0, 1), (0, -1), (1, 0), (-1, 0))),
+    ]
+    best: tuple[float, Box] | None = None
+    for step in range(_STEPS + 1):
+        for way in ways if step else ways[:1]:
+            moved_x, moved_y = np.array([x, y]) + step * _STEP_M * way
+            box = replace(item.box, center_m=(float(moved_x), float(moved_y), z))
+            share = relief.free_share(box)
+            if best is None or share > best[0]:
+                best = share, box
+        if best and best[0] >= ON_TOP:
+            return replace(item, box=best[1])
+    return None
+
+
+def _stood(item: Item, relief: Relief, standing: Sequence[Item], reliefs: Reliefs) -> Item | None:
+    """The item on what is below it; None where that is something nothing stands on."""
+    shape = footprint_polygon(item.box)
+    base_m = relief.highest_m(item.box)
+    lies_under = category(item.category).mount is Mount.UNDERFOOT
+    for other in standing:
+        if shapely.intersection(shape, footprint_polygon(other.box)).area <= MIN_OVERLAP_M2:
+            continue
+        if lies_under or category(other.category).mount is not Mount.UNDERFOOT:
+            return None
+        base_m = max(base_m, _top_of(other, item.box, reliefs))
+    x, y, _ = item.box.center_m
+    return replace(item, box=replace(item.box, center_m=(x, y, base_m)))
+
+
+def _top_of(carrier: Item, box: Box, reliefs: Reliefs) -> float:
+    """The highest point of a carrier's mesh below a box; both in the frame of the piece."""
+    if carrier.asset is None:
+        return carrier.box.center_m[2] + carrier.box.size_m[2]
+    relief = reliefs(carrier.asset).scaled(carrier.box.size_m)
+    offset = np.array(box.center_m[:2]) - np.array(carrier.box.center_m[:2])
+    x, y = offset @ rotation_2d(carrier.box.yaw_deg)
+    own = Box((float(x), float(y), 0.0), box.size_m, box.yaw_deg - carrier.box.yaw_deg)
+    return carrier.box.center_m[2] + relief.highest_m(own)
+
+
+def _runs_into(box: Box, table: Box, around: Sequence[Item]) -> bool:
+    """Whether a box in the frame of the piece shares space with a box of the room."""
+    if not around:
+        return False
+    world = in_world(box, table)
+    low, high = world.center_m[2], world.center_m[2] + world.size_m[2]
+    shape = footprint_polygon(world)
+    for other in around:
+        base, top = other.box.center_m[2], other.box.center_m[2] + other.box.size_m[2]
+        overlaps = base < high - _TOUCH_M and top > low + _TOUCH_M
+        if overlaps and shape.intersects(footprint_polygon(other.box)):
+            return True
+    return False
+
+
+def in_world(box: Box, parent: Box) -> Box:
+    """A child's box in the frame that its parent's box is in."""
+    x, y = rotation_2d(parent.yaw_deg) @ np.array(box.center_m[:2]) + np.array(parent.center_m[:2])
+    center_m = (float(x), float(y), parent.center_m[2] + box.center_m[2])
+    return Box(center_m, box.size_m, parent.yaw_deg + box.yaw_deg)
+
+
+def _named(table: Item, items: Sequence[Item]) -> tuple[Item, ...]:
+    """Ids table/category_n, counted by category and position, as in rooms."""
+    counts: dict[str, int] = defaultdict(int)
+    named = []
+    for item in sorted(items, key=_reading_order):
+        named.append(replace(item, id=f"{table.id}/{item.category}_{counts[item.category]}"))
+        counts[item.category] += 1
+    return tuple(named)
+
+
+def _reading_order(item: Item) -> tuple[int, float, float]:
+    x, y, _ = item.box.center_m
+    return category(item.category).detector_class, round(x, 3), round(y, 3)

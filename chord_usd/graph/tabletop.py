@@ -1,0 +1,111 @@
+"""The second level of the scene graph: which pieces carry items, and what came to stand on them."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from chord_usd.graph.match import Database
+from chord_usd.graph.table_items import read_items
+from chord_usd.graph.table_place import Laid, place_on
+from chord_usd.graph.table_top import is_too_small, view_from_above
+from chord_usd.palette import CATEGORIES
+from chord_usd.relief import Relief, Reliefs
+from chord_usd.table_top import TableTop
+from chord_usd.types import Item, LayoutImage, SceneGraph
+
+_HANGS_FROM_M = 0.3
+"""What has its underside higher than this hangs, and things may be below it."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A supporting piece as seen from above."""
+
+    item: Item
+    top: TableTop
+    relief: Relief
+    """Of its mesh, at its own size."""
+    around: tuple[Item, ...]
+    """What hangs in its room."""
+
+    @property
+    def is_too_small(self) -> bool:
+        """Whether nothing fits on it."""
+        return is_too_small(self.top)
+
+    def seed(self, house_seed: int) -> int:
+        """A seed of its own, which what else is in the house does not change."""
+        return zlib.crc32(f"{house_seed}/{self.item.id}".encode())
+
+
+@dataclass(frozen=True, eq=False)
+class Tabletops:
+    """A house whose supporting pieces have been filled."""
+
+    graph: SceneGraph
+    laid: dict[str, Laid]
+    """By id of the piece."""
+    too_small: tuple[str, ...]
+    """Pieces on which nothing fits."""
+
+    @property
+    def bare(self) -> tuple[str, ...]:
+        """Pieces that are large enough and carry nothing all the same."""
+        return tuple(name for name, laid in self.laid.items() if not laid.children)
+
+    @property
+    def items(self) -> int:
+        """How many items stand on all pieces together."""
+        return sum(len(laid.children) for laid in self.laid.values())
+
+    @property
+    def left_out(self) -> int:
+        """How many were read and found no place to stand."""
+        return sum(len(laid.seen) - len(laid.children) for laid in self.laid.values())
+
+
+def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Iterable[str] = ()) -> list[View]:
+    """Every supporting piece with a mesh and nothing on it, in the order of the graph.
+
+    rooms: ids of the rooms to look into, by default all.
+    """
+    chosen = set(rooms) or {room.id for room in graph.rooms}
+    views = []
+    for item in graph.items:
+        carries = item.category in CATEGORIES and CATEGORIES[item.category].supports
+        if not carries or item.asset is None or item.children or item.room_id not in chosen:
+            continue
+        relief = reliefs(item.asset).scaled(item.box.size_m)
+        others = tuple(graph.items_of(item.room_id))
+        top = view_from_above(item, others, graph.plan.room(item.room_id), relief)
+        hung = tuple(one for one in others if one.box.center_m[2] > _HANGS_FROM_M)
+        views.append(View(item, top, relief, hung))
+    return views
+
+
+def fill_tables(
+    graph: SceneGraph,
+    views: Sequence[View],
+    layouts: Sequence[LayoutImage],
+    database: Database,
+    reliefs: Reliefs,
+) -> Tabletops:
+    """The graph with the items of these tabletop rasters as children of their pieces.
+
+    layouts: one for each view that is not too small, in their order.
+    """
+    large = [view for view in views if not view.is_too_small]
+    laid = {}
+    for view, layout in zip(large, layouts, strict=True):
+        found = read_items(layout, view.item.category)
+        laid[view.item.id] = place_on(
+            view.item, view.relief, found, layout.frame, database, reliefs, view.around
+        )
+    items = tuple(
+        replace(item, children=laid[item.id].children) if item.id in laid else item
+        for item in graph.items
+    )
+    too_small = tuple(view.item.id for view in views if view.is_too_small)
+    return Tabletops(replace(graph, items=items), laid, too_small)
