@@ -94,8 +94,8 @@ def _neighbour(item: Item, other: Item) -> list[Border]:
     half = item.box.size_m[1 - axis] / 2
     low, high = own[:, 1 - axis].min(), own[:, 1 - axis].max()
     if is_bed or high - low > 2 * _LEAST_SEAT_M:
-        low, high = max(low, -half), min(high, half)
-        return [Border(side, "bed" if is_bed else "seat", float(low), float(high))] * (low < high)
+        low, high = max(float(low), -half), min(float(high), half)
+        return [Border(side, "bed" if is_bed else "seat", low, high)] if low < high else []
     middle = float(np.clip((low + high) / 2, -half, half))
     return [Border(side, "seat", middle - _LEAST_SEAT_M / 2, middle + _LEAST_SEAT_M / 2)]
 
