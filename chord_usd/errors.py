@@ -52,5 +52,9 @@ class OutputError(ChordError):
     """The result cannot be written where it was asked for."""
 
 
+class DiskFullError(OutputError):
+    """There is no space for the result, nor for any other beside it."""
+
+
 class MissingExtraError(ChordError):
     """An optional package is not installed; the message names the extra to install."""

@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from chord_usd.errors import ChordError, OutputError
+from chord_usd.errors import ChordError, DiskFullError, OutputError
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 _NEARLY_FULL_BYTES = 16 * 2**20
@@ -69,7 +69,7 @@ def deliver() -> Iterator[Delivery]:
         delivery._withdraw()
         if not full or isinstance(error, ChordError):
             raise
-        raise OutputError(
+        raise DiskFullError(
             "the disk is full", where=str(delivery._first_target()), try_=_FREE_SPACE
         ) from error
     except BaseException:
@@ -198,7 +198,7 @@ _FREE_SPACE = "free some space, or write to another disk"
 
 def _output_error(error: OSError, target: Path) -> OutputError:
     if error.errno in _FULL_DISK:
-        return OutputError("the disk is full", where=str(target), try_=_FREE_SPACE)
+        return DiskFullError("the disk is full", where=str(target), try_=_FREE_SPACE)
     reason = (error.strerror or str(error)).lower()
     return OutputError(
         f"cannot be written ({reason})",

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 WEIGHTS_FILE = "weights.safetensors"
 GRAPH_FILE = "network.onnx"
+THREADS_VARIABLE = "OMP_NUM_THREADS"
+"""Environment variable by which numeric libraries, Ray and Slurm say how many threads to start."""
 STORED_SUFFIX = ".half"
 """Of the names, in the graph, of tensors that lie in the weights file."""
 
@@ -101,9 +103,14 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
 
 
 def usable_cores() -> int:
-    """Cores this process may use; the runtime would count those of the machine."""
+    """Cores this process may use; the runtime would count those of the machine.
+
+    OMP_NUM_THREADS says so where several processes share a machine.
+    """
     affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
+    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
+    limit = os.environ.get(THREADS_VARIABLE, "")
+    return min(cores, int(limit)) if limit.isdigit() and int(limit) else cores
 
 
 def _initializers(weights: Mapping[str, npt.NDArray[Any]]) -> tuple[Sequence[str], Sequence[Any]]:

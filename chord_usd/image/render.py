@@ -15,7 +15,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from chord_usd.errors import OutputError, RenderError
+from chord_usd.errors import DiskFullError, OutputError, RenderError
 from chord_usd.files import hash_file
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import (
@@ -201,7 +201,7 @@ class _Follower:
             )
         except OSError as error:
             # Blender says "Saved" and exits 0 for a file that a full disk cut short.
-            raise OutputError(
+            raise DiskFullError(
                 "Blender left a file that is cut short; the disk may be full",
                 where=str(raw.parent),
                 try_="free some space there, or set TMPDIR to another disk",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import bpy
@@ -12,6 +13,13 @@ GPU_BACKENDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 
 class DeviceMissingError(Exception):
     """The device the job names is not in this machine."""
+
+
+def share_processor(scene: Any) -> None:
+    """Take no more cores than OMP_NUM_THREADS grants, where several renders share a machine."""
+    limit = os.environ.get("OMP_NUM_THREADS", "")
+    if limit.isdigit() and int(limit):
+        scene.render.threads_mode, scene.render.threads = "FIXED", int(limit)
 
 
 def choose_device(scene: Any, wanted: str) -> str:

@@ -13,7 +13,7 @@ import bpy
 from chord_usd.image.cameras import StageCamera
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
 from chord_usd.image.worker.data import data_scene, render_data, rooms_to_show
-from chord_usd.image.worker.devices import choose_device
+from chord_usd.image.worker.devices import choose_device, share_processor
 from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
 from chord_usd.image.worker.scene import aim, import_stage, open_roof, show_rooms
 
@@ -27,6 +27,7 @@ def shoot(job: Job, report: Report) -> None:
     scene = import_stage(job)
     device = choose_device(scene, job.device)
     report({"device": device})
+    share_processor(scene)
     set_quality(scene, job)
     # Made when all objects are in place: a copy of a scene lists those it had.
     data = data_scene(scene, job) if job.data or job.quality.hide_rooms else None
