@@ -58,7 +58,7 @@ def again(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 @pytest.fixture(scope="module")
 def other(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
-    return make(run_cli, tmp_path_factory.mktemp("other"), "cut_corner.png", "--seed", "3")
+    return make(run_cli, tmp_path_factory.mktemp("other"), "cut_corner.png", "--seed", "3", "--no-tabletop")
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +90,38 @@ def test_the_summary_counts_what_the_scene_holds(made: Made) -> None:
     assert 0.01 < made.told["m_per_px"] < 0.2
 
 
+def test_tables_are_laid_unless_they_shall_not_be(made: Made, other: Made) -> None:
+    pieces = [item for item in scene_of(made)["furniture"] if item.get("children")]
+    carried = sum(len(item["children"]) for item in pieces)
+    told = made.told["tabletop"]
+    assert told["items"] == carried == made.told["items"] - made.told["furniture"] > 0
+    assert told["pieces"] == len(pieces) + len(told["bare"]) + len(told["too_small"])
+    assert not any(item.get("children") for item in scene_of(other)["furniture"])
+    assert other.told["items"] == other.told["furniture"]
+    assert "tabletop" not in other.told["seconds"]
+
+
+def test_what_stands_on_a_table_is_below_it_in_the_stage(stage: Usd.Stage, made: Made) -> None:
+    """A group around the table and its items, which stand on its mesh."""
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
+    found = 0
+    for pieces in furniture_in(stage).values():
+        for piece in pieces:
+            items = piece.GetChild("Items")
+            if not items:
+                continue
+            table = next(child for child in piece.GetChildren() if child != items)
+            top = cache.ComputeWorldBound(table).ComputeAlignedRange()
+            for item in items.GetChildren():
+                box = cache.ComputeWorldBound(item).ComputeAlignedRange()
+                assert top.GetMin()[2] < box.GetMin()[2] <= top.GetMax()[2] + 0.1
+                middle = box.GetMidpoint()
+                assert all(top.GetMin()[k] < middle[k] < top.GetMax()[k] for k in (0, 1))
+                found += 1
+    assert found == made.told["tabletop"]["items"]
+    assert made.told["certificate"]["unsupported"] == []
+
+
 def test_the_certificate_is_that_of_check(made: Made, run_cli: RunCli) -> None:
     done = run_cli("check", made.stage_path, "--json", "--progress", "none")
     certificate = json.loads(done.stdout)
@@ -103,7 +135,8 @@ def test_the_certificate_is_that_of_check(made: Made, run_cli: RunCli) -> None:
 def test_progress_is_json_and_ends_every_step(made: Made) -> None:
     lines = [json.loads(line) for line in made.progress.splitlines()]
     last = {line["step"]: line for line in lines}
-    assert list(last) == ["plan", "load", "layout", "graph", "outliers", "stage", "check"]
+    steps = ["plan", "load", "layout", "graph", "outliers", "tabletop", "stage", "check"]
+    assert list(last) == steps
     assert all(line["done"] == line["total"] for line in last.values())
     assert last["layout"]["total"] == STEPS
 
