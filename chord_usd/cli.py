@@ -22,6 +22,7 @@ from chord_usd.commands import (
     assets,
     check,
     dataset,
+    describe,
     diff,
     evaluate,
     export,
@@ -39,8 +40,8 @@ from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
 
 VERBS = (
-    generate, plan, layout, graph, stage, render, farm, check, regenerate, export, diff, dataset,
-    train, evaluate, assets,
+    generate, plan, layout, graph, stage, render, farm, check, describe, regenerate, export,
+    diff, dataset, train, evaluate, assets,
 )  # fmt: skip
 """In the order of the line, then the workshop."""
 

@@ -5,7 +5,9 @@ plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +34,10 @@ if TYPE_CHECKING:
 
 LAYOUT_CHECKPOINT = "plan2layout"
 TABLE_CHECKPOINT = "table"
+
+_TOUCH_M2 = 1e-4
+"""Footprints that share less only touch."""
+DETECTOR_CHECKPOINT = "detector_items"
 
 
 @dataclass(frozen=True)
@@ -74,10 +80,13 @@ def generate(
     stage_path: Path,
     settings: Settings | None = None,
     stopwatch: Stopwatch | None = None,
+    models: Models | None = None,
 ) -> House:
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
-    The stopwatch times plan, load, layout, graph, outliers, tabletop and stage. Raises ChordError.
+    models: those of earlier houses with the same settings, but for the seed; by default they are
+    loaded. The stopwatch times plan, load, layout, graph, outliers, tabletop and stage. Raises
+    ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -87,20 +96,19 @@ def generate(
         refuse_shut(plan, plan_file)
         plan_image = draw_plan(plan)
     with watch.step("load"):
-        model = load_model(settings)
-        table_model = load_table_model(settings)
-        reader = load_reader(settings)
+        models = models or load_models(settings)
         load_usd()
     with watch.step("layout") as progress:
-        layout = draw_layout(plan_image, model, plan_file, settings, progress)
+        layout = draw_layout(plan_image, models.layout, plan_file, settings, progress)
     with watch.step("graph"):
-        graph = reader.read(layout, plan)
+        graph = models.reader.read(layout, plan)
     with watch.step("outliers"):
-        graph = score_outliers(graph, plan_image, model)
+        graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
-    if table_model:
+    if models.table:
         with watch.step("tabletop") as progress:
-            tabletops = lay_tables(graph, table_model, reader.database, settings, progress)
+            database = models.reader.database
+            tabletops = lay_tables(graph, models.table, database, settings, progress)
             graph = tabletops.graph
     with watch.step("stage"):
         stage = write_stage(graph, stage_path, settings)
@@ -190,6 +198,27 @@ class GraphReader:
         return extract_graph(layout, plan, self.database, self.detector)
 
 
+@dataclass(frozen=True, eq=False)
+class Models:
+    """What takes longest to load; it furnishes any number of houses."""
+
+    layout: LayoutModel
+    table: LayoutModel | None
+    """Of what stands on tables; None where that is not wanted."""
+    reader: GraphReader
+
+
+def checkpoints(settings: Settings) -> tuple[str, ...]:
+    """Names of the checkpoints that decide what a house looks like."""
+    table = (TABLE_CHECKPOINT,) if settings.tabletop else ()
+    return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *table)
+
+
+def load_models(settings: Settings) -> Models:
+    """Everything that furnishes a house. Raises CheckpointError, AssetError."""
+    return Models(load_model(settings), load_table_model(settings), load_reader(settings))
+
+
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:
     """The graph with each item's out-of-distribution score in its extra, under types.OOD."""
     from chord_usd.layout.outlier import NoiseError
@@ -254,6 +283,10 @@ class Regenerated:
     """The same with the room sampled anew; every pixel outside the room is that of before."""
     graph: SceneGraph
     """The house with the room's new furniture."""
+    kept: tuple[str, ...] = ()
+    """Names of the room's prims that stay as they are."""
+    kept_ids: frozenset[str] = frozenset()
+    """Their ids in the graph."""
 
 
 def regenerate(
@@ -262,48 +295,60 @@ def regenerate(
     settings: Settings | None = None,
     stopwatch: Stopwatch | None = None,
     seed: int | None = None,
+    *,
+    keep: Sequence[str] = (),
+    edits: Path | None = None,
 ) -> Regenerated:
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
     room_name: name of the room's prim. seed: in place of that of settings; None takes the one
-    after the room's last. The stopwatch times read, load, layout, graph, outliers and tabletop.
-    Raises ChordError.
+    after the room's last. keep: names of prims of the room's furniture that stay; the rest is
+    sampled around them. edits: a layer over source in which things stand elsewhere; the house is
+    seen with it. The stopwatch times read, load, layout, graph, outliers and tabletop. Raises
+    ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     with watch.step("read"):
         from chord_usd.stage.refurnish import read_house
 
-        house = read_house(source)
+        house = read_house(edits or source)
         room = house.room(room_name, source)
+        kept_ids = house.furniture(room_name, keep, source)
         seed = house.seeds[room_name] + 1 if seed is None else seed
     with watch.step("load"):
         model = load_model(settings)
         table_model = load_table_model(settings)
         reader = load_reader(settings)
     with watch.step("layout") as progress:
-        drawn = redraw_room(house.graph, room, model, replace(settings, seed=seed), progress)
+        own = replace(settings, seed=seed)
+        drawn = redraw_room(house.graph, room, model, own, progress, kept_ids)
     with watch.step("graph"):
         found = reader.read(drawn.alone, house.graph.plan)
-        others = [item for item in house.graph.items if item.room_id != room.id]
-        items = (*others, *found.items_of(room.id))
+        stay = [i for i in house.graph.items if i.room_id != room.id or i.id in kept_ids]
+        items = (*stay, *_beside(found.items_of(room.id), stay, kept_ids))
         graph = replace(house.graph, items=items, provenance=drawn.layout.provenance)
     with watch.step("outliers"):
         graph = score_outliers(graph, draw_plan(house.graph.plan), model)
     if table_model:
         with watch.step("tabletop") as progress:
-            own = replace(settings, seed=seed)
-            graph = lay_tables(graph, table_model, reader.database, own, progress, (room.id,)).graph
-    return Regenerated(source, room_name, room, drawn.before, drawn.layout, graph)
+            bare = replace(graph, items=tuple(i for i in graph.items if i.id not in kept_ids))
+            rooms = (room.id,)
+            laid = lay_tables(bare, table_model, reader.database, own, progress, rooms).graph.items
+            kept = [item for item in graph.items if item.id in kept_ids]
+            graph = replace(graph, items=(*kept, *laid))
+    return Regenerated(
+        source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
+    )
 
 
 def write_regenerated(made: Regenerated, target: Path) -> StageFile:
     """Write the stage with its one room changed; target may be the stage it came from."""
     from chord_usd.stage.refurnish import NewFurniture, refurnish
 
-    items = tuple(made.graph.items_of(made.room.id))
+    items = tuple(i for i in made.graph.items_of(made.room.id) if i.id not in made.kept_ids)
     openings = made.graph.openings
-    new = NewFurniture(made.room_name, made.room, items, made.graph.provenance, openings)
+    new = NewFurniture(made.room_name, made.room, items, made.graph.provenance, openings, made.kept)
     return refurnish(made.source, target, new)
 
 
@@ -323,8 +368,12 @@ def redraw_room(
     model: LayoutModel,
     settings: Settings,
     progress: Progress | None = None,
+    kept_ids: Collection[str] = (),
 ) -> RedrawnRoom:
-    """Sample the floor of one room anew, given what stands in the others."""
+    """Sample the floor of one room anew, given what stands in the others.
+
+    kept_ids: items of the room that stay; what is sampled ends a pixel short of them.
+    """
     import numpy as np
 
     from chord_usd import raster
@@ -332,8 +381,10 @@ def redraw_room(
     plan_image = raster.draw_plan(graph.plan)
     bare = LayoutImage(plan_image.rgb, plan_image.frame)
     region = raster.room_pixels(room, plan_image.frame)
-    others = [item for item in graph.items if item.room_id != room.id]
-    labels, front = raster.draw_items(others, plan_image.frame)
+    stay = [item for item in graph.items if item.room_id != room.id or item.id in kept_ids]
+    labels, front = raster.draw_items(stay, plan_image.frame)
+    kept = [item for item in stay if item.room_id == room.id]
+    region = region & ~raster.taken_pixels(kept, plan_image.frame)
     layout = model.resample(
         plan_image, labels, front, region,
         seed=settings.seed, steps=settings.steps, sampler=settings.sampler, progress=progress,
@@ -346,6 +397,33 @@ def redraw_room(
         return replace(layout, rgb=rgb)
 
     return RedrawnRoom(before, layout=in_room_else(before), alone=in_room_else(bare))
+
+
+def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]) -> Iterator[Item]:
+    """New items of a room under ids of their own, without those that would stand in kept ones.
+
+    Nothing is sampled where something is kept, except on rugs and the like.
+    """
+    from chord_usd.geometry import footprint_polygon
+    from chord_usd.palette import category
+
+    kept = [
+        (category(item.category).mount, footprint_polygon(item.box))
+        for item in stay
+        if item.id in kept_ids
+    ]
+    ids = {item.id for item in stay}
+    for item in new:
+        mount, shape = category(item.category).mount, footprint_polygon(item.box)
+        if any(
+            mount is other and shape.intersection(taken).area > _TOUCH_M2 for other, taken in kept
+        ):
+            continue
+        stem, number = item.id.rsplit("_", 1)
+        own = item.id if item.id not in ids else ""
+        own = own or next(i for n in count(int(number)) if (i := f"{stem}_{n}") not in ids)
+        ids.add(own)
+        yield replace(item, id=own)
 
 
 def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:

@@ -271,6 +271,17 @@ def draw_items(
     return labels, (codes & 1).astype(np.bool_)
 
 
+def taken_pixels(items: Iterable[Item], frame: PixelFrame) -> BoolArray:
+    """(H, W) pixels that these items stand on or touch; nothing stands in the way of a rug."""
+    solid = [i for i in items if palette.category(i.category).mount is not Mount.UNDERFOOT]
+    taken = draw_items(solid, frame)[0] > 0
+    grown = taken.copy()
+    for axis in (0, 1):
+        for step in (-1, 1):
+            grown |= np.roll(taken, step, axis)
+    return grown
+
+
 def _painting_order(row: tuple[palette.Category, Box]) -> tuple[int, float]:
     category, box = row
     return _MOUNT_ORDER[category.name], -box.size_m[0] * box.size_m[1]

@@ -91,6 +91,20 @@ class AssetDatabase:
         self.prepare(best)
         return best
 
+    def ranked(self, name: str, size_m: SizeM, count: int) -> tuple[Asset, ...]:
+        """The assets of a category in the order of their difference from a size, on disk.
+
+        Unlike nearest, own assets go before others only where they are as near. Raises SceneError
+        for a name not in the palette.
+        """
+        ranked = sorted(
+            self.of_category(name),
+            key=lambda asset: (*_retrieval_key(asset, size_m)[:2], asset.id not in self.own),
+        )[:count]
+        for asset in ranked:
+            self.prepare(asset)
+        return tuple(ranked)
+
     def named(self, asset_id: str) -> Asset:
         """The asset of this id, on disk. Raises KeyError."""
         asset = next((asset for asset in self.assets if asset.id == asset_id), None)

@@ -58,7 +58,7 @@ def draw_sheet(
     """
     from PIL import Image, ImageDraw
 
-    cells = [(a, name) for a in assets for name in (_colourways(a) if colours else [""])]
+    cells = [(a, name) for a in assets for name in (colourways(a) if colours else [""])]
     rows = -(-len(cells) // columns)
     tall = TILE_PX + _CAPTION_PX
     sheet = Image.new("RGB", (columns * TILE_PX, rows * tall), tuple(_PAPER.astype(int)))
@@ -81,7 +81,8 @@ def draw_asset(asset: Asset, side_px: int = TILE_PX, colourway: str = "") -> Byt
     return _draw(_read(asset.usd_path, colourway), side_px)
 
 
-def _colourways(asset: Asset) -> list[str]:
+def colourways(asset: Asset) -> list[str]:
+    """Names of the colours an asset comes in; one empty name where it has no choice."""
     from pxr import Usd
 
     stage = Usd.Stage.Open(str(asset.usd_path), Usd.Stage.LoadNone)

@@ -16,6 +16,7 @@ from chord_usd.commands.common import (
     add_group,
     add_output,
     add_verb,
+    size_m,
     stopwatch,
     whole_number,
 )
@@ -23,7 +24,11 @@ from chord_usd.files import deliver, output_folder
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
+    from chord_usd.progress import Stopwatch
     from chord_usd.types import Asset
+
+PICTURE_PX = 128
+"""Side of the picture of one mesh, as lists of them show it."""
 
 
 def add(verbs: Verbs) -> None:
@@ -33,6 +38,7 @@ def add(verbs: Verbs) -> None:
     listing.add_argument("--category", metavar="NAME", help="only this category")
     add_assets(listing)
     _add_sheet(listing, "also draw a picture of each")
+    _add_nearest(group)
     show = add_verb(group, "show", run_show, "show one mesh: size, licence, files")
     show.add_argument("id", metavar="ID", help="as chord-usd assets list prints it")
     add_assets(show)
@@ -54,6 +60,24 @@ def add(verbs: Verbs) -> None:
     )
     build = add_verb(group, "build", run_build, "build the parametric furniture as USD components")
     add_output(build, "folder for the components, replaced as a whole")
+    build.add_argument(
+        "--pictures", action="store_true", help="also draw a picture of each into PATH/pictures"
+    )
+
+
+def _add_nearest(group: Verbs) -> None:
+    parser = add_verb(group, "nearest", run_nearest, "list the meshes that come next to a size")
+    parser.add_argument("category", metavar="CATEGORY", help="such as bed")
+    parser.add_argument(
+        "--size", type=size_m, required=True, metavar="LxWxH", help="in metres, such as 1.6x2.0x0.9"
+    )
+    parser.add_argument(
+        "--count", type=whole_number(1), default=8, metavar="N", help="at most so many (8)"
+    )
+    parser.add_argument(
+        "--pictures", type=Path, metavar="DIR", help="also draw a picture of each, ID.png"
+    )
+    add_assets(parser)
 
 
 def _add_sheet(parser: argparse.ArgumentParser, summary: str) -> None:
@@ -73,6 +97,52 @@ def run_list(options: argparse.Namespace) -> Outcome:
         _draw_sheet(database, assets, options)
     lines = [f"{a.id:<32} {a.category:<28} {_size(a)}" for a in assets]
     return Outcome("\n".join(lines), {"assets": [_described(asset) for asset in assets]})
+
+
+def run_nearest(options: argparse.Namespace) -> Outcome:
+    """Runs assets nearest."""
+    from chord_usd.assets.database import load_database
+    from chord_usd.assets.sheet import colourways
+    from chord_usd.graph.fit import fitted_box
+    from chord_usd.palette import category
+    from chord_usd.types import Box
+
+    watch = stopwatch(options)
+    with watch.step("assets"):
+        database = load_database(options.assets)
+        ranked = database.ranked(options.category, options.size, options.count)
+    pictures = _draw_pictures(ranked, options.pictures, watch) if options.pictures else {}
+    told, lines = [], []
+    for asset in ranked:
+        room = Box((0.0, 0.0, 0.0), options.size, 0.0)
+        box = fitted_box(room, asset, category(asset.category), is_guess=True)
+        told.append(
+            {
+                **_described(asset),
+                "fits": {"center_m": list(box.center_m), "size_m": list(box.size_m)},
+                "looks": {"colour": [name for name in colourways(asset) if name]},
+                "picture": str(pictures.get(asset.id, "")),
+            }
+        )
+        lines.append(f"{asset.id:<32} {_size(asset)}")
+    return Outcome("\n".join(lines), {"assets": told})
+
+
+def _draw_pictures(assets: Sequence[Asset], folder: Path, watch: Stopwatch) -> dict[str, Path]:
+    """A picture of each asset in the folder; those that are there already are not drawn again."""
+    from PIL import Image
+
+    from chord_usd.assets.sheet import draw_asset
+
+    files = {asset.id: folder / f"{asset.id}.png" for asset in assets}
+    with watch.step("pictures") as progress, deliver() as delivery:
+        for done, asset in enumerate(assets):
+            progress(done, len(assets))
+            if not files[asset.id].is_file():
+                target = delivery.place(files[asset.id])
+                Image.fromarray(draw_asset(asset, PICTURE_PX)).save(target, format="PNG")
+        progress(len(assets), len(assets))
+    return files
 
 
 def run_show(options: argparse.Namespace) -> Outcome:
@@ -100,8 +170,12 @@ def run_build(options: argparse.Namespace) -> Outcome:
     """Runs assets build."""
     from chord_usd.assets.database import build_assets
 
-    with output_folder(options.output) as folder, stopwatch(options).step("assets") as progress:
-        assets = build_assets(folder, progress)
+    watch = stopwatch(options)
+    with output_folder(options.output) as folder:
+        with watch.step("assets") as progress:
+            assets = build_assets(folder, progress)
+        if options.pictures:
+            _draw_pictures(assets, folder / "pictures", watch)
     data = {"folder": str(options.output), "assets": len(assets)}
     return Outcome(f"{options.output}: {len(assets)} components", data)
 

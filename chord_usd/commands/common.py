@@ -162,6 +162,14 @@ def resolution(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
+def size_m(text: str) -> tuple[float, float, float]:
+    """An option type: LENGTHxWIDTHxHEIGHT in metres."""
+    sides = text.split("x")
+    if len(sides) != 3:
+        raise argparse.ArgumentTypeError(f"{text!r} is not LxWxH in metres, such as 1.6x2.0x0.9")
+    return positive(sides[0]), positive(sides[1]), positive(sides[2])
+
+
 def tile(text: str) -> tuple[int, int]:
     """An option type: I/N, the I-th of N, counted from 0."""
     match = re.fullmatch(r"(\d{1,5})/(\d{1,5})", text)

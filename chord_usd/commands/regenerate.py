@@ -28,6 +28,14 @@ def add(verbs: Verbs) -> None:
         "--room", required=True, metavar="NAME", help="name of the room's prim, such as Bedroom_0"
     )
     parser.add_argument(
+        "--keep", action="append", default=[], metavar="NAME",
+        help="a piece of the room that stays, such as Bed_0; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--edits", type=Path, metavar="LAYER",
+        help="a layer over STAGE that moves things: the room is furnished as it is seen there",
+    )  # fmt: skip
+    parser.add_argument(
         "-o", "--output", type=Path, metavar="PATH", help="the new stage (STAGE itself)"
     )
     parser.add_argument(
@@ -49,6 +57,7 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.raster_files import write_raster
 
     source = existing_file(options.stage)
+    edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     settings = Settings(
         steps=options.steps, device=options.device, asset_folders=tuple(options.assets)
@@ -57,7 +66,9 @@ def run(options: argparse.Namespace) -> Outcome:
     with deliver() as delivery:
         layout_out = delivery.place(options.layout_out) if options.layout_out else None
         graph_out = delivery.place(options.graph_out) if options.graph_out else None
-        made = regenerate(source, options.room, settings, watch, options.seed)
+        made = regenerate(
+            source, options.room, settings, watch, options.seed, keep=options.keep, edits=edits
+        )
         if layout_out:
             write_raster(made.layout, layout_out)
         if graph_out:
@@ -69,15 +80,17 @@ def run(options: argparse.Namespace) -> Outcome:
 
         report = check_stage(target)
     furniture = sum(1 for _ in made.graph.items_of(made.room.id))
+    new = furniture - len(made.kept)
     seed = made.layout.provenance.seed
     data = {
         "stage": str(target),
         "room": options.room,
         "seed": seed,
         "furniture": furniture,
+        "kept": list(made.kept),
         "seconds": watch.seconds,
         "certificate": certificate(report),
     }
     holds = "holds" if report.holds else "does not hold: chord-usd check says why"
-    text = f"{target}: {furniture} new pieces in {options.room}, seed {seed}\ncertificate {holds}"
+    text = f"{target}: {new} new pieces in {options.room}, seed {seed}\ncertificate {holds}"
     return Outcome(text, data)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from shapely.geometry import Point
@@ -83,12 +83,15 @@ def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
     )
 
 
-def name_items(items: Sequence[Item]) -> tuple[NamedItem, ...]:
-    """Items under their category's label, numbered in their order: Desk_0, Chair_0, Chair_1."""
+def name_items(items: Sequence[Item], taken: Collection[str] = ()) -> tuple[NamedItem, ...]:
+    """Items under their category's label, numbered in their order: Desk_0, Chair_0, Chair_1.
+
+    taken: names that are given already.
+    """
     labels = [identifier(category(item.category).label) for item in items]
     return tuple(
         NamedItem(name, label, item, name_items(item.children))
-        for name, label, item in zip(_numbered(labels), labels, items, strict=True)
+        for name, label, item in zip(_numbered(labels, taken), labels, items, strict=True)
     )
 
 
@@ -104,10 +107,12 @@ def _openings(openings: Sequence[Opening]) -> tuple[NamedOpening, ...]:
     return tuple(map(NamedOpening, names, openings))
 
 
-def _numbered(labels: Iterable[str]) -> list[str]:
+def _numbered(labels: Iterable[str], taken: Collection[str] = ()) -> list[str]:
     seen: Counter[str] = Counter()
     names = []
     for label in labels:
+        while f"{label}_{seen[label]}" in taken:
+            seen[label] += 1
         names.append(f"{label}_{seen[label]}")
         seen[label] += 1
     return names

@@ -9,7 +9,8 @@ from pxr import Kind, Tf, Usd
 
 from chord_usd.errors import StageError
 
-_LOADED_OR_NOT = Usd.PrimIsActive & Usd.PrimIsDefined & ~Usd.PrimIsAbstract
+LOADED_OR_NOT = Usd.PrimIsActive & Usd.PrimIsDefined & ~Usd.PrimIsAbstract
+"""Which prims count where furniture is not loaded."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ def summary(path: Path) -> StageSummary:
     rooms = _rooms(stage)
     for room in rooms:  # openings are behind the payload
         stage.Load(room.GetPath().AppendChild("Architecture"))
-    prims = [prim for room in rooms for prim in Usd.PrimRange(room, _LOADED_OR_NOT)]
+    prims = [prim for room in rooms for prim in Usd.PrimRange(room, LOADED_OR_NOT)]
     nodes = [prim for prim in prims if prim.HasAttribute("chord:category")]
     pieces = [prim for prim in nodes if _is_component(prim)]
     return StageSummary(

@@ -55,6 +55,23 @@ class StagedHouse:
     """Id of each room by the name of its prim, such as Bedroom_0."""
     seeds: dict[str, int]
     """The seed each room was furnished with, by the name of its prim."""
+    item_ids: dict[str, str]
+    """Id of each item by the path of its prim, or of the group around it."""
+
+    def furniture(self, room_name: str, names: Sequence[str], where: Path) -> frozenset[str]:
+        """Ids of pieces of a room by the names of their prims. Raises StageError."""
+        group = f"/House/Rooms/{room_name}/Furniture/"
+        own = {p.removeprefix(group): i for p, i in self.item_ids.items() if p.startswith(group)}
+        for name in names:
+            if name not in own:
+                near = get_close_matches(name, own, n=1)
+                raise StageError(
+                    f"has no {name!r} in {room_name}",
+                    where=str(where),
+                    expected=f"one of {', '.join(own)}" if own else "a room with furniture",
+                    try_=f"--keep {near[0]}" if near else "",
+                )
+        return frozenset(own[name] for name in names)
 
     def room(self, name: str, where: Path) -> Room:
         """The room whose prim has this name. Raises StageError, suggesting the nearest."""
@@ -91,7 +108,13 @@ def read_house(path: Path) -> StagedHouse:
         own = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
         seeds[room.name] = int(own.Get()) if own else house_seed
     room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
-    return StagedHouse(_with_noted_ids(graph, noted), room_ids, seeds)
+    item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in graph.items}
+    return StagedHouse(_with_noted_ids(graph, noted), room_ids, seeds, item_ids)
+
+
+def _placed(path: str) -> str:
+    """Path of a piece, or of the group around it: /House/Rooms/Study_0/Furniture/Desk_0."""
+    return "/".join(path.split("/")[:6])
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +129,8 @@ class NewFurniture:
     made: Provenance
     openings: Sequence[Opening] = ()
     """Of the house; nothing is hung over them."""
+    kept: Sequence[str] = ()
+    """Names of the room's prims that stay as they are."""
 
 
 def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
@@ -208,8 +233,10 @@ def _edit(path: Path, final: Path, new: NewFurniture) -> None:
             expected="the stage as chord-usd wrote it, not one that refers to it",
         )
     for name in list(furniture.nameChildren.keys()):
-        del furniture.nameChildren[name]
-    named = NamedRoom(0, new.room_name, new.room, name_items(new.items), ())
+        if name not in new.kept:
+            del furniture.nameChildren[name]
+    items = name_items(new.items, taken=new.kept)
+    named = NamedRoom(0, new.room_name, new.room, items, ())
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
         wardrobe = Wardrobe(new.made.seed, new.openings)
         packages = Packages(path.parent, final, "assets")

@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from pxr import Gf, Sdf, Usd
 
 from chord_usd import raster
 from chord_usd.chord_json import read_scene
+from chord_usd.geometry import footprint_polygon
 from chord_usd.raster_files import read_layout
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.refurnish import read_house
@@ -74,3 +76,50 @@ def test_an_unknown_room_leaves_everything(house: Path, run_cli: RunCli) -> None
     assert done.stderr.startswith("error: ")
     assert f"--room {ROOM}" in done.stderr
     assert house.read_bytes() == text
+
+
+def test_what_is_kept_stays_where_the_edits_have_put_it(
+    house: Path, tmp_path: Path, run_cli: RunCli
+) -> None:
+    stage = Path(shutil.copytree(house.parent, tmp_path / "house")) / "house.usda"
+    before = read_house(stage)
+    kept = next(p for p in before.item_ids if p.startswith(f"/House/Rooms/{ROOM}/Furniture/Sofa_"))
+    pose = next(item.box for item in before.graph.items if item.id == before.item_ids[kept])
+    edits = stage.with_name("house.edits.usda")
+    write_move(edits, stage, kept, pose.center_m[0] + 0.3)
+    kept_text = prim_text(stage, kept)
+    done = run_cli("regenerate", stage, *WORDS, "--keep", kept.split("/")[-1], "--edits", edits)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["kept"] == [kept.split("/")[-1]]
+    assert prim_text(stage, kept) == kept_text, "the edits stay in their own layer"
+    seen = read_house(edits)
+    items = {item.id: item for item in seen.graph.items_of(seen.room_ids[ROOM])}
+    own = items.pop(seen.item_ids[kept])
+    assert own.box.center_m[0] == pytest.approx(pose.center_m[0] + 0.3, abs=1e-3)
+    for item in items.values():
+        overlap = footprint_polygon(item.box).intersection(footprint_polygon(own.box)).area
+        assert overlap < 0.01 * footprint_polygon(own.box).area, item.id
+
+
+def test_an_unknown_piece_to_keep_is_refused(house: Path, run_cli: RunCli) -> None:
+    done = run_cli("regenerate", house, *WORDS, "--keep", "Piano_0")
+    assert done.returncode == 2
+    assert "Piano_0" in done.stderr
+    assert "expected one of" in done.stderr
+
+
+def write_move(edits: Path, house: Path, path: str, x_m: float) -> None:
+    """A layer over the house in which a piece stands at another x."""
+    layer = Sdf.Layer.CreateNew(str(edits))
+    layer.subLayerPaths.append(f"./{house.name}")
+    stage = Usd.Stage.Open(layer)
+    stage.SetMetadata("defaultPrim", "House")
+    place = stage.GetPrimAtPath(path).GetAttribute("xformOp:translate")
+    place.Set(Gf.Vec3d(x_m, *place.Get()[1:]))
+    layer.Save()
+
+
+def prim_text(stage: Path, path: str) -> str:
+    """A prim of the stage's own layer."""
+    layer = Sdf.Layer.OpenAsAnonymous(str(stage))  # a prim does not keep its layer
+    return str(layer.GetPrimAtPath(path).GetAsText())

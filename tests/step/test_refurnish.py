@@ -171,3 +171,20 @@ def test_nothing_is_left_behind_on_failure(folder: Path) -> None:
         refurnish(path, path, new)
     assert path.read_text() == text
     assert sorted(folder.rglob("*")) == names
+
+
+def test_what_is_kept_keeps_its_name_and_every_byte(folder: Path) -> None:
+    path = folder / "house.usda"
+    name = room_with_items(path)
+    new = new_furniture(path, name, count=2)
+    kept = next(p.split("/")[-1] for p in read_house(path).item_ids if f"/{name}/" in p)
+
+    def text() -> str:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+        return str(layer.GetPrimAtPath(f"/House/Rooms/{name}/Furniture/{kept}").GetAsText())
+
+    before = text()
+    refurnish(path, path, replace(new, kept=[kept]))
+    assert text() == before
+    house = read_house(path)
+    assert len(list(house.graph.items_of(house.room_ids[name]))) == 3

@@ -1,0 +1,45 @@
+"""describe: stage -> what it holds and what can be chosen."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+
+if TYPE_CHECKING:
+    from chord_usd.stage.describe import Looks, RoomContents
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "describe", run, "list a stage's rooms, pieces and choosable looks")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.stage.describe import describe_stage
+
+    with stopwatch(options).step("describe"):
+        contents = describe_stage(existing_file(options.stage))
+    lines = [f"{options.stage}: {len(contents.rooms)} rooms{_told(contents.looks)}"]
+    for room in contents.rooms:
+        lines += _room_lines(room)
+    return Outcome("\n".join(lines), {"stage": str(options.stage), **asdict(contents)})
+
+
+def _room_lines(room: RoomContents) -> list[str]:
+    pieces = [f"    {p.path.split('/')[-1]:<24} {p.asset}{_told(p.looks)}" for p in room.furniture]
+    return [f"  {room.name}{_told(room.looks)}", *pieces]
+
+
+def _told(looks: Looks) -> str:
+    """What is chosen, of how many."""
+    choices = [
+        f"{name} {choice.chosen or 'none'} (of {len(choice.offered)})"
+        for name, choice in looks.items()
+    ]
+    return f": {', '.join(choices)}" if choices else ""
