@@ -67,12 +67,13 @@ class AssetDatabase:
         """Assets of a category, perhaps none. Raises SceneError for a name not in the palette."""
         return self._by_category.get(category(name).name, ())
 
-    def nearest(self, name: str, size_m: SizeM) -> Asset:
+    def nearest(self, name: str, size_m: SizeM, most_height_m: float | None = None) -> Asset:
         """The asset an item of this category and size (length, width, height) is given.
 
         The paper's rule: same category, least squared difference of length and width. Ties go to
         the nearer height, then to the lower id, so that the answer never depends on order. An
         asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
+        most_height_m: only what is no higher, where the category has that.
         Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
@@ -82,6 +83,9 @@ class AssetDatabase:
                 expected="at least one asset of every category in use",
                 try_="--assets FOLDER with such an asset",
             )
+        if most_height_m is not None:
+            low = [asset for asset in candidates if asset.size_m[2] <= most_height_m]
+            candidates = tuple(low) or candidates
         best = min(candidates, key=lambda asset: _retrieval_key(asset, size_m))
         brought = [asset for asset in candidates if asset.id in self.own]
         if brought:

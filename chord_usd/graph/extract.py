@@ -59,7 +59,7 @@ def extract_graph(
     graph = SceneGraph(
         rooms=plan.rooms,
         openings=plan.openings,
-        items=place_items(found, plan.rooms, layout.frame),
+        items=place_items(found, plan.rooms, layout.frame, plan.openings),
         provenance=layout.provenance,
         extra=plan.extra,
     )

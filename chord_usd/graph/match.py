@@ -14,9 +14,10 @@ from shapely.geometry import Polygon
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.graph.fit import fitted_box
 from chord_usd.graph.flush import Standing, align, flush_with_walls, kept_deep, part, pull_into
+from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
 from chord_usd.graph.snap import FoundItem
 from chord_usd.palette import Mount, category
-from chord_usd.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
+from chord_usd.types import Asset, Box, Detection, Item, Opening, PixelFrame, Room, SceneGraph
 from chord_usd.units import m_from_px, wrap_deg
 
 LEAST_INSIDE = 0.5
@@ -36,19 +37,26 @@ ASSET_DISTANCE = "asset_distance_m"
 class Database(Protocol):
     """Where meshes come from; chord_usd.assets.database has it."""
 
-    def nearest(self, name: str, size_m: tuple[float, float, float], /) -> Asset:
-        """The mesh of this category whose size differs least."""
+    def nearest(
+        self, name: str, size_m: tuple[float, float, float], most_height_m: float | None = None, /
+    ) -> Asset:
+        """The mesh of this category whose size differs least, of those that are low enough."""
 
 
 def place_items(
-    found: Sequence[FoundItem], rooms: Sequence[Room], frame: PixelFrame
+    found: Sequence[FoundItem],
+    rooms: Sequence[Room],
+    frame: PixelFrame,
+    openings: Sequence[Opening] = (),
 ) -> tuple[Item, ...]:
     """Items in the rooms they lie in, flush with walls and neighbours, named per room.
 
     An item goes to the room that covers most of it. What lies in no room is dropped. Ids are
     room/category_n, counted in a fixed order: rooms as given, then category, then position.
+    openings: what they say of the items before them counts, see free_floor.
     """
     floors = _Floors(rooms, frame.m_per_px)
+    free_floor = FreeFloor(rooms, openings)
     by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
     for one in found:
         box = box_of(one.detection, frame)
@@ -57,7 +65,8 @@ def place_items(
             by_room[index].append((one, box))
     items: list[Item] = []
     for index, room in enumerate(rooms):
-        items += _items_of(room, floors.polygons[index], by_room[index], frame.m_per_px)
+        floor = floors.polygons[index]
+        items += _items_of(room, floor, free_floor, by_room[index], frame.m_per_px)
     return tuple(items)
 
 
@@ -89,7 +98,8 @@ def _matched(item: Item, database: Database) -> Item:
     if item.asset:
         children = tuple(_matched(child, database) for child in item.children)
         return replace(item, children=children)
-    asset = database.nearest(item.category, item.box.size_m)
+    most_height_m = item.extra.get(BELOW_SILL)
+    asset = database.nearest(item.category, item.box.size_m, most_height_m)
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
     extra = {**item.extra, ASSET_DISTANCE: round(missed_m, 6)}
     box = fitted_box(item.box, asset, category(item.category), is_guess=SEEN_AT in extra)
@@ -134,7 +144,11 @@ class _Floors:
 
 
 def _items_of(
-    room: Room, floor: Polygon, found: Sequence[tuple[FoundItem, Box]], m_per_px: float
+    room: Room,
+    floor: Polygon,
+    free_floor: FreeFloor,
+    found: Sequence[tuple[FoundItem, Box]],
+    m_per_px: float,
 ) -> list[Item]:
     reach_m = FLUSH_PX * m_per_px
     standings = [align(Standing.of(box), room.polygon_m) for _, box in found]
@@ -146,14 +160,16 @@ def _items_of(
         standings[index] = pull_into(flush, floor)
     standings = part(standings, reach_m)
     placed = [
-        (one, standing.on(box)) for (one, box), standing in zip(found, standings, strict=True)
+        (one, free_floor.kept(standing, box, category(one.detection.category), reach_m))
+        for (one, box), standing in zip(found, standings, strict=True)
     ]
     placed.sort(key=lambda pair: _order(*pair))
     counts: dict[str, int] = defaultdict(int)
     items = []
     for one, box in placed:
         name = one.detection.category
-        items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
+        item = _item(f"{room.id}/{name}_{counts[name]}", one, box, room.id)
+        items.append(free_floor.below_sill(item))
         counts[name] += 1
     return items
 

@@ -90,11 +90,13 @@ def _open_floors(rooms: Sequence[Room]) -> dict[str, shapely.Geometry]:
     }
 
 
-def _clearances(graph: SceneGraph) -> Iterator[tuple[Opening, shapely.Geometry]]:
+def clearances(
+    rooms: Sequence[Room], openings: Sequence[Opening]
+) -> Iterator[tuple[Opening, shapely.Geometry]]:
     """Each opening with the floor that stays free on each of its sides that is a room."""
-    floors = _open_floors(graph.rooms)
-    beside = rooms_beside(graph.openings, graph.rooms)
-    for opening, sides in zip(graph.openings, beside, strict=True):
+    floors = _open_floors(rooms)
+    beside = rooms_beside(openings, rooms)
+    for opening, sides in zip(openings, beside, strict=True):
         for room, box in zip(sides, clearance_boxes(opening), strict=True):
             if room is not None:
                 yield opening, footprint_polygon(box).intersection(floors[room.id])
@@ -117,7 +119,7 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
     prints = footprints_of(graph.items)
     tree = shapely.STRtree(prints.polygons)
     found: dict[Blocked, None] = {}
-    for opening, clearance in _clearances(graph):
+    for opening, clearance in clearances(graph.rooms, graph.openings):
         for index in sorted(tree.query(clearance, predicate="intersects")):
             item = graph.items[index]
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area

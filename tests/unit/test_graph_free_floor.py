@@ -1,0 +1,90 @@
+"""What doors and windows tell of the items before them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chord_usd.graph.flush import Standing
+from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
+from chord_usd.metrics.openings import blocked_openings
+from chord_usd.palette import category
+from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+
+ROOM = Room("room1", "bedroom", frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)]))
+DOOR = Opening("door1", "door", Box((2.0, -0.05, 0.0), (0.8, 0.1, 2.0), 0.0))
+WINDOW = Opening("window1", "window", Box((2.0, 4.05, 0.9), (1.6, 0.1, 1.2), 0.0))
+REACH_M = 0.03
+
+
+def cabinet(x: float, y: float, height: float = 1.6, yaw_deg: float = 0.0) -> Item:
+    box = Box((x, y, 0.0), (1.0, 0.6, height), yaw_deg)
+    return Item("room1/cabinet_0", "cabinet", box, "room1")
+
+
+def kept(item: Item) -> Item:
+    free = FreeFloor([ROOM], [DOOR, WINDOW])
+    standing = Standing.of(item.box)
+    box = free.kept(standing, item.box, category(item.category), REACH_M)
+    return free.below_sill(replace(item, box=box))
+
+
+def blocked(item: Item) -> list[str]:
+    return [one.opening for one in blocked_openings(SceneGraph((ROOM,), (DOOR, WINDOW), (item,)))]
+
+
+def assert_alike(after: Item, before: Item) -> None:
+    assert after.box.center_m == pytest.approx(before.box.center_m)
+    assert after.box.size_m == pytest.approx(before.box.size_m)
+    assert after.extra == before.extra
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 90.0, 180.0, -90.0])
+def test_half_a_pixel_before_a_door_was_drawn_beside_it(yaw_deg: float) -> None:
+    half = 0.5 if yaw_deg in (0.0, 180.0) else 0.3
+    item = cabinet(1.6 - half + 0.025, 0.5, yaw_deg=yaw_deg)
+    assert blocked(item) == ["door1"]
+    after = kept(item)
+    assert not blocked(after)
+    moved = np.array(item.box.size_m) - np.array(after.box.size_m)
+    assert 0.0 < moved.max() < REACH_M, "one edge, by no more than it was in the way"
+    assert np.count_nonzero(moved > 1e-9) == 1
+
+
+def test_what_stands_before_a_door_stays_there() -> None:
+    item = cabinet(1.6, 0.5)
+    assert_alike(kept(item), item)
+    assert blocked(kept(item)) == ["door1"]
+
+
+def test_before_a_window_stands_a_low_piece() -> None:
+    item = cabinet(2.0, 3.7)
+    assert blocked(item) == ["window1"]
+    after = kept(item)
+    assert after.box.size_m == pytest.approx((1.0, 0.6, 0.9))
+    assert after.extra[BELOW_SILL] == 0.9
+    assert not blocked(after)
+
+
+def test_a_refrigerator_blocks_the_window_it_stands_before() -> None:
+    box = Box((2.0, 3.7, 0.0), (0.7, 0.6, 1.8), 180.0)
+    item = replace(cabinet(2.0, 3.7), category="refrigerator", box=box)
+    assert_alike(kept(item), item)
+    assert blocked(kept(item)) == ["window1"]
+
+
+def test_an_edge_before_a_window_counts_only_for_what_is_always_high() -> None:
+    box = Box((0.9, 3.7, 0.0), (0.65, 0.6, 1.8), 180.0)
+    item = replace(cabinet(0.0, 0.0), category="refrigerator", box=box)
+    assert blocked(item) == ["window1"]
+    assert not blocked(kept(item))
+
+
+def test_houses_without_openings_are_as_before() -> None:
+    item = cabinet(2.0, 2.0)
+    free = FreeFloor([ROOM], [])
+    assert free.below_sill(item) == item
+    box = free.kept(Standing.of(item.box), item.box, category("cabinet"), REACH_M)
+    assert_alike(replace(item, box=box), item)
