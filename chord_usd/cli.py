@@ -20,6 +20,7 @@ from typing import NoReturn
 from chord_usd import __version__
 from chord_usd.commands import (
     assets,
+    batch,
     check,
     dataset,
     describe,
@@ -40,7 +41,7 @@ from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
 
 VERBS = (
-    generate, plan, layout, graph, stage, render, farm, check, describe, regenerate, export,
+    generate, plan, layout, graph, stage, render, batch, farm, check, describe, regenerate, export,
     diff, dataset, train, evaluate, assets,
 )  # fmt: skip
 """In the order of the line, then the workshop."""
@@ -60,8 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         outcome = _run(options)
         _tell(outcome, as_json=options.json)
         return DONE if outcome.holds else NOT_HELD
-    except KeyboardInterrupt:
-        sys.stderr.write("error: interrupted, nothing was written\n")
+    except KeyboardInterrupt as error:
+        sys.stderr.write(f"error: interrupted, {error or 'nothing was written'}\n")
         return INTERRUPTED
     except BrokenPipeError:
         # Whoever read stdout has seen enough; keep the interpreter from flushing into the pipe.

@@ -34,6 +34,8 @@ SAMPLERS = ("ddim", "dpm", "ddpm")
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
 """What ArgumentParser.add_subparsers returns; argparse keeps the class private."""
+Options = argparse._ActionsContainer
+"""A parser, or a group of its options."""
 
 
 class UsageError(ChordError):
@@ -80,21 +82,21 @@ def add_output(parser: Parser, summary: str, **options: Any) -> None:
     )
 
 
-def add_seed(parser: Parser) -> None:
+def add_seed(parser: Options) -> None:
     """The option --seed."""
     parser.add_argument(
         "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same house (0)"
     )
 
 
-def add_device(parser: Parser) -> None:
+def add_device(parser: Options) -> None:
     """The option --device."""
     parser.add_argument(
         "--device", choices=("auto", "cpu", "cuda"), default="auto", help="where the networks run"
     )
 
 
-def add_assets(parser: Parser) -> None:
+def add_assets(parser: Options) -> None:
     """The option --assets."""
     parser.add_argument(
         "--assets",

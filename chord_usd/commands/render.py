@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
+    Options,
     Outcome,
     Parser,
     Verbs,
@@ -52,6 +53,11 @@ def add_what(parser: Parser) -> None:
         "--walkthrough", type=whole_number(1), default=0, metavar="N",
         help="instead of the stage's cameras, N views along a walk through the doors",
     )  # fmt: skip
+    add_look(group)
+
+
+def add_look(group: Options) -> None:
+    """The options of any picture, whatever it shows."""
     group.add_argument(
         "--resolution", type=resolution, default=(1280, 720), metavar="WxH",
         help="size in pixels (1280x720)",
@@ -64,11 +70,6 @@ def add_what(parser: Parser) -> None:
         "--lighting", default="", metavar="NAME",
         help="day, evening or another lighting of the stage (the one it has selected)",
     )  # fmt: skip
-
-
-def add_how(parser: Parser) -> None:
-    """The options that say how well and where."""
-    group = parser.add_argument_group("how")
     group.add_argument(
         "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
     )
@@ -76,6 +77,11 @@ def add_how(parser: Parser) -> None:
         "--samples", type=whole_number(1), metavar="N",
         help="paths per pixel, at most (16, 128 or 1024, by the quality)",
     )  # fmt: skip
+
+
+def add_how(parser: Parser) -> None:
+    """The options that say where and how."""
+    group = parser.add_argument_group("how")
     group.add_argument("--engine", default="cycles", metavar="NAME", help="(cycles)")
     group.add_argument(
         "--device", default="auto", metavar="NAME",

@@ -31,8 +31,9 @@ ALLOWED: dict[str, set[str]] = {
     "training": {"layout", "graph", "data"},
     "evaluation": {"layout", "graph", "data", "metrics"},
     "farm": set(),
+    "batch": {"pipeline", "data", "stage", "image"},
     "pipeline": {*STEPS, "assets"},
-    "commands": {"pipeline", "farm", *STEPS, *WORKSHOP},
+    "commands": {"pipeline", "batch", "farm", *STEPS, *WORKSHOP},
     "cli": {"commands"},
     "__main__": {"cli"},
 }

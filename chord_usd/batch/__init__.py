@@ -1,0 +1,1 @@
+"""Many plans -> many houses: units of work, the engines that do them, and what they leave."""

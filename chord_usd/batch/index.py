@@ -1,0 +1,162 @@
+"""The index of a batch: one row for each house and each picture, as JSON lines and as Parquet."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from chord_usd.batch.engine import Result
+from chord_usd.batch.make import STAGE_FILE, camera_of
+from chord_usd.batch.records import (
+    HOUSE_RECORD,
+    PICTURES_FOLDER,
+    PICTURES_RECORD,
+    Record,
+    read_record,
+)
+from chord_usd.errors import MissingExtraError
+from chord_usd.files import deliver, write_atomic
+
+INDEX_FILE = "index.jsonl"
+PARQUET_FILE = "index.parquet"
+
+FIGURES = (
+    "rooms", "furniture", "items", "openings", "m_per_px", "holds", "errors", "collisions",
+    "out_of_room", "blocked_openings", "unsupported", "empty_rooms", "walkable", "reachable_rooms",
+    "por", "piou",
+)  # fmt: skip
+"""Of a house, out of its record."""
+
+_MEASURES = ("m_per_px", "walkable", "reachable_rooms", "por", "piou")
+_TEXTS = ("kind", "status", "house", "camera", "plan", "path", "why")
+_LISTS = ("files", "sha256")
+
+
+def rows(folder: Path, failures: Iterable[Result] = ()) -> list[dict[str, Any]]:
+    """All rows of a folder of houses, by name; houses that could not be made come last.
+
+    A row has kind (house or picture), status (done or failed), house, camera, plan, seed, path
+    (of the stage or the picture), files and sha256 (all files it is made of, and their hashes),
+    why (it failed), seconds, and for houses FIGURES. Paths are relative to the folder.
+    """
+    found: list[dict[str, Any]] = []
+    failed = {result.unit.name: result for result in failures}
+    for record_file in sorted(folder.glob(f"*/{HOUSE_RECORD}")):
+        house = record_file.parent
+        record = read_record(record_file)
+        if record and house.name not in failed:
+            found.append(_house_row(house.name, record))
+            found += _picture_rows(house, record)
+    found += [_failed_row(result) for _, result in sorted(failed.items())]
+    return found
+
+
+def write_index(rows: Iterable[Mapping[str, Any]], folder: Path) -> Path:
+    """Write the rows as JSON lines. Raises OutputError."""
+    path = folder / INDEX_FILE
+    write_atomic(path, "".join(json.dumps(row) + "\n" for row in rows))
+    return path
+
+
+def write_parquet(rows: list[dict[str, Any]], folder: Path) -> Path:
+    """Write the rows as a Parquet table, all columns of it even where they are empty.
+
+    Raises MissingExtraError without pyarrow, OutputError.
+    """
+    require_parquet()
+    import pyarrow
+    import pyarrow.parquet
+
+    types = [
+        *((name, pyarrow.string()) for name in _TEXTS),
+        *((name, pyarrow.list_(pyarrow.string())) for name in _LISTS),
+        ("seed", pyarrow.int64()),
+        ("seconds", pyarrow.float64()),
+        *((name, _figure_type(name)) for name in FIGURES),
+    ]
+    path = folder / PARQUET_FILE
+    with deliver() as delivery:
+        table = pyarrow.Table.from_pylist(rows, schema=pyarrow.schema(types))
+        pyarrow.parquet.write_table(table, delivery.place(path))
+    return path
+
+
+def require_parquet() -> None:
+    """Raises MissingExtraError without pyarrow."""
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError:
+        raise MissingExtraError(
+            "a Parquet index needs pyarrow", try_="pip install 'chord-usd[parquet]'"
+        ) from None
+
+
+def _figure_type(name: str) -> Any:
+    import pyarrow
+
+    if name == "holds":
+        return pyarrow.bool_()
+    return pyarrow.float64() if name in _MEASURES else pyarrow.int64()
+
+
+def _house_row(name: str, record: Record) -> dict[str, Any]:
+    told = record.told
+    return {
+        "kind": "house",
+        "status": "done",
+        "house": name,
+        "camera": None,
+        "plan": told["plan"],
+        "seed": told["seed"],
+        "path": f"{name}/{STAGE_FILE}",
+        "files": [f"{name}/{file}" for file in record.files],
+        "sha256": list(record.files.values()),
+        "why": None,
+        "seconds": round(sum(told["seconds"].values()), 3),
+        **{key: told[key] for key in FIGURES},
+    }
+
+
+def _picture_rows(house: Path, made: Record) -> Iterator[dict[str, Any]]:
+    record = read_record(house / PICTURES_RECORD)
+    if record is None:
+        return
+    cameras: dict[str, dict[str, str]] = {}
+    for file, digest in record.files.items():
+        cameras.setdefault(camera_of(Path(file)), {})[f"{house.name}/{file}"] = digest
+    for camera, files in cameras.items():
+        sidecar = f"{house.name}/{PICTURES_FOLDER}/{camera}.json"
+        if len(files) == 1:  # coco.json speaks of all cameras
+            continue
+        yield {
+            "kind": "picture",
+            "status": "done",
+            "house": house.name,
+            "camera": camera,
+            "plan": made.told["plan"],
+            "seed": made.told["seed"],
+            "path": next((file for file in files if file.endswith(f"/{camera}.png")), sidecar),
+            "files": list(files),
+            "sha256": list(files.values()),
+            "why": None,
+            "seconds": None,
+        }
+
+
+def _failed_row(result: Result) -> dict[str, Any]:
+    unit = result.unit
+    return {
+        "kind": "house",
+        "status": "failed",
+        "house": unit.name,
+        "camera": None,
+        "plan": unit.source,
+        "seed": unit.seed,
+        "path": None,
+        "files": [],
+        "sha256": [],
+        "why": result.why,
+        "seconds": None,
+    } | ({"detail": result.detail} if result.detail else {})

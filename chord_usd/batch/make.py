@@ -1,0 +1,174 @@
+"""Makes one house after the other, with models that are loaded once. Runs in the workers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.batch.records import (
+    HOUSE_RECORD,
+    PICTURES_FOLDER,
+    PICTURES_RECORD,
+    Digests,
+    Record,
+    files_in,
+    finished,
+    hashes_of,
+    write_record,
+)
+from chord_usd.batch.shared import keep_pictures, share_files
+from chord_usd.batch.units import Order, Unit
+from chord_usd.files import hash_file, output_folder
+from chord_usd.progress import Stopwatch
+
+if TYPE_CHECKING:
+    from chord_usd.image.options import RenderOptions
+    from chord_usd.pipeline import House, Models
+    from chord_usd.stage.check import Report
+    from chord_usd.types import Item, SceneGraph
+
+Make = Callable[[Unit], None]
+"""Makes what is not there yet of a unit. Raises ChordError; then it has left no half of it."""
+
+STAGE_FILE = "house.usda"
+PLAN_FILE = "plan.png"
+LAYOUT_FILE = "layout.png"
+SCENE_FILE = "scene.json"
+PROCEDURAL_FILE = "plan.json"
+
+
+class Maker:
+    """Makes the units of an order."""
+
+    def __init__(self, order: Order) -> None:
+        self._order = order
+
+    def __call__(self, unit: Unit) -> None:
+        """As Make."""
+        house = self._order.folder / unit.name
+        if not finished(house / HOUSE_RECORD, unit.recipe, Digests()):
+            self._furnish(unit, house)
+        if self._order.renders:
+            _render(house, self._order.renders)
+
+    @cached_property
+    def _models(self) -> Models:
+        from chord_usd.pipeline import load_models
+
+        return load_models(self._order.settings)
+
+    def _furnish(self, unit: Unit, target: Path) -> None:
+        """Write the house, whole or not at all."""
+        from chord_usd.pipeline import generate
+        from chord_usd.stage.check import check_stage
+
+        watch = Stopwatch()
+        settings = replace(self._order.settings, seed=unit.seed)
+        with output_folder(target) as folder:
+            plan_file = _plan_file(unit, folder)
+            stage = folder / STAGE_FILE
+            house = generate(plan_file, stage, settings, watch, self._models)
+            _write_rasters(house, folder)
+            with watch.step("check"):
+                report = check_stage(stage)
+            share_files(folder, target.parent)
+            files = hashes_of(files_in(folder), folder)
+            told = _told(unit, house, report, watch)
+            write_record(Record(unit.recipe, files, told), folder / HOUSE_RECORD)
+            # What was rendered of the very same stage needs not be rendered again.
+            old = target / STAGE_FILE
+            if old.is_file() and hash_file(old) == files[STAGE_FILE]:
+                keep_pictures(target, folder, PICTURES_FOLDER)
+
+
+def pictures_recipe(house: Path, options: RenderOptions) -> Mapping[str, Any]:
+    """All that decides the pictures of a house that is there."""
+    made = options.made(hash_file(house / STAGE_FILE))
+    return {**made, "cameras": options.cameras, "walkthrough": options.walkthrough}
+
+
+def _render(house: Path, options: RenderOptions) -> None:
+    """Take the pictures that are not there; those of a camera appear together."""
+    from chord_usd.image.render import render_stage
+
+    recipe = pictures_recipe(house, options)
+    record = house / PICTURES_RECORD
+    if finished(record, recipe, Digests()):
+        return
+    watch = Stopwatch()
+    with watch.step("render"):
+        rendered = render_stage(house / STAGE_FILE, house / PICTURES_FOLDER, options)
+    sidecars = {file.with_name(f"{camera_of(file)}.json") for file in rendered.files}
+    files = hashes_of(sorted({*rendered.files, *sidecars}), house)
+    told = {"seconds": watch.seconds, "device": rendered.device}
+    write_record(Record(recipe, files, told), record)
+
+
+def camera_of(picture: Path) -> str:
+    """The camera a file of a render belongs to; names of prims have no dots."""
+    return picture.name.split(".")[0]
+
+
+def _plan_file(unit: Unit, folder: Path) -> Path:
+    """The unit's plan; a procedural one is drawn into the house's folder."""
+    if isinstance(unit.plan, Path):
+        return unit.plan
+    import numpy as np
+
+    from chord_usd.chord_json import write_plan
+    from chord_usd.data.floorplans.programme import spread_room_count
+    from chord_usd.data.houses import random_plan
+
+    plan = random_plan(np.random.default_rng(unit.plan), spread_room_count(unit.plan))
+    write_plan(plan, folder / PROCEDURAL_FILE)
+    return folder / PROCEDURAL_FILE
+
+
+def _write_rasters(house: House, folder: Path) -> None:
+    from chord_usd.chord_json import write_scene
+    from chord_usd.raster_files import write_raster
+
+    write_raster(house.plan_image, folder / PLAN_FILE)
+    write_raster(house.layout, folder / LAYOUT_FILE)
+    write_scene(_with_own_assets(house.graph), folder / SCENE_FILE)
+
+
+def _with_own_assets(graph: SceneGraph) -> SceneGraph:
+    """The graph pointing to the meshes beside its stage, not to those of the machine."""
+    return replace(graph, items=tuple(_with_own_asset(item) for item in graph.items))
+
+
+def _with_own_asset(item: Item) -> Item:
+    children = tuple(_with_own_asset(child) for child in item.children)
+    if item.asset is None:
+        return replace(item, children=children)
+    path = item.asset.usd_path
+    own = replace(item.asset, usd_path=Path("assets", path.parent.name, path.name))
+    return replace(item, children=children, asset=own)
+
+
+def _told(unit: Unit, house: House, report: Report, watch: Stopwatch) -> dict[str, Any]:
+    """Figures for the index."""
+    items = house.graph.items
+    return {
+        "plan": unit.source,
+        "seed": unit.seed,
+        "rooms": len(house.graph.rooms),
+        "furniture": len(items),
+        "items": len(items) + sum(len(item.children) for item in items),
+        "openings": len(house.graph.openings),
+        "m_per_px": house.plan_image.frame.m_per_px,
+        "holds": report.holds,
+        "errors": len(report.errors),
+        "collisions": len(report.collisions),
+        "out_of_room": len(report.out_of_room),
+        "blocked_openings": len(report.blocked_openings),
+        "unsupported": len(report.unsupported),
+        "empty_rooms": len(report.empty_rooms),
+        **{key: getattr(report, key) for key in ("walkable", "reachable_rooms", "por", "piou")},
+        "warnings": list(house.plan.extra.get("warnings", ())),
+        "seconds": watch.seconds,
+    }

@@ -1,0 +1,172 @@
+"""A batch from beginning to end: find what is due, have it made, list what came of it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from chord_usd.batch.engine import Engine, Load, Result
+from chord_usd.batch.index import rows, write_index, write_parquet
+from chord_usd.batch.lock import locked
+from chord_usd.batch.make import Maker, pictures_recipe
+from chord_usd.batch.records import (
+    HOUSE_RECORD,
+    PICTURES_FOLDER,
+    PICTURES_RECORD,
+    Digests,
+    finished,
+)
+from chord_usd.batch.shards import write_shards
+from chord_usd.batch.units import Order, Unit
+from chord_usd.errors import DiskFullError, OutputError
+from chord_usd.progress import Progress, Stopwatch
+
+
+@dataclass(frozen=True)
+class Exports:
+    """What is written beside the houses, besides index.jsonl."""
+
+    parquet: bool = False
+    shards: bool = False
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of a batch."""
+
+    made: tuple[Unit, ...]
+    kept: tuple[Unit, ...]
+    """Finished by an earlier run."""
+    failures: tuple[Result, ...]
+    files: tuple[Path, ...]
+    """The index and what else was exported."""
+    holding: int
+    """Houses of all in the folder whose certificate holds."""
+    pictures: int
+    """Of all houses in the folder."""
+
+
+def run_batch(
+    units: Sequence[Unit],
+    order: Order,
+    engine: Engine,
+    exports: Exports = Exports(),
+    watch: Stopwatch | None = None,
+    load: Load | None = None,
+) -> Done:
+    """Make all units that are not finished; those that cannot be made are listed.
+
+    load: what makes a unit, for tests; by default a Maker of the order. The stopwatch times look,
+    houses and index. Raises OutputError where another batch is at work in the folder or it cannot
+    be written, DiskFullError once the disk is full. Finished houses stay, whatever happens.
+    """
+    watch = watch or Stopwatch()
+    folder = order.folder
+    made_folder = _make_folder(folder)
+    try:
+        with locked(folder):
+            _sweep(folder)
+            try:
+                with watch.step("look") as progress:
+                    due = find_due(units, order, progress)
+                with watch.step("houses") as progress:
+                    results = _make(due, engine, load or partial(Maker, order), progress)
+            finally:
+                # Of workers that were ended in the middle of a house.
+                _sweep(folder)
+            return _finish(units, results, order, exports, watch)
+    finally:
+        if made_folder:
+            _remove_empty(folder)
+
+
+def find_due(
+    units: Sequence[Unit], order: Order, progress: Progress | None = None
+) -> tuple[Unit, ...]:
+    """The units that are not finished: something is missing, damaged, or made by other settings."""
+    digests = Digests()
+    due = []
+    for done, unit in enumerate(units):
+        house = order.folder / unit.name
+        record = finished(house / HOUSE_RECORD, unit.recipe, digests)
+        if record and order.renders:
+            recipe = pictures_recipe(house, order.renders)
+            record = finished(house / PICTURES_RECORD, recipe, digests)
+        if not record:
+            due.append(unit)
+        if progress:
+            progress(done + 1, len(units))
+    return tuple(due)
+
+
+def _make(due: Sequence[Unit], engine: Engine, load: Load, progress: Progress) -> list[Result]:
+    results: list[Result] = []
+    progress(0, len(due))
+    with closing(engine.run(due, load)) as coming:  # type: ignore[type-var]
+        for result in coming:
+            results.append(result)
+            if result.disk_full:
+                made = sum(not other.why for other in results)
+                raise DiskFullError(
+                    f"{result.why.split('. Try')[0]}; {made} of {len(due)} houses were made",
+                    try_="free some space and run this again: it goes on where it stopped",
+                )
+            progress(len(results), len(due))
+    return results
+
+
+def _finish(
+    units: Sequence[Unit],
+    results: Sequence[Result],
+    order: Order,
+    exports: Exports,
+    watch: Stopwatch,
+) -> Done:
+    failures = tuple(sorted((r for r in results if r.why), key=lambda r: r.unit.name))
+    tried = {result.unit for result in results}
+    with watch.step("index"):
+        listed = rows(order.folder, failures)
+        files = [write_index(listed, order.folder)]
+        if exports.parquet:
+            files.append(write_parquet(listed, order.folder))
+        if exports.shards:
+            files += write_shards(listed, order.folder)
+    return Done(
+        made=tuple(result.unit for result in results if not result.why),
+        kept=tuple(unit for unit in units if unit not in tried),
+        failures=failures,
+        files=tuple(files),
+        holding=sum(bool(row.get("holds")) for row in listed),
+        pictures=sum(row["kind"] == "picture" for row in listed),
+    )
+
+
+def _make_folder(folder: Path) -> bool:
+    """Returns whether it was not there. Raises OutputError."""
+    new = not folder.exists()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"cannot be made ({(error.strerror or str(error)).lower()})",
+            where=str(folder),
+            expected="a folder for houses",
+            try_="another -o",
+        ) from error
+    return new
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what workers that were killed had half written. Nobody else is at work here."""
+    for place in (".", f"*/{PICTURES_FOLDER}"):
+        for hidden in folder.glob(f"{place}/.chord-usd-*"):
+            shutil.rmtree(hidden, ignore_errors=True)
+
+
+def _remove_empty(folder: Path) -> None:
+    with suppress(OSError):
+        folder.rmdir()

@@ -1,0 +1,198 @@
+"""batch: many plans -> many houses, and their pictures."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.commands.common import (
+    Outcome,
+    Parser,
+    UsageError,
+    Verbs,
+    add_assets,
+    add_device,
+    add_output,
+    add_seed,
+    add_verb,
+    positive,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.commands.render import add_look
+
+if TYPE_CHECKING:
+    from chord_usd.batch.engine import Engine
+    from chord_usd.batch.run import Done
+    from chord_usd.image.options import RenderOptions
+    from chord_usd.pipeline import Settings
+
+MOST_TOLD = 5
+"""Failures told on stderr; --json and the index list all."""
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "batch", run, "make many houses, and pictures of them; resumable")
+    parser.add_argument(
+        "plans", type=Path, nargs="*", metavar="PLAN",
+        help="floor plans as generate takes them, or folders of them",
+    )  # fmt: skip
+    add_output(parser, "folder for the houses, one folder each; finished ones in it are kept")
+    _add_houses(parser)
+    _add_pictures(parser)
+    _add_exports(parser)
+    _add_workers(parser)
+
+
+def _add_houses(parser: Parser) -> None:
+    group = parser.add_argument_group("houses")
+    add_seed(group)
+    group.add_argument(
+        "--seeds", type=whole_number(1), default=1, metavar="N",
+        help="houses for each plan, from --seed on (1)",
+    )  # fmt: skip
+    group.add_argument(
+        "--synth", type=whole_number(1), default=0, metavar="N",
+        help="also the procedural plans 0 to N-1",
+    )  # fmt: skip
+    group.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    group.add_argument(
+        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
+    )
+    group.add_argument("--no-tabletop", action="store_true", help="leave tables bare")
+    add_assets(group)
+
+
+def _add_pictures(parser: Parser) -> None:
+    group = parser.add_argument_group("pictures")
+    group.add_argument(
+        "--renders", action="store_true", help="also render every camera of every house"
+    )
+    add_look(group)
+
+
+def _add_exports(parser: Parser) -> None:
+    group = parser.add_argument_group("exports, beside index.jsonl")
+    group.add_argument("--parquet", action="store_true", help="the index as index.parquet, too")
+    group.add_argument(
+        "--webdataset", action="store_true", help="houses and pictures as tar files in shards/"
+    )
+
+
+def _add_workers(parser: Parser) -> None:
+    group = parser.add_argument_group("workers")
+    group.add_argument(
+        "--engine", choices=("local", "ray"), default="local",
+        help="processes of this machine, or a Ray cluster (local)",
+    )  # fmt: skip
+    group.add_argument(
+        "--workers", type=whole_number(1), metavar="N",
+        help="how many (as many as cores and memory allow)",
+    )  # fmt: skip
+    group.add_argument(
+        "--address", metavar="HOST:PORT", help="of the Ray cluster (one on this machine alone)"
+    )
+    group.add_argument(
+        "--cpus", type=whole_number(1), default=1, metavar="N", help="cores of a Ray worker (1)"
+    )
+    group.add_argument(
+        "--gpus", type=positive, default=0.0, metavar="SHARE",
+        help="GPUs of a Ray worker, such as 0.25 for four workers on one (0)",
+    )  # fmt: skip
+    add_device(group)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb. Finished houses stay, whatever becomes of the others."""
+    from chord_usd.batch.index import require_parquet
+    from chord_usd.batch.run import Exports, run_batch
+    from chord_usd.batch.units import Order, list_units
+
+    if not options.plans and not options.synth:
+        raise UsageError("no plans", expected="PLAN, or --synth N", try_="chord-usd batch --help")
+    if options.parquet:
+        require_parquet()
+    settings = _settings(options)
+    seeds = range(options.seed, options.seed + options.seeds)
+    units = list_units(options.plans, options.synth, seeds, settings)
+    order = Order(options.output.absolute(), settings, _render_options(options))
+    engine = _engine(options, order.folder)
+    watch = stopwatch(options)
+    try:
+        done = run_batch(units, order, engine, Exports(options.parquet, options.webdataset), watch)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "finished houses were kept; run this again to make the others"
+        ) from None
+    return _outcome(done, options, watch.seconds)
+
+
+def _settings(options: argparse.Namespace) -> Settings:
+    from chord_usd.pipeline import Settings
+
+    return Settings(
+        steps=options.steps,
+        m_per_px=options.scale,
+        device=options.device,
+        asset_folders=tuple(folder.absolute() for folder in options.assets),
+        tabletop=not options.no_tabletop,
+    )
+
+
+def _render_options(options: argparse.Namespace) -> RenderOptions | None:
+    """Raises RenderError for what cannot be rendered, before any house is made."""
+    if not options.renders:
+        return None
+    from chord_usd.image.options import QUALITIES, RenderOptions
+
+    return RenderOptions(
+        resolution_px=options.resolution,
+        quality=QUALITIES[options.quality],
+        samples=options.samples,
+        passes=options.passes,
+        lighting=options.lighting,
+        device=options.device,
+        skip_existing=True,
+    )
+
+
+def _engine(options: argparse.Namespace, folder: Path) -> Engine:
+    if options.engine == "ray":
+        from chord_usd.batch.ray_engine import RayEngine
+
+        return RayEngine(options.address, options.workers, options.cpus, options.gpus, folder)
+    for name in ("address", "gpus"):
+        if getattr(options, name):
+            raise UsageError("is for Ray", where=f"--{name}", try_=f"--engine ray --{name} ...")
+    from chord_usd.batch.local import LocalEngine, usual_workers
+
+    return LocalEngine(options.workers or usual_workers())
+
+
+def _outcome(done: Done, options: argparse.Namespace, seconds: dict[str, float]) -> Outcome:
+    failures = {result.unit.name: result.why for result in done.failures}
+    data: dict[str, Any] = {
+        "folder": str(options.output),
+        "made": len(done.made),
+        "kept": len(done.kept),
+        "failed": len(failures),
+        "failures": failures,
+        "holding": done.holding,
+        "pictures": done.pictures,
+        "files": [str(file) for file in done.files],
+        "seconds": seconds,
+    }
+    rate = 3600.0 * len(done.made) / max(seconds["houses"], 1e-3)
+    text = (
+        f"{options.output}: {len(done.made)} houses made in {seconds['houses']:.1f} s "
+        f"({rate:.0f} an hour), {len(done.kept)} kept, {len(failures)} failed; "
+        f"the certificate of {done.holding} holds"
+    )
+    warnings = [f"{name}: {why}" for name, why in failures.items()][:MOST_TOLD]
+    if len(failures) > MOST_TOLD:
+        warnings.append(f"{len(failures)} failed in all; {done.files[0]} lists them")
+    return Outcome(text, data, holds=not failures, warnings=warnings)

@@ -1,0 +1,283 @@
+"""A batch: what is due, what is listed, what is shared. Houses are a few lines of text here."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tarfile
+from dataclasses import replace
+from pathlib import Path
+
+import batch_makers as makers
+import pytest
+
+from chord_usd.batch.index import rows, write_parquet
+from chord_usd.batch.local import LocalEngine
+from chord_usd.batch.lock import locked
+from chord_usd.batch.make import STAGE_FILE
+from chord_usd.batch.records import HOUSE_RECORD, PICTURES_RECORD, Record, write_record
+from chord_usd.batch.run import Done, Exports, find_due, run_batch
+from chord_usd.batch.shards import write_shards
+from chord_usd.batch.shared import keep_pictures, share_files
+from chord_usd.batch.units import Unit, list_units
+from chord_usd.errors import OutputError, PlanError
+from chord_usd.pipeline import Settings
+
+
+class Here:
+    """An engine that makes the units in this process."""
+
+    def run(self, units, load):
+        from chord_usd.batch.engine import attempt
+
+        make = load()
+        for unit in units:
+            yield attempt(make, unit)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "houses"
+
+
+def batch(folder: Path, units: list[Unit], load=makers.honest, **options) -> Done:
+    return run_batch(units, makers.order(folder), Here(), load=load(folder), **options)
+
+
+def made(folder: Path) -> list[str]:
+    """What was made so far, in all runs."""
+    log = folder.parent / "made.txt"
+    return log.read_text().split() if log.exists() else []
+
+
+class TestUnits:
+    @pytest.fixture
+    def plans(self, tmp_path: Path) -> Path:
+        for name in ("a/plan.png", "b/plan.png", "b/second floor.v2.PNG", "b/notes.txt"):
+            file = tmp_path / name
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(name)
+        return tmp_path
+
+    def test_one_for_each_plan_and_seed_under_a_name_of_its_own(self, plans: Path) -> None:
+        units = list_units([plans / "a", plans / "b"], 2, range(3, 5), Settings())
+        assert [unit.name for unit in units[::2]] == [
+            "a-plan-3", "b-plan-3", "second_floor_v2-3",
+            "procedural_000000-3", "procedural_000001-3",
+        ]  # fmt: skip
+        assert [unit.seed for unit in units[:2]] == [3, 4]
+
+    def test_the_recipe_follows_the_plan_and_the_settings(self, plans: Path) -> None:
+        def recipe(settings: Settings) -> dict:
+            return dict(list_units([plans / "a"], 0, [0], settings)[0].recipe)
+
+        before = recipe(Settings())
+        assert recipe(Settings(device="cpu")) == before
+        assert recipe(Settings(steps=3)) != before
+        (plans / "a/plan.png").write_text("another")
+        assert recipe(Settings()) != before
+
+    @pytest.mark.parametrize(
+        ("names", "what"),
+        [
+            (["missing.png"], "no such file"),
+            (["empty"], "holds no plan"),
+            (["a/plan.png", "c/a/plan.png"], "2 plans have this name"),
+        ],
+    )
+    def test_plans_that_are_no_use_are_told_before_anything_is_made(
+        self, plans: Path, names: list[str], what: str
+    ) -> None:
+        (plans / "empty").mkdir()
+        (plans / "c/a").mkdir(parents=True)
+        (plans / "c/a/plan.png").write_text("another")
+        with pytest.raises(PlanError, match=what):
+            list_units([plans / name for name in names], 0, [0], Settings())
+
+
+class TestResume:
+    def test_finished_houses_are_kept(self, folder: Path) -> None:
+        batch(folder, makers.units("a", "b"))
+        done = batch(folder, makers.units("a", "b", "c"))
+        assert made(folder) == ["a", "b", "c"]
+        assert [unit.name for unit in done.kept] == ["a", "b"]
+
+    @pytest.mark.parametrize(
+        ("file", "damage"),
+        [
+            *((STAGE_FILE, damage) for damage in ("missing", "short", "zeroed", "flipped")),
+            ("assets/Chair/Chair.usda", "missing"),
+            (HOUSE_RECORD, "missing"),
+            (HOUSE_RECORD, "short"),
+        ],
+    )
+    def test_a_damaged_house_is_made_again_and_no_other(
+        self, folder: Path, file: str, damage: str
+    ) -> None:
+        units = makers.units("a", "b")
+        batch(folder, units)
+        target = folder / "b" / file
+        data = bytearray(target.read_bytes())
+        if damage == "flipped":
+            data[len(data) // 2] ^= 1
+        changed = {"short": data[: len(data) // 2], "zeroed": bytes(len(data)), "flipped": data}
+        target.unlink()
+        if damage != "missing":
+            target.write_bytes(changed[damage])
+        batch(folder, units)
+        assert made(folder) == ["a", "b", "b"]
+        assert find_due(units, makers.order(folder)) == ()
+
+    def test_other_settings_make_other_houses(self, folder: Path) -> None:
+        batch(folder, makers.units("a", "b"))
+        others = [replace(unit, recipe={"steps": 3}) for unit in makers.units("a")]
+        batch(folder, [*others, makers.unit("b")])
+        assert made(folder) == ["a", "b", "a"]
+
+    def test_what_a_killed_worker_half_wrote_is_swept(self, folder: Path) -> None:
+        for place in (".chord-usd-x/a", "a/pictures/.chord-usd-y"):
+            (folder / place).mkdir(parents=True)
+        batch(folder, makers.units("a"))
+        assert list(folder.rglob(".*")) == []
+
+
+class TestOneAtATime:
+    def test_a_second_batch_in_one_folder_is_refused(self, folder: Path) -> None:
+        folder.mkdir()
+        with locked(folder), pytest.raises(OutputError, match=f"process {os.getpid()}"):
+            batch(folder, makers.units("a"))
+        assert made(folder) == []
+        batch(folder, makers.units("a"))
+
+    def test_a_batch_that_was_killed_holds_nothing(self, folder: Path) -> None:
+        folder.mkdir()
+        code = (
+            "import os, pathlib, chord_usd.batch.lock as lock\n"
+            f"with lock.locked(pathlib.Path({str(folder)!r})): os._exit(9)"
+        )
+        assert subprocess.run([sys.executable, "-c", code]).returncode == 9
+        assert list(folder.iterdir())
+        with locked(folder):
+            pass
+        assert not list(folder.iterdir())
+
+
+def test_failures_are_listed_and_the_rest_is_made(folder: Path) -> None:
+    done = batch(folder, makers.units("a", "unreadable", "bug", "b"), makers.troubled)
+    assert [unit.name for unit in done.made] == ["a", "b"]
+    told = {result.unit.name: result.why for result in done.failures}
+    assert told == {
+        "bug": "unexpected ZeroDivisionError: two lines",
+        "unreadable": "unreadable: shows no rooms",
+    }
+    listed = [json.loads(line) for line in (folder / "index.jsonl").read_text().splitlines()]
+    assert [(row["house"], row["status"]) for row in listed] == [
+        ("a", "done"), ("b", "done"), ("bug", "failed"), ("unreadable", "failed"),
+    ]  # fmt: skip
+    assert "ZeroDivisionError" in listed[2]["detail"]
+
+
+def test_workers_may_die_without_harm_to_other_units(folder: Path) -> None:
+    units = makers.units("a", "crash", "killed_once", "b")
+    order = makers.order(folder)
+    done = run_batch(units, order, LocalEngine(2), load=makers.troubled(folder))
+    assert sorted(made(folder)) == ["a", "b", "killed_once"]
+    assert [result.unit.name for result in done.failures] == ["crash"]
+    assert "died 3 times: SIGABRT" in done.failures[0].why
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "a", "assets", "b", "index.jsonl", "killed_once",
+    ]  # fmt: skip
+
+
+class TestSharing:
+    @pytest.fixture
+    def house(self, tmp_path: Path) -> Path:
+        return self.write(tmp_path / "house", b"chair")
+
+    @staticmethod
+    def write(house: Path, data: bytes) -> Path:
+        (house / "assets/Chair").mkdir(parents=True)
+        (house / "assets/Chair/Chair.usda").write_bytes(data)
+        return house
+
+    def test_houses_share_one_copy_on_disk(self, folder: Path) -> None:
+        batch(folder, makers.units("a", "b"))
+        files = [folder / name / "assets/Chair/Chair.usda" for name in ("", "a", "b")]
+        assert len({file.stat().st_ino for file in files}) == 1
+
+    def test_each_keeps_what_it_has_where_a_name_means_another_file(
+        self, tmp_path: Path, house: Path
+    ) -> None:
+        other = self.write(tmp_path / "other", b"stool")
+        for one in (house, other):
+            share_files(one, tmp_path)
+        assert (house / "assets/Chair/Chair.usda").read_bytes() == b"chair"
+        assert (other / "assets/Chair/Chair.usda").read_bytes() == b"stool"
+        assert (tmp_path / "assets/Chair/Chair.usda").read_bytes() == b"stool"
+        assert [file.name for file in (house / "assets/Chair").iterdir()] == ["Chair.usda"]
+
+    def test_pictures_outlive_their_house(self, tmp_path: Path, house: Path) -> None:
+        (house / "pictures").mkdir()
+        (house / "pictures/Top.png").write_bytes(b"from above")
+        keep_pictures(house, tmp_path / "new", "pictures")
+        assert (tmp_path / "new/pictures/Top.png").read_bytes() == b"from above"
+
+
+class TestExports:
+    @pytest.fixture
+    def houses(self, folder: Path) -> Path:
+        batch(folder, makers.units("a", "b"))
+        pictures = folder / "a" / "pictures"
+        pictures.mkdir()
+        for name in ("Top.png", "Top.exr", "Top.json", "coco.json"):
+            (pictures / name).write_text(name)
+        files = {f"pictures/{file.name}": "0" for file in pictures.iterdir()}
+        write_record(Record({}, files), folder / "a" / PICTURES_RECORD)
+        return folder
+
+    def test_the_index_has_a_row_for_each_house_and_picture(self, houses: Path) -> None:
+        listed = rows(houses)
+        assert [(row["kind"], row["house"], row["path"]) for row in listed] == [
+            ("house", "a", f"a/{STAGE_FILE}"),
+            ("picture", "a", "a/pictures/Top.png"),
+            ("house", "b", f"b/{STAGE_FILE}"),
+        ]
+        for row in (listed[0], listed[2]):
+            for file, digest in zip(row["files"], row["sha256"], strict=True):
+                assert hashlib.sha256((houses / file).read_bytes()).hexdigest() == digest
+
+    def test_parquet_says_the_same(self, houses: Path) -> None:
+        parquet = pytest.importorskip("pyarrow.parquet", reason="extra parquet")
+        listed = rows(houses)
+        table = parquet.read_table(write_parquet(listed, houses)).to_pylist()
+        assert [
+            {key: row[key] for key in told} for told, row in zip(listed, table, strict=True)
+        ] == (listed)
+        assert table[1]["rooms"] is None
+
+    def test_shards_hold_every_sample_whole_and_are_the_same_every_time(self, houses: Path) -> None:
+        listed = rows(houses)
+        shards = write_shards(listed, houses, shard_bytes=1)
+        before = [shard.read_bytes() for shard in shards]
+        assert [shard.name for shard in shards] == [
+            "houses-000000.tar", "houses-000001.tar", "pictures-000000.tar",
+        ]  # fmt: skip
+        members = []
+        for shard in shards:
+            with tarfile.open(shard) as tar:
+                members.append([member.name for member in tar])
+        assert members == [
+            ["a.layout.png", "a.plan.png", "a.scene.json"],
+            ["b.layout.png", "b.plan.png", "b.scene.json"],
+            ["a-Top.exr", "a-Top.json", "a-Top.png"],
+        ]
+        (houses / "a" / "plan.png").touch()
+        again = write_shards(listed, houses, shard_bytes=1)
+        assert [shard.read_bytes() for shard in again] == before
+
+    def test_exports_are_asked_for(self, folder: Path) -> None:
+        done = batch(folder, makers.units("a"), exports=Exports(shards=True))
+        assert [file.name for file in done.files] == ["index.jsonl", "houses-000000.tar"]
