@@ -22,6 +22,7 @@ from chord_usd.commands.common import (
 )
 
 if TYPE_CHECKING:
+    from chord_usd.training.detector_data import Sample
     from chord_usd.training.stream import BatchStream
     from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
 
@@ -54,6 +55,13 @@ def add(verbs: Verbs) -> None:
         type=Path,
         metavar="DIR",
         help="checkpoint, of either kind, to take what fits from where no run is there",
+    )
+    detector.add_argument(
+        "--generated",
+        type=whole_number(0),
+        default=0,
+        metavar="N",
+        help="layouts that plan2layout paints first, half of all that is seen then (0)",
     )
     detector.add_argument(
         "--score-houses",
@@ -161,8 +169,10 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
     from chord_usd.networks import WEIGHTS_FILE
+    from chord_usd.pipeline import Settings, load_model
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
+    from chord_usd.training.detector_generated import generated_samples
 
     config = DetectorTraining(
         minutes=options.minutes,
@@ -173,8 +183,14 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     )
     resumed = (options.output / WEIGHTS_FILE).exists()
     watch = stopwatch(options)
+    generated: list[Sample] = []
+    if options.generated:
+        with watch.step("generate") as progress:
+            model = load_model(Settings(device=options.device))
+            folder = options.output / "generated"
+            generated = generated_samples(model, options.generated, folder, progress)
     with watch.step("train") as progress:
-        facts = train_detector(options.kind, options.output, config, resumed, progress)
+        facts = train_detector(options.kind, options.output, config, resumed, progress, generated)
     with watch.step("score"):
         cases = list(clean_cases(options.score_houses))
         scores = asdict(score_checkpoint(options.kind, options.output, cases))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -75,18 +75,19 @@ def train_detector(
     config: DetectorTraining | None = None,
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    generated: Sequence[Sample] = (),
 ) -> dict[str, Any]:
     """Train one network for config.minutes and leave weights, config and log in out.
 
     resume: start from the weights in out (their running mean; the optimiser starts anew). The
     checkpoint is whole at any time: it is rewritten every save_minutes. progress is told seconds
-    done and in all. Returns what the model card tells of the run. Raises CheckpointError when there
-    is nothing to resume from.
+    done and in all. generated: painted by the layout model, seen beside drawings. Returns what the
+    model card tells of the run. Raises CheckpointError when there is nothing to resume from.
     """
     config = config or DetectorTraining()
     torch.set_num_threads(config.threads)
     torch.manual_seed(config.seed)
-    run = _Run(kind, out, config, resume)
+    run = _Run(kind, out, config, resume, generated)
     run.train(progress or (lambda done, total: None))
     return run.facts()
 
@@ -94,7 +95,14 @@ def train_detector(
 class _Run:
     """The state of a training run."""
 
-    def __init__(self, kind: Kind, out: Path, config: DetectorTraining, resume: bool) -> None:
+    def __init__(
+        self,
+        kind: Kind,
+        out: Path,
+        config: DetectorTraining,
+        resume: bool,
+        generated: Sequence[Sample],
+    ) -> None:
         self.kind, self.out, self.config = kind, out, config
         self.images, self.minutes_before = 0, 0.0
         self.minutes, self.step, self.loss = 0.0, 0, math.nan
@@ -111,7 +119,8 @@ class _Run:
         self.optimizer = self._optimizer()
         # The stream goes on behind what was seen before the resumption.
         rng = np.random.default_rng((config.seed, self.images))
-        self.samples = stream(rng, SPOILING[kind], kind)
+        self.samples = stream(rng, SPOILING[kind], kind, generated)
+        self.generated = len(generated)
 
     def train(self, progress: Callable[[int, int], None]) -> None:
         total = self.config.minutes * 60.0
@@ -163,6 +172,7 @@ class _Run:
             "device": self.config.device,
             "threads": self.config.threads,
             "loss": round(self.loss, 4),
+            "generated": self.generated,
             **({"start": self.origin} if self.origin else {}),
         }
 

@@ -50,6 +50,8 @@ def write_card(
         "| data | procedural houses of this package, drawn as they were needed, each shown in "
         "several views; edges frayed, marks lost, colours drifted, houses turned, rooms shaded "
         "or white |",
+        f"| generated | {facts.get('generated', 0)} layouts that the layout model painted, every "
+        "second sample; the truth is what their colours say |",
         f"| split | scored on test houses (`chord_usd.data.splits`), hash `{scores['split']}`; "
         "none of them was trained on |",
         f"| images seen | {facts['images']:,} |",

@@ -6,7 +6,7 @@ fray, marks and whole patches go missing, specks appear, colours drift, houses s
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -85,12 +85,27 @@ def house(seed: int) -> SceneGraph:
     return furnish(random_plan(rng), rng)
 
 
-def stream(rng: np.random.Generator, spoiling: Spoiling, kind: Kind = "items") -> Iterator[Sample]:
+def stream(
+    rng: np.random.Generator,
+    spoiling: Spoiling,
+    kind: Kind = "items",
+    generated: Sequence[Sample] = (),
+) -> Iterator[Sample]:
     """Samples without end, none of a test house.
 
     Drawing costs half as much as learning from it, so each drawing is shown in several views;
-    those with classes that few houses have, in more.
+    those with classes that few houses have, in more. generated: painted by the layout model; where
+    there are any, every second sample is one of them.
     """
+    drawn = _drawn_stream(rng, spoiling, kind)
+    while True:
+        yield next(drawn)
+        if generated:
+            chosen = generated[int(rng.integers(len(generated)))]
+            yield turned(chosen, int(rng.integers(4)), bool(rng.integers(2)))
+
+
+def _drawn_stream(rng: np.random.Generator, spoiling: Spoiling, kind: Kind) -> Iterator[Sample]:
     holding = np.zeros(max(len(HOUSE_CATEGORIES), len(ROOM_CLASSES)))
     drawn = 0
     shelf: list[Sample] = []
@@ -149,7 +164,14 @@ def draw_sample(graph: SceneGraph, spoiling: Spoiling, rng: np.random.Generator)
     rgb = raster.paint_layout(plan_image, labels, front)
     if rng.random() < spoiling.noisy:
         rgb = drift(rgb, rng)
-    classes, boxes, room_map = _rooms(graph.rooms, frame)
+    return sample_of(rgb, items, graph.rooms, frame)
+
+
+def sample_of(
+    rgb: ByteArray, items: tuple[Item, ...], rooms: tuple[Room, ...], frame: PixelFrame
+) -> Sample:
+    """A layout raster and what is known to be in it."""
+    classes, boxes, room_map = _rooms(rooms, frame)
     return Sample(rgb, _boxes(items, frame), classes, boxes, room_map)
 
 

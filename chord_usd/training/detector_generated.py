@@ -1,0 +1,77 @@
+"""Layouts that the layout model painted, as training samples of the detector.
+
+Spoilt drawings only resemble what the model paints. Nobody drew these: the truth is what their
+colours say, read without the networks, and the rooms of the plan they were painted on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from chord_usd import raster
+from chord_usd.data.augment import random_pose
+from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import is_test_seed
+from chord_usd.graph.match import box_of
+from chord_usd.graph.snap import decode_items
+from chord_usd.layout.sample import LayoutModel
+from chord_usd.progress import Progress
+from chord_usd.raster_files import read_layout, write_raster
+from chord_usd.training.detector_data import Sample, sample_of
+from chord_usd.types import Item, LayoutImage, Plan
+
+_FIRST_SEED = 500_000_000
+"""Far from the seeds of other training data, and below those of test houses."""
+
+_MARGIN_PX = (3, 40)
+_BATCH = 4
+
+
+def generated_samples(
+    model: LayoutModel, count: int, folder: Path, progress: Progress | None = None
+) -> list[Sample]:
+    """The first count generated layouts, every second one unshaded.
+
+    They are kept as PNG files in folder; those that lie there are not painted again.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    seeds = [seed for seed in range(_FIRST_SEED, _FIRST_SEED + count) if not is_test_seed(seed)]
+    missing = [seed for seed in seeds if not _file(folder, seed).is_file()]
+    for start in range(0, len(missing), _BATCH):
+        if progress:
+            progress(start, len(missing))
+        _paint(model, missing[start : start + _BATCH], folder)
+    return [_sample(read_layout(_file(folder, seed)), _plan(seed)) for seed in seeds]
+
+
+def _paint(model: LayoutModel, seeds: list[int], folder: Path) -> None:
+    images = []
+    for seed in seeds:
+        plan, margin = _plan(seed), np.random.default_rng(seed).integers(*_MARGIN_PX)
+        frame = raster.fit_frame(plan, margin_px=int(margin))
+        images.append(raster.draw_plan(plan, frame, shade=seed % 2 == 0))
+    for seed, layout in zip(seeds, model.sample_batch(images, seeds=seeds), strict=True):
+        write_raster(layout, _file(folder, seed))
+
+
+def _plan(seed: int) -> Plan:
+    rng = np.random.default_rng(seed)
+    return random_pose(random_plan(rng), rng)
+
+
+def _file(folder: Path, seed: int) -> Path:
+    return folder / f"{seed}.png"
+
+
+def _sample(layout: LayoutImage, plan: Plan) -> Sample:
+    items = tuple(_items(layout))
+    return sample_of(layout.rgb, items, plan.rooms, layout.frame)
+
+
+def _items(layout: LayoutImage) -> Iterator[Item]:
+    for index, found in enumerate(decode_items(layout)):
+        name = found.category
+        yield Item(f"{name}_{index}", name, box_of(found, layout.frame), "")
