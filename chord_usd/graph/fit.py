@@ -16,6 +16,11 @@ _OWN_HEIGHT_FROM = 0.85
 """A mesh that is scaled down less than this keeps its height."""
 
 
+def is_built_in(row: Category) -> bool:
+    """Whether pieces of a category stand in a run along their wall: kitchen units."""
+    return row.rooms == ("kitchen",)
+
+
 def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
     """The part of box that the mesh fills, against the back of the box and in the middle of it.
 
@@ -25,7 +30,7 @@ def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
     category's usual one, which no picture shows; the mesh brings its own.
     """
     ratio = np.array(box.size_m) / np.array(asset.size_m)
-    if row.mount is Mount.WALL or row.rooms == ("kitchen",):
+    if row.mount is Mount.WALL or is_built_in(row):
         scale, least = ratio, 1.0
     else:
         least = float(ratio[:2].min())

@@ -20,6 +20,9 @@ from chord_usd.units import wrap_deg
 ALIGN_DEG = 4.0
 """Items this close to the direction of the nearest side of their room are along it."""
 
+ALIGN_BUILT_IN_DEG = 15.0
+"""The same for kitchen units, which are screwed to their wall: other turns are torn edges."""
+
 OVERLAP_SHARE = 0.35
 """Neighbours that overlap by less than this share of their smaller sides are moved apart: pixels
 belong to one item only. Deeper overlaps are meant, as of a chair pushed under a table."""
@@ -69,7 +72,7 @@ class Standing:
         return Box((x, y, box.center_m[2]), (length, width, box.size_m[2]), yaw_deg)
 
 
-def align(standing: Standing, polygon_m: FloatArray) -> Standing:
+def align(standing: Standing, polygon_m: FloatArray, within_deg: float = ALIGN_DEG) -> Standing:
     """Turn an item about its centre to the direction of the nearest side of its room, if near."""
     sides = np.roll(polygon_m, -1, axis=0) - polygon_m
     lengths = np.hypot(sides[:, 0], sides[:, 1])
@@ -80,7 +83,7 @@ def align(standing: Standing, polygon_m: FloatArray) -> Standing:
     for side in np.argsort(distance, kind="stable"):
         angle = _direction_deg(sides[side])
         turn = fold_deg(old.angle_deg - angle)
-        if abs(turn) <= ALIGN_DEG:
+        if abs(turn) <= within_deg:
             return _turned(standing, -turn) if turn else standing
     return standing
 

@@ -12,8 +12,17 @@ import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.graph.fit import fitted_box
-from chord_usd.graph.flush import Standing, align, flush_with_walls, kept_deep, part, pull_into
+from chord_usd.graph.fit import fitted_box, is_built_in
+from chord_usd.graph.flush import (
+    ALIGN_BUILT_IN_DEG,
+    ALIGN_DEG,
+    Standing,
+    align,
+    flush_with_walls,
+    kept_deep,
+    part,
+    pull_into,
+)
 from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
 from chord_usd.graph.snap import FoundItem
 from chord_usd.palette import Mount, category
@@ -151,7 +160,10 @@ def _items_of(
     m_per_px: float,
 ) -> list[Item]:
     reach_m = FLUSH_PX * m_per_px
-    standings = [align(Standing.of(box), room.polygon_m) for _, box in found]
+    standings = [
+        align(Standing.of(box), room.polygon_m, _align_within_deg(one.detection.category))
+        for one, box in found
+    ]
     for index, standing in enumerate(standings):
         others = standings[:index] + standings[index + 1 :]
         flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
@@ -172,6 +184,10 @@ def _items_of(
         items.append(free_floor.below_sill(item))
         counts[name] += 1
     return items
+
+
+def _align_within_deg(name: str) -> float:
+    return ALIGN_BUILT_IN_DEG if is_built_in(category(name)) else ALIGN_DEG
 
 
 def _order(one: FoundItem, box: Box) -> tuple[int, float, float]:
