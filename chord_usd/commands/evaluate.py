@@ -9,12 +9,13 @@ from chord_usd.commands import (
     evaluate_ood,
     evaluate_plans,
     evaluate_speed,
+    evaluate_tabletops,
 )
 from chord_usd.commands.common import Verbs, add_group
 
 VERBS = (
     evaluate_layouts, evaluate_ood, evaluate_speed, evaluate_diversity, evaluate_detector,
-    evaluate_plans,
+    evaluate_plans, evaluate_tabletops,
 )  # fmt: skip
 
 

@@ -43,10 +43,10 @@ def add_plans(parser: Parser, count: int) -> None:
     )
 
 
-def add_checkpoint(parser: Parser) -> None:
-    """Options that say which model."""
+def add_checkpoint(parser: Parser, name: str = "plan2layout") -> None:
+    """Options that say which model. name: of the one that ships."""
     parser.add_argument(
-        "--checkpoint", type=Path, metavar="DIR", help="instead of the shipped plan2layout"
+        "--checkpoint", type=Path, metavar="DIR", help=f"instead of the shipped {name}"
     )
     add_seed(parser)
     add_device(parser)
@@ -118,12 +118,12 @@ def load_cases(options: argparse.Namespace) -> Cases:
     return cases.procedural_cases(split, options.plans)
 
 
-def load_layout_model(options: argparse.Namespace) -> LayoutModel:
+def load_layout_model(options: argparse.Namespace, name: str = "plan2layout") -> LayoutModel:
     """The model that the options ask for. Raises CheckpointError, ChordError."""
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.locations import checkpoint_folder
 
-    folder = options.checkpoint or checkpoint_folder("plan2layout")
+    folder = options.checkpoint or checkpoint_folder(name)
     return LayoutModel.load(folder, options.device)
 
 

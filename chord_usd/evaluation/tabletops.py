@@ -1,0 +1,331 @@
+"""Scores of the table model: what it lays, before and after items are stood on their pieces.
+
+"Raw" scores are of what is read from the raster, before anything is moved or left out.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from chord_usd import raster
+from chord_usd.data.splits import split_hash
+from chord_usd.evaluation.tabletop_cases import Case
+from chord_usd.geometry import footprint_polygon, front_direction
+from chord_usd.graph.match import Database, box_of
+from chord_usd.graph.snap import FoundItem
+from chord_usd.graph.table_items import read_items, read_table_pixels
+from chord_usd.graph.table_place import Laid, place_on
+from chord_usd.layout.sample import LayoutModel
+from chord_usd.metrics.detection import edge_errors_m
+from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items
+from chord_usd.metrics.footprints import is_underfoot
+from chord_usd.metrics.overlap import STACKED_TOLERANCE_M, Overlap, items_overlap
+from chord_usd.metrics.scores import Score
+from chord_usd.palette import SUPPORTS, Level
+from chord_usd.progress import Progress
+from chord_usd.relief import Relief, Reliefs
+from chord_usd.table_top import Side
+from chord_usd.types import Item, LayoutImage
+from chord_usd.units import wrap_deg
+
+MOST_OVER_EDGE = 0.01
+"""An item with more than this share of its footprint beside the top is off its edge."""
+
+FACING = ("all_in_one_computer", "laptop", "dinner_set", "photo_frame", "standing_book")
+"""Items that somebody looks at or eats from: they have a right and a wrong way round."""
+
+PAINTED = 0.5
+"""Share of its pixels that must have an item's colour for it to be seen at all."""
+
+FACING_DEG = 45.0
+"""So far from straight an item still faces a side."""
+
+_OUT: dict[Side, tuple[float, float]] = {
+    "back": (0.0, 1.0), "front": (0.0, -1.0), "left": (-1.0, 0.0), "right": (1.0, 0.0)
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Workplace:
+    """What it takes to lay tables."""
+
+    model: LayoutModel
+    database: Database
+    reliefs: Reliefs
+    seed: int = 0
+    asked_steps: int | None = None
+    """None takes what the checkpoint was tuned for."""
+    sampler: str = "ddim"
+
+    @property
+    def steps(self) -> int:
+        """Sampler steps."""
+        return self.asked_steps or self.model.config.default_steps
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """One piece with the raster that was laid on it, and all that came of it."""
+
+    case: Case
+    layout: LayoutImage
+    found: tuple[FoundItem, ...]
+    raw: tuple[Item, ...]
+    """What was read, as it was read."""
+    laid: Laid
+
+
+@dataclass(frozen=True)
+class TableScores:
+    """One column: scores on one set of pieces."""
+
+    pieces: int
+    split: str
+    rows: dict[str, Score]
+    by_category: dict[str, dict[str, Score]]
+    """filled and items, by the category of the piece."""
+
+
+def sampled(
+    at: Workplace, cases: Sequence[Case], progress: Progress | None = None
+) -> list[LayoutImage]:
+    """What the model lays on each piece; case i gets the seed plus i."""
+    return at.model.sample_batch(
+        [case.image for case in cases],
+        seeds=[at.seed + index for index in range(len(cases))],
+        steps=at.steps,
+        sampler=at.sampler,
+        progress=progress,
+    )
+
+
+def judge(at: Workplace, cases: Sequence[Case], layouts: Sequence[LayoutImage]) -> list[Judged]:
+    """Reads every raster and stands its items on its piece. Raises AssetError."""
+    return [_judged(at, case, layout) for case, layout in zip(cases, layouts, strict=True)]
+
+
+def _judged(at: Workplace, case: Case, layout: LayoutImage) -> Judged:
+    view = case.view
+    found = read_items(layout, view.item.category)
+    laid = place_on(
+        view.item, view.relief, found, layout.frame, at.database, at.reliefs, view.around
+    )
+    return Judged(case, layout, tuple(found), _as_read(found, layout), laid)
+
+
+def _as_read(found: Sequence[FoundItem], layout: LayoutImage) -> tuple[Item, ...]:
+    return tuple(
+        Item(str(number), one.detection.category, box_of(one.detection, layout.frame))
+        for number, one in enumerate(found)
+    )
+
+
+def cpu_seconds(at: Workplace, cases: Sequence[Case]) -> float:
+    """Processor time of laying these pieces in one batch, all threads, reading and placing too.
+
+    Processor time is what counts on a machine that is shared.
+    """
+    started = time.process_time()
+    judge(at, cases, sampled(at, cases))
+    return time.process_time() - started
+
+
+def score_tabletops(judged: Sequence[Judged], at: Workplace) -> TableScores:
+    """All scores of these pieces; those that need a truth only where there is one."""
+    rows = {**_raw_scores(judged), **_placed_scores(judged, at.reliefs)}
+    known = [one for one in judged if one.case.truth is not None]
+    if known and len(known) == len(judged):
+        rows["items_of_data"] = _mean([float(len(o.case.truth or ())) for o in known], "pieces")
+    by_category = {}
+    for name in SUPPORTS:
+        own = [one for one in judged if one.case.view.item.category == name]
+        if own:
+            by_category[name] = {"filled": _filled(own), "items": _items(own)}
+    split = split_hash(one.case.id for one in judged)
+    return TableScores(len(judged), split, rows, by_category)
+
+
+def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
+    overlaps = [items_overlap(one.raw) for one in judged]
+    over_edge = [
+        1.0 - one.case.view.relief.free_share(item.box) > MOST_OVER_EDGE
+        for one in judged
+        for item in one.raw
+    ]
+    facing = [
+        found.front_seen and faces_somebody(item, one.case)
+        for one in judged
+        for found, item in zip(one.found, one.raw, strict=True)
+        if item.category in FACING
+    ]
+    marks = [found.front_seen for one in judged for found in one.found]
+    return {
+        **_overlap_scores(overlaps, ""),
+        "off_edge": _mean(over_edge, "items"),
+        "front_shown": _mean(marks, "items"),
+        "faces_right": _mean(facing, "items with a right way round"),
+        "round_trip": _mean([round_trip(one) for one in judged if one.raw], "pieces"),
+    }
+
+
+def _placed_scores(judged: Sequence[Judged], reliefs: Reliefs) -> dict[str, Score]:
+    supported = [
+        is_supported(child, one.laid.children, one.case.view.relief, reliefs)
+        for one in judged
+        for child in one.laid.children
+    ]
+    kept = sum(len(one.laid.children) for one in judged)
+    seen = sum(len(one.laid.seen) for one in judged)
+    placed = [items_overlap(one.laid.children) for one in judged]
+    return {
+        **_overlap_scores(placed, "placed_"),
+        "supported": _mean(supported, "items placed"),
+        "left_out": Score((seen - kept) / seen if seen else 0.0, seen, "items"),
+        "filled": _filled(judged),
+        "items": _items(judged),
+    }
+
+
+def _overlap_scores(overlaps: Iterable[Overlap], prefix: str) -> dict[str, Score]:
+    paired = [overlap for overlap in overlaps if overlap.pairs]
+    over = "pieces with a pair of items"
+    scores = {
+        "por": _mean([one.por for one in paired], over),
+        "por_all": _mean([one.por_all for one in paired], over),
+        "piou": _mean([one.piou for one in paired], over),
+    }
+    return {prefix + name: score for name, score in scores.items()}
+
+
+def _filled(judged: Sequence[Judged]) -> Score:
+    return _mean([bool(one.laid.children) for one in judged], "pieces")
+
+
+def _items(judged: Sequence[Judged]) -> Score:
+    return _mean([float(len(one.laid.children)) for one in judged], "pieces")
+
+
+def faces_somebody(item: Item, case: Case) -> bool:
+    """Whether an item's front points to a side where somebody sits; where nobody does, to any side
+    without a wall."""
+    borders = case.view.top.borders
+    seats = {border.side for border in borders if border.kind == "seat"}
+    walls = {border.side for border in borders if border.kind == "wall"}
+    front = front_direction(item.box.yaw_deg)
+    sides = seats or {side for side in _OUT if side not in walls}
+    least = np.cos(np.radians(FACING_DEG + 1e-6))
+    return any(float(front @ np.array(_OUT[side])) >= least for side in sides)
+
+
+def round_trip(one: Judged) -> float:
+    """Share of pixels with the same item where the raster or what was read of it has one."""
+    painted = read_table_pixels(one.layout.rgb, one.case.view.item.category).item + 1
+    drawn, _ = raster.draw_items(one.raw, one.layout.frame, Level.TABLE)
+    either = (painted > 0) | (drawn > 0)
+    return float((painted == drawn)[either].mean()) if either.any() else 1.0
+
+
+def is_supported(child: Item, siblings: Sequence[Item], relief: Relief, reliefs: Reliefs) -> bool:
+    """Whether an item touches something below, and its middle lies over the hull of the contact
+    (metric "unsupported"). Heights are those of the meshes."""
+    box = child.box
+    points = _contact(relief, box, box.center_m[2])
+    for other in siblings:
+        if other is child or not is_underfoot(other) or other.asset is None:
+            continue
+        base = other.box
+        own = reliefs(other.asset).scaled(base.size_m)
+        inside = shapely.intersection(footprint_polygon(box), footprint_polygon(base))
+        top_m = base.center_m[2] + own.level_m
+        if abs(top_m - box.center_m[2]) <= STACKED_TOLERANCE_M and inside.area > 0.0:
+            points = np.concatenate([points, shapely.get_coordinates(inside)])
+    if not len(points):
+        return False
+    hull = shapely.convex_hull(shapely.multipoints(points)).buffer(STACKED_TOLERANCE_M / 2)
+    return bool(hull.contains(shapely.Point(box.center_m[:2])))
+
+
+def _contact(relief: Relief, box: Any, base_m: float) -> np.ndarray:
+    """(N, 2) middles of the cells under a box that are as high as its underside."""
+    mask, (rows, columns) = relief.under(box)
+    near = mask & (np.abs(relief.heights_m[rows, columns] - base_m) <= STACKED_TOLERANCE_M)
+    row, column = np.nonzero(near)
+    count_y, count_x = relief.heights_m.shape
+    x = ((column + columns.start + 0.5) / count_x - 0.5) * relief.size_m[0]
+    y = (0.5 - (row + rows.start + 0.5) / count_y) * relief.size_m[1]
+    return np.stack([x, y], axis=1)
+
+
+@dataclass(frozen=True)
+class ReaderScores:
+    """Rasters of which it is known what is meant -> items."""
+
+    recall: float
+    recall_painted: float
+    """Over those items of which at least PAINTED of the pixels still have the right colour. What
+    is missing here is the reader's fault; all else is that of whoever drew."""
+    precision: float
+    orientation: float
+    """Share of the items found whose front is within 10 degrees of the truth."""
+    quarter: float
+    """The same within 45 degrees: small items that lie askew are read as straight."""
+    edge_px: float
+    """Median distance of an edge from where it should be."""
+    edges_within_half_px: float
+    truths: int
+
+
+def score_reader(cases: Sequence[Case], layouts: Sequence[LayoutImage]) -> ReaderScores:
+    """How well the items of these cases are read from rasters of them."""
+    truths = found = 0
+    turns: list[float] = []
+    edges: list[float] = []
+    painted_found: list[bool] = []
+    for case, layout in zip(cases, layouts, strict=True):
+        truth = case.truth or ()
+        mine = _as_read(read_items(layout, case.view.item.category), layout)
+        truths, found = truths + len(truth), found + len(mine)
+        pairs = match_items(mine, truth)
+        known = {true.id for _, true in pairs}
+        painted_found += [item.id in known for item in _painted(case, layout)]
+        for one, true in pairs:
+            turns.append(abs(wrap_deg(one.box.yaw_deg - true.box.yaw_deg)))
+            edges += (edge_errors_m(one.box, true.box) / layout.frame.m_per_px).tolist()
+    return ReaderScores(
+        recall=len(turns) / max(truths, 1),
+        recall_painted=_share(np.array(painted_found)),
+        precision=len(turns) / max(found, 1),
+        orientation=_share(np.array(turns) <= MAX_TURN_DEG),
+        quarter=_share(np.array(turns) < FACING_DEG),
+        edge_px=float(np.median(edges)) if edges else 0.0,
+        edges_within_half_px=_share(np.array(edges) <= 0.5),
+        truths=truths,
+    )
+
+
+def _painted(case: Case, layout: LayoutImage) -> list[Item]:
+    """The true items that a raster still shows."""
+    truth = case.truth or ()
+    visible, _ = raster.draw_items(truth, layout.frame, Level.TABLE)
+    painted = read_table_pixels(layout.rgb, case.view.item.category).item + 1
+    shown = []
+    for item in truth:
+        alone, _ = raster.draw_items([item], layout.frame, Level.TABLE)
+        own = (alone > 0) & (visible == alone)
+        if own.any() and (painted == visible)[own].mean() >= PAINTED:
+            shown.append(item)
+    return shown
+
+
+def _share(holds: np.ndarray) -> float:
+    return float(holds.mean()) if holds.size else 0.0
+
+
+def _mean(values: Sequence[float] | Sequence[bool], over: str) -> Score:
+    return Score(float(np.mean(values)) if len(values) else 0.0, len(values), over)
