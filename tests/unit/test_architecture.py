@@ -40,9 +40,9 @@ ALLOWED: dict[str, set[str]] = {
 """What a part may import besides itself and the base modules."""
 
 HEAVY = {
-    "torch": ("layout", "graph", "training", "evaluation"),
+    "torch": ("layout", "training", "evaluation"),
     "diffusers": ("layout", "training", "evaluation"),
-    "ultralytics": ("graph", "training"),
+    "ultralytics": ("training",),
     "pxr": ("stage", "assets", "image"),
     "bpy": ("image",),
     "transformers": (),
