@@ -6,12 +6,15 @@ import errno
 import os
 import signal
 import time
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
-from chord_usd.batch.engine import Load
+from chord_usd.batch.engine import Load, Result, attempt
 from chord_usd.batch.make import STAGE_FILE, Make
 from chord_usd.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
+from chord_usd.batch.run import Done, run_batch
 from chord_usd.batch.shared import share_files
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import PlanError
@@ -37,6 +40,15 @@ def units(*names: str) -> list[Unit]:
     return [unit(name) for name in names]
 
 
+class Here:
+    """An engine that makes the units in this process."""
+
+    def run(self, units: Sequence[Unit], load: Load) -> Iterator[Result]:
+        make = load()
+        for unit in units:
+            yield attempt(make, unit)
+
+
 def honest(folder: Path) -> Load:
     """Writes a small house for every unit, and a line in made.txt."""
     return partial(_maker, folder, _write)
@@ -45,6 +57,19 @@ def honest(folder: Path) -> Load:
 def troubled(folder: Path) -> Load:
     """As honest, but a unit's name may say what happens to its worker."""
     return partial(_maker, folder, _suffer)
+
+
+def batch(
+    folder: Path, units: list[Unit], load: Callable[[Path], Load] = honest, **options: Any
+) -> Done:
+    """A batch in this process."""
+    return run_batch(units, order(folder), Here(), load=load(folder), **options)
+
+
+def made(folder: Path) -> list[str]:
+    """What was made so far, in all runs, in its order."""
+    log = folder.parent / "made.txt"
+    return log.read_text().split() if log.exists() else []
 
 
 def slow(folder: Path) -> Load:
@@ -88,6 +113,9 @@ def _suffer(folder: Path, unit: Unit) -> None:
         with output_folder(folder / unit.name) as house:
             (house / STAGE_FILE).write_text("half of it")
             raise OSError(errno.ENOSPC, "No space left on device", str(house))
+    if "large" in unit.name:
+        with output_folder(folder / unit.name) as house:
+            (house / STAGE_FILE).write_bytes(bytes(2**20))
     _write(folder, unit)
 
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from chord_usd.batch.make import Make
 from chord_usd.batch.units import Unit
-from chord_usd.errors import ChordError, DiskFullError
+from chord_usd.errors import ChordError, DiskFullError, OutputError
 
 MOST_TRIES = 3
 """Of a unit whose worker dies: the first may have been killed for what others did."""
@@ -28,8 +28,8 @@ class Result:
     """Why it could not be made; empty where it was."""
     detail: str = ""
     """Traceback of an error that nobody foresaw."""
-    disk_full: bool = False
-    """Whether no other unit could be made either."""
+    fatal: OutputError | None = None
+    """Why no other unit could be made either."""
 
 
 class Engine(Protocol):
@@ -44,7 +44,7 @@ def attempt(make: Make, unit: Unit) -> Result:
     try:
         make(unit)
     except DiskFullError as error:
-        return Result(unit, str(error), disk_full=True)
+        return Result(unit, str(error), fatal=error)
     except ChordError as error:
         return Result(unit, str(error))
     except Exception as error:

@@ -22,7 +22,7 @@ from chord_usd.batch.records import (
 )
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.units import Order, Unit
-from chord_usd.errors import DiskFullError, OutputError
+from chord_usd.errors import OutputError
 from chord_usd.progress import Progress, Stopwatch
 
 
@@ -62,7 +62,7 @@ def run_batch(
 
     load: what makes a unit, for tests; by default a Maker of the order. The stopwatch times look,
     houses and index. Raises OutputError where another batch is at work in the folder or it cannot
-    be written, DiskFullError once the disk is full. Finished houses stay, whatever happens.
+    be written, also once the disk is full. Finished houses stay, whatever happens.
     """
     watch = watch or Stopwatch()
     folder = order.folder
@@ -109,11 +109,13 @@ def _make(due: Sequence[Unit], engine: Engine, load: Load, progress: Progress) -
     with closing(engine.run(due, load)) as coming:  # type: ignore[type-var]
         for result in coming:
             results.append(result)
-            if result.disk_full:
+            if result.fatal:
                 made = sum(not other.why for other in results)
-                raise DiskFullError(
-                    f"{result.why.split('. Try')[0]}; {made} of {len(due)} houses were made",
-                    try_="free some space and run this again: it goes on where it stopped",
+                raise OutputError(
+                    f"{result.fatal.what}; {made} of {len(due)} houses were made",
+                    where=result.fatal.where,
+                    expected=result.fatal.expected,
+                    try_=result.fatal.try_,
                 )
             progress(len(results), len(due))
     return results

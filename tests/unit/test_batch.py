@@ -15,42 +15,20 @@ import batch_makers as makers
 import pytest
 
 from chord_usd.batch.index import rows, write_parquet
-from chord_usd.batch.local import LocalEngine
 from chord_usd.batch.lock import locked
 from chord_usd.batch.make import STAGE_FILE
 from chord_usd.batch.records import HOUSE_RECORD, PICTURES_RECORD, Record, write_record
-from chord_usd.batch.run import Done, Exports, find_due, run_batch
+from chord_usd.batch.run import Exports, find_due
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.shared import keep_pictures, share_files
-from chord_usd.batch.units import Unit, list_units
+from chord_usd.batch.units import list_units
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.pipeline import Settings
-
-
-class Here:
-    """An engine that makes the units in this process."""
-
-    def run(self, units, load):
-        from chord_usd.batch.engine import attempt
-
-        make = load()
-        for unit in units:
-            yield attempt(make, unit)
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return tmp_path / "houses"
-
-
-def batch(folder: Path, units: list[Unit], load=makers.honest, **options) -> Done:
-    return run_batch(units, makers.order(folder), Here(), load=load(folder), **options)
-
-
-def made(folder: Path) -> list[str]:
-    """What was made so far, in all runs."""
-    log = folder.parent / "made.txt"
-    return log.read_text().split() if log.exists() else []
 
 
 class TestUnits:
@@ -100,9 +78,9 @@ class TestUnits:
 
 class TestResume:
     def test_finished_houses_are_kept(self, folder: Path) -> None:
-        batch(folder, makers.units("a", "b"))
-        done = batch(folder, makers.units("a", "b", "c"))
-        assert made(folder) == ["a", "b", "c"]
+        makers.batch(folder, makers.units("a", "b"))
+        done = makers.batch(folder, makers.units("a", "b", "c"))
+        assert makers.made(folder) == ["a", "b", "c"]
         assert [unit.name for unit in done.kept] == ["a", "b"]
 
     @pytest.mark.parametrize(
@@ -118,7 +96,7 @@ class TestResume:
         self, folder: Path, file: str, damage: str
     ) -> None:
         units = makers.units("a", "b")
-        batch(folder, units)
+        makers.batch(folder, units)
         target = folder / "b" / file
         data = bytearray(target.read_bytes())
         if damage == "flipped":
@@ -127,20 +105,20 @@ class TestResume:
         target.unlink()
         if damage != "missing":
             target.write_bytes(changed[damage])
-        batch(folder, units)
-        assert made(folder) == ["a", "b", "b"]
+        makers.batch(folder, units)
+        assert makers.made(folder) == ["a", "b", "b"]
         assert find_due(units, makers.order(folder)) == ()
 
     def test_other_settings_make_other_houses(self, folder: Path) -> None:
-        batch(folder, makers.units("a", "b"))
+        makers.batch(folder, makers.units("a", "b"))
         others = [replace(unit, recipe={"steps": 3}) for unit in makers.units("a")]
-        batch(folder, [*others, makers.unit("b")])
-        assert made(folder) == ["a", "b", "a"]
+        makers.batch(folder, [*others, makers.unit("b")])
+        assert makers.made(folder) == ["a", "b", "a"]
 
     def test_what_a_killed_worker_half_wrote_is_swept(self, folder: Path) -> None:
         for place in (".chord-usd-x/a", "a/pictures/.chord-usd-y"):
             (folder / place).mkdir(parents=True)
-        batch(folder, makers.units("a"))
+        makers.batch(folder, makers.units("a"))
         assert list(folder.rglob(".*")) == []
 
 
@@ -148,9 +126,9 @@ class TestOneAtATime:
     def test_a_second_batch_in_one_folder_is_refused(self, folder: Path) -> None:
         folder.mkdir()
         with locked(folder), pytest.raises(OutputError, match=f"process {os.getpid()}"):
-            batch(folder, makers.units("a"))
-        assert made(folder) == []
-        batch(folder, makers.units("a"))
+            makers.batch(folder, makers.units("a"))
+        assert makers.made(folder) == []
+        makers.batch(folder, makers.units("a"))
 
     def test_a_batch_that_was_killed_holds_nothing(self, folder: Path) -> None:
         folder.mkdir()
@@ -166,7 +144,7 @@ class TestOneAtATime:
 
 
 def test_failures_are_listed_and_the_rest_is_made(folder: Path) -> None:
-    done = batch(folder, makers.units("a", "unreadable", "bug", "b"), makers.troubled)
+    done = makers.batch(folder, makers.units("a", "unreadable", "bug", "b"), makers.troubled)
     assert [unit.name for unit in done.made] == ["a", "b"]
     told = {result.unit.name: result.why for result in done.failures}
     assert told == {
@@ -180,16 +158,12 @@ def test_failures_are_listed_and_the_rest_is_made(folder: Path) -> None:
     assert "ZeroDivisionError" in listed[2]["detail"]
 
 
-def test_workers_may_die_without_harm_to_other_units(folder: Path) -> None:
-    units = makers.units("a", "crash", "killed_once", "b")
-    order = makers.order(folder)
-    done = run_batch(units, order, LocalEngine(2), load=makers.troubled(folder))
-    assert sorted(made(folder)) == ["a", "b", "killed_once"]
-    assert [result.unit.name for result in done.failures] == ["crash"]
-    assert "died 3 times: SIGABRT" in done.failures[0].why
-    assert sorted(path.name for path in folder.iterdir()) == [
-        "a", "assets", "b", "index.jsonl", "killed_once",
-    ]  # fmt: skip
+class TestFullDisk:
+    def test_it_ends_the_batch_and_keeps_what_is_finished(self, folder: Path) -> None:
+        with pytest.raises(OutputError, match=r"the disk is full; 1 of 3 houses were made"):
+            makers.batch(folder, makers.units("a", "full", "b"), makers.troubled)
+        assert makers.made(folder) == ["a"]
+        assert [path.name for path in sorted(folder.iterdir())] == ["a", "assets"]
 
 
 class TestSharing:
@@ -204,7 +178,7 @@ class TestSharing:
         return house
 
     def test_houses_share_one_copy_on_disk(self, folder: Path) -> None:
-        batch(folder, makers.units("a", "b"))
+        makers.batch(folder, makers.units("a", "b"))
         files = [folder / name / "assets/Chair/Chair.usda" for name in ("", "a", "b")]
         assert len({file.stat().st_ino for file in files}) == 1
 
@@ -229,7 +203,7 @@ class TestSharing:
 class TestExports:
     @pytest.fixture
     def houses(self, folder: Path) -> Path:
-        batch(folder, makers.units("a", "b"))
+        makers.batch(folder, makers.units("a", "b"))
         pictures = folder / "a" / "pictures"
         pictures.mkdir()
         for name in ("Top.png", "Top.exr", "Top.json", "coco.json"):
@@ -279,5 +253,5 @@ class TestExports:
         assert [shard.read_bytes() for shard in again] == before
 
     def test_exports_are_asked_for(self, folder: Path) -> None:
-        done = batch(folder, makers.units("a"), exports=Exports(shards=True))
+        done = makers.batch(folder, makers.units("a"), exports=Exports(shards=True))
         assert [file.name for file in done.files] == ["index.jsonl", "houses-000000.tar"]
