@@ -98,6 +98,11 @@ def _write(folder: Path, unit: Unit) -> None:
 
 
 def _suffer(folder: Path, unit: Unit) -> None:
+    doomed = folder.parent / "node.pid"
+    if doomed.exists() and int(doomed.read_text()) == os.getppid():
+        doomed.unlink()
+        os.kill(os.getppid(), signal.SIGKILL)  # the Ray node this is a worker of
+        time.sleep(60.0)
     if "crash" in unit.name:
         with output_folder(folder / unit.name) as house:
             (house / STAGE_FILE).write_text("half of it")

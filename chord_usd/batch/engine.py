@@ -10,7 +10,7 @@ from typing import Protocol
 
 from chord_usd.batch.make import Make
 from chord_usd.batch.units import Unit
-from chord_usd.errors import ChordError, DiskFullError, OutputError
+from chord_usd.errors import ChordError, DiskFullError
 
 MOST_TRIES = 3
 """Of a unit whose worker dies: the first may have been killed for what others did."""
@@ -28,7 +28,7 @@ class Result:
     """Why it could not be made; empty where it was."""
     detail: str = ""
     """Traceback of an error that nobody foresaw."""
-    fatal: OutputError | None = None
+    fatal: ChordError | None = None
     """Why no other unit could be made either."""
 
 

@@ -111,7 +111,7 @@ def _make(due: Sequence[Unit], engine: Engine, load: Load, progress: Progress) -
             results.append(result)
             if result.fatal:
                 made = sum(not other.why for other in results)
-                raise OutputError(
+                raise type(result.fatal)(
                     f"{result.fatal.what}; {made} of {len(due)} houses were made",
                     where=result.fatal.where,
                     expected=result.fatal.expected,

@@ -1,0 +1,185 @@
+"""Workers as actors on a Ray cluster: as many as there are cores or GPUs for, on any node.
+
+All nodes see the folder of the batch at the same path and have chord-usd installed. Houses go
+straight to that folder; only what became of them travels through Ray.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from chord_usd.batch.engine import Load, Queue, Result, attempt
+from chord_usd.batch.lock import LOCK_FILE
+from chord_usd.batch.units import Unit
+from chord_usd.errors import ChordError, MissingExtraError, OutputError
+
+
+class RayEngine:
+    """Actors of a Ray cluster."""
+
+    def __init__(
+        self, address: str | None, workers: int | None, cpus: int, gpus: float, folder: Path
+    ) -> None:
+        """address: of the cluster; None starts one on this machine for as long as it is needed.
+
+        workers: how many; None for as many as there is room for. cpus, gpus: what each takes, gpus
+        may be a fraction. folder: of the batch.
+        """
+        self._address, self._workers, self._cpus, self._gpus = address, workers, cpus, gpus
+        self._folder = folder
+
+    def run(self, units: Sequence[Unit], load: Load) -> Iterator[Result]:
+        """As Engine.run. Raises MissingExtraError without ray, ChordError without a cluster."""
+        if not units:
+            return
+        ray = _import_ray()
+        with _connected(ray, self._address):
+            count = min(self._workers or self._room(ray), len(units))
+            team = _Team(ray, self._actor_class(ray), (load, self._seen()))
+            try:
+                yield from _spread(ray, team, Queue(units), count)
+            finally:
+                team.dismiss()
+
+    def _room(self, ray: Any) -> int:
+        """Workers that the cluster has room for."""
+        there = ray.cluster_resources()
+        room = there.get("CPU", 0.0) // self._cpus
+        if self._gpus:
+            room = min(room, there.get("GPU", 0.0) // self._gpus)
+        if room < 1:
+            raise ChordError(
+                f"no node has room for a worker of --cpus {self._cpus} --gpus {self._gpus:g}",
+                where=self._address or "this machine",
+                try_="smaller --cpus and --gpus",
+            )
+        return int(room)
+
+    def _actor_class(self, ray: Any) -> Any:
+        # An actor's cores also say how many threads it starts: Ray sets OMP_NUM_THREADS to them.
+        return ray.remote(
+            num_cpus=self._cpus, num_gpus=self._gpus, max_restarts=0, scheduling_strategy="SPREAD"
+        )(RayWorker)
+
+    def _seen(self) -> tuple[Path, str]:
+        """What a worker must see to be at work in the right folder."""
+        lock = self._folder / LOCK_FILE
+        return lock, lock.read_text()
+
+
+class RayWorker:
+    """One actor."""
+
+    def __init__(self, load: Load, seen: tuple[Path, str]) -> None:
+        self._seen = seen
+        self._make = load()
+
+    def attempt(self, unit: Unit) -> Result:
+        """As engine.attempt."""
+        file, text = self._seen
+        if not file.is_file() or file.read_text() != text:
+            error = OutputError(
+                f"is not seen by {os.uname().nodename}",
+                where=str(file.parent),
+                expected="a folder that all nodes share, at the same path",
+                try_="-o on a network file system",
+            )
+            return Result(unit, str(error), fatal=error)
+        return attempt(self._make, unit)
+
+
+class _Team:
+    """The actors that are alive."""
+
+    def __init__(self, ray: Any, actor_class: Any, arguments: tuple[Any, ...]) -> None:
+        self._ray, self._class, self._arguments = ray, actor_class, arguments
+        self._idle: list[Any] = []
+        self._all: list[Any] = []
+
+    def borrow(self) -> Any:
+        """An actor that has nothing to do."""
+        if not self._idle:
+            self._idle.append(self._class.remote(*self._arguments))
+            self._all.append(self._idle[-1])
+        return self._idle.pop()
+
+    def give_back(self, actor: Any) -> None:
+        """It is done with its unit."""
+        self._idle.append(actor)
+
+    def dismiss(self) -> None:
+        """End all of them, whatever they are at."""
+        for actor in self._all:
+            self._ray.kill(actor)
+
+
+def _spread(ray: Any, team: _Team, queue: Queue, count: int) -> Iterator[Result]:
+    running: dict[Any, tuple[Any, Unit]] = {}
+    while queue or running:
+        while queue and len(running) < count:
+            actor, unit = team.borrow(), queue.take()
+            running[actor.attempt.remote(unit)] = actor, unit
+        (answer,), _ = ray.wait(list(running), num_returns=1)
+        actor, unit = running.pop(answer)
+        result: Result | None
+        try:
+            result = ray.get(answer)
+            team.give_back(actor)
+        except ray.exceptions.RayActorError as error:
+            told = [line.strip() for line in str(error).splitlines() if line.strip()]
+            result = _unable(unit, told[-1]) if error.actor_init_failed else None
+            result = result or queue.died(unit, told[0])
+        if result:
+            yield result
+
+
+def _unable(unit: Unit, how: str) -> Result:
+    """A node on which no worker can start would fail every unit it is given."""
+    error = ChordError(
+        f"a Ray worker cannot start ({how})",
+        where="--engine ray",
+        try_="install this version of chord-usd on every node",
+    )
+    return Result(unit, str(error), fatal=error)
+
+
+def _import_ray() -> Any:
+    # Nothing is told to others unless the user wants it.
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    try:
+        import ray
+    except ImportError:
+        raise MissingExtraError(
+            "the Ray engine needs ray", where="--engine ray", try_="pip install 'chord-usd[ray]'"
+        ) from None
+    return ray
+
+
+@contextmanager
+def _connected(ray: Any, address: str | None) -> Iterator[None]:
+    """A connection to the cluster; one that was there before stays."""
+    if ray.is_initialized():
+        yield
+        return
+    try:
+        ray.init(
+            address=address or "local",
+            include_dashboard=False if address is None else None,
+            log_to_driver=False,
+            logging_level="ERROR",
+        )
+    except (ConnectionError, RuntimeError, ValueError) as error:
+        raise ChordError(
+            f"no Ray cluster answers ({str(error).strip().splitlines()[0]})",
+            where=f"--address {address}",
+            expected="HOST:PORT of a head node, and its token where it asks for one",
+            try_="ray start --head",
+        ) from error
+    try:
+        yield
+    finally:
+        ray.shutdown()
