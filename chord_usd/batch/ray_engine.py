@@ -7,6 +7,7 @@ straight to that folder; only what became of them travels through Ray.
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,9 @@ from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.lock import LOCK_FILE
 from chord_usd.batch.units import Unit
 from chord_usd.errors import ChordError, MissingExtraError, OutputError
+
+KNOCK_SECONDS = 10.0
+"""How long a head node may take to answer."""
 
 
 class RayEngine:
@@ -166,13 +170,14 @@ def _connected(ray: Any, address: str | None) -> Iterator[None]:
         yield
         return
     try:
+        _knock(address)
         ray.init(
             address=address or "local",
             include_dashboard=False if address is None else None,
             log_to_driver=False,
             logging_level="ERROR",
         )
-    except (ConnectionError, RuntimeError, ValueError) as error:
+    except (OSError, RuntimeError, ValueError) as error:
         raise ChordError(
             f"no Ray cluster answers ({str(error).strip().splitlines()[0]})",
             where=f"--address {address}",
@@ -183,3 +188,10 @@ def _connected(ray: Any, address: str | None) -> Iterator[None]:
         yield
     finally:
         ray.shutdown()
+
+
+def _knock(address: str | None) -> None:
+    """Ray itself waits for minutes where nobody listens. Raises OSError, ValueError."""
+    host, colon, port = (address or "").removeprefix("ray://").rpartition(":")
+    if colon:
+        socket.create_connection((host, int(port)), KNOCK_SECONDS).close()
