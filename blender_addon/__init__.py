@@ -6,7 +6,16 @@ the other modules for how Blender shows it.
 
 from importlib import import_module
 
-_PARTS = ("preferences", "properties", "operators", "panel")
+_PARTS = (
+    "preferences",
+    "properties",
+    "previews",
+    "operators",
+    "pieces",
+    "library",
+    "panel",
+    "files",
+)
 """In the order in which they need each other. Imported late, so that core/ is without Blender."""
 
 

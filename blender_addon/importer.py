@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
 
-from .core.edits import Matrix, opened_file
-from .core.tree import Branch, collection_tree, is_piece, room_names, usd_paths
+from .core.edits import placements_of_house
+from .core.layer import opened_file, read_changes
+from .core.tree import Branch, collection_tree, room_names, usd_paths
+from .house import (
+    LOCKED_KEY,
+    light_of,
+    own_objects,
+    placements,
+    remember,
+    show_rooms,
+)
 from .properties import PATH_KEY, fields, show_ceilings
 
 WORLD = "CHOrD sky"
-
-PLACED_KEY = "chord_usd_placed"
-"""Custom property of pieces, and of the house for all of them: the placement they came in with."""
 
 PROTOTYPES = "prototypes"
 """The importer's collection of what is instanced, left out of the view layer."""
@@ -23,7 +28,7 @@ PROTOTYPES = "prototypes"
 def import_house(context: bpy.types.Context, house: Path) -> list[str]:
     """Import the stage in place of the house that was there; returns the rooms' names.
 
-    Changes that were saved for it come in with it.
+    Changes that were saved for it come in with it. What the artist put beside it stays.
     """
     remove_house(context)
     if context.scene.world is None:  # without one, the importer drops the stage's sky
@@ -35,80 +40,54 @@ def import_house(context: bpy.types.Context, house: Path) -> list[str]:
     paths = usd_paths({item.name: item.parent.name if item.parent else None for item in linked})
     for item in linked:
         item[PATH_KEY] = paths[item.name]
-        if is_piece(paths[item.name]):
-            item[PLACED_KEY] = [x for row in item.matrix_local for x in row]
     ordered = dict(sorted(paths.items(), key=lambda pair: pair[1]))
-    tree = collection_tree(ordered)
-    root = _collection(tree)
+    root = _collection(collection_tree(ordered))
     context.scene.collection.children.link(root)
-    root[PLACED_KEY] = {paths[o.name]: o[PLACED_KEY] for o in linked if PLACED_KEY in o}
     for item in linked:
         context.scene.collection.objects.unlink(item)
+    rooms = room_names(ordered.values())
+    _recall_changes(context, root, house)
+    _fill_rooms(context, rooms)
     _choose_camera(context, linked)
     show_ceilings(context)
-    return room_names(ordered.values())
+    show_rooms(context)
+    return rooms
 
 
 def remove_house(context: bpy.types.Context) -> None:
     """Take the house of this scene out of the file, and what only it used."""
+    own = set(own_objects(context).values())
+    theirs = [item for item in context.scene.objects if item not in own]
+    used = {item.instance_collection for item in theirs if item.instance_collection}
+    # What the artist put into the house's collections does not go with them.
+    for item in theirs:
+        _leave_house(context, item)
     for collection in list(context.scene.collection.children):
         if PATH_KEY in collection:
-            _remove(collection)
+            _remove(collection, used)
     bpy.data.orphans_purge(do_recursive=True)
 
 
-def room_collection(context: bpy.types.Context, room: str) -> bpy.types.Collection | None:
-    """The collection of a room of the house at hand."""
-    for house in context.scene.collection.children:
-        if PATH_KEY in house:
-            for collection in house.children:
-                if collection[PATH_KEY] == room:
-                    return collection
-    return None
+def _recall_changes(context: bpy.types.Context, root: bpy.types.Collection, house: Path) -> None:
+    context.view_layer.update()
+    objects, changes = own_objects(context), read_changes(house)
+    remember(root, placements_of_house(placements(objects), changes), changes)
+    for path in changes.locked:
+        if path in objects:
+            objects[path][LOCKED_KEY] = True
 
 
-def placements(context: bpy.types.Context) -> tuple[dict[str, Matrix], dict[str, Matrix]]:
-    """Where each piece stood when the house came in, and where it stands now; removed ones do not.
-
-    The first is remembered in the house's collection, since a removed object remembers nothing.
-    """
-    now = {}
-    for item in context.scene.objects:
-        if PLACED_KEY in item:
-            now[str(item[PATH_KEY])] = tuple(tuple(row) for row in item.matrix_local)
-    return _remembered(context), now
-
-
-def _remembered(context: bpy.types.Context) -> dict[str, Matrix]:
-    for house in context.scene.collection.children:
-        if PLACED_KEY in house:
-            return {path: _rows(entries) for path, entries in house[PLACED_KEY].items()}
-    return {}
-
-
-def _rows(entries: Sequence[float]) -> Matrix:
-    return tuple(tuple(float(x) for x in entries[4 * row : 4 * row + 4]) for row in range(4))
-
-
-def objects_at(context: bpy.types.Context, paths: list[str]) -> list[bpy.types.Object]:
-    """The objects at these USD paths and below them."""
-    found = []
-    for item in context.scene.objects:
-        own = str(item.get(PATH_KEY, ""))
-        if any(own == path or own.startswith(f"{path}/") for path in paths):
-            found.append(item)
-    return found
-
-
-def fill_rooms(context: bpy.types.Context, rooms: list[str]) -> None:
+def _fill_rooms(context: bpy.types.Context, rooms: list[str]) -> None:
     """The rooms list, with the seeds it had."""
-    own = fields(context)
+    own, objects = fields(context), own_objects(context)
     seeds = {room.name: room.seed for room in own.rooms}
+    chosen = own.room_index
     own.rooms.clear()
     for name in rooms:
         line = own.rooms.add()
         line.name, line.seed = name, seeds.get(name, own.seed)
-    own.room_index = min(own.room_index, max(0, len(rooms) - 1))
+        line.light = light_of(objects, name)
+    own.room_index = min(chosen, max(0, len(rooms) - 1))
 
 
 def _own_prototypes(context: bpy.types.Context) -> None:
@@ -137,9 +116,27 @@ def _choose_camera(context: bpy.types.Context, linked: set[bpy.types.Object]) ->
         context.scene.camera = cameras[0]
 
 
-def _remove(collection: bpy.types.Collection) -> None:
+def _leave_house(context: bpy.types.Context, item: bpy.types.Object) -> None:
+    """Move an artist's own object out of the collections of the house, where it is in some."""
+    homes = [c for c in item.users_collection if PATH_KEY in c]
+    if item.parent and PATH_KEY in item.parent:
+        world = item.matrix_world.copy()
+        item.parent = None
+        item.matrix_world = world
+    item.pop(PATH_KEY, None)
+    for home in homes:
+        home.objects.unlink(item)
+    if homes and not item.users_collection:
+        context.scene.collection.objects.link(item)
+
+
+def _remove(collection: bpy.types.Collection, used: set[bpy.types.Collection]) -> None:
+    """Remove a collection and all in it, except what copies still show."""
     for part in list(collection.children):
-        _remove(part)
+        if part in used:
+            collection.children.unlink(part)
+        else:
+            _remove(part, used)
     for item in list(collection.objects):
         bpy.data.objects.remove(item, do_unlink=True)
     bpy.data.collections.remove(collection)

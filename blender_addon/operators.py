@@ -1,40 +1,34 @@
-"""The panel's buttons. Each collects fields, starts a job or selects things; core/ decides."""
+"""Buttons that start jobs of the program. Each collects fields; core/ decides."""
 
 from __future__ import annotations
 
 import random
-import tempfile
 from pathlib import Path
-from typing import Any
 
 import bpy
 
-from .core import commands, edits, report
-from .core.program import ProgramError
-from .importer import fill_rooms, import_house, objects_at, placements, room_collection
-from .properties import MAX_SEED, fields
+from .core import commands
+from .core.edits import as_it_was
+from .core.layer import house_of
+from .core.tree import piece_of, room_of
+from .jobs import (
+    HELD,
+    JobOperator,
+    bring_in,
+    rebuild,
+    save_changes,
+    show_certificate,
+    show_farm_job,
+    show_new_house,
+    show_pictures,
+    show_room,
+    unsaved_folder,
+)
+from .properties import MAX_SEED, chosen_room, fields
 from .session import Finish, session
 
 
-class _JobOperator:
-    """Starts a job; what is missing is told in the panel."""
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        own = fields(context)
-        if session.is_running:
-            self.report({"WARNING"}, "A job is running; cancel it or wait.")
-            return {"CANCELLED"}
-        try:
-            arguments, finish = self.job(context)
-            session.start(context, arguments, finish)
-        except (commands.InputError, ProgramError) as error:
-            own.error = str(error)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
-
-
-class ChordGenerate(_JobOperator, bpy.types.Operator):
+class ChordGenerate(JobOperator, bpy.types.Operator):
     """Furnish the plan and bring the house into this scene"""
 
     bl_idname = "chord.generate"
@@ -51,31 +45,63 @@ class ChordGenerate(_JobOperator, bpy.types.Operator):
             seed=own.seed,
             steps=own.steps,
             assets=bpy.path.abspath(own.assets),
+            style=own.style,
+            tabletop=own.tabletop,
         )
-        folder = commands.house_folder(bpy.data.filepath, plan, _unsaved_folder())
-        folder.mkdir(parents=True, exist_ok=True)
-        return commands.generate(settings, folder / "house.usda"), _show_new_house
+        wanted = commands.house_folder(bpy.data.filepath, plan, unsaved_folder())
+        arguments = commands.generate(settings, wanted / commands.HOUSE)
+        # Only now: fields that make no job must not claim anything.
+        folder = session.claims.free_folder(wanted)
+        if folder != wanted:
+            arguments = commands.generate(settings, folder / commands.HOUSE)
+        return arguments, show_new_house
 
 
-class ChordRegenerate(_JobOperator, bpy.types.Operator):
-    """Furnish the chosen room anew; the others stay as they are"""
+class ChordOpenHouse(JobOperator, bpy.types.Operator):
+    """Bring in a house that chord-usd made, with the changes saved for it"""
+
+    bl_idname = "chord.open_house"
+    bl_label = "Open house"
+
+    filepath: bpy.props.StringProperty(subtype="FILE_PATH")  # type: ignore[valid-type]
+    filter_glob: bpy.props.StringProperty(  # type: ignore[valid-type]
+        default="*.usda;*.usd;*.usdc", options={"HIDDEN"}
+    )
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Asks for the file."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def job(self, _context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The list of what it holds, and the import that follows it."""
+        house = house_of(Path(bpy.path.abspath(self.filepath)))
+        if not session.claims.take(house.parent):
+            raise commands.InputError(HELD)
+        return bring_in(house)
+
+
+class ChordRegenerate(JobOperator, bpy.types.Operator):
+    """Furnish the chosen room anew; locked pieces and the other rooms stay as they are"""
 
     bl_idname = "chord.regenerate"
     bl_label = "Regenerate room"
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
-        own = fields(context)
-        if not own.rooms:
-            raise commands.InputError("Generate a house first.")
-        room = own.rooms[own.room_index]
-        room.seed = random.randrange(MAX_SEED)
-        _save_edits(context)
+        own, name = fields(context), chosen_room(context)
+        house, changes = save_changes(context)
+        locked = [
+            p.split("/")[-1] for p in changes.locked if piece_of(p) == p and room_of(p) == name
+        ]
+        seed = random.randrange(MAX_SEED)
         assets = bpy.path.abspath(own.assets)
-        return commands.regenerate(_house(context), room.name, room.seed, assets), _show_room
+        arguments = commands.regenerate(house, name, seed, assets, locked)
+        own.rooms[own.room_index].seed = seed
+        return arguments, show_room
 
 
-class ChordCheckHouse(_JobOperator, bpy.types.Operator):
+class ChordCheckHouse(JobOperator, bpy.types.Operator):
     """Look for collisions, blocked doors and other faults"""
 
     bl_idname = "chord.check_house"
@@ -83,47 +109,46 @@ class ChordCheckHouse(_JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the list that follows it."""
-        return commands.check(_house(context)), _show_certificate
+        house, _ = save_changes(context)
+        return commands.check(house), show_certificate
 
 
-class ChordRender(_JobOperator, bpy.types.Operator):
-    """Render the chosen room into the pictures folder, beside Blender"""
+class ChordRender(JobOperator, bpy.types.Operator):
+    """Render into the pictures folder, beside Blender"""
 
     bl_idname = "chord.render"
     bl_label = "Render here"
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line; the pictures are the result."""
-        own = fields(context)
-        room = own.rooms[own.room_index].name if own.rooms else ""
-        size = context.scene.render
-        return (
-            commands.render(
-                _house(context),
-                Path(bpy.path.abspath(own.render_folder)),
-                [room] if room else [],
-                own.samples,
-                (size.resolution_x, size.resolution_y),
-            ),
-            lambda _context, _data: None,
-        )
+        house, _ = save_changes(context)
+        folder = _output_folder(fields(context).render_folder)
+        return commands.render(house, folder, _render_settings(context)), show_pictures
 
 
-class ChordSaveEdits(bpy.types.Operator):
-    """Keep what was moved or removed in a layer over the house; the house itself stays as it is"""
+class ChordWriteFarmJob(JobOperator, bpy.types.Operator):
+    """Write the same pictures as an Open Job Description bundle, for a render farm"""
 
-    bl_idname = "chord.save_edits"
-    bl_label = "Save edits"
+    bl_idname = "chord.write_farm_job"
+    bl_label = "Write farm job"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Writes the layer beside the house."""
-        try:
-            count = _save_edits(context)
-        except (commands.InputError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{count} changes kept in {edits.edits_file(_house(context)).name}")
-        return {"FINISHED"}
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The command line; the bundle is the result."""
+        house, _ = save_changes(context)
+        folder = _output_folder(fields(context).farm_folder)
+        return commands.farm(house, folder, _render_settings(context)), show_farm_job
+
+
+class ChordDiscardEdits(JobOperator, bpy.types.Operator):
+    """Take back every change in the chosen room: pieces, looks and lamps"""
+
+    bl_idname = "chord.discard_edits"
+    bl_label = "Discard edits of room"
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """Saves what is left, and brings the house in again."""
+        _, changes = save_changes(context)
+        return rebuild(context, as_it_was(changes, chosen_room(context)))
 
 
 class ChordCancel(bpy.types.Operator):
@@ -151,122 +176,39 @@ class ChordDice(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ChordFrameRoom(bpy.types.Operator):
-    """Select the chosen room's furniture and look at it"""
-
-    bl_idname = "chord.frame_room"
-    bl_label = "Frame room"
-    bl_options = {"UNDO"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Selects, and frames where there is a 3-D view."""
-        own = fields(context)
-        if not own.rooms:
-            return {"CANCELLED"}
-        collection = room_collection(context, own.rooms[own.room_index].name)
-        if collection is None:
-            self.report({"ERROR"}, "The room is not in this scene any more.")
-            return {"CANCELLED"}
-        _select(context, list(collection.all_objects))
-        return {"FINISHED"}
+def _output_folder(field: str) -> Path:
+    """A folder beside the Blender file, as its field says. Raises InputError."""
+    if not field.strip():
+        raise commands.InputError("Choose a folder for the result.")
+    if field.startswith("//") and not bpy.data.filepath:
+        raise commands.InputError(
+            "Save the Blender file first, or choose a folder that does not begin with //."
+        )
+    return Path(bpy.path.abspath(field))
 
 
-class ChordShowFinding(bpy.types.Operator):
-    """Select the culprits and look at them"""
-
-    bl_idname = "chord.show_finding"
-    bl_label = "Show"
-    bl_options = {"UNDO"}
-
-    index: bpy.props.IntProperty()  # type: ignore[valid-type]
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Selects, and frames where there is a 3-D view."""
-        own = fields(context)
-        if not 0 <= self.index < len(own.findings):
-            return {"CANCELLED"}
-        own.finding_index = self.index
-        paths = own.findings[self.index].paths.splitlines()
-        _select(context, objects_at(context, paths))
-        return {"FINISHED"}
-
-
-def _house(context: bpy.types.Context) -> Path:
-    house = fields(context).house
-    if not house:
-        raise commands.InputError("Generate a house first.")
-    return Path(bpy.path.abspath(house))
-
-
-def _unsaved_folder() -> Path:
-    """Houses of a Blender file without a name."""
-    return Path(bpy.app.tempdir or tempfile.gettempdir())
-
-
-def _show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
-    """A new house: changes to the one that was there before do not apply to it."""
-    edits.write_edits(Path(str(data["stage"])), {})
-    _show_house(context, data)
-
-
-def _show_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
-    house = Path(str(data["stage"]))
-    fill_rooms(context, import_house(context, house))
-    own = fields(context)
-    own.house = str(house)
-    if data.get("certificate"):
-        _show_certificate(context, data["certificate"])
-
-
-def _show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
-    """A room was furnished anew: what was changed in it before is gone, the rest is kept."""
-    house = Path(str(data["stage"]))
-    edits.write_edits(house, edits.without_room(edits.read_edits(house), str(data["room"])))
-    _show_house(context, data)
-
-
-def _save_edits(context: bpy.types.Context) -> int:
-    """Write the layer of changes; returns how many pieces it changes."""
-    house = _house(context)
-    kept = {**edits.read_edits(house), **edits.changes(*placements(context))}
-    edits.write_edits(house, kept)
-    return len(kept)
-
-
-def _show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
-    own = fields(context)
-    own.certificate = report.headline(data)
-    own.findings.clear()
-    for finding in report.findings(data):
-        line = own.findings.add()
-        line.name, line.paths = finding.text, "\n".join(finding.paths)
-
-
-def _select(context: bpy.types.Context, items: list[bpy.types.Object]) -> None:
-    for other in context.selected_objects:
-        other.select_set(False)
-    visible = [item for item in items if item.visible_get()]
-    for item in visible:
-        item.select_set(True)
-    if visible:
-        context.view_layer.objects.active = visible[0]
-    for area in context.screen.areas if context.screen else ():
-        if area.type == "VIEW_3D":
-            region = next(region for region in area.regions if region.type == "WINDOW")
-            with context.temp_override(area=area, region=region):
-                bpy.ops.view3d.view_selected()
+def _render_settings(context: bpy.types.Context) -> commands.RenderSettings:
+    own, size = fields(context), context.scene.render
+    room = "" if own.all_rooms else chosen_room(context)
+    share = size.resolution_percentage / 100
+    return commands.RenderSettings(
+        cameras=(room,) if room else (),
+        samples=own.samples,
+        resolution=(round(size.resolution_x * share), round(size.resolution_y * share)),
+        passes=tuple(name for name in commands.PASSES if name in own.passes),
+    )
 
 
 _CLASSES = (
     ChordGenerate,
+    ChordOpenHouse,
     ChordRegenerate,
     ChordCheckHouse,
     ChordRender,
-    ChordSaveEdits,
+    ChordWriteFarmJob,
+    ChordDiscardEdits,
     ChordCancel,
     ChordDice,
-    ChordFrameRoom,
-    ChordShowFinding,
 )
 
 
@@ -277,7 +219,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Stops what runs, and takes them back."""
-    session.cancel()
+    """Takes them back."""
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

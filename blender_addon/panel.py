@@ -1,94 +1,261 @@
-"""The sidebar panel: draws the state and decides nothing."""
+"""The sidebar panels: they draw the state and decide nothing."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 
-from .core.state import panel_state, wrapped
-from .properties import fields
+from .core import report, swaps
+from .core.state import OFFERED_BY, panel_state, wrapped
+from .house import LOCKED_KEY, component, own_objects, pieces_of
+from .jobs import unsaved_folder
+from .preferences import preferences
+from .previews import icon
+from .properties import chosen_room, fields, parsed
 from .session import session
 
 LINE_LETTERS = 42
 """Letters that fit a line of the sidebar."""
 
+PLAN_SCALE, MODEL_SCALE = 8.0, 4.0
+"""Sides of thumbnails, in heights of a button."""
 
-class ChordPanel(bpy.types.Panel):
-    """CHOrD in the sidebar of the 3-D view."""
 
-    bl_idname = "VIEW3D_PT_chord"
-    bl_label = "CHOrD"
+class _Part:
+    """A part of the tab."""
+
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "CHOrD"
 
+
+class ChordPanel(_Part, bpy.types.Panel):
+    """What house is wanted, and how far it is"""
+
+    bl_idname = "VIEW3D_PT_chord"
+    bl_label = "CHOrD"
+
     def draw(self, context: bpy.types.Context) -> None:
-        """The whole panel."""
+        """Source, button and state."""
         own = fields(context)
         state = panel_state(session.job, own.house, own.error)
-        _draw_source(self.layout, own, state.can_start)
+        column = self.layout.column()
+        column.enabled = state.can_start
+        _draw_source(column, context)
+        row = column.row(align=True)
+        row.operator("chord.generate", icon="HOME")
+        row.operator("chord.open_house", text="", icon="FILE_FOLDER")
         if state.phase == "RUNNING":
             self.layout.progress(factor=state.share, text=state.message)
             self.layout.operator("chord.cancel", icon="CANCEL")
         if state.phase == "FAILED":
-            box = self.layout.box()
-            for number, line in enumerate(wrapped(state.message, LINE_LETTERS)):
-                box.label(text=line, icon="NONE" if number else "ERROR")
-        if own.rooms:
-            _draw_rooms(self.layout, own, state.can_start)
-            _draw_certificate(self.layout, own, state.can_start)
-            _draw_render(self.layout, own, state.can_start)
+            _draw_text(self.layout.box(), state.message, "ERROR")
+        if own.note:
+            _draw_text(self.layout, own.note, "INFO")
+        if own.house and Path(own.house).is_relative_to(unsaved_folder()):
+            text = "The house is in a temporary folder until the Blender file is saved."
+            _draw_text(self.layout, text, "INFO")
 
 
-def _draw_source(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, free: bool) -> None:
-    column = layout.column()
-    column.enabled = free
-    column.row().prop(own, "source", expand=True)
-    column.prop(own, "text" if own.source == "TEXT" else "plan", text="")
+class _HousePart(_Part):
+    """A part that is there once there is a house."""
+
+    bl_parent_id = ChordPanel.bl_idname
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a house."""
+        return bool(fields(context).rooms)
+
+
+class ChordRoomsPanel(_HousePart, bpy.types.Panel):
+    """The rooms, and what can be done with the chosen one"""
+
+    bl_idname = "VIEW3D_PT_chord_rooms"
+    bl_label = "Rooms"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The list, and the chosen room below it."""
+        own, layout = fields(context), self.layout
+        layout.template_list("UI_UL_list", "chord_rooms", own, "rooms", own, "room_index", rows=4)
+        row = layout.row(align=True)
+        row.operator("chord.frame_room", icon="VIEWZOOM")
+        start = row.row(align=True)
+        start.enabled = not session.is_running
+        start.operator("chord.regenerate", icon="FILE_REFRESH")
+        row = layout.row()
+        row.prop(own, "solo")
+        row.prop(own, "hide_ceilings")
+        layout.prop(own.rooms[own.room_index], "light", slider=True)
+        looks = layout.column()
+        looks.enabled = not session.is_running
+        for look in report.looks(parsed(own.contents)):
+            if look.path in ("/House", f"/House/Rooms/{chosen_room(context)}"):
+                _draw_look(looks, look)
+        looks.operator("chord.shuffle_looks", icon="FILE_REFRESH")
+        row = layout.row(align=True)
+        row.operator("chord.save_edits", icon="FILE_TICK")
+        discard = row.row(align=True)
+        discard.enabled = not session.is_running
+        discard.operator("chord.discard_edits", text="", icon="LOOP_BACK")
+
+
+class ChordFurniturePanel(_HousePart, bpy.types.Panel):
+    """The furniture of the chosen room"""
+
+    bl_idname = "VIEW3D_PT_chord_furniture"
+    bl_label = "Furniture"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """A line for each piece; models to choose from below the one that is to be swapped."""
+        own, objects = fields(context), own_objects(context)
+        looks = report.looks(parsed(own.contents))
+        for path, item in pieces_of(context, chosen_room(context)).items():
+            row = self.layout.row(align=True)
+            name = report.spaced(path.split("/")[-1])
+            row.operator("chord.select_piece", text=name, icon="RESTRICT_SELECT_OFF").path = path
+            lock = "LOCKED" if item.get(LOCKED_KEY) else "UNLOCKED"
+            row.operator("chord.lock_piece", text="", icon=lock).path = path
+            start = row.row(align=True)
+            start.enabled = not session.is_running
+            start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
+            row.operator("chord.delete_piece", text="", icon="TRASH").path = path
+            if component(objects, path) == own.swap_path:
+                box = self.layout.box()
+                box.enabled = not session.is_running
+                _draw_models(box, own)
+                for look in looks:
+                    if look.path == own.swap_path:
+                        _draw_look(box, look)
+
+
+class ChordCertificatePanel(_HousePart, bpy.types.Panel):
+    """What is wrong with the house"""
+
+    bl_idname = "VIEW3D_PT_chord_certificate"
+    bl_label = "Certificate"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The verdict and the list of findings."""
+        own = fields(context)
+        row = self.layout.row()
+        row.label(text=own.certificate or "Not checked yet")
+        start = row.row()
+        start.enabled = not session.is_running
+        start.operator("chord.check_house", icon="CHECKMARK")
+        for index, finding in enumerate(own.findings):
+            shown = self.layout.operator("chord.show_finding", text=finding.name, icon="ERROR")
+            shown.index = index
+
+
+class ChordRenderPanel(_HousePart, bpy.types.Panel):
+    """Pictures of the house"""
+
+    bl_idname = "VIEW3D_PT_chord_render"
+    bl_label = "Render"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Which pictures, and where they are made."""
+        own = fields(context)
+        self.layout.prop(own, "all_rooms")
+        self.layout.prop(own, "samples")
+        self.layout.prop(own, "passes")
+        self.layout.prop(own, "render_folder")
+        start = self.layout.row()
+        start.enabled = not session.is_running
+        start.operator("chord.render", icon="RENDER_STILL")
+        self.layout.prop(own, "farm_folder")
+        start = self.layout.row()
+        start.enabled = not session.is_running
+        start.operator("chord.write_farm_job", icon="NETWORK_DRIVE")
+
+
+class ChordLibraryPanel(_Part, bpy.types.Panel):
+    """The furniture in Blender's asset browser"""
+
+    bl_idname = "VIEW3D_PT_chord_library"
+    bl_label = "Asset library"
+    bl_parent_id = ChordPanel.bl_idname
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Where it goes, and the button that builds it."""
+        self.layout.prop(fields(context), "library_folder")
+        start = self.layout.row()
+        start.enabled = not session.is_running
+        start.operator("chord.build_library", icon="ASSET_MANAGER")
+
+
+def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What the house is made from; ways that the program does not have are not offered."""
+    own = fields(context)
+    program = session.known_program(preferences(context).program)
+    abilities = program.abilities if program else frozenset()
+    ways = [way for way, option in OFFERED_BY.items() if not option or option in abilities]
+    if len(ways) > 1 or own.source not in ways:
+        row = column.row(align=True)
+        for way in ways:
+            row.prop_enum(own, "source", way)
+    if own.source == "TEXT":
+        column.prop(own, "text", text="")
+    else:
+        column.prop(own, "plan", text="")
+        thumbnail = icon(Path(bpy.path.abspath(own.plan))) if own.plan else 0
+        if thumbnail:
+            column.template_icon(icon_value=thumbnail, scale=PLAN_SCALE)
     row = column.row(align=True)
     row.prop(own, "seed")
     row.operator("chord.dice", text="", icon="FILE_REFRESH")
     column.prop(own, "steps")
+    if "--style" in abilities:
+        column.prop(own, "style")
+    column.prop(own, "tabletop")
     column.prop(own, "assets")
-    column.operator("chord.generate", icon="HOME")
 
 
-def _draw_rooms(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, free: bool) -> None:
-    box = layout.box()
-    box.template_list("UI_UL_list", "chord_rooms", own, "rooms", own, "room_index", rows=4)
-    row = box.row(align=True)
-    row.operator("chord.frame_room", icon="VIEWZOOM")
-    start = row.row(align=True)
-    start.enabled = free
-    start.operator("chord.regenerate", icon="FILE_REFRESH")
-    box.prop(own, "hide_ceilings")
-    box.operator("chord.save_edits", icon="FILE_TICK")
+def _draw_models(box: bpy.types.UILayout, own: bpy.types.PropertyGroup) -> None:
+    for index, model in enumerate(swaps.candidates(parsed(own.swap_models))):
+        row = box.row()
+        thumbnail = icon(model.picture)
+        if thumbnail:
+            row.template_icon(icon_value=thumbnail, scale=MODEL_SCALE)
+        row.operator("chord.swap", text=model.label).index = index
 
 
-def _draw_certificate(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, free: bool) -> None:
-    box = layout.box()
-    row = box.row()
-    row.label(text=own.certificate or "Not checked yet")
-    start = row.row()
-    start.enabled = free
-    start.operator("chord.check_house", icon="CHECKMARK")
-    for index, finding in enumerate(own.findings):
-        box.operator("chord.show_finding", text=finding.name, icon="ERROR").index = index
+def _draw_look(layout: bpy.types.UILayout, look: report.Look) -> None:
+    layout.label(text=look.label)
+    row = layout.row(align=True)
+    for variant in look.offered:
+        button = row.operator(
+            "chord.choose_look", text=report.spaced(variant), depress=variant == look.chosen
+        )
+        button.path, button.variant_set, button.variant = look.path, look.variant_set, variant
 
 
-def _draw_render(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, free: bool) -> None:
-    box = layout.box()
-    box.prop(own, "samples")
-    box.prop(own, "render_folder")
-    start = box.row()
-    start.enabled = free
-    start.operator("chord.render", icon="RENDER_STILL")
+def _draw_text(layout: bpy.types.UILayout, text: str, icon_name: str) -> None:
+    column = layout.column(align=True)
+    for number, line in enumerate(wrapped(text, LINE_LETTERS)):
+        column.label(text=line, icon="NONE" if number else icon_name)
+
+
+PANELS = (
+    ChordPanel,
+    ChordRoomsPanel,
+    ChordFurniturePanel,
+    ChordCertificatePanel,
+    ChordRenderPanel,
+    ChordLibraryPanel,
+)
 
 
 def register() -> None:
-    """Makes the panel known."""
-    bpy.utils.register_class(ChordPanel)
+    """Makes the panels known."""
+    for panel in PANELS:
+        bpy.utils.register_class(panel)
 
 
 def unregister() -> None:
-    """Takes it back."""
-    bpy.utils.unregister_class(ChordPanel)
+    """Takes them back."""
+    for panel in reversed(PANELS):
+        bpy.utils.unregister_class(panel)

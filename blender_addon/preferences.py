@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import bpy
 
-from .core.program import Program, ProgramError, find_program
+from .core.program import ProgramError
+from .core.state import wrapped
+
+LINE_LETTERS = 90
+"""Letters that fit a line of the preferences."""
 
 
 class ChordPreferences(bpy.types.AddonPreferences):
@@ -25,9 +29,8 @@ class ChordPreferences(bpy.types.AddonPreferences):
         row = self.layout.row()
         row.prop(self, "program")
         row.operator(ChordCheckProgram.bl_idname, text="Check")
-        for line in self.answer.split(". "):
-            if line:
-                self.layout.label(text=line)
+        for line in wrapped(self.answer, LINE_LETTERS):
+            self.layout.label(text=line)
 
 
 class ChordCheckProgram(bpy.types.Operator):
@@ -39,9 +42,12 @@ class ChordCheckProgram(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Leaves the answer in the preferences."""
+        from .session import session
+
         own = preferences(context)
+        session.forget_programs()
         try:
-            own.answer = f"Found {find_program(own.program).label}"
+            own.answer = f"Found {session.program(own.program).label}"
         except ProgramError as error:
             own.answer = str(error)
             self.report({"ERROR"}, str(error))
@@ -53,11 +59,6 @@ class ChordCheckProgram(bpy.types.Operator):
 def preferences(context: bpy.types.Context) -> ChordPreferences:
     """This extension's preferences."""
     return context.preferences.addons[__package__].preferences
-
-
-def program(context: bpy.types.Context) -> Program:
-    """The program to use. Raises ProgramError."""
-    return find_program(preferences(context).program)
 
 
 _CLASSES = (ChordPreferences, ChordCheckProgram)

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
+from typing import Any
+
 import bpy
+
+from .core.tree import is_ceiling
 
 SCENE_KEY = "chord_usd"
 """The scene's property that holds the panel's fields."""
@@ -12,12 +18,41 @@ PATH_KEY = "chord_usd_path"
 
 MAX_SEED = 2**31 - 1
 
+PASSES = (
+    ("rgb", "Picture", "What a camera sees"),
+    ("depth", "Depth", "Metres from the camera"),
+    ("normal", "Normals", "Directions of surfaces"),
+    ("instance", "Instances", "Which piece a pixel shows"),
+    ("semantic", "Categories", "Of which category a pixel is"),
+)
+
+
+def _show_light(room: ChordRoom, context: bpy.types.Context) -> None:
+    from .house import set_light
+
+    set_light(context, room.name, room.light)
+
+
+def _show_solo(_own: ChordScene, context: bpy.types.Context) -> None:
+    from .house import show_rooms
+
+    show_rooms(context)
+
 
 class ChordRoom(bpy.types.PropertyGroup):
     """A line of the rooms list; its name is the room's prim."""
 
     seed: bpy.props.IntProperty(  # type: ignore[valid-type]
         name="Seed", description="Another seed furnishes the room differently", min=0, max=MAX_SEED
+    )
+    light: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Lamps",
+        description="Brightness of the room's lamps",
+        default=1.0,
+        min=0.05,
+        max=20.0,
+        soft_max=4.0,
+        update=_show_light,
     )
 
 
@@ -34,35 +69,64 @@ class ChordScene(bpy.types.PropertyGroup):
     source: bpy.props.EnumProperty(  # type: ignore[valid-type]
         name="From",
         items=[
-            ("PLAN", "Plan", "A floor plan picture, or CHOrD JSON"),
+            ("PLAN", "Plan", "A floor plan: picture, page, drawing or CHOrD JSON"),
             ("TEXT", "Text", "A description in words"),
             ("OUTLINE", "Outline", "A picture of the outer walls alone"),
         ],
     )
     plan: bpy.props.StringProperty(  # type: ignore[valid-type]
-        name="Plan", description="Floor plan picture", subtype="FILE_PATH"
+        name="Plan", description="Floor plan", subtype="FILE_PATH"
     )
     text: bpy.props.StringProperty(name="Text")  # type: ignore[valid-type]
+    style: bpy.props.StringProperty(name="Style")  # type: ignore[valid-type]
     seed: bpy.props.IntProperty(name="Seed", min=0, max=MAX_SEED)  # type: ignore[valid-type]
     steps: bpy.props.IntProperty(  # type: ignore[valid-type]
         name="Steps", description="Sampler steps; 0: as many as the model likes", min=0, max=1000
+    )
+    tabletop: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Lay tables", description="Put things on tables, desks and worktops", default=True
     )
     assets: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Assets", description="Folder with meshes of your own", subtype="DIR_PATH"
     )
     house: bpy.props.StringProperty(name="House", subtype="FILE_PATH")  # type: ignore[valid-type]
+    contents: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """What the program says that the house holds, as JSON."""
     error: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+    note: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+    """What the last job has to say."""
     certificate: bpy.props.StringProperty()  # type: ignore[valid-type]
     rooms: bpy.props.CollectionProperty(type=ChordRoom)  # type: ignore[valid-type]
-    room_index: bpy.props.IntProperty()  # type: ignore[valid-type]
+    room_index: bpy.props.IntProperty(update=_show_solo)  # type: ignore[valid-type]
     findings: bpy.props.CollectionProperty(type=ChordFinding)  # type: ignore[valid-type]
     finding_index: bpy.props.IntProperty()  # type: ignore[valid-type]
     hide_ceilings: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Hide ceilings", default=True, update=lambda self, context: show_ceilings(context)
     )
+    solo: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Solo", description="Show the chosen room alone", update=_show_solo
+    )
+    swap_path: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+    """The piece that models are offered for."""
+    swap_models: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+    """Those models, as JSON."""
+    all_rooms: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="All cameras", description="Else only that of the chosen room"
+    )
     samples: bpy.props.IntProperty(name="Samples", default=128, min=1)  # type: ignore[valid-type]
+    passes: bpy.props.EnumProperty(  # type: ignore[valid-type]
+        name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"rgb"}
+    )
     render_folder: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Pictures", default="//pictures", subtype="DIR_PATH"
+    )
+    farm_folder: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Job", default="//farm job", subtype="DIR_PATH"
+    )
+    library_folder: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Folder",
+        description="For the furniture as a Blender asset library; empty: in your home folder",
+        subtype="DIR_PATH",
     )
 
 
@@ -71,10 +135,20 @@ def fields(context: bpy.types.Context) -> ChordScene:
     return getattr(context.scene, SCENE_KEY)
 
 
+@lru_cache(maxsize=4)
+def parsed(text: str) -> dict[str, Any]:
+    """A field that holds JSON; the panel reads it with every redraw."""
+    return dict(json.loads(text)) if text else {}
+
+
+def chosen_room(context: bpy.types.Context) -> str:
+    """Name of the room chosen in the list; empty where there is none."""
+    own = fields(context)
+    return own.rooms[own.room_index].name if 0 <= own.room_index < len(own.rooms) else ""
+
+
 def show_ceilings(context: bpy.types.Context) -> None:
     """Bring the ceilings' visibility in line with the field."""
-    from .core.tree import is_ceiling
-
     hidden = fields(context).hide_ceilings
     for item in context.scene.objects:
         if is_ceiling(str(item.get(PATH_KEY, ""))):

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 import bpy
 
+from .core.claim import Claims
 from .core.job import Job, Outcome
-from .preferences import program
+from .core.program import Program, ProgramError, find_program
+from .preferences import preferences
 from .properties import fields
 
 POLL_EVERY_S = 0.2
@@ -22,36 +26,78 @@ class Session:
 
     def __init__(self) -> None:
         self.job: Job | None = None
+        self.claims = Claims()
         self._finish: Finish | None = None
+        self._scene_uid = 0
+        self._programs: dict[str, Program] = {}
 
     @property
     def is_running(self) -> bool:
         """Whether a job runs now."""
         return self.job is not None and self.job.outcome is None
 
+    def program(self, preference: str) -> Program:
+        """The program of this preference, asked once. Raises ProgramError."""
+        if preference not in self._programs:
+            self._programs[preference] = find_program(preference)
+        return self._programs[preference]
+
+    def known_program(self, preference: str) -> Program | None:
+        """The program of this preference, if it has been asked."""
+        return self._programs.get(preference)
+
+    def forget_programs(self) -> None:
+        """Ask again the next time: something may have been installed."""
+        self._programs.clear()
+
+    def ask_ahead(self, preference: str) -> None:
+        """Ask the program in a thread, so that nobody waits for its answer."""
+
+        def ask() -> None:
+            with suppress(ProgramError):  # told when it is needed
+                self.program(preference)
+
+        threading.Thread(target=ask, daemon=True).start()
+
     def start(self, context: bpy.types.Context, arguments: Sequence[str], finish: Finish) -> None:
         """Start a job. Raises core.program.ProgramError where there is no program for it."""
-        self.job = Job([*program(context).command, *arguments])
+        program = self.program(preferences(context).program)
+        self.start_command(context, [*program.command, *arguments], finish)
+
+    def start_command(
+        self, context: bpy.types.Context, command: Sequence[str], finish: Finish
+    ) -> None:
+        """Start a job of another program that tells of itself as chord-usd does."""
+        self.job = Job(command)
         self._finish = finish
-        fields(context).error = ""
+        self._scene_uid = context.scene.session_uid
+        own = fields(context)
+        own.error = own.note = ""
         self.job.start()
-        bpy.app.timers.register(self._tick, first_interval=POLL_EVERY_S)
+        if not bpy.app.timers.is_registered(self._tick):
+            bpy.app.timers.register(self._tick, first_interval=POLL_EVERY_S, persistent=True)
 
     def step(self, context: bpy.types.Context) -> bool:
-        """Look after the job once; True while it runs."""
+        """Look after the job once; True while it, or one that follows it, runs."""
         if self.job is None:
             return False
-        running = self.job.poll()
-        if not running and self._finish is not None:
+        if not self.job.poll() and self._finish is not None:
             finish, self._finish = self._finish, None
             assert self.job.outcome is not None
             self._end(context, self.job.outcome, finish)
-        return running
+        return self.is_running
 
     def cancel(self) -> None:
         """Stop the running job."""
         if self.job is not None:
             self.job.cancel()
+
+    def leave_file(self) -> None:
+        """Another file is opened: what runs is not for that."""
+        self.cancel()
+        self._finish = None
+        self.job = None
+        self.claims.release()
 
     def _tick(self) -> float | None:
         running = self.step(bpy.context)
@@ -61,15 +107,26 @@ class Session:
                     area.tag_redraw()
         return POLL_EVERY_S if running else None
 
-    @staticmethod
-    def _end(context: bpy.types.Context, outcome: Outcome, finish: Finish) -> None:
-        if outcome.cancelled:
+    def _end(self, context: bpy.types.Context, outcome: Outcome, finish: Finish) -> None:
+        """Hand the report on in the scene that the job was started in, where that still is."""
+        scene = next((s for s in bpy.data.scenes if s.session_uid == self._scene_uid), None)
+        if outcome.cancelled or scene is None:
             return
-        if outcome.data is None:
-            fields(context).error = outcome.error
-            return
-        finish(context, outcome.data)
-        bpy.ops.ed.undo_push(message="CHOrD")
+        # Timers have no window, and operators ask for one.
+        windows = list(context.window_manager.windows)
+        window = next((w for w in windows if w.scene == scene), windows[0] if windows else None)
+        shown = window is not None and window.scene == scene
+        layer = window.view_layer if shown else scene.view_layers[0]
+        with context.temp_override(window=window, scene=scene, view_layer=layer):
+            if outcome.data is None:
+                fields(bpy.context).error = outcome.error
+                return
+            try:
+                finish(bpy.context, outcome.data)
+            except (OSError, RuntimeError, KeyError, ProgramError) as error:
+                fields(bpy.context).error = f"the answer could not be used: {error}"
+                return
+            bpy.ops.ed.undo_push(message="CHOrD")
 
 
 session = Session()

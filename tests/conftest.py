@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import settings
@@ -46,6 +47,40 @@ def run_cli() -> RunCli:
             timeout=TIMEOUT_S,
             check=False,
         )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def extension(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The Blender extension's zip, built and validated by Blender's own tool."""
+    bpy_folder = next(Path(folder) for folder in sys.path if (Path(folder) / "bpy").is_dir())
+    tool = next(bpy_folder.glob("bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+    out = tmp_path_factory.mktemp("dist")
+    source = Path(__file__).parents[1] / "blender_addon"
+    command = [sys.executable, tool, "build", "--source-dir", source, "--output-dir", out]
+    subprocess.run(command, check=True, capture_output=True)
+    built = next(out.glob("chord_usd-*.zip"))
+    subprocess.run([sys.executable, tool, "validate", built], check=True, capture_output=True)
+    return built
+
+
+@pytest.fixture(scope="session")
+def run_in_blender(
+    extension: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[..., dict[str, Any]]:
+    """Runs a script of tests/blender with the extension and returns what it tells."""
+
+    def run(script: str, *arguments: Path) -> dict[str, Any]:
+        path = Path(__file__).parent / "blender" / script
+        folder = tmp_path_factory.mktemp("blender user")
+        command = [sys.executable, path, folder, extension, sys.executable, *arguments]
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=2 * TIMEOUT_S, check=False
+        )
+        lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
+        assert lines, done.stdout[-2000:] + done.stderr[-2000:]
+        return dict(json.loads(lines[0].removeprefix("RESULT")))
 
     return run
 

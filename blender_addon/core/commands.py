@@ -7,14 +7,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from .edits import opened_file
+from .edits import Size
+from .layer import edits_file, opened_file
+from .swaps import size_text
 
 Source = Literal["PLAN", "TEXT", "OUTLINE"]
 
-PLAN_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".json")
-"""What a plan may be: a picture, or CHOrD JSON."""
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".gif")
+"""Plans that can be shown as they are."""
+
+PLAN_SUFFIXES = (*PICTURE_SUFFIXES, ".json", ".pdf", ".svg", ".dxf", ".ifc", ".sh3d")
+"""What a plan may be: a picture, CHOrD JSON, a page or a drawing."""
 
 MAX_STEPS = 1000
+
+HOUSE = "house.usda"
+"""Name of a new house, in a folder of its own."""
+
+PASSES = ("rgb", "depth", "normal", "instance", "semantic")
+"""As chord-usd render has them."""
+
+MODELS_SHOWN = 8
+"""How many models are offered for a swap."""
+
+FARM_TILE_PX = 540
+"""A farm's task renders about so many rows of a picture."""
 
 _REPORT = ("--json", "--progress", "json")
 
@@ -36,6 +53,20 @@ class GenerateSettings:
     """0 for the model's own number."""
     assets: str
     """Folder of further meshes, or empty."""
+    style: str = ""
+    tabletop: bool = True
+    """Whether tables, desks and worktops are laid."""
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """The panel's fields for pictures."""
+
+    cameras: tuple[str, ...]
+    """All of them where none is named."""
+    samples: int
+    resolution: tuple[int, int]
+    passes: tuple[str, ...] = ("rgb",)
 
 
 def generate(settings: GenerateSettings, house: Path) -> list[str]:
@@ -48,50 +79,83 @@ def generate(settings: GenerateSettings, house: Path) -> list[str]:
         "--seed",
         str(settings.seed),
         *_steps(settings.steps),
+        *(["--style", settings.style.strip()] if settings.style.strip() else []),
+        *([] if settings.tabletop else ["--no-tabletop"]),
         *_assets(settings.assets),
         *_REPORT,
     ]
 
 
-def regenerate(house: Path, room: str, seed: int, assets: str = "") -> list[str]:
-    """Arguments that furnish one room of the house anew."""
+def regenerate(
+    house: Path, room: str, seed: int, assets: str = "", keep: Sequence[str] = ()
+) -> list[str]:
+    """Arguments that furnish one room of the house anew, around the pieces that are kept.
+
+    keep: names of the pieces' prims. Raises InputError.
+    """
     if not room:
         raise InputError("Choose a room first.")
+    kept = [part for name in keep for part in ("--keep", name)]
+    edits = edits_file(_existing(house))
+    seen = ["--edits", str(edits)] if edits.is_file() else []
     return [
         "regenerate",
-        str(_existing(house)),
+        str(house),
         "--room",
         room,
         "--seed",
         str(seed),
+        *kept,
+        *seen,
         *_assets(assets),
         *_REPORT,
     ]
 
 
+def describe(house: Path) -> list[str]:
+    """Arguments that list what the house holds, with its changes. Raises InputError."""
+    return ["describe", str(opened_file(_existing(house))), *_REPORT]
+
+
 def check(house: Path) -> list[str]:
-    """Arguments that certify the house with its changes."""
+    """Arguments that certify the house with its changes. Raises InputError."""
     return ["check", str(opened_file(_existing(house))), *_REPORT]
 
 
-def render(
-    house: Path, folder: Path, cameras: Sequence[str], samples: int, resolution: tuple[int, int]
-) -> list[str]:
-    """Arguments that render cameras, all of them where none is named, with the changes."""
-    chosen = [part for camera in cameras for part in ("--camera", camera)]
-    width, height = resolution
+def nearest(category: str, size_m: Size, pictures: Path, assets: str = "") -> list[str]:
+    """Arguments that list the models that could stand in a piece's place."""
     return [
-        "render",
-        str(opened_file(_existing(house))),
-        "-o",
-        str(folder),
-        *chosen,
-        "--samples",
-        str(samples),
-        "--resolution",
-        f"{width}x{height}",
+        "assets",
+        "nearest",
+        category,
+        "--size",
+        size_text(size_m),
+        "--count",
+        str(MODELS_SHOWN),
+        "--pictures",
+        str(pictures),
+        *_assets(assets),
         *_REPORT,
     ]
+
+
+def build_assets(folder: Path) -> list[str]:
+    """Arguments that draw the whole mesh database, with a picture of each model."""
+    return ["assets", "build", "-o", str(folder), "--pictures", *_REPORT]
+
+
+def render(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
+    """Arguments that render the house with its changes. Raises InputError."""
+    stage = str(opened_file(_existing(house)))
+    return ["render", stage, "-o", str(folder), *_pictures(settings), *_REPORT]
+
+
+def farm(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
+    """Arguments that write the same pictures as a job for render farms. Raises InputError."""
+    stage = str(opened_file(_existing(house)))
+    tiles = max(1, round(settings.resolution[1] / FARM_TILE_PX))
+    words = ["farm", "bundle", stage, "-o", str(folder), "--tiles", str(tiles)]
+    return [*words, *_pictures(settings), *_REPORT]
 
 
 def house_folder(blend_file: str, plan: str, fallback: Path) -> Path:
@@ -102,6 +166,33 @@ def house_folder(blend_file: str, plan: str, fallback: Path) -> Path:
     home = Path(blend_file).parent if blend_file else fallback
     name = "".join(c if c.isalnum() or c in "-_ " else "_" for c in Path(plan).stem).strip()
     return home / "chord-usd" / (name or "house")
+
+
+def found_house(stored: str, blend_file: str) -> Path:
+    """The house at hand: where it was, or beside a Blender file that was moved with it.
+
+    Raises InputError where it is in neither place.
+    """
+    if not stored:
+        raise InputError("Generate or open a house first.")
+    house = Path(stored)
+    beside = Path(blend_file).parent.joinpath(*house.parts[-3:]) if blend_file else house
+    return _existing(beside if beside.is_file() and not house.is_file() else house)
+
+
+def _pictures(settings: RenderSettings) -> list[str]:
+    if not settings.passes:
+        raise InputError("Choose at least one pass to render.")
+    width, height = settings.resolution
+    return [
+        *(part for camera in settings.cameras for part in ("--camera", camera)),
+        "--samples",
+        str(settings.samples),
+        "--resolution",
+        f"{width}x{height}",
+        "--passes",
+        ",".join(settings.passes),
+    ]
 
 
 def _source(settings: GenerateSettings) -> list[str]:
@@ -115,7 +206,7 @@ def _source(settings: GenerateSettings) -> list[str]:
     if not path.is_file():
         raise InputError(f"The plan {path} is not there (any more).")
     if path.suffix.lower() not in PLAN_SUFFIXES:
-        raise InputError(f"{path.name} is no picture; {', '.join(PLAN_SUFFIXES)} are read.")
+        raise InputError(f"{path.name} is no plan; {', '.join(PLAN_SUFFIXES)} are read.")
     return ["--outline", str(path)] if settings.source == "OUTLINE" else [str(path)]
 
 

@@ -1,148 +1,211 @@
-"""An artist's changes as a USD layer over the house: moved and removed pieces, keyed by path."""
+"""What an artist changes in a house: pieces moved, removed or swapped, looks, lights, locks.
+
+Changes are told against the house itself, so that what was undone is no change any more.
+"""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 Matrix = tuple[tuple[float, ...], ...]
 """Four rows of four, acting on columns, as Blender writes them; metres."""
 
-SUFFIX = ".edits.usda"
-
 MOVED_BY = 1e-5
 """Entries of a matrix that differ by less are the same."""
 
-_MARK = "string chord_edits = '''"
-_END = "'''"
+SCHEMA = 2
 
-_HEAD = """#usda 1.0
-(
-    customLayerData = {{
-        {mark}{edits}{end}
-    }}
-    defaultPrim = "{root}"
-    doc = "Changes made in Blender, over {house}"
-    metersPerUnit = 1
-    subLayers = [
-        @./{house}@
-    ]
-    upAxis = "Z"
-)
-"""
+Size = tuple[float, float, float]
+
+Looks = Mapping[str, str]
+"""Variant set to variant."""
+
+
+@dataclass(frozen=True)
+class Swap:
+    """Another model in a piece's place."""
+
+    usd: str
+    """The model's layer, relative to the house."""
+    slot_m: Size
+    """Length, width and height of the piece that the house has there."""
+    offset_m: tuple[float, float]
+    """Where the model's middle lies in the slot, in the piece's own frame."""
+    size_m: Size
+    """What the model fills of the slot."""
+    looks: Looks = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Edit:
     """What became of one piece."""
 
+    was: Matrix
+    """Its placement in the house itself."""
     matrix: Matrix | None
     """Its new placement in its parent; None where it was removed."""
+    swap: Swap | None = None
 
 
-Edits = Mapping[str, Edit]
-"""By USD path."""
+@dataclass(frozen=True)
+class Changes:
+    """All that was changed in a house. Keys are USD paths."""
+
+    pieces: Mapping[str, Edit] = field(default_factory=dict)
+    looks: Mapping[str, Looks] = field(default_factory=dict)
+    """Of rooms, of the house, and of pieces that are not swapped."""
+    lights: Mapping[str, float] = field(default_factory=dict)
+    """Brightness against that of the house, above 0."""
+    locked: tuple[str, ...] = ()
+    """Pieces that stay when their room is furnished anew."""
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether the house is as it was."""
+        return not (self.pieces or self.looks or self.lights or self.locked)
+
+    @property
+    def swaps(self) -> dict[str, Swap]:
+        """The swapped pieces."""
+        return {path: edit.swap for path, edit in self.pieces.items() if edit.swap}
 
 
-def edits_file(house: Path) -> Path:
-    """The layer of changes that belongs to a house: house.usda has house.edits.usda beside it."""
-    return house.with_name(house.stem + SUFFIX)
+def moves(
+    was: Mapping[str, Matrix], now: Mapping[str, Matrix], swaps: Mapping[str, Swap]
+) -> dict[str, Edit]:
+    """What is moved, removed or swapped. Pieces that are new are not ours.
 
-
-def opened_file(house: Path) -> Path:
-    """What to open: the changes over the house where there are some, else the house."""
-    edits = edits_file(house)
-    return edits if edits.is_file() else house
-
-
-def changes(before: Mapping[str, Matrix], after: Mapping[str, Matrix]) -> dict[str, Edit]:
-    """What was moved or removed since the house came in. Pieces that are new are not ours."""
+    was: placements in the house itself; now: in the scene. What stood on a removed piece is gone
+    with it.
+    """
     found: dict[str, Edit] = {}
-    for path, placed in before.items():
-        now = after.get(path)
-        if now is None:
-            found[path] = Edit(None)
-        elif not _same(placed, now):
-            found[path] = Edit(now)
+    gone = {path for path in was if path not in now}
+    for path, placed in was.items():
+        if any(above in gone for above in _above(path)):
+            continue
+        if path in gone:
+            found[path] = Edit(placed, None)
+        elif path in swaps or not same(placed, now[path]):
+            found[path] = Edit(placed, now[path], swaps.get(path))
     return found
 
 
-def read_edits(house: Path) -> dict[str, Edit]:
-    """The changes saved for this house; none where there is no such layer, or one of others."""
-    try:
-        text = edits_file(house).read_text(encoding="utf-8")
-        first = text.index(_MARK) + len(_MARK)
-        told = json.loads(text[first : text.index(_END, first)])
-        return {
-            path: Edit(matrix and tuple(tuple(map(float, row)) for row in matrix))
-            for path, matrix in told.items()
-        }
-    except (OSError, ValueError, TypeError, AttributeError):
-        return {}
+def placements_of_house(seen: Mapping[str, Matrix], changes: Changes) -> dict[str, Matrix]:
+    """Where the house itself has its pieces, from where they are seen with the changes on.
+
+    Changes of pieces that the house does not have any more are passed over.
+    """
+    was = {
+        path: edit.was
+        for path, edit in changes.pieces.items()
+        if edit.matrix is None or path in seen
+    }
+    return {**seen, **was}
 
 
-def write_edits(house: Path, edits: Edits) -> Path | None:
-    """Write the layer, whole or not at all; without changes it is taken away. Returns its path."""
-    file = edits_file(house)
-    if not edits:
-        file.unlink(missing_ok=True)
-        return None
-    partial = file.with_name(file.name + ".part")
-    partial.write_text(layer_text(house.name, edits), encoding="utf-8")
-    partial.replace(file)
-    return file
+def without_room(changes: Changes, room: str) -> Changes:
+    """The changes after a room was furnished anew: there, only locked pieces keep theirs."""
+    inside = f"/Rooms/{room}/Furniture/"
 
+    def stays(path: str) -> bool:
+        own = [path, *_above(path)]
+        return inside not in path or any(locked in own for locked in changes.locked)
 
-def without_room(edits: Edits, room: str) -> dict[str, Edit]:
-    """The changes outside a room: what stood in it is gone when it is furnished anew."""
-    inside = f"/Rooms/{room}/"
-    return {path: edit for path, edit in edits.items() if inside not in path}
-
-
-def layer_text(house_name: str, edits: Edits) -> str:
-    """The layer as text: an `over` for every piece, nothing else of the house."""
-    told = {path: edit.matrix for path, edit in sorted(edits.items())}
-    root = min(edits).split("/")[1]
-    head = _HEAD.format(mark=_MARK, edits=json.dumps(told), end=_END, root=root, house=house_name)
-    return head + "\n" + "\n".join(_overs(sorted(edits), edits, depth=0)) + "\n"
-
-
-def _overs(paths: Iterable[str], edits: Edits, depth: int, above: str = "") -> list[str]:
-    """Nested `over` blocks for all paths that begin with `above`."""
-    names: dict[str, list[str]] = {}
-    for path in paths:
-        names.setdefault(path[len(above) + 1 :].split("/")[0], []).append(path)
-    pad, lines = "    " * depth, []
-    for name, below in names.items():
-        own = f"{above}/{name}"
-        edit = edits.get(own)
-        removed = edit is not None and edit.matrix is None
-        lines.append(f'{pad}over "{name}"' + (" (" if removed else ""))
-        if removed:
-            lines += [f"{pad}    active = false", f"{pad})"]
-        lines.append(f"{pad}{{")
-        if edit is not None and edit.matrix is not None:
-            lines += _placement(edit.matrix, pad + "    ")
-        deeper = [path for path in below if path != own]
-        lines += _overs(deeper, edits, depth + 1, own) if deeper else []
-        lines.append(f"{pad}}}")
-    return lines
-
-
-def _placement(matrix: Matrix, pad: str) -> list[str]:
-    """USD multiplies rows from the left: its matrices are Blender's transposed."""
-    rows = ", ".join(
-        "(" + ", ".join(f"{matrix[row][column]:.9g}" for row in range(4)) + ")"
-        for column in range(4)
+    return replace(
+        changes,
+        pieces={path: edit for path, edit in changes.pieces.items() if stays(path)},
+        looks={path: looks for path, looks in changes.looks.items() if stays(path)},
     )
-    return [
-        f"{pad}matrix4d xformOp:transform = ( {rows} )",
-        f'{pad}uniform token[] xformOpOrder = ["xformOp:transform"]',
-    ]
 
 
-def _same(a: Matrix, b: Matrix) -> bool:
+def as_it_was(changes: Changes, room: str) -> Changes:
+    """The changes without any in this room."""
+    own = f"/Rooms/{room}"
+
+    def others(entries: Mapping[str, Any]) -> dict[str, Any]:
+        return {p: e for p, e in entries.items() if f"{own}/" not in p and not p.endswith(own)}
+
+    return replace(
+        changes,
+        pieces=others(changes.pieces),
+        looks=others(changes.looks),
+        lights=others(changes.lights),
+    )
+
+
+def with_look(changes: Changes, path: str, variant_set: str, variant: str) -> Changes:
+    """The changes with one more look chosen, for a room, for the house, or for a swapped piece."""
+    edit = changes.pieces.get(path)
+    if edit and edit.swap:
+        swap = replace(edit.swap, looks={**edit.swap.looks, variant_set: variant})
+        return replace(changes, pieces={**changes.pieces, path: replace(edit, swap=swap)})
+    own = {**changes.looks.get(path, {}), variant_set: variant}
+    return replace(changes, looks={**changes.looks, path: own})
+
+
+def told(changes: Changes) -> dict[str, Any]:
+    """The changes as JSON holds them."""
+    return {
+        "schema": SCHEMA,
+        "pieces": {
+            path: {
+                "was": edit.was,
+                "matrix": edit.matrix,
+                **({"swap": vars(edit.swap)} if edit.swap else {}),
+            }
+            for path, edit in sorted(changes.pieces.items())
+        },
+        "looks": {path: dict(looks) for path, looks in sorted(changes.looks.items())},
+        "lights": dict(sorted(changes.lights.items())),
+        "locked": sorted(changes.locked),
+    }
+
+
+def understood(data: Mapping[str, Any]) -> Changes:
+    """The changes that JSON holds. Raises KeyError, TypeError or ValueError for anything else."""
+    if data["schema"] != SCHEMA:
+        raise ValueError(f"schema {data['schema']}")
+    return Changes(
+        pieces={path: _edit(entry) for path, entry in data["pieces"].items()},
+        looks={path: dict(looks) for path, looks in data["looks"].items()},
+        lights={path: float(strength) for path, strength in data["lights"].items()},
+        locked=tuple(map(str, data["locked"])),
+    )
+
+
+def same(a: Matrix, b: Matrix) -> bool:
+    """Whether two placements are one."""
     pairs = zip((x for row in a for x in row), (x for row in b for x in row), strict=True)
     return all(abs(x - y) < MOVED_BY for x, y in pairs)
+
+
+def _above(path: str) -> Iterable[str]:
+    """The paths of what a piece belongs to: all groups above it."""
+    parts = path.split("/")
+    return ["/".join(parts[:count]) for count in range(2, len(parts))]
+
+
+def _edit(entry: Mapping[str, Any]) -> Edit:
+    swap = entry.get("swap")
+    return Edit(
+        was=_matrix(entry["was"]),
+        matrix=_matrix(entry["matrix"]) if entry["matrix"] else None,
+        swap=_swap(swap) if swap else None,
+    )
+
+
+def _swap(entry: Mapping[str, Any]) -> Swap:
+    slot, offset, size = (tuple(map(float, entry[k])) for k in ("slot_m", "offset_m", "size_m"))
+    return Swap(
+        usd=str(entry["usd"]),
+        slot_m=(slot[0], slot[1], slot[2]),
+        offset_m=(offset[0], offset[1]),
+        size_m=(size[0], size[1], size[2]),
+        looks=dict(entry["looks"]),
+    )
+
+
+def _matrix(rows: Iterable[Iterable[Any]]) -> Matrix:
+    return tuple(tuple(float(x) for x in row) for row in rows)

@@ -149,10 +149,10 @@ class Job:
         if self._cancelled:
             return Outcome(None, cancelled=True)
         if code in (DONE, CHECK_FAILED):
-            try:
-                return Outcome(dict(json.loads("".join(self._answer))))
-            except ValueError:
+            report = last_report(self._answer)
+            if report is None:
                 return Outcome(None, "the program ended without a report")
+            return Outcome(report)
         if code == INTERRUPTED:
             return Outcome(None, "the program was interrupted from outside")
         if code < 0:
@@ -172,6 +172,18 @@ class Job:
     def _kill(self) -> None:
         if self._process is not None and self._process.poll() is None:
             self._signal(getattr(signal, "SIGKILL", signal.SIGTERM))
+
+
+def last_report(lines: Sequence[str]) -> dict[str, Any] | None:
+    """The last line that is a JSON object; Blender says other things before and after it."""
+    for line in reversed(lines):
+        try:
+            told = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(told, dict):
+            return told
+    return None
 
 
 def plain_error(lines: Sequence[str]) -> str:

@@ -19,9 +19,14 @@ HOW_TO_GET = (
     "its chord-usd program, or of that Python, in the preferences of this extension"
 )
 
+OPTIONAL = ("--text", "--outline", "--style")
+"""Ways to say what house is wanted that are offered only where the program has them."""
+
 ANSWER_WITHIN_S = 20.0
 
 _VERSION = re.compile(r"chord-usd (\d+)\.(\d+)\.(\d+)")
+
+_OPTION = re.compile(r"--[a-z-]+")
 
 _OF_BLENDER = ("PYTHONHOME", "PYTHONPATH", "PYTHONSTARTUP", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 """Variables by which Blender's own Python would leak into the program's."""
@@ -38,6 +43,8 @@ class Program:
     command: tuple[str, ...]
     """What a command line begins with."""
     version: tuple[int, int, int]
+    abilities: frozenset[str] = frozenset()
+    """The options of `generate` that not every version has; some of OPTIONAL."""
 
     @property
     def label(self) -> str:
@@ -91,12 +98,32 @@ def command_of(path: Path) -> tuple[str, ...]:
 
 
 def ask(command: Sequence[str]) -> Program:
-    """Ask the program for its version. Raises ProgramError where that is not its answer."""
+    """Ask the program for its version and abilities.
+
+    Raises ProgramError where it does not answer as chord-usd does, or is too old.
+    """
+    answer = _answer(command, ["--version"])
+    found = _VERSION.search(answer.stdout)
+    if answer.returncode or not found:
+        said = (answer.stderr.strip() or answer.stdout.strip() or "nothing").splitlines()[-1]
+        raise ProgramError(f"{command[0]} is not chord-usd (it said: {said}). {HOW_TO_GET}.")
+    version = int(found[1]), int(found[2]), int(found[3])
+    if version < OLDEST:
+        wanted = ".".join(map(str, OLDEST))
+        raise ProgramError(
+            f"{found[0]} is too old for this panel, which needs {wanted} or newer. Update it where "
+            "it is installed."
+        )
+    options = set(_OPTION.findall(_answer(command, ["generate", "--help"]).stdout))
+    return Program(tuple(command), version, frozenset(options.intersection(OPTIONAL)))
+
+
+def _answer(command: Sequence[str], words: Sequence[str]) -> subprocess.CompletedProcess[str]:
     try:
-        answer = subprocess.run(
-            [*command, "--version"],
+        return subprocess.run(
+            [*command, *words],
             capture_output=True,
-            text=True,
+            encoding="utf-8",
             errors="replace",
             timeout=ANSWER_WITHIN_S,
             env=clean_environment(os.environ),
@@ -108,17 +135,12 @@ def ask(command: Sequence[str]) -> Program:
         raise ProgramError(f"{command[0]} cannot be started: {reason}. {HOW_TO_GET}.") from error
     except subprocess.TimeoutExpired as error:
         raise ProgramError(f"{command[0]} did not answer in {ANSWER_WITHIN_S:.0f} s.") from error
-    found = _VERSION.search(answer.stdout)
-    if answer.returncode or not found:
-        said = (answer.stderr.strip() or answer.stdout.strip() or "nothing").splitlines()[-1]
-        raise ProgramError(f"{command[0]} is not chord-usd (it said: {said}). {HOW_TO_GET}.")
-    version = int(found[1]), int(found[2]), int(found[3])
-    if version < OLDEST:
-        wanted = ".".join(map(str, OLDEST))
-        raise ProgramError(f"{found[0]} is too old for this panel, which needs {wanted} or newer.")
-    return Program(tuple(command), version)
 
 
 def clean_environment(environment: Mapping[str, str]) -> dict[str, str]:
-    """The environment without what belongs to Blender's own Python."""
-    return {name: value for name, value in environment.items() if name not in _OF_BLENDER}
+    """The environment without what belongs to Blender's own Python.
+
+    What the program says is UTF-8, whatever the system's own encoding: paths have all letters.
+    """
+    kept = {name: value for name, value in environment.items() if name not in _OF_BLENDER}
+    return {**kept, "PYTHONUTF8": "1"}

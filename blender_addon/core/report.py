@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -47,3 +48,57 @@ def short(path: str) -> str:
     parts = [part for part in path.split("/") if part]
     kept = [part for part in parts[2:] if part not in ("Furniture", "Architecture", "Items")]
     return "/".join(kept) or path
+
+
+@dataclass(frozen=True)
+class Look:
+    """A choice that a room or the house has."""
+
+    path: str
+    variant_set: str
+    chosen: str
+    offered: tuple[str, ...]
+
+    @property
+    def label(self) -> str:
+        """What is chosen here: floorMaterial is Floor."""
+        return _LOOK_LABELS.get(self.variant_set, spaced(self.variant_set))
+
+
+_LOOK_LABELS = {"floorMaterial": "Floor", "wallMaterial": "Walls", "lighting": "Light"}
+
+
+def spaced(name: str) -> str:
+    """A name in words: OakHerringbone is Oak Herringbone, white_green is White green."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z0-9])", " ", name.replace("_", " "))
+    return words[:1].upper() + words[1:]
+
+
+def looks(contents: Mapping[str, Any]) -> list[Look]:
+    """All choices of a house that `describe --json` tells of, those of the house first.
+
+    The colours of its pieces are among them.
+    """
+    found = _choices("/House", contents.get("looks", {}))
+    for room in contents.get("rooms", ()):
+        found += _choices(room["path"], room.get("looks", {}))
+        for piece in room.get("furniture", ()):
+            found += _choices(piece["component"], piece.get("looks", {}))
+    return found
+
+
+def models(contents: Mapping[str, Any]) -> dict[str, str]:
+    """The model's name of each piece, by the path of what refers to it."""
+    return {
+        piece["component"]: piece["asset"]
+        for room in contents.get("rooms", ())
+        for piece in room.get("furniture", ())
+    }
+
+
+def _choices(path: str, told: Mapping[str, Any]) -> list[Look]:
+    return [
+        Look(path, name, choice["chosen"], tuple(choice["offered"]))
+        for name, choice in told.items()
+        if len(choice["offered"]) > 1
+    ]

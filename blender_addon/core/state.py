@@ -9,13 +9,23 @@ from .job import Job, Progress
 
 Phase = Literal["EMPTY", "RUNNING", "FAILED", "DONE"]
 
+OFFERED_BY = {"PLAN": "", "TEXT": "--text", "OUTLINE": "--outline"}
+"""Ways to say what house is wanted, and the option of `generate` that each needs."""
+
 STEP_NAMES = {
     "load": "Starting",
     "plan": "Reading the plan",
     "layout": "Drawing the layout",
     "graph": "Finding the furniture",
     "stage": "Building the house",
+    "outliers": "Judging the layout",
+    "tabletop": "Laying the tables",
+    "read": "Reading the house",
+    "describe": "Reading the house",
     "check": "Checking",
+    "assets": "Drawing the models",
+    "pictures": "Drawing the pictures",
+    "library": "Building the library",
     "render": "Rendering",
 }
 

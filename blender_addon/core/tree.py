@@ -85,6 +85,29 @@ def is_piece(path: str) -> bool:
     return len(parts) == 5 and parts[1] == ROOMS and parts[3] == FURNITURE
 
 
+def is_placed(path: str) -> bool:
+    """Whether this is a piece, a part of one, or what stands on it: placements to look after."""
+    parts = path.split("/")[1:]
+    return len(parts) >= 5 and parts[1] == ROOMS and parts[3] == FURNITURE
+
+
+def is_light(path: str) -> bool:
+    """Whether this is a lamp of a room."""
+    parts = path.split("/")[1:]
+    return len(parts) >= 5 and parts[1] == ROOMS and parts[3] == LIGHTS
+
+
+def room_of(path: str) -> str:
+    """The room that something is in; empty for what is in none."""
+    parts = path.split("/")[1:]
+    return parts[2] if len(parts) > 2 and parts[1] == ROOMS else ""
+
+
+def piece_of(path: str) -> str:
+    """The path of the piece that this is a part of, or stands on; empty where there is none."""
+    return "/".join(path.split("/")[:6]) if is_placed(path) else ""
+
+
 def is_ceiling(path: str) -> bool:
     """Whether this is a part of a room's ceiling."""
     return path.rsplit("/", 1)[-1].startswith("Ceiling")

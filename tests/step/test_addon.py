@@ -1,10 +1,10 @@
-"""The extension in Blender: built, installed, enabled, used, disabled. In a process of its own."""
+"""The extension in Blender: built, installed, enabled, used, disabled. In processes of its own."""
 
 from __future__ import annotations
 
-import json
-import subprocess
+import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,210 +12,268 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
+from chord_usd.assets.database import build_assets
+from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.cli import main
+from chord_usd.stage.check import check_stage
 
 ROOT = Path(__file__).parents[2]
-
 SCENE = ROOT / "tests" / "fixtures" / "furnished_house.json"
+ROOM = "/House/Rooms/Bedroom_0"
 
-IN_BLENDER = '''
-import json, os, sys, time
-out, zip_file, program, plan = sys.argv[1:]
-os.environ["BLENDER_USER_RESOURCES"] = out + "/user"
-import bpy
-bpy.ops.wm.read_factory_settings(use_empty=True)
-before = set(dir(bpy.types))
-bpy.ops.extensions.package_install_files(
-    filepath=zip_file, repo="user_default", enable_on_install=True
-)
-name = "bl_ext.user_default.chord_usd"
-from bl_ext.user_default.chord_usd import panel
-from bl_ext.user_default.chord_usd.core.state import panel_state
-from bl_ext.user_default.chord_usd.session import session
+Told = dict[str, Any]
+RunInBlender = Callable[..., Told]
 
-def run(operator):
-    try:
-        operator()
-    except RuntimeError as error:
-        return str(error)
-    while session.step(bpy.context):
-        time.sleep(0.05)
-    return own.error
-
-class Drawing:
-    """Stands in for a layout and writes down what is drawn."""
-    def __init__(self, log):
-        self.log = log
-    def __getattr__(self, kind):
-        def draw(*args, **kwargs):
-            self.log.append([kind, *[a for a in args if isinstance(a, str)], *kwargs.values()])
-            return Drawing(self.log)
-        return draw
-
-class Panel:
-    pass
-
-def drawn():
-    shown = Panel()
-    log = []
-    shown.layout = Drawing(log)
-    panel.ChordPanel.draw(shown, bpy.context)
-    return [[str(part) for part in line] for line in log]
-
-def tree(collection):
-    return {c.name: tree(c) for c in collection.children if not c.name.startswith("proto")}
-
-own = bpy.context.scene.chord_usd
-result = {"empty": drawn()}
-bpy.context.preferences.addons[name].preferences.program = "/nowhere"
-result["no_program"] = run(bpy.ops.chord.generate)
-own.plan = plan
-result["wrong_program"] = run(bpy.ops.chord.generate)
-result["failed"] = drawn()
-bpy.context.preferences.addons[name].preferences.program = program
-result["check_program"] = list(bpy.ops.chord.check_program())
-result["error"] = run(bpy.ops.chord.generate)
-result["tree"] = tree(bpy.context.scene.collection)
-result["rooms"] = [room.name for room in own.rooms]
-result["done"] = drawn()
-objects = len(bpy.data.objects)
-bpy.ops.chord.generate()
-result["running"] = drawn()
-while session.step(bpy.context):
-    time.sleep(0.05)
-result["same_number_of_objects"] = objects == len(bpy.data.objects)
-bpy.ops.chord.show_finding(index=0)
-result["selected"] = sorted(o["chord_usd_path"] for o in bpy.context.selected_objects)
-pieces = {o["chord_usd_path"]: o for o in bpy.context.scene.objects if "chord_usd_placed" in o}
-result["pieces"] = sorted(pieces)
-moved, removed = result["pieces"][:2]
-pieces[moved].location.x += 0.25
-pieces[moved].rotation_euler.z += 0.5
-bpy.context.view_layer.update()
-result["moved"] = [moved, [list(row) for row in pieces[moved].matrix_world]]
-result["removed"] = removed
-bpy.data.objects.remove(pieces[removed], do_unlink=True)
-result["saved"] = list(bpy.ops.chord.save_edits())
-from bl_ext.user_default.chord_usd.importer import import_house
-from pathlib import Path
-import_house(bpy.context, Path(own.house))
-bpy.context.view_layer.update()
-again = {o["chord_usd_path"]: o for o in bpy.context.scene.objects if "chord_usd_placed" in o}
-result["again"] = [sorted(again), [list(row) for row in again[moved].matrix_world]]
-own.hide_ceilings = False
-result["house"] = own.house
-result["camera"] = bpy.context.scene.camera.name
-os.remove(plan)
-result["plan_gone"] = run(bpy.ops.chord.generate)
-bpy.ops.preferences.addon_disable(module=name)
-result["left"] = [t for t in set(dir(bpy.types)) - before if "chord" in t.lower()]
-result["field_left"] = hasattr(bpy.types.Scene, "chord_usd")
-print("RESULT" + json.dumps(result))
-'''
-
-STANDS_IN = """#!{python}
-import json, sys, time
+PRETENDS = """#!{python}
+import json, os, shutil, sys, time
 if "--version" in sys.argv:
-    print("chord-usd 9.0.0")
+    print("{answer}")
+    sys.exit({code})
+if "--help" in sys.argv:
+    print("  --seed N  --outline PNG")
     sys.exit()
-time.sleep(0.3)
-bed = "/House/Rooms/Bedroom_0/Furniture/Bed_0"
-print(json.dumps({{"stage": {stage!r}, "certificate": {{"valid": True, "walkable": 0.9,
-    "unsupported": [bed]}}}}))
+words = dict(zip(sys.argv, sys.argv[1:]))
+if sys.argv[1] == "describe":
+    os.execv({python!r}, [{python!r}, "-m", "chord_usd", *sys.argv[1:]])
+if sys.argv[1] == "assets":
+    shutil.copytree({models!r}, words["-o"], dirs_exist_ok=True)
+    print(json.dumps({{"assets": 3}}))
+if sys.argv[1] == "generate":
+    sys.stderr.write(json.dumps({{"step": "layout", "done": 1, "total": 4}}) + "\\n")
+    sys.stderr.flush()
+    time.sleep(0.5)
+    shutil.copytree({house!r}, os.path.dirname(words["-o"]), dirs_exist_ok=True)
+    print(json.dumps({{"stage": words["-o"], "certificate": {{"valid": True, "walkable": 0.9}}}}))
 """
+"""A program that answers as chord-usd does, and has everything ready."""
 
 
 @pytest.fixture(scope="module")
-def extension(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The built zip."""
-    bpy_folder = next(Path(folder) for folder in sys.path if (Path(folder) / "bpy").is_dir())
-    tool = next(bpy_folder.glob("bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
-    out = tmp_path_factory.mktemp("dist")
-    command = [sys.executable, tool, "build", "--source-dir", ROOT / "blender_addon"]
-    subprocess.run([*command, "--output-dir", out], check=True, capture_output=True)
-    built = next(out.glob("chord_usd-*.zip"))
-    subprocess.run([sys.executable, tool, "validate", built], check=True, capture_output=True)
-    return built
-
-
-@pytest.fixture(scope="module")
-def told(extension: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What happened in Blender, with a program that hands out a stage made here."""
-    folder = tmp_path_factory.mktemp("blender user")
-    stage = folder / "house.usda"
+def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A stage in a folder whose name has a space and letters that are not ASCII."""
+    stage = tmp_path_factory.mktemp("addon") / "häuser 1" / "house.usda"
     assert main(["stage", str(SCENE), "-o", str(stage)]) == 0
-    program = folder / "chord-usd"
-    program.write_text(STANDS_IN.format(python=sys.executable, stage=str(stage)), encoding="utf-8")
-    program.chmod(0o755)
-    plan = folder / "plän.png"
-    plan.touch()
-    script = folder / "in_blender.py"
-    script.write_text(IN_BLENDER)
-    command = [sys.executable, script, folder, extension, program, plan]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
-    assert lines, done.stdout[-2000:] + done.stderr[-2000:]
-    return dict(json.loads(lines[0].removeprefix("RESULT")))
+    return stage
 
 
-def test_what_is_missing_is_said_in_plain_words(told: dict[str, Any]) -> None:
-    assert "Choose a floor plan" in told["no_program"]
-    assert "There is no file" in told["wrong_program"]
-    assert "not there" in told["plan_gone"]
+@pytest.fixture(scope="module")
+def programs(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Good and bad answers to the question for chord-usd."""
+    folder = tmp_path_factory.mktemp("programs é")
+    models = folder / "models"
+    models.mkdir()
+    build_assets(models, chosen=[designs()[0], designs()[1], designs()[300]])
+    shutil.copytree(ROOT / "docs", models / "pictures")
+    for asset in models.glob("*/*.usda"):
+        shutil.copyfile(ROOT / "docs" / "layouts.png", models / "pictures" / f"{asset.stem}.png")
+    for name, answer, code in (
+        ("good", "chord-usd 9.0.0", 0),
+        ("old", "chord-usd 0.0.1", 0),
+        ("wrong", "Python 3.11.2", 0),
+        ("broken", "", 3),
+    ):
+        text = PRETENDS.format(
+            python=sys.executable,
+            answer=answer,
+            code=code,
+            models=str(models),
+            house=str(house.parent),
+        )
+        (folder / name).write_text(text, encoding="utf-8")
+        (folder / name).chmod(0o755)
+    return folder
 
 
-def test_the_house_comes_in_as_a_collection_tree(told: dict[str, Any]) -> None:
-    assert told["error"] == ""
-    assert told["check_program"] == ["FINISHED"]
-    house = told["tree"]["House"]
-    assert set(told["rooms"]) < set(house)
+@pytest.fixture(scope="module")
+def edits(run_in_blender: RunInBlender, house: Path) -> Told:
+    """What happened to a house that was changed."""
+    return run_in_blender("edits.py", house)
+
+
+@pytest.fixture(scope="module")
+def failures(
+    run_in_blender: RunInBlender, programs: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Told:
+    """What is said where something is wrong."""
+    plan = tmp_path_factory.mktemp("pläne 1") / "plän 1.png"
+    shutil.copyfile(ROOT / "examples" / "two_bedrooms.png", plan)
+    return run_in_blender("failures.py", plan, programs)
+
+
+def operators(drawn: list[list[str]]) -> list[str]:
+    return [line[1] for line in drawn if line[0] == "operator"]
+
+
+def test_the_house_comes_in_as_a_collection_tree(edits: Told) -> None:
+    assert edits["open"] == ""
+    house = edits["tree"]["House"]
+    assert set(edits["rooms"]) < set(house)
     assert "Cameras" in house
-    for room in told["rooms"]:
+    for room in edits["rooms"]:
         assert f"{room} Architecture" in house[room]
-    assert told["camera"]
+    assert edits["camera"]
 
 
-def test_a_new_house_takes_the_place_of_the_old_one(told: dict[str, Any]) -> None:
-    assert told["same_number_of_objects"]
+def test_an_untouched_house_has_no_edits(edits: Told) -> None:
+    assert edits["untouched"] == []
 
 
-def test_a_finding_selects_the_culprit(told: dict[str, Any]) -> None:
-    assert told["selected"]
-    assert all("/Bedroom_0/Furniture/Bed_0" in path for path in told["selected"])
-
-
-def test_edits_are_an_override_layer_that_comes_back(told: dict[str, Any]) -> None:
+def test_edits_are_an_override_layer_that_comes_back(edits: Told, house: Path) -> None:
     """Read by USD itself, and by Blender when it opens the house again."""
-    moved, matrix = told["moved"]
-    assert told["saved"] == ["FINISHED"]
-    house = Path(told["house"])
-    stage = Usd.Stage.Open(str(house.with_name("house.edits.usda")))
-    place = UsdGeom.Xformable(stage.GetPrimAtPath(moved)).ComputeLocalToWorldTransform(0)
-    assert np.allclose(np.array(place).T, matrix, atol=1e-5)
-    assert not stage.GetPrimAtPath(told["removed"]).IsActive()
-    assert Usd.Stage.Open(str(house)).GetPrimAtPath(told["removed"]).IsActive()
-    pieces, matrix_again = told["again"]
-    assert pieces == [path for path in told["pieces"] if path != told["removed"]]
-    assert np.allclose(matrix_again, matrix, atol=1e-5)
+    first = Usd.Stage.Open(str(house.with_name("first.usda")))
+    place = UsdGeom.Xformable(first.GetPrimAtPath(edits["bed"])).ComputeLocalToWorldTransform(0)
+    assert np.allclose(np.array(place).T, edits["moved"], atol=1e-5)
+    assert not first.GetPrimAtPath(edits["other"]).IsActive()
+    assert Usd.Stage.Open(str(house)).GetPrimAtPath(edits["other"]).IsActive()
+    assert edits["reopened"] == ""
+    assert np.allclose(edits["again"][edits["bed"]], edits["moved"], atol=1e-5)
+    assert edits["other"] not in edits["again"]
+
+
+def test_what_is_moved_back_is_no_edit_any_more(edits: Told) -> None:
+    assert edits["moved_back"] == [edits["other"]]
+
+
+def test_another_model_stands_in_the_place_of_the_old_one(edits: Told) -> None:
+    assert edits["found"] == edits["swapped"] == ""
+    assert edits["offered"] > 2
+    assert operators(edits["swap_drawn"]).count("chord.swap") == edits["offered"]
+    _, size_m = edits["swap"][edits["bed"]]
+    assert np.allclose(edits["swap_reach"], size_m, atol=2e-3)
+    assert edits["undone"] == []
+
+
+def test_the_edited_layer_is_a_valid_stage(edits: Told, house: Path) -> None:
+    """Models, looks and lamps as other programs see them."""
+    layer = house.with_name("all.usda")
+    stage = Usd.Stage.Open(str(layer))
+    bed = stage.GetPrimAtPath(edits["bed"])
+    usd, _ = edits["swap"][edits["bed"]]
+    arcs = Usd.PrimCompositionQuery.GetDirectReferences(bed).GetCompositionArcs()
+    assert [Path(arc.GetTargetLayer().realPath).name for arc in arcs] == [Path(usd).name]
+    for path, looks in edits["chosen"].items():
+        sets = stage.GetPrimAtPath(path).GetVariantSets()
+        assert {name: sets.GetVariantSelection(name) for name in looks} == looks
+    lamps = [p for p in stage.Traverse() if str(p.GetPath()).startswith(f"{ROOM}/Lights/")]
+    assert [p.GetAttribute("inputs:exposure").Get() for p in lamps] == [1.0]
+    assert check_stage(layer).errors == check_stage(house).errors
+
+
+def test_looks_lamps_and_locks_are_kept(edits: Told) -> None:
+    assert edits["looks"] == edits["evening"] == ""
+    assert edits["chosen"]["/House"] == {"lighting": "evening"}
+    assert set(edits["chosen"][ROOM]) == {"floorMaterial", "wallMaterial"}
+    assert edits["light_after"] == pytest.approx(2.0)
+    assert edits["locked"] == [f"{ROOM}/Furniture/Cabinet_0"]
+
+
+def test_edits_of_a_room_can_be_discarded(edits: Told) -> None:
+    assert edits["discarded"] == ""
+    assert edits["left_after"] == [[], ["/House"], []]
+    assert edits["back"]
+
+
+def test_one_room_can_be_shown_alone(edits: Told) -> None:
+    assert edits["solo"] == ["Bedroom_0"]
+
+
+def test_a_finding_selects_the_culprits(edits: Told) -> None:
+    assert edits["check"] == ""
+    assert edits["findings"] >= 1
+    assert edits["culprits"]
+    for path in edits["culprits"]:
+        assert any(one.startswith(path) for one in edits["selected"])
+
+
+def test_what_an_artist_added_outlives_the_house(edits: Told) -> None:
+    assert edits["reopen"] == ""
+    assert edits["lamp"]
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ("no_plan", "Choose a floor plan"),
+        ("nowhere", "There is no file"),
+        ("old", "too old"),
+        ("wrong", "is not chord-usd"),
+        ("broken", "is not chord-usd"),
+        ("none", "No chord-usd was found"),
+        ("killed", "killed"),
+        ("plan_gone", "not there"),
+        ("house_gone", "Generate it again"),
+        ("assets_gone", "assets folder"),
+        ("second_job", "A job is running"),
+    ],
+)
+def test_what_is_wrong_is_said_in_plain_words(failures: Told, case: str, words: str) -> None:
+    assert words in failures[case]
+
+
+def test_a_job_that_fails_leaves_the_house(failures: Told) -> None:
+    assert failures["error"] == failures["cancelled"] == failures["after_failures"] == ""
+    assert failures["still"]
+
+
+def test_two_blenders_do_not_write_one_house(failures: Told) -> None:
+    assert failures["claimed"]
+    assert all("Another Blender" in one for one in failures["two"])
+    assert failures["other_folder"] == ""
+    first, second = failures["folders"]
+    assert second == f"{first} 2"
+
+
+def test_another_file_ends_the_job_of_this_one(failures: Told) -> None:
+    assert not failures["left_running"]
+    assert failures["fresh"] == ""
 
 
 @pytest.mark.parametrize(
     ("state", "has", "has_not"),
     [
-        ("empty", "chord.generate", "chord.regenerate"),
-        ("failed", "chord.generate", "chord.cancel"),
-        ("done", "chord.regenerate", "chord.cancel"),
+        ("nowhere_drawn", "chord.generate", "chord.cancel"),
+        ("offered", "chord.generate", "chord.regenerate"),
         ("running", "chord.cancel", "never"),
     ],
 )
-def test_the_panel_draws_every_state(
-    told: dict[str, Any], state: str, has: str, has_not: str
-) -> None:
-    operators = [line[1] for line in told[state] if line[0] == "operator"]
-    assert has in operators
-    assert has_not not in operators
+def test_the_panel_draws_every_state(failures: Told, state: str, has: str, has_not: str) -> None:
+    assert has in operators(failures[state])
+    assert has_not not in operators(failures[state])
 
 
-def test_nothing_is_left_when_it_is_disabled(told: dict[str, Any]) -> None:
-    assert told["left"] == []
-    assert not told["field_left"]
+def test_the_panel_of_a_house_has_every_button(edits: Told) -> None:
+    assert "chord.regenerate" not in operators(edits["empty"])
+    assert {
+        "chord.regenerate", "chord.frame_room", "chord.save_edits", "chord.check_house",
+        "chord.render", "chord.write_farm_job", "chord.choose_look", "chord.shuffle_looks",
+        "chord.build_library",
+    } <= set(operators(edits["done"]))  # fmt: skip
+    assert {"chord.find_models", "chord.lock_piece", "chord.delete_piece"} <= set(
+        operators(edits["swap_drawn"])
+    )
+
+
+def test_only_what_the_program_can_is_offered(failures: Told, edits: Told) -> None:
+    """The one that pretends takes outlines; chord-usd itself is asked, too."""
+    assert [line[-1] for line in failures["offered"] if line[0] == "prop_enum"] == [
+        "PLAN",
+        "OUTLINE",
+    ]
+    assert not [line for line in failures["old_drawn"] if line[0] == "prop_enum"]
+
+
+def test_the_furniture_becomes_an_asset_library(failures: Told) -> None:
+    assert failures["library"] == failures["again"] == ""
+    assert len(failures["assets"]) == 3
+    for asset in failures["assets"].values():
+        assert asset["catalog"].strip("0-")
+        assert asset["licence"] == "CC0-1.0"
+        assert min(asset["preview"]) > 0
+        assert asset["meshes"] > 0
+    assert failures["once"] == 1
+
+
+def test_nothing_is_left_when_it_is_disabled(edits: Told, failures: Told) -> None:
+    for told in (edits, failures):
+        assert told["left"] == told["handlers_left"] == []
+        assert not told["field_left"]

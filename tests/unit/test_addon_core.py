@@ -10,11 +10,21 @@ from pathlib import Path
 
 import pytest
 
-from blender_addon.core import commands, edits, report
-from blender_addon.core.job import Job, Outcome, plain_error
+from blender_addon.core import commands, edits, layer, library, report, swaps
+from blender_addon.core.claim import Claims
+from blender_addon.core.job import Job, Outcome, last_report, plain_error
 from blender_addon.core.program import ProgramError, clean_environment, command_of, find_program
 from blender_addon.core.state import panel_state, wrapped
-from blender_addon.core.tree import collection_tree, is_piece, room_names, usd_paths
+from blender_addon.core.tree import (
+    collection_tree,
+    is_light,
+    is_piece,
+    is_placed,
+    piece_of,
+    room_names,
+    room_of,
+    usd_paths,
+)
 
 ROOT = Path(__file__).parents[2]
 
@@ -37,6 +47,11 @@ def script(folder: Path, body: str) -> Path:
 def test_the_program_is_found_and_says_its_version(tmp_path: Path) -> None:
     program = find_program(str(script(tmp_path, "print('chord-usd 1.2.3')")))
     assert program.version == (1, 2, 3)
+
+
+def test_the_program_is_asked_what_it_can(tmp_path: Path) -> None:
+    body = "import sys\nprint('chord-usd 1.2.3' if '--version' in sys.argv else '  --text T')"
+    assert find_program(str(script(tmp_path, body))).abilities == {"--text"}
 
 
 @pytest.mark.parametrize(
@@ -65,7 +80,7 @@ def test_a_python_runs_the_package() -> None:
 
 def test_blenders_own_python_does_not_leak() -> None:
     kept = clean_environment({"PYTHONHOME": "/blender", "PYTHONPATH": "/addons", "HOME": "/me"})
-    assert kept == {"HOME": "/me"}
+    assert kept == {"HOME": "/me", "PYTHONUTF8": "1"}
 
 
 def test_a_job_reports_progress_and_its_result(tmp_path: Path) -> None:
@@ -131,14 +146,66 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
     plan, house = tmp_path / "plän 1.png", tmp_path / "house.usda"
     plan.touch()
     house.touch()
-    settings = commands.GenerateSettings("PLAN", str(plan), "", 3, 8, str(tmp_path))
+    settings = commands.GenerateSettings("PLAN", str(plan), "", 3, 8, str(tmp_path), tabletop=False)
+    pictures = commands.RenderSettings(("Bedroom_0",), 16, (640, 2160), ("rgb", "depth"))
+    layer.write_changes(house, edits.Changes(locked=(BED,)))
     for arguments in (
         commands.generate(settings, house),
-        commands.regenerate(house, "Bedroom_0", 5),
+        commands.regenerate(house, "Bedroom_0", 5, keep=["Bed_0"]),
         commands.check(house),
-        commands.render(house, tmp_path / "pictures", ["Bedroom_0"], 16, (640, 360)),
+        commands.describe(house),
+        commands.nearest("bed", (1.6, 2.0, 0.9), tmp_path, str(tmp_path)),
+        commands.build_assets(tmp_path),
+        commands.render(house, tmp_path / "pictures", pictures),
+        commands.farm(house, tmp_path / "job", pictures),
     ):
         build_parser().parse_args(arguments)
+
+
+def test_what_the_program_is_told_is_the_edited_house(tmp_path: Path) -> None:
+    house = tmp_path / "house.usda"
+    house.touch()
+    assert "--edits" not in commands.regenerate(house, "Bedroom_0", 5)
+    file = layer.write_changes(house, edits.Changes(locked=(BED,)))
+    words = commands.regenerate(house, "Bedroom_0", 5)
+    assert words[1] == str(house), "the house itself is written"
+    assert words[words.index("--edits") + 1] == str(file)
+    assert commands.check(house)[1] == str(file)
+
+
+def test_passes_are_those_of_the_program() -> None:
+    from chord_usd.image.options import PASSES
+
+    assert set(commands.PASSES) == set(PASSES)
+
+
+def test_plans_are_those_that_the_program_reads() -> None:
+    from chord_usd.plan.vector.formats import SUFFIXES
+
+    assert {*SUFFIXES, ".pdf", ".json"} <= set(commands.PLAN_SUFFIXES)
+
+
+def test_a_house_that_moved_with_its_blender_file_is_found(tmp_path: Path) -> None:
+    house = tmp_path / "new" / "chord-usd" / "flat" / "house.usda"
+    house.parent.mkdir(parents=True)
+    house.touch()
+    stored = str(tmp_path / "old" / "chord-usd" / "flat" / "house.usda")
+    assert commands.found_house(stored, str(tmp_path / "new" / "flat.blend")) == house
+    with pytest.raises(commands.InputError, match="not there"):
+        commands.found_house(stored, "")
+    with pytest.raises(commands.InputError, match="Generate or open"):
+        commands.found_house("", "")
+
+
+def test_one_blender_at_a_time_has_a_house(tmp_path: Path) -> None:
+    mine, theirs = Claims(), Claims()
+    assert mine.take(tmp_path / "flat")
+    assert mine.take(tmp_path / "flat"), "again by the same"
+    assert not theirs.take(tmp_path / "flat")
+    assert theirs.free_folder(tmp_path / "flat") == tmp_path / "flat 2"
+    mine.release()
+    assert theirs.take(tmp_path / "flat")
+    theirs.release()
 
 
 def test_houses_lie_beside_the_blender_file() -> None:
@@ -225,31 +292,172 @@ def moved(x: float) -> edits.Matrix:
 BED, DESK = (f"/House/Rooms/Bedroom_{n}/Furniture/Bed_0" for n in (0, 1))
 
 
+CHAIR = "/House/Rooms/Bedroom_0/Furniture/Chair_0"
+ITEM = f"{BED}/Items/Book_0"
+
+
 def test_only_what_was_touched_is_an_edit() -> None:
-    before = {BED: moved(0.0), DESK: moved(1.0), "/House/Rooms/Bedroom_0/Furniture/X": moved(2.0)}
-    after = {BED: moved(0.5), DESK: moved(1.0)}
-    found = edits.changes(before, after)
+    was = {BED: moved(0.0), ITEM: moved(0.0), DESK: moved(1.0), CHAIR: moved(2.0)}
+    assert edits.moves(was, was, {}) == {}
+    now = {BED: moved(0.5), ITEM: moved(0.0), DESK: moved(1.0)}
+    found = edits.moves(was, now, {})
     assert found == {
-        BED: edits.Edit(moved(0.5)),
-        "/House/Rooms/Bedroom_0/Furniture/X": edits.Edit(None),
+        BED: edits.Edit(moved(0.0), moved(0.5)),
+        CHAIR: edits.Edit(moved(2.0), None),
     }
-    assert edits.without_room(found, "Bedroom_0") == {}
-    assert edits.without_room(found, "Bedroom_1") == found
+    assert list(edits.moves(was, {DESK: moved(1.0), CHAIR: moved(2.0)}, {})) == [BED], (
+        "what stood on a removed piece is gone with it"
+    )
 
 
-def test_edits_come_back_from_their_layer(tmp_path: Path) -> None:
+def test_an_edit_that_is_undone_is_none_after_the_house_was_opened_again() -> None:
+    changes = edits.Changes(pieces={BED: edits.Edit(moved(0.0), moved(0.5))})
+    was = edits.placements_of_house({BED: moved(0.5), DESK: moved(1.0)}, changes)
+    assert was == {BED: moved(0.0), DESK: moved(1.0)}
+    assert edits.moves(was, {BED: moved(0.0), DESK: moved(1.0)}, {}) == {}
+
+
+def test_an_edit_of_a_piece_that_the_house_has_no_more_is_passed_over() -> None:
+    changes = edits.Changes(pieces={BED: edits.Edit(moved(0.0), moved(0.5))})
+    assert edits.placements_of_house({DESK: moved(1.0)}, changes) == {DESK: moved(1.0)}
+
+
+SWAP = edits.Swap(
+    "assets/B/B.usda", (1.6, 2.0, 0.9), (0.0, 0.1), (1.6, 1.8, 1.0), {"colour": "oak"}
+)
+ROOM = "/House/Rooms/Bedroom_0"
+ALL = edits.Changes(
+    pieces={
+        BED: edits.Edit(moved(0.0), moved(0.25), SWAP),
+        CHAIR: edits.Edit(moved(2.0), moved(2.5)),
+        DESK: edits.Edit(moved(1.0), None),
+    },
+    looks={ROOM: {"floorMaterial": "Oak"}, "/House": {"lighting": "evening"}},
+    lights={f"{ROOM}/Lights/AreaLight": 2.0},
+    locked=(BED,),
+)
+
+
+def test_a_room_furnished_anew_keeps_the_edits_of_what_is_locked() -> None:
+    left = edits.without_room(ALL, "Bedroom_0")
+    assert set(left.pieces) == {BED, DESK}
+    assert left.looks == ALL.looks
+    assert set(edits.without_room(ALL, "Bedroom_1").pieces) == {BED, CHAIR}
+
+
+def test_the_edits_of_a_room_can_be_dropped() -> None:
+    left = edits.as_it_was(ALL, "Bedroom_0")
+    assert set(left.pieces) == {DESK}
+    assert left.looks == {"/House": {"lighting": "evening"}}
+    assert left.lights == {}
+
+
+def test_a_look_is_chosen_where_it_belongs() -> None:
+    room = edits.with_look(ALL, ROOM, "wallMaterial", "Plaster")
+    assert room.looks[ROOM] == {"floorMaterial": "Oak", "wallMaterial": "Plaster"}
+    bed = edits.with_look(ALL, BED, "colour", "white")
+    assert bed.swaps[BED].looks == {"colour": "white"}
+    assert BED not in bed.looks
+    assert edits.with_look(ALL, CHAIR, "colour", "white").looks[CHAIR] == {"colour": "white"}
+
+
+def test_changes_come_back_from_their_layer(tmp_path: Path) -> None:
     house = tmp_path / "hôuse.usda"
-    saved = {BED: edits.Edit(moved(0.25)), DESK: edits.Edit(None)}
-    file = edits.write_edits(house, saved)
+    file = layer.write_changes(house, ALL)
     assert file is not None
-    assert edits.opened_file(house) == file
-    assert edits.read_edits(house) == saved
-    assert edits.write_edits(house, {}) is None
-    assert edits.opened_file(house) == house
-    assert edits.read_edits(house) == {}
+    assert layer.opened_file(house) == file
+    assert layer.house_of(file) == house == layer.house_of(house)
+    assert layer.read_changes(house) == ALL
+    assert layer.write_changes(house, edits.Changes()) is None
+    assert layer.opened_file(house) == house
+    assert layer.read_changes(house).is_nothing
 
 
-def test_a_foreign_layer_is_left_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("text", ["#usda 1.0", "", "string chord_edits = '''{}'''"])
+def test_a_foreign_layer_is_left_alone(tmp_path: Path, text: str) -> None:
     house = tmp_path / "house.usda"
-    edits.edits_file(house).write_text("#usda 1.0", encoding="utf-8")
-    assert edits.read_edits(house) == {}
+    layer.edits_file(house).write_text(text, encoding="utf-8")
+    assert layer.read_changes(house).is_nothing
+
+
+def test_a_swapped_model_stands_as_the_piece_did() -> None:
+    """Quarter turn, scaled by two: the offset turns with it, the scale is the model's own."""
+    turned: edits.Matrix = (
+        (0.0, -2.0, 0.0, 5.0), (2.0, 0.0, 0.0, 3.0), (0.0, 0.0, 2.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+    )  # fmt: skip
+    placed = swaps.placed(turned, None, SWAP, (1.6, 1.8, 0.5))
+    assert placed[0] == pytest.approx((0.0, -1.0, 0.0, 4.9))
+    assert placed[1] == pytest.approx((1.0, 0.0, 0.0, 3.0))
+    assert placed[2] == pytest.approx((0.0, 0.0, 2.0, 0.0))
+    again = swaps.placed(placed, SWAP, SWAP, (1.6, 1.8, 0.5))
+    assert edits.same(placed, again), "swapping does not drift"
+    assert swaps.raised(placed, 0.2)[2][3] == pytest.approx(0.2)
+
+
+NEAREST = {
+    "id": "Bed_A", "usd": "lib/Bed_A/Bed_A.usda", "size_m": [1.6, 1.8, 0.5],
+    "fits": {"center_m": [0.0, 0.1, 0.0], "size_m": [1.6, 1.8, 0.5]},
+    "looks": {"colour": ["oak", "white"]}, "picture": "",
+}  # fmt: skip
+
+
+def test_a_swap_keeps_the_colour_where_the_model_has_it() -> None:
+    (model,) = swaps.candidates({"assets": [NEAREST]})
+    assert model.label == "Bed A, 1.60 × 1.80 m"
+    assert model.picture is None
+    assert swaps.swap_for(model, (1.6, 2.0, 0.9), "x", "white").looks == {"colour": "white"}
+    assert swaps.swap_for(model, (1.6, 2.0, 0.9), "x", "blue").looks == {"colour": "oak"}
+
+
+def test_a_model_is_copied_beside_the_house_once(tmp_path: Path) -> None:
+    usd = tmp_path / "lib" / "Bed_A" / "Bed_A.usda"
+    usd.parent.mkdir(parents=True)
+    usd.write_text("#usda 1.0", encoding="utf-8")
+    house = tmp_path / "höuse" / "house.usda"
+    for _ in range(2):
+        assert swaps.bring_model(usd, house) == "assets/Bed_A/Bed_A.usda"
+    assert [file.name for file in (house.parent / "assets").iterdir()] == ["Bed_A"]
+    assert (house.parent / "assets" / "Bed_A" / "Bed_A.usda").is_file()
+
+
+def test_what_stands_in_a_room_is_told_apart() -> None:
+    assert is_placed(BED)
+    assert is_placed(ITEM)
+    assert piece_of(ITEM) == BED
+    assert room_of(ITEM) == "Bedroom_0"
+    assert is_light(f"{ROOM}/Lights/AreaLight")
+    for path in (ROOM, f"{ROOM}/Furniture", "/House/Cameras/Top"):
+        assert not is_placed(path)
+        assert piece_of(path) == ""
+    assert room_of("/House/Cameras/Top") == ""
+
+
+def test_looks_are_listed_where_there_is_a_choice() -> None:
+    several = {"chosen": "OakPlank", "offered": ["OakPlank", "Terrazzo"]}
+    contents = {
+        "looks": {"lighting": {"chosen": "day", "offered": ["day"]}},
+        "rooms": [
+            {
+                "path": ROOM,
+                "looks": {"floorMaterial": several},
+                "furniture": [{"component": BED, "asset": "Bed_A", "looks": {"colour": several}}],
+            }
+        ],
+    }
+    room, bed = report.looks(contents)
+    assert (room.path, room.label, room.chosen) == (ROOM, "Floor", "OakPlank")
+    assert (bed.path, bed.label) == (BED, "Colour")
+    assert report.spaced("OakPlank_2") == "Oak Plank 2"
+
+
+def test_catalogs_stay_the_same() -> None:
+    text = library.catalogs(["bed", "dining_table"])
+    assert text == library.catalogs(["dining_table", "bed"])
+    assert f"{library.catalog_id('bed')}:CHOrD furniture/Bed:CHOrD furniture-Bed" in text
+    assert library.command("/blender", "python", Path("x"))[0] == "/blender"
+    assert library.command("", "python", Path("x"))[0] == "python"
+
+
+def test_the_last_report_counts() -> None:
+    assert last_report(["Blender 5.0", '{"a": 1}', "Blender quit"]) == {"a": 1}
+    assert last_report(["[1]", "none"]) is None

@@ -1,0 +1,155 @@
+"""Changes as a USD layer over the house: what any program sees that opens the layer."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .edits import Changes, Edit, Looks, Matrix, Swap, told, understood
+
+SUFFIX = ".edits.usda"
+
+_MARK = "string chord_edits = '''"
+_END = "'''"
+
+_HEAD = """#usda 1.0
+(
+    customLayerData = {{
+        {mark}{edits}{end}
+    }}
+    defaultPrim = "{root}"
+    doc = "Changes made in Blender, over {house}"
+    metersPerUnit = 1
+    subLayers = [
+        @./{house}@
+    ]
+    upAxis = "Z"
+)
+"""
+
+ROOT = "House"
+"""The default prim of the houses that chord-usd writes."""
+
+
+def edits_file(house: Path) -> Path:
+    """The layer of changes that belongs to a house: house.usda has house.edits.usda beside it."""
+    return house.with_name(house.stem + SUFFIX)
+
+
+def opened_file(house: Path) -> Path:
+    """What to open: the changes over the house where there are some, else the house."""
+    edits = edits_file(house)
+    return edits if edits.is_file() else house
+
+
+def house_of(opened: Path) -> Path:
+    """The house itself, of a path that may be its layer of changes."""
+    name = opened.name
+    return (
+        opened.with_name(name.removesuffix(SUFFIX) + ".usda") if name.endswith(SUFFIX) else opened
+    )
+
+
+def read_changes(house: Path) -> Changes:
+    """The changes saved for this house; none where there is no such layer, or one of others."""
+    try:
+        text = edits_file(house).read_text(encoding="utf-8")
+        first = text.index(_MARK) + len(_MARK)
+        return understood(json.loads(text[first : text.index(_END, first)]))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, IndexError):
+        return Changes()
+
+
+def write_changes(house: Path, changes: Changes) -> Path | None:
+    """Write the layer, whole or not at all; without changes it is taken away. Returns its path."""
+    file = edits_file(house)
+    if changes.is_nothing:
+        file.unlink(missing_ok=True)
+        return None
+    partial = file.with_name(file.name + ".part")
+    partial.write_text(layer_text(house.name, changes), encoding="utf-8")
+    partial.replace(file)
+    return file
+
+
+@dataclass
+class _Over:
+    """Opinions about one prim, as lines of text, and about those below it."""
+
+    metadata: list[str] = field(default_factory=list)
+    properties: list[str] = field(default_factory=list)
+    below: dict[str, _Over] = field(default_factory=dict)
+
+    def at(self, path: str) -> _Over:
+        """The one of a path below this."""
+        over = self
+        for name in path.strip("/").split("/"):
+            over = over.below.setdefault(name, _Over())
+        return over
+
+    def lines(self, name: str, pad: str) -> list[str]:
+        """As USD writes it."""
+        head = [f'{pad}over "{name}"']
+        if self.metadata:
+            own = [f"{pad}    {line}" for line in self.metadata]
+            head = [f'{pad}over "{name}" (', *own, f"{pad})"]
+        body = [f"{pad}    {line}" for line in self.properties]
+        for child, over in self.below.items():
+            body += over.lines(child, pad + "    ")
+        return [*head, f"{pad}{{", *body, f"{pad}}}"]
+
+
+def layer_text(house_name: str, changes: Changes) -> str:
+    """The layer as text: an `over` for everything changed, nothing else of the house."""
+    top = _Over()
+    top.at(ROOT)
+    for path, edit in sorted(changes.pieces.items()):
+        _write_edit(top.at(path), edit)
+    for path, looks in sorted(changes.looks.items()):
+        top.at(path).metadata += _variants(looks)
+    for path, strength in sorted(changes.lights.items()):
+        # Exposure multiplies, so that day and evening keep their difference.
+        top.at(path).properties.append(f"float inputs:exposure = {math.log2(strength):.9g}")
+    head = _HEAD.format(
+        mark=_MARK, edits=json.dumps(told(changes)), end=_END, root=ROOT, house=house_name
+    )
+    lines = [line for name, over in top.below.items() for line in over.lines(name, "")]
+    return head + "\n" + "\n".join(lines) + "\n"
+
+
+def _write_edit(over: _Over, edit: Edit) -> None:
+    if edit.matrix is None:
+        over.metadata.append("active = false")
+        return
+    if edit.swap:
+        _write_swap(over, edit.swap)
+    over.properties += _placement(edit.matrix)
+
+
+def _write_swap(over: _Over, swap: Swap) -> None:
+    """Not prepended: the model that was there goes."""
+    over.metadata.append(f"references = @./{swap.usd}@")
+    over.metadata += _variants(swap.looks)
+    length, width, height = swap.size_m
+    over.properties.append(
+        f"custom double3 chord:size_m = ({length:.9g}, {width:.9g}, {height:.9g})"
+    )
+
+
+def _variants(looks: Looks) -> list[str]:
+    chosen = [f'    string {name} = "{variant}"' for name, variant in sorted(looks.items())]
+    return ["variants = {", *chosen, "}"] if chosen else []
+
+
+def _placement(matrix: Matrix) -> list[str]:
+    """USD multiplies rows from the left: its matrices are Blender's transposed."""
+    rows = ", ".join(
+        "(" + ", ".join(f"{matrix[row][column]:.9g}" for row in range(4)) + ")"
+        for column in range(4)
+    )
+    return [
+        f"matrix4d xformOp:transform = ( {rows} )",
+        'uniform token[] xformOpOrder = ["xformOp:transform"]',
+    ]

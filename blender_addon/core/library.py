@@ -1,0 +1,99 @@
+"""The mesh database as a Blender asset library: its files, catalogs and entries."""
+
+from __future__ import annotations
+
+import json
+import uuid
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+NAME = "CHOrD furniture"
+"""As Blender's preferences list it."""
+
+MODELS = "models"
+"""The folder in the library that `assets build` fills."""
+
+CATALOGS = "blender_assets.cats.txt"
+"""Where Blender looks for catalogs."""
+
+WORKER = Path(__file__).parents[1] / "library_worker.py"
+"""The script that a second Blender runs."""
+
+_NAMESPACE = uuid.UUID("6f0f3f0e-5d0b-4c0e-9a55-3f1f9e2f6a11")
+"""Makes the same catalog the same one for ever, so that libraries can be built again."""
+
+_HEAD = (
+    "# Asset catalogs of the furniture that chord-usd draws.\nVERSION 1\n"
+    "# UUID:path/of/catalog:simple name\n"
+)
+
+
+@dataclass(frozen=True)
+class Model:
+    """An entry of the library."""
+
+    id: str
+    category: str
+    usd: Path
+    picture: Path
+    licence: str
+    author: str
+
+    @property
+    def label(self) -> str:
+        """As the asset browser shows it."""
+        return self.id.replace("_", " ")
+
+
+def models(folder: Path) -> dict[str, list[Model]]:
+    """The models in a library's folder by category. Raises OSError, ValueError or KeyError."""
+    home = folder / MODELS
+    entries = json.loads((home / "index.json").read_text(encoding="utf-8"))["assets"]
+    found: dict[str, list[Model]] = {}
+    for entry in entries:
+        found.setdefault(entry["category"], []).append(
+            Model(
+                id=entry["id"],
+                category=entry["category"],
+                usd=home / entry["path"],
+                picture=home / "pictures" / f"{entry['id']}.png",
+                licence=entry.get("licence", ""),
+                author=entry.get("author", ""),
+            )
+        )
+    return found
+
+
+def catalog_id(category: str) -> str:
+    """The catalog of a category."""
+    return str(uuid.uuid5(_NAMESPACE, category))
+
+
+def catalogs(categories: Iterable[str]) -> str:
+    """The text of the file of catalogs, all of them below one."""
+    lines = []
+    for category in sorted(categories):
+        words = category.replace("_", " ").capitalize()
+        lines.append(f"{catalog_id(category)}:{NAME}/{words}:{NAME}-{words}")
+    return _HEAD + "".join(f"{line}\n" for line in lines)
+
+
+def command(blender: str, python: str, folder: Path) -> list[str]:
+    """The command line that builds the library from the models in its folder.
+
+    blender: path of Blender; empty where Blender is a module of a Python, which then runs it.
+    """
+    if not blender:
+        return [python, str(WORKER), "--", str(folder)]
+    return [
+        blender,
+        "--background",
+        "--factory-startup",
+        "--python-exit-code",
+        "2",
+        "--python",
+        str(WORKER),
+        "--",
+        str(folder),
+    ]

@@ -1,0 +1,126 @@
+"""Another model in a piece's place: which there are, where it stands, and its files."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .edits import Matrix, Size, Swap
+
+COLOUR = "colour"
+"""The variant set of the models' colours."""
+
+ASSETS = "assets"
+"""The folder beside a house that holds its models."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A model that could take a piece's place."""
+
+    id: str
+    usd: Path
+    size_m: Size
+    """Its own."""
+    fits_m: Size
+    """What it fills of the slot."""
+    offset_m: tuple[float, float]
+    colours: tuple[str, ...]
+    picture: Path | None
+
+    @property
+    def label(self) -> str:
+        """As a button shows it."""
+        length, width, _ = self.size_m
+        return f"{self.id.replace('_', ' ')}, {length:.2f} × {width:.2f} m"
+
+
+def candidates(report: Mapping[str, Any]) -> list[Candidate]:
+    """What `assets nearest --json` tells, in its order."""
+    found = []
+    for asset in report.get("assets", ()):
+        fits = asset["fits"]
+        found.append(
+            Candidate(
+                id=str(asset["id"]),
+                usd=Path(asset["usd"]),
+                size_m=_size(asset["size_m"]),
+                fits_m=_size(fits["size_m"]),
+                offset_m=(float(fits["center_m"][0]), float(fits["center_m"][1])),
+                colours=tuple(asset.get("looks", {}).get(COLOUR, ())),
+                picture=Path(asset["picture"]) if asset.get("picture") else None,
+            )
+        )
+    return found
+
+
+def swap_for(candidate: Candidate, slot_m: Size, usd: str, colour: str) -> Swap:
+    """The swap that puts a candidate in a slot, in the colour it is asked for if it has that.
+
+    usd: the model's layer, relative to the house.
+    """
+    chosen = colour if colour in candidate.colours else next(iter(candidate.colours), "")
+    looks = {COLOUR: chosen} if chosen else {}
+    return Swap(usd, slot_m, candidate.offset_m, candidate.fits_m, looks)
+
+
+def placed(matrix: Matrix, before: Swap | None, swap: Swap, own_m: Size) -> Matrix:
+    """Where the swapped model stands: as the piece before it, turned and moved as that was.
+
+    matrix: the placement of what stands there now. before: the swap that put that there. own_m:
+    the model's own size, which is scaled to what it fills.
+    """
+    turn = _turn(matrix)
+    back = before.offset_m if before else (0.0, 0.0)
+    x, y = (new - old for new, old in zip(swap.offset_m, back, strict=True))
+    scale = [size / own for size, own in zip(swap.size_m, own_m, strict=True)]
+    rows = []
+    for row in range(3):
+        shift = turn[row][0] * x + turn[row][1] * y
+        rows.append(
+            (*(turn[row][column] * scale[column] for column in range(3)), matrix[row][3] + shift)
+        )
+    return (*rows, (0.0, 0.0, 0.0, 1.0))
+
+
+def raised(matrix: Matrix, by_m: float) -> Matrix:
+    """A placement that is higher by so much: what stands on a piece that is higher now."""
+    rows = [list(row) for row in matrix]
+    rows[2][3] += by_m
+    return tuple(tuple(row) for row in rows)
+
+
+def bring_model(usd: Path, house: Path) -> str:
+    """Copy a model's folder beside the house, unless it is there; returns its relative path.
+
+    Raises OSError.
+    """
+    source, target = usd.parent, house.parent / ASSETS / usd.parent.name
+    if not (target / usd.name).is_file():
+        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.copytree(source, partial, copy_function=shutil.copyfile)
+        shutil.rmtree(target, ignore_errors=True)
+        partial.rename(target)
+    return f"{ASSETS}/{target.name}/{usd.name}"
+
+
+def size_text(size_m: Size) -> str:
+    """As the command line takes a size."""
+    return "x".join(f"{side:.4f}" for side in size_m)
+
+
+def _turn(matrix: Matrix) -> list[list[float]]:
+    """The rotation of a placement, without its scale."""
+    lengths = [math.sqrt(sum(matrix[row][col] ** 2 for row in range(3))) for col in range(3)]
+    return [[matrix[row][col] / (lengths[col] or 1.0) for col in range(3)] for row in range(3)]
+
+
+def _size(sides: Any) -> Size:
+    length, width, height = (float(side) for side in sides)
+    return length, width, height

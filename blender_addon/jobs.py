@@ -1,0 +1,140 @@
+"""Jobs of the program, and what the panel does with their answers."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from .core import report
+from .core.commands import InputError, describe, found_house
+from .core.edits import Changes, without_room
+from .core.layer import read_changes, write_changes
+from .core.program import ProgramError
+from .house import changes_of, house_collection
+from .importer import import_house
+from .properties import fields
+from .session import Finish, session
+
+HELD = "Another Blender works on this house. Close it there first."
+
+
+class JobOperator:
+    """Starts a job; what is missing is told in the panel."""
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Collects the command line, and starts."""
+        own = fields(context)
+        if session.is_running:
+            self.report({"ERROR"}, "A job is running; cancel it or wait.")
+            return {"CANCELLED"}
+        try:
+            arguments, finish = self.job(context)
+            self.start(context, arguments, finish)
+        except (InputError, ProgramError, OSError) as error:
+            own.error = str(error)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The command line and what follows it. Raises InputError for what is missing."""
+        raise NotImplementedError
+
+    def start(self, context: bpy.types.Context, arguments: list[str], finish: Finish) -> None:
+        """Start the job; by default chord-usd does it."""
+        session.start(context, arguments, finish)
+
+
+def house_path(context: bpy.types.Context) -> Path:
+    """The house of this scene. Raises InputError."""
+    return found_house(bpy.path.abspath(fields(context).house), bpy.data.filepath)
+
+
+def unsaved_folder() -> Path:
+    """Houses of a Blender file without a name; Blender empties it when it ends."""
+    return Path(bpy.app.tempdir or tempfile.gettempdir())
+
+
+def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
+    """Write the layer of changes, so that the program sees what the artist sees.
+
+    Raises InputError where another Blender has the house, OSError.
+    """
+    house = house_path(context)
+    if not session.claims.take(house.parent):
+        raise InputError(HELD)
+    if house_collection(context) is None:
+        return house, read_changes(house)
+    changes = changes_of(context)
+    write_changes(house, changes)
+    return house, changes
+
+
+def bring_in(house: Path, certificate: dict[str, Any] | None = None) -> tuple[list[str], Finish]:
+    """The job that lists what a house holds, and the import that follows it."""
+    return describe(house), partial(_show_house, house, certificate)
+
+
+def rebuild(context: bpy.types.Context, changes: Changes) -> tuple[list[str], Finish]:
+    """The same with other changes, which are saved. Raises InputError, OSError."""
+    house = house_path(context)
+    if not session.claims.take(house.parent):
+        raise InputError(HELD)
+    write_changes(house, changes)
+    return bring_in(house)
+
+
+def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """A new house: changes to the one that was there before do not apply to it."""
+    house = Path(str(data["stage"]))
+    write_changes(house, Changes())
+    session.start(context, *bring_in(house, data.get("certificate")))
+
+
+def show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """A room was furnished anew: there, only locked pieces keep what was changed."""
+    house = Path(str(data["stage"]))
+    write_changes(house, without_room(read_changes(house), str(data["room"])))
+    session.start(context, *bring_in(house, data.get("certificate")))
+
+
+def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """Fill the list of findings."""
+    own = fields(context)
+    own.certificate = report.headline(data)
+    own.findings.clear()
+    for finding in report.findings(data):
+        line = own.findings.add()
+        line.name, line.paths = finding.text, "\n".join(finding.paths)
+
+
+def show_pictures(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """Open the pictures where Blender's image editor lists them."""
+    own, pictures = fields(context), list(map(str, data.get("pictures", ())))
+    for picture in pictures:
+        bpy.data.images.load(picture, check_existing=True).reload()
+    own.note = f"{len(pictures)} pictures in {bpy.path.abspath(own.render_folder)}"
+
+
+def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """Say where the bundle is."""
+    fields(context).note = f"{data['tasks']} tasks in {data['template']}"
+
+
+def _show_house(
+    house: Path,
+    certificate: dict[str, Any] | None,
+    context: bpy.types.Context,
+    contents: dict[str, Any],
+) -> None:
+    import_house(context, house)
+    own = fields(context)
+    own.house, own.contents = str(house), json.dumps(contents)
+    own.swap_path = own.swap_models = ""
+    if certificate:
+        show_certificate(context, certificate)

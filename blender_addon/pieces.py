@@ -1,0 +1,293 @@
+"""Buttons that change the house at hand: its pieces, looks and what is selected."""
+
+from __future__ import annotations
+
+import json
+import random
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import bpy
+
+from .core import commands, report, swaps
+from .core.edits import Changes, Edit, Size, Swap, with_look
+from .core.layer import edits_file
+from .house import (
+    CATEGORY_KEY,
+    LOCKED_KEY,
+    SIZE_KEY,
+    Objects,
+    component,
+    house_placements,
+    matrix_of,
+    objects_at,
+    own_objects,
+    room_collection,
+    select,
+)
+from .jobs import JobOperator, rebuild, save_changes
+from .previews import pictures_folder
+from .properties import chosen_room, fields, parsed
+from .session import Finish
+
+
+class ChordSaveEdits(bpy.types.Operator):
+    """Keep what was changed in a layer over the house; the house itself stays as it is"""
+
+    bl_idname = "chord.save_edits"
+    bl_label = "Save edits"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Writes the layer beside the house."""
+        try:
+            house, changes = save_changes(context)
+        except (commands.InputError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        count = len(changes.pieces) + len(changes.looks) + len(changes.lights)
+        fields(context).note = f"{count} changes kept in {edits_file(house).name}"
+        self.report({"INFO"}, fields(context).note)
+        return {"FINISHED"}
+
+
+class _PieceOperator:
+    """Does something with the piece at a USD path."""
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Finds the piece."""
+        objects = own_objects(context)
+        if self.path not in objects:
+            self.report({"ERROR"}, "This piece is not in the scene any more.")
+            return {"CANCELLED"}
+        self.change(context, objects)
+        return {"FINISHED"}
+
+    def change(self, context: bpy.types.Context, objects: Objects) -> None:
+        """What is done with it."""
+        raise NotImplementedError
+
+
+class ChordSelectPiece(_PieceOperator, bpy.types.Operator):
+    """Select the piece and look at it"""
+
+    bl_idname = "chord.select_piece"
+    bl_label = "Select"
+    bl_options = {"UNDO"}
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    def change(self, context: bpy.types.Context, _objects: Objects) -> None:
+        """Selects, and frames where there is a 3-D view."""
+        select(context, objects_at(context, [self.path]))
+
+
+class ChordLockPiece(_PieceOperator, bpy.types.Operator):
+    """Let the piece stay, or not, when its room is furnished anew"""
+
+    bl_idname = "chord.lock_piece"
+    bl_label = "Lock"
+    bl_options = {"UNDO"}
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    def change(self, _context: bpy.types.Context, objects: Objects) -> None:
+        """Turns the lock."""
+        objects[self.path][LOCKED_KEY] = not objects[self.path].get(LOCKED_KEY)
+
+
+class ChordDeletePiece(_PieceOperator, bpy.types.Operator):
+    """Take the piece out of the house, with what stands on it"""
+
+    bl_idname = "chord.delete_piece"
+    bl_label = "Delete"
+    bl_options = {"UNDO"}
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    def change(self, context: bpy.types.Context, _objects: Objects) -> None:
+        """Removes its objects; saving the edits makes it last."""
+        for item in objects_at(context, [self.path]):
+            bpy.data.objects.remove(item, do_unlink=True)
+
+
+class ChordFindModels(JobOperator, bpy.types.Operator):
+    """Offer the models that come next to the piece in size"""
+
+    bl_idname = "chord.find_models"
+    bl_label = "Swap"
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The command line, and the list that follows it."""
+        objects = own_objects(context)
+        path = component(objects, self.path)
+        if path not in objects or CATEGORY_KEY not in objects[path]:
+            raise commands.InputError("This piece is not in the scene any more.")
+        _, changes = save_changes(context)
+        category = str(objects[path][CATEGORY_KEY])
+        slot = _slot(objects[path], changes, path)
+        assets = bpy.path.abspath(fields(context).assets)
+
+        finish = partial(_offer, path)
+        return commands.nearest(category, slot, pictures_folder(), assets), finish
+
+
+class ChordSwap(JobOperator, bpy.types.Operator):
+    """Put this model in the piece's place"""
+
+    bl_idname = "chord.swap"
+    bl_label = "Swap"
+
+    index: bpy.props.IntProperty()  # type: ignore[valid-type]
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """Saves the swap, and brings the house in again."""
+        own = fields(context)
+        offered = swaps.candidates(parsed(own.swap_models))
+        objects = own_objects(context)
+        if own.swap_path not in objects or not 0 <= self.index < len(offered):
+            raise commands.InputError("This piece is not in the scene any more.")
+        house, changes = save_changes(context)
+        chosen = offered[self.index]
+        usd = swaps.bring_model(chosen.usd, house)
+        slot = _slot(objects[own.swap_path], changes, own.swap_path)
+        swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path))
+        return rebuild(context, _with_swap(context, changes, swap, chosen.size_m))
+
+
+class ChordChooseLook(JobOperator, bpy.types.Operator):
+    """Another look: a floor, walls, a colour, or the time of day"""
+
+    bl_idname = "chord.choose_look"
+    bl_label = "Choose look"
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+    variant_set: bpy.props.StringProperty()  # type: ignore[valid-type]
+    variant: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """Saves the choice, and brings the house in again."""
+        _, changes = save_changes(context)
+        return rebuild(context, with_look(changes, self.path, self.variant_set, self.variant))
+
+
+class ChordShuffleLooks(JobOperator, bpy.types.Operator):
+    """Draw another floor and other walls for the chosen room"""
+
+    bl_idname = "chord.shuffle_looks"
+    bl_label = "Shuffle"
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """Saves the choices, and brings the house in again."""
+        room = f"/House/Rooms/{chosen_room(context)}"
+        _, changes = save_changes(context)
+        for look in report.looks(parsed(fields(context).contents)):
+            if look.path == room:
+                others = [variant for variant in look.offered if variant != look.chosen]
+                changes = with_look(changes, room, look.variant_set, random.choice(others))
+        return rebuild(context, changes)
+
+
+class ChordFrameRoom(bpy.types.Operator):
+    """Select the chosen room's furniture and look at it"""
+
+    bl_idname = "chord.frame_room"
+    bl_label = "Frame room"
+    bl_options = {"UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Selects, and frames where there is a 3-D view."""
+        collection = room_collection(context, chosen_room(context))
+        if collection is None:
+            self.report({"ERROR"}, "The room is not in this scene any more.")
+            return {"CANCELLED"}
+        select(context, list(collection.all_objects))
+        return {"FINISHED"}
+
+
+class ChordShowFinding(bpy.types.Operator):
+    """Select the culprits and look at them"""
+
+    bl_idname = "chord.show_finding"
+    bl_label = "Show"
+    bl_options = {"UNDO"}
+
+    index: bpy.props.IntProperty()  # type: ignore[valid-type]
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Selects, and frames where there is a 3-D view."""
+        own = fields(context)
+        if not 0 <= self.index < len(own.findings):
+            return {"CANCELLED"}
+        own.finding_index = self.index
+        paths = own.findings[self.index].paths.splitlines()
+        select(context, objects_at(context, paths))
+        return {"FINISHED"}
+
+
+def _offer(path: str, context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """Show the models that could take the place of a piece."""
+    own = fields(context)
+    own.swap_path, own.swap_models = path, json.dumps(data)
+
+
+def _slot(item: bpy.types.Object, changes: Changes, path: str) -> Size:
+    """What a model may fill here: the size of the piece that the house itself has."""
+    if path in changes.swaps:
+        return changes.swaps[path].slot_m
+    length, width, height = (float(side) for side in item[SIZE_KEY])
+    return length, width, height
+
+
+def _colour(context: bpy.types.Context, path: str) -> str:
+    """The colour that a piece has now."""
+    looks = report.looks(parsed(fields(context).contents))
+    mine = (look for look in looks if look.path == path and look.variant_set == swaps.COLOUR)
+    return next((look.chosen for look in mine), "")
+
+
+def _with_swap(context: bpy.types.Context, changes: Changes, swap: Swap, own_m: Size) -> Changes:
+    """The changes with a swap; what stands on the piece is raised or lowered with its top."""
+    path, objects = fields(context).swap_path, own_objects(context)
+    was = house_placements(context)
+    here = matrix_of(objects[path])
+    stands = swaps.placed(here, changes.swaps.get(path), swap, own_m)
+    pieces = {**changes.pieces, path: Edit(was[path], stands, swap)}
+    carried = f"{path.rpartition('/')[0]}/Items"
+    if carried in objects:
+        by_m = swap.size_m[2] - float(objects[path][SIZE_KEY][2])
+        raised = swaps.raised(matrix_of(objects[carried]), by_m)
+        pieces[carried] = Edit(was[carried], raised)
+    # Its own colour is told with the swap.
+    looks = {key: chosen for key, chosen in changes.looks.items() if key != path}
+    return replace(changes, pieces=pieces, looks=looks)
+
+
+_CLASSES = (
+    ChordSaveEdits,
+    ChordSelectPiece,
+    ChordLockPiece,
+    ChordDeletePiece,
+    ChordFindModels,
+    ChordSwap,
+    ChordChooseLook,
+    ChordShuffleLooks,
+    ChordFrameRoom,
+    ChordShowFinding,
+)
+
+
+def register() -> None:
+    """Makes the classes known."""
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    """Takes them back."""
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

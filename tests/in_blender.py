@@ -1,0 +1,138 @@
+"""What test scripts that run inside Blender share: the extension installed, buttons pressed.
+
+Imported by the scripts in tests/blender, in a process of its own; never by pytest.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+MODULE = "bl_ext.user_default.chord_usd"
+
+
+class Scenario:
+    """A Blender with the extension, used as an artist does; told as JSON at the end."""
+
+    def __init__(self) -> None:
+        self.folder, self.zip_file, self.program = map(Path, sys.argv[1:4])
+        os.environ["BLENDER_USER_RESOURCES"] = str(self.folder / "user")
+        import bpy
+        import mathutils
+
+        self.bpy, self.math = bpy, mathutils
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        self.types = set(dir(bpy.types))
+        bpy.ops.extensions.package_install_files(
+            filepath=str(self.zip_file), repo="user_default", enable_on_install=True
+        )
+        self.told: dict[str, Any] = {}
+        self.use(str(self.program))
+
+    @property
+    def own(self) -> Any:
+        """The panel's fields."""
+        return self.bpy.context.scene.chord_usd
+
+    def part(self, name: str) -> Any:
+        """A module of the extension."""
+        from importlib import import_module
+
+        return import_module(f"{MODULE}.{name}")
+
+    def use(self, program: str) -> None:
+        """Set the preference."""
+        self.bpy.context.preferences.addons[MODULE].preferences.program = program
+
+    def start(self, name: str, **options: Any) -> str:
+        """Press a button; returns what is wrong with that."""
+        try:
+            getattr(self.bpy.ops.chord, name)(**options)
+        except RuntimeError as error:
+            return str(error)
+        return ""
+
+    def press(self, name: str, **options: Any) -> str:
+        """Press a button and wait for all that follows; returns what went wrong."""
+        wrong = self.start(name, **options)
+        return wrong or self.wait()
+
+    def wait(self) -> str:
+        """Wait for the running job and those that follow it; returns what went wrong."""
+        session = self.part("session").session
+        while session.step(self.bpy.context):
+            time.sleep(0.02)
+        return str(self.own.error)
+
+    def objects(self) -> dict[str, Any]:
+        """The house's objects by USD path."""
+        return dict(self.part("house").own_objects(self.bpy.context))
+
+    def places(self) -> dict[str, list[list[float]]]:
+        """Where the pieces stand, in the world."""
+        self.bpy.context.view_layer.update()
+        is_placed = self.part("core.tree").is_placed
+        return {
+            p: [list(r) for r in o.matrix_world] for p, o in self.objects().items() if is_placed(p)
+        }
+
+    def choose_room(self, name: str) -> None:
+        """Choose it in the list."""
+        self.own.room_index = [room.name for room in self.own.rooms].index(name)
+
+    def drawn(self) -> list[list[str]]:
+        """What all panels draw now, a line for each call of the layout."""
+        log: list[list[str]] = []
+        for panel in self.part("panel").PANELS:
+            if not hasattr(panel, "poll") or panel.poll(self.bpy.context):
+                panel.draw(_Shown(log), self.bpy.context)
+        return log
+
+    def tree(self, collection: Any) -> dict[str, Any]:
+        """Names of collections, nested."""
+        return {c.name: self.tree(c) for c in collection.children if "proto" not in c.name}
+
+    def disable(self) -> None:
+        """Switch the extension off, and note what is left of it."""
+        self.bpy.ops.preferences.addon_disable(module=MODULE)
+        handlers = self.bpy.app.handlers
+        self.told["left"] = [
+            t for t in set(dir(self.bpy.types)) - self.types if "chord" in t.lower()
+        ]
+        self.told["field_left"] = hasattr(self.bpy.types.Scene, "chord_usd")
+        self.told["handlers_left"] = [
+            repr(one)
+            for one in (*handlers.load_pre, *handlers.save_pre)
+            if "chord_usd" in one.__module__
+        ]
+
+    def tell(self) -> None:
+        """Hand over what was noted."""
+        sys.stdout.write(f"RESULT{json.dumps(self.told)}\n")
+
+
+class _Shown:
+    """Stands in for a panel that is drawn."""
+
+    def __init__(self, log: list[list[str]]) -> None:
+        self.layout = _Layout(log)
+
+
+class _Layout:
+    """Stands in for a layout and writes down what is drawn."""
+
+    def __init__(self, log: list[list[str]]) -> None:
+        self.log = log
+
+    def __getattr__(self, kind: str) -> Callable[..., _Layout]:
+        def draw(*args: Any, **options: Any) -> _Layout:
+            words = [one for one in args if isinstance(one, str)]
+            self.log.append([kind, *words, *map(str, options.values())])
+            return _Layout(self.log)
+
+        return draw
