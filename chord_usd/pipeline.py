@@ -241,21 +241,24 @@ def lay_tables(
 ) -> Tabletops:
     """SceneGraph -> the same with items on every supporting piece, all of them in one batch.
 
+    Those that come out bare are drawn again.
+
     rooms: ids of the rooms whose pieces are laid, by default all.
     """
     from chord_usd.assets.tops import relief_of
-    from chord_usd.graph.tabletop import fill_tables, table_views
+    from chord_usd.graph.tabletop import View, lay_pieces, table_views, with_items
     from chord_usd.table_top import draw_table
 
+    def draw(pieces: Sequence[View], attempt: int) -> list[LayoutImage]:
+        return model.sample_batch(
+            [draw_table(view.top) for view in pieces],
+            seeds=[view.seed(settings.seed, attempt) for view in pieces],
+            sampler=settings.sampler,
+            progress=None if attempt else progress,
+        )
+
     views = table_views(graph, relief_of, rooms)
-    large = [view for view in views if not view.is_too_small]
-    layouts = model.sample_batch(
-        [draw_table(view.top) for view in large],
-        seeds=[view.seed(settings.seed) for view in large],
-        sampler=settings.sampler,
-        progress=progress,
-    )
-    return fill_tables(graph, views, layouts, database, relief_of)
+    return with_items(graph, views, lay_pieces(views, draw, database, relief_of))
 
 
 def load_usd() -> None:

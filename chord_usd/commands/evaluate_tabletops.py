@@ -18,6 +18,9 @@ from chord_usd.progress import Stopwatch
 if TYPE_CHECKING:
     from chord_usd.evaluation.tabletops import Judged, ReaderScores, Workplace
 
+DATA = "data"
+"""Column of what the data's own rules lay: what the model is to come up to."""
+
 BATCH_OF = 10
 """Tables of the house that is timed."""
 
@@ -56,6 +59,8 @@ def run(options: argparse.Namespace) -> Outcome:
         timed = [one.case for one in list(judged.values())[-1][:BATCH_OF]]
         seconds = tabletops.cpu_seconds(at, timed)
     columns = {name: tabletops.score_tabletops(these, at) for name, these in judged.items()}
+    for name in judged.keys() - {DATA}:
+        columns[name].rows["filled_in_tries"] = tabletops.filled_in_tries(at, judged[name])
     made = tabletop_report.Made(
         at.model.checkpoint.content_hash, at.steps, at.sampler, seconds, len(timed)
     )
@@ -101,7 +106,7 @@ def _procedural(
             "drawn": score_reader(cases, drawn),
             "drawn anew": score_reader(cases, redrawn(at.model, cases, SOFT_NOISE)),
         }
-        return {"data": judge(at, cases, drawn), "tops": judge(at, cases, made)}, readers
+        return {DATA: judge(at, cases, drawn), "tops": judge(at, cases, made)}, readers
 
 
 def _in_houses(options: argparse.Namespace, at: Workplace, watch: Stopwatch) -> list[Judged]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,8 @@ from chord_usd.geometry import footprint_polygon, front_direction
 from chord_usd.graph.match import Database, box_of
 from chord_usd.graph.snap import FoundItem
 from chord_usd.graph.table_items import read_items, read_table_pixels
-from chord_usd.graph.table_place import Laid, place_on
+from chord_usd.graph.table_place import Laid
+from chord_usd.graph.tabletop import TRIES
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items
@@ -111,11 +112,8 @@ def judge(at: Workplace, cases: Sequence[Case], layouts: Sequence[LayoutImage]) 
 
 
 def _judged(at: Workplace, case: Case, layout: LayoutImage) -> Judged:
-    view = case.view
-    found = read_items(layout, view.item.category)
-    laid = place_on(
-        view.item, view.relief, found, layout.frame, at.database, at.reliefs, view.around
-    )
+    found = read_items(layout, case.view.item.category)
+    laid = case.view.laid(layout, at.database, at.reliefs)
     return Judged(case, layout, tuple(found), _as_read(found, layout), laid)
 
 
@@ -124,6 +122,15 @@ def _as_read(found: Sequence[FoundItem], layout: LayoutImage) -> tuple[Item, ...
         Item(str(number), one.detection.category, box_of(one.detection, layout.frame))
         for number, one in enumerate(found)
     )
+
+
+def filled_in_tries(at: Workplace, judged: Sequence[Judged]) -> Score:
+    """How many pieces are filled when those that came out bare are drawn again, as `generate` does."""
+    bare = [one.case for one in judged if not one.laid.children]
+    for attempt in range(1, TRIES):
+        again = replace(at, seed=at.seed + attempt * len(judged))
+        bare = [one.case for one in judge(at, bare, sampled(again, bare)) if not one.laid.children]
+    return Score(1.0 - len(bare) / max(len(judged), 1), len(judged), "pieces")
 
 
 def cpu_seconds(at: Workplace, cases: Sequence[Case]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from chord_usd.graph.match import Database
@@ -14,6 +14,9 @@ from chord_usd.palette import CATEGORIES
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.table_top import TableTop
 from chord_usd.types import Item, LayoutImage, SceneGraph
+
+TRIES = 3
+"""How often a piece is drawn before it stays bare: small tops now and then get nothing."""
 
 _HANGS_FROM_M = 0.3
 """What has its underside higher than this hangs, and things may be below it."""
@@ -35,9 +38,19 @@ class View:
         """Whether nothing fits on it."""
         return is_too_small(self.top)
 
-    def seed(self, house_seed: int) -> int:
+    def seed(self, house_seed: int, attempt: int = 0) -> int:
         """A seed of its own, which what else is in the house does not change."""
-        return zlib.crc32(f"{house_seed}/{self.item.id}".encode())
+        again = f"/{attempt}" if attempt else ""
+        return zlib.crc32(f"{house_seed}/{self.item.id}{again}".encode())
+
+    def laid(self, layout: LayoutImage, database: Database, reliefs: Reliefs) -> Laid:
+        """The items of a tabletop raster, standing on the piece."""
+        found = read_items(layout, self.item.category)
+        return place_on(self.item, self.relief, found, layout.frame, database, reliefs, self.around)
+
+
+Draw = Callable[[Sequence[View], int], Sequence[LayoutImage]]
+"""Tabletop rasters of these pieces, at this attempt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,24 +98,28 @@ def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Iterable[str] = ()) 
     return views
 
 
-def fill_tables(
-    graph: SceneGraph,
-    views: Sequence[View],
-    layouts: Sequence[LayoutImage],
-    database: Database,
-    reliefs: Reliefs,
-) -> Tabletops:
-    """The graph with the items of these tabletop rasters as children of their pieces.
+def lay_pieces(
+    views: Sequence[View], draw: Draw, database: Database, reliefs: Reliefs, tries: int = TRIES
+) -> dict[str, Laid]:
+    """What comes to stand on each piece that is not too small, by the id of the piece.
 
-    layouts: one for each view that is not too small, in their order.
+    Pieces that stay bare are drawn again, all of them together, until something stands on them or
+    tries is reached.
     """
-    large = [view for view in views if not view.is_too_small]
-    laid = {}
-    for view, layout in zip(large, layouts, strict=True):
-        found = read_items(layout, view.item.category)
-        laid[view.item.id] = place_on(
-            view.item, view.relief, found, layout.frame, database, reliefs, view.around
-        )
+    waiting = [view for view in views if not view.is_too_small]
+    laid: dict[str, Laid] = {}
+    for attempt in range(tries):
+        if not waiting:
+            break
+        layouts = draw(waiting, attempt)
+        for view, layout in zip(waiting, layouts, strict=True):
+            laid[view.item.id] = view.laid(layout, database, reliefs)
+        waiting = [view for view in waiting if not laid[view.item.id].children]
+    return laid
+
+
+def with_items(graph: SceneGraph, views: Sequence[View], laid: dict[str, Laid]) -> Tabletops:
+    """The graph with what was laid as children of its pieces."""
     items = tuple(
         replace(item, children=laid[item.id].children) if item.id in laid else item
         for item in graph.items

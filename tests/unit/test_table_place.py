@@ -14,7 +14,7 @@ from chord_usd.graph.snap import FoundItem
 from chord_usd.graph.table_items import read_items
 from chord_usd.graph.table_place import Laid, in_world, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
-from chord_usd.graph.tabletop import fill_tables, table_views
+from chord_usd.graph.tabletop import TRIES, lay_pieces, table_views, with_items
 from chord_usd.palette import Level
 from chord_usd.relief import Relief
 from chord_usd.table_top import TableTop, draw_table, table_frame
@@ -237,15 +237,47 @@ class TestHouse:
         desk, small = table(), table("bedside_table", (0.08, 0.4, 0.5), at=(1.0, 1.0))
         house = self.house(desk, small)
         cup = thing("coffee_cup", 0.3, -0.1, (0.13, 0.12, 0.08))
-        filled = fill_tables(
-            house, table_views(house, flat_of), [picture(desk, cup)], Sizes(), flat_of
-        )
+        views = table_views(house, flat_of)
+        laid = lay_pieces(views, lambda _, __: [picture(desk, cup)], Sizes(), flat_of)
+        filled = with_items(house, views, laid)
         assert filled.too_small == (small.id,)
         assert filled.bare == ()
         assert (filled.items, filled.left_out) == (1, 0)
         by_id = {item.id: item for item in filled.graph.items}
         assert by_id[small.id].children == ()
         assert [child.category for child in by_id[desk.id].children] == ["coffee_cup"]
+
+    def test_what_stays_bare_is_drawn_again_with_other_seeds(self) -> None:
+        desk, other = table(), table("coffee_table", (1.0, 0.6, 0.4), at=(1.0, 1.0))
+        views = table_views(self.house(desk, other), flat_of)
+        cup = thing("coffee_cup", 0.3, -0.1, (0.13, 0.12, 0.08))
+        asked: list[tuple[list[str], int]] = []
+
+        def draw(pieces, attempt: int) -> list[LayoutImage]:
+            """The desk gets a cup at once, the coffee table at the second attempt."""
+            asked.append(([view.item.id for view in pieces], attempt))
+            return [
+                picture(view.item, *([cup] if view.item is desk or attempt else []))
+                for view in pieces
+            ]
+
+        laid = lay_pieces(views, draw, Sizes(), flat_of)
+        assert asked == [([desk.id, other.id], 0), ([other.id], 1)]
+        assert all(one.children for one in laid.values())
+        assert len({views[0].seed(3, attempt) for attempt in range(TRIES)}) == TRIES
+
+    def test_what_stays_bare_after_all_tries_is_told(self) -> None:
+        desk = table()
+        views = table_views(self.house(desk), flat_of)
+        attempts: list[int] = []
+
+        def draw(pieces, attempt: int) -> list[LayoutImage]:
+            attempts.append(attempt)
+            return [picture(view.item) for view in pieces]
+
+        laid = lay_pieces(views, draw, Sizes(), flat_of)
+        assert attempts == list(range(TRIES))
+        assert with_items(self.house(desk), views, laid).bare == (desk.id,)
 
     def test_a_seed_depends_on_house_and_piece_alone(self) -> None:
         desk, other = table(), table("coffee_table")
