@@ -110,7 +110,7 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """A line for each piece; models to choose from below the one that is to be swapped."""
         own, objects = fields(context), own_objects(context)
-        looks = report.looks(parsed(own.contents))
+        looks, models = report.looks(parsed(own.contents)), report.models(parsed(own.contents))
         for path, item in pieces_of(context, chosen_room(context)).items():
             row = self.layout.row(align=True)
             name = report.spaced(path.split("/")[-1])
@@ -124,7 +124,7 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
             if component(objects, path) == own.swap_path:
                 box = self.layout.box()
                 box.enabled = not session.is_running
-                _draw_models(box, own)
+                _draw_models(box, own, models.get(own.swap_path, ""))
                 for look in looks:
                     if look.path == own.swap_path:
                         _draw_look(box, look)
@@ -214,8 +214,11 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
     column.prop(own, "assets")
 
 
-def _draw_models(box: bpy.types.UILayout, own: bpy.types.PropertyGroup) -> None:
+def _draw_models(box: bpy.types.UILayout, own: bpy.types.PropertyGroup, worn: str) -> None:
+    """What could stand in a piece's place, but for the model that does."""
     for index, model in enumerate(swaps.candidates(parsed(own.swap_models))):
+        if model.id == worn:
+            continue
         row = box.row()
         thumbnail = icon(model.picture)
         if thumbnail:

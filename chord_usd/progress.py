@@ -75,6 +75,8 @@ class JsonReporter(SilentReporter):
 
     def step(self, name: str) -> Progress:
         self._done, self._total = 0, 1
+        # Told before anything is done, so that who reads it knows what is going on.
+        _say(json.dumps({"step": name, "done": 0, "total": 1}))
 
         def progress(done: int, total: int) -> None:
             self._done, self._total = done, total

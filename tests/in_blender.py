@@ -124,15 +124,50 @@ class _Shown:
 
 
 class _Layout:
-    """Stands in for a layout and writes down what is drawn."""
+    """Stands in for a layout: writes down what is drawn, and refuses what a real one would."""
 
     def __init__(self, log: list[list[str]]) -> None:
-        self.log = log
+        import bpy
 
-    def __getattr__(self, kind: str) -> Callable[..., _Layout]:
-        def draw(*args: Any, **options: Any) -> _Layout:
+        self.__dict__.update(log=log, bpy=bpy, rna=bpy.types.UILayout.bl_rna)
+
+    def __getattr__(self, kind: str) -> Callable[..., Any]:
+        parameters = [one for one in self.rna.functions[kind].parameters if not one.is_output]
+
+        def draw(*args: Any, **options: Any) -> Any:
+            given = {
+                **dict(zip((one.identifier for one in parameters), args, strict=False)),
+                **options,
+            }
+            for name, value in given.items():
+                _accept(next(one for one in parameters if one.identifier == name), value)
+            for data, field in (("data", "property"), ("dataptr", "propname")):
+                if data in given:
+                    assert given[field] in given[data].bl_rna.properties, given
             words = [one for one in args if isinstance(one, str)]
             self.log.append([kind, *words, *map(str, options.values())])
-            return _Layout(self.log)
+            if kind != "operator":
+                return _Layout(self.log)
+            name = given["operator"].split(".")[1]
+            return _Options(getattr(self.bpy.ops.chord, name).get_rna_type().properties)
 
         return draw
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        assert name in self.rna.properties, name
+
+
+class _Options:
+    """Stands in for the options of a button that is drawn."""
+
+    def __init__(self, properties: Any) -> None:
+        self.__dict__["properties"] = properties
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        assert name in self.properties, name
+
+
+def _accept(parameter: Any, value: Any) -> None:
+    """Fails for a word that is none of an enumeration, such as an icon that does not exist."""
+    if parameter.type == "ENUM" and not parameter.is_enum_flag:
+        assert value in parameter.enum_items, (parameter.identifier, value)

@@ -69,8 +69,9 @@ _LOOK_LABELS = {"floorMaterial": "Floor", "wallMaterial": "Walls", "lighting": "
 
 
 def spaced(name: str) -> str:
-    """A name in words: OakHerringbone is Oak Herringbone, white_green is White green."""
-    words = re.sub(r"(?<=[a-z])(?=[A-Z0-9])", " ", name.replace("_", " "))
+    """A name in words: OakHerringbone is Oak Herringbone, TVCabinet_0 is TV Cabinet 0."""
+    starts = r"(?<=[a-z])(?=[A-Z0-9])|(?<=[A-Z])(?=[A-Z][a-z])"
+    words = re.sub(starts, " ", name.replace("_", " "))
     return words[:1].upper() + words[1:]
 
 
