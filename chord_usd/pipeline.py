@@ -237,13 +237,15 @@ def lay_tables(
     database: AssetDatabase,
     settings: Settings,
     progress: Progress | None = None,
-    rooms: tuple[str, ...] = (),
+    rooms: Collection[str] = (),
+    but: Collection[str] = (),
 ) -> Tabletops:
     """SceneGraph -> the same with items on every supporting piece, all of them in one batch.
 
     Those that come out bare are drawn again.
 
-    rooms: ids of the rooms whose pieces are laid, by default all.
+    rooms: ids of the rooms whose pieces are laid, by default all. but: ids of pieces that stay as
+    they are.
     """
     from chord_usd.assets.tops import relief_of
     from chord_usd.graph.tabletop import View, lay_pieces, table_views, with_items
@@ -257,7 +259,7 @@ def lay_tables(
             progress=None if attempt else progress,
         )
 
-    views = table_views(graph, relief_of, rooms)
+    views = [view for view in table_views(graph, relief_of, rooms) if view.item.id not in but]
     return with_items(graph, views, lay_pieces(views, draw, database, relief_of))
 
 
@@ -335,11 +337,8 @@ def regenerate(
         graph = score_outliers(graph, draw_plan(house.graph.plan), model)
     if table_model:
         with watch.step("tabletop") as progress:
-            bare = replace(graph, items=tuple(i for i in graph.items if i.id not in kept_ids))
-            rooms = (room.id,)
-            laid = lay_tables(bare, table_model, reader.database, own, progress, rooms).graph.items
-            kept = [item for item in graph.items if item.id in kept_ids]
-            graph = replace(graph, items=(*kept, *laid))
+            database, rooms = reader.database, (room.id,)
+            graph = lay_tables(graph, table_model, database, own, progress, rooms, kept_ids).graph
     return Regenerated(
         source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
     )

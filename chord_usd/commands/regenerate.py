@@ -44,6 +44,9 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
     )
+    parser.add_argument(
+        "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
+    )
     parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
     parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
     add_assets(parser)
@@ -60,7 +63,10 @@ def run(options: argparse.Namespace) -> Outcome:
     edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     settings = Settings(
-        steps=options.steps, device=options.device, asset_folders=tuple(options.assets)
+        steps=options.steps,
+        device=options.device,
+        asset_folders=tuple(options.assets),
+        tabletop=not options.no_tabletop,
     )
     watch = stopwatch(options)
     with deliver() as delivery:
@@ -79,7 +85,8 @@ def run(options: argparse.Namespace) -> Outcome:
         from chord_usd.stage.check import certificate, check_stage
 
         report = check_stage(target)
-    furniture = sum(1 for _ in made.graph.items_of(made.room.id))
+    pieces = list(made.graph.items_of(made.room.id))
+    furniture = len(pieces)
     new = furniture - len(made.kept)
     seed = made.layout.provenance.seed
     data = {
@@ -87,6 +94,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "room": options.room,
         "seed": seed,
         "furniture": furniture,
+        "items": furniture + sum(len(piece.children) for piece in pieces),
         "kept": list(made.kept),
         "seconds": watch.seconds,
         "certificate": certificate(report),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 from chord_usd.graph.match import Database
@@ -79,7 +79,7 @@ class Tabletops:
         return sum(len(laid.seen) - len(laid.children) for laid in self.laid.values())
 
 
-def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Iterable[str] = ()) -> list[View]:
+def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()) -> list[View]:
     """Every supporting piece with a mesh and nothing on it, in the order of the graph.
 
     rooms: ids of the rooms to look into, by default all.

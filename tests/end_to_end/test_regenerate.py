@@ -6,6 +6,7 @@ import json
 import shutil
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from chord_usd.geometry import footprint_polygon
 from chord_usd.raster_files import read_layout
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.refurnish import read_house
-from chord_usd.types import SceneGraph
+from chord_usd.types import Box, Item, SceneGraph
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -29,8 +30,16 @@ WORDS = ("--room", ROOM, "--steps", 2, "--progress", "none", "--json")
 
 @pytest.fixture(scope="module")
 def house(furnished_house: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A lamp stands on every bedside table."""
+    lamp = Item("lamp", "table_lamp", Box((0.0, 0.0, 0.5), (0.2, 0.2, 0.4), 30.0))
+    items = tuple(
+        replace(item, children=(replace(lamp, id=f"{item.id}/lamp"),))
+        if item.category == "bedside_table"
+        else item
+        for item in furnished_house.items
+    )
     path = tmp_path_factory.mktemp("regenerate") / "house.usda"
-    author_stage(furnished_house, path, seed=4)
+    author_stage(replace(furnished_house, items=items), path, seed=4)
     return path
 
 
@@ -53,11 +62,18 @@ def test_one_room_changes_in_stage_graph_and_picture(
     room_id = before.room_ids[ROOM]
 
     def others(graph: SceneGraph) -> list[tuple[object, ...]]:
-        return [(item.id, item.box) for item in graph.items if item.room_id != room_id]
+        return [
+            (item.id, item.box, [(child.id, child.box) for child in item.children])
+            for item in graph.items
+            if item.room_id != room_id
+        ]
 
     assert others(after.graph) == others(before.graph)
+    assert sum(len(children) for *_, children in others(after.graph)) == 4, "a lamp was lost"
     assert others(read_scene(tmp_path / "scene.json")) != []
-    assert len(list(after.graph.items_of(room_id))) == told["furniture"]
+    pieces = list(after.graph.items_of(room_id))
+    assert len(pieces) == told["furniture"]
+    assert sum(1 + len(piece.children) for piece in pieces) == told["items"]
     plan_image = raster.draw_plan(before.graph.plan)
     layout = read_layout(tmp_path / "layout.png")
     region = raster.room_pixels(before.room(ROOM, stage), plan_image.frame)
