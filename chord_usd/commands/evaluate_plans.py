@@ -22,12 +22,13 @@ def add(group: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.evaluation.plans import as_markdown, measure_reading, summaries
+    from chord_usd.evaluation.plans import Reader, as_markdown, measure_reading, summaries
     from chord_usd.plan.drawing import read_drawing
-    from chord_usd.plan.placement import frame_of
+    from chord_usd.plan.placement import frame_of, skew_of
 
     watch = stopwatch(options)
     with watch.step("plans") as progress:
-        scores = measure_reading(read_drawing, frame_of, options.count, progress, seed=options.seed)
+        reader = Reader(read_drawing, frame_of, skew_of)
+        scores = measure_reading(reader, options.count, progress, seed=options.seed)
     data = {"styles": summaries(scores), "seed": options.seed, "seconds": watch.seconds}
     return told(options, as_markdown(scores), data, {}, [])

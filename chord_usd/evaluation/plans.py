@@ -17,12 +17,20 @@ from chord_usd.geometry import room_polygon
 from chord_usd.metrics.fidelity import plan_fidelity, room_iou
 from chord_usd.progress import Progress
 from chord_usd.types import ByteArray, PixelFrame, Plan, Room, frozen_array
-from chord_usd.units import m_from_px, px_from_m
+from chord_usd.units import m_from_px, px_from_m, rotation_2d
 
-Reader = Callable[[ByteArray], Plan]
-"""RGB (H, W, 3) -> plan; raises PlanError."""
 
-FrameOf = Callable[[Plan], PixelFrame | None]
+@dataclass(frozen=True)
+class Reader:
+    """What is scored."""
+
+    read: Callable[[ByteArray], Plan]
+    """RGB (H, W, 3) -> plan; raises PlanError."""
+    frame_of: Callable[[Plan], PixelFrame | None]
+    """Where the picture lies that a plan was read from, once straightened."""
+    skew_of: Callable[[Plan], float]
+    """By how many degrees clockwise that was."""
+
 
 _FIRST_SEED = 900_000
 """Far from the seeds that houses are trained on."""
@@ -57,7 +65,7 @@ class PlanScore:
 
 
 def measure_reading(
-    read: Reader, frame_of: FrameOf, count: int, progress: Progress,
+    reader: Reader, count: int, progress: Progress,
     families: Sequence[str] = FAMILIES, seed: int = 0,
 ) -> list[PlanScore]:  # fmt: skip
     """Draw count plans of every family and read them. Same seed, same drawings."""
@@ -67,23 +75,23 @@ def measure_reading(
         family = families[number % len(families)]
         rng = np.random.default_rng([_FIRST_SEED + seed, number])
         drawing = draw_in_style(random_plan(rng), random_style(rng, family), rng)
-        scores.append(score_reading(drawing, read, frame_of))
+        scores.append(score_reading(drawing, reader))
         progress(number + 1, total)
     return scores
 
 
-def score_reading(drawing: Drawing, read: Reader, frame_of: FrameOf) -> PlanScore:
+def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
     """Read one drawing and compare; positions are compared on the paper, not by the read scale."""
     named = sum(room.kind != "unknown" for room in drawing.truth.rooms)
     kinds = named if drawing.style.has_names else 0
     try:
-        plan = read(drawing.rgb)
+        plan = reader.read(drawing.rgb)
     except PlanError:
         return PlanScore(drawing.style.family, kinds=kinds)
-    frame = frame_of(plan)
+    frame = reader.frame_of(plan)
     if frame is None:
         raise ValueError("the reader does not tell where its plan lies in the picture")
-    placed = _on_paper(plan, frame, drawing)
+    placed = _on_paper(plan, frame, reader.skew_of(plan), drawing)
     fidelity = plan_fidelity(placed, drawing.truth)
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
     total = sum(part.found + part.truth for part in parts)
@@ -97,19 +105,21 @@ def score_reading(drawing: Drawing, read: Reader, frame_of: FrameOf) -> PlanScor
     )  # fmt: skip
 
 
-def _on_paper(plan: Plan, frame: PixelFrame, drawing: Drawing) -> Plan:
+def _on_paper(plan: Plan, frame: PixelFrame, seen_deg: float, drawing: Drawing) -> Plan:
     """The plan in the drawing's own metres: through pixels, and turned back where it was askew."""
     truth = drawing.frame
     ratio = truth.m_per_px / frame.m_per_px
+    width, height = drawing.rgb.shape[1::-1]
+    left_deg = drawing.style.skew_deg - seen_deg
     # A straightened picture is larger than the drawing, about the same middle.
-    grown = (frame.height_px - truth.height_px) / 2
-    width = drawing.rgb.shape[1]
-    cos = np.cos(np.radians(drawing.style.skew_deg))
-    sin = abs(np.sin(np.radians(drawing.style.skew_deg)))
-    grown_x = (width * cos + truth.height_px * sin - width) / 2 if grown > 0 else 0.0
+    cos, sin = np.abs(rotation_2d(seen_deg)[0])
+    grown = np.array([round(width * cos + height * sin), round(width * sin + height * cos)])
+    turn = rotation_2d(-left_deg)
 
     def moved(points: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
-        return m_from_px(px_from_m(points, frame) - (grown_x, grown), truth)
+        return m_from_px(
+            (px_from_m(points, frame) - grown / 2) @ turn.T + (width / 2, height / 2), truth
+        )
 
     rooms = tuple(replace(r, polygon_m=frozen_array(moved(r.polygon_m))) for r in plan.rooms)
     openings = []
@@ -119,6 +129,7 @@ def _on_paper(plan: Plan, frame: PixelFrame, drawing: Drawing) -> Plan:
         box = replace(
             opening.box, center_m=(float(x), float(y), opening.box.center_m[2]),
             size_m=(size[0] * ratio, size[1] * ratio, size[2]),
+            yaw_deg=opening.box.yaw_deg + left_deg,
         )  # fmt: skip
         openings.append(replace(opening, box=box))
     return Plan(rooms, tuple(openings))

@@ -19,6 +19,9 @@ _LEAST_COVERED = 0.35
 """Share of what the walls surround that must be rooms; where it is less, walls were missed."""
 
 _UNCERTAIN = 0.5
+_MOST_NAMES = 3
+"""An open plan has up to three names; more are a sign of walls that were not seen."""
+
 _CUT_SHARE = 0.04
 """A wall along so much of the picture's edge means that the drawing goes on beyond it."""
 
@@ -58,6 +61,9 @@ def _surrounded_px(outlines: Sequence[Outline], strokes: Strokes) -> float:
 def doubts(plan: Plan, strokes: Strokes) -> list[str]:
     """What a user should look at, in sentences."""
     told = []
+    several = [room.id for room in plan.rooms if room.name.count(",") >= _MOST_NAMES]
+    if several:
+        told.append(f"{', '.join(several)}: several names in one room; a wall may be missing there")
     shaky = [room.id for room in plan.rooms if room.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN]
     if shaky:
         told.append(f"the outlines of {', '.join(shaky)} are uncertain")

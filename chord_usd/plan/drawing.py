@@ -55,6 +55,8 @@ _FARTHEST_MOVE = 0.5
 _GOOD_SHARE = 0.8
 """A reading that encloses this share of what the best one does is as good."""
 
+_LINES_WEIGHT = 0.6
+
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
 
@@ -83,9 +85,9 @@ def read_drawing(
     """
     sheet = prepare(rgb)
     given = m_per_px and m_per_px / sheet.shrink
-    reading, told = _take_part(_best_reading(sheet.rgb, given), part)
     known = known or Known()
     texts = _texts(sheet, known)
+    reading, told = _take_part(_best_reading(sheet.rgb, texts, given), part)
     stated = known.stated_m_per_px and known.stated_m_per_px / sheet.shrink
     scale = _scale(reading, texts, given, stated)
     if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) > _REREAD:
@@ -125,16 +127,19 @@ class _Reading:
     """By the doors; None where too few are drawn."""
 
     @property
-    def enclosed_px(self) -> float:
-        return sum(Polygon(outline.polygon_px).area for outline in self.outlines)
+    def weight(self) -> float:
+        """Floor that walls enclose; single lines count for less, for furniture has such, too."""
+        floor = sum(outline.walled * Polygon(outline.polygon_px).area for outline in self.outlines)
+        return floor * (_LINES_WEIGHT if self.strokes.are_lines else 1.0)
 
 
-def _best_reading(rgb: ByteArray, m_per_px: float | None) -> _Reading:
+def _best_reading(rgb: ByteArray, texts: Sequence[Text], m_per_px: float | None) -> _Reading:
     """The strictest of the readings that enclose as much as any. Raises PlanError for none."""
-    readings = [_read(strokes, m_per_px) for strokes in find_strokes(rgb)]
-    most = max((reading.enclosed_px for reading in readings), default=0.0)
+    boxes = [text.corners_px for text in texts]
+    readings = [_read(strokes, m_per_px) for strokes in find_strokes(rgb, boxes)]
+    most = max((reading.weight for reading in readings), default=0.0)
     # The strictest reading takes the least furniture for walls.
-    best = next((r for r in readings if r.enclosed_px >= _GOOD_SHARE * most), None)
+    best = next((r for r in readings if r.weight >= _GOOD_SHARE * most), None)
     if best is None or not best.outlines:
         raise PlanError(
             "no closed room was found",

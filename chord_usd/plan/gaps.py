@@ -37,6 +37,9 @@ _LONG_FLANK = 2.5
 _PANE_SHARE = 0.7
 """A window or sliding door is drawn along at least so much of its gap."""
 
+_PANEL_SHARE = 0.4
+"""Each of two sliding panels is so long, at least."""
+
 _SILL_PX = 4.0
 """Lines this close to the wall's face are sills, not leaves or arcs."""
 
@@ -99,6 +102,8 @@ def find_gaps(strokes: Strokes) -> list[Gap]:
     drawn = cv2.dilate(strokes.thin.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     found = [_gap_before(end, strokes, panes) for end in _wall_ends(strokes)]
     candidates = [_with_swing(gap, drawn) for gap in found if gap is not None]
+    longest_px = _EMPTY_REACH * strokes.thickness_px
+    candidates = [g for g in candidates if not g.is_empty or g.length_px <= longest_px]
     gaps: list[Gap] = []
     taken: list[Polygon] = []
     for gap in sorted(candidates, key=lambda gap: (gap.is_empty, gap.length_px)):
@@ -212,19 +217,25 @@ def _gap_before(end: _End, strokes: Strokes, panes: BoolArray) -> Gap | None:
     if length < _SHORTEST_GAP * strokes.thickness_px:
         return None
     gap = Gap(end.middle, end.outward, length, end.width_px)
-    has_pane = _pane_share(gap, panes) >= _PANE_SHARE
-    if not has_pane and length > _EMPTY_REACH * strokes.thickness_px:
-        return None
-    return replace(gap, has_pane=has_pane)
+    return replace(gap, has_pane=_pane_share(gap, panes) >= _PANE_SHARE)
 
 
 def _pane_share(gap: Gap, ink: BoolArray) -> float:
-    """Share of the gap's length along which something is drawn within the wall's width."""
+    """Share of the gap's length along which a line or two are drawn within the wall's width."""
     along = np.arange(1.5, gap.length_px - 1.0)
     half = gap.width_px / 2 + 1.0
     beside = np.arange(-half, half + 0.5)
     points = gap.start + gap.along * along[:, None, None] + gap.across * beside[None, :, None]
-    return float(_values_at(ink, points).any(axis=1).mean()) if len(along) else 0.0
+    if len(along) == 0:
+        return 0.0
+    lines = _values_at(ink, points)
+    # A pane is a line, or two where one panel slides behind the other; specks are neither.
+    lines[:, 1:-1] |= lines[:, :-2] | lines[:, 2:]
+    longest = lines[:, int(np.argmax(lines.sum(axis=0)))]
+    second = lines[:, int(np.argmax((lines & ~longest[:, None]).sum(axis=0)))]
+    if longest.mean() >= _PANE_SHARE or second.mean() < _PANEL_SHARE:
+        return float(longest.mean())
+    return float((longest | second).mean())
 
 
 _SWING_ANGLES = np.radians(np.arange(15.0, 76.0, 3.0))
@@ -242,8 +253,9 @@ def _swing_shares(gap: Gap, drawn: BoolArray) -> tuple[float, float]:
                 corner = hinge + side * offset * gap.width_px
                 beyond = (0.5 - offset) * gap.width_px + _SILL_PX
                 for radius in (gap.length_px, gap.length_px / 2):
+                    # One leaf, or one of two.
                     arc = max(arc, _arc_share(corner, inward, side, radius, beyond, drawn))
-                leaf = max(leaf, _leaf_share(corner, inward, side, gap.length_px, beyond, drawn))
+                    leaf = max(leaf, _leaf_share(corner, inward, side, radius, beyond, drawn))
     return arc, leaf
 
 

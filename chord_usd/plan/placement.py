@@ -28,6 +28,15 @@ def placement(frame: PixelFrame) -> Mapping[str, Any]:
     }
 
 
+UPRIGHT = "upright"
+"""Key beside the frame of a drawing: how its picture was turned before it was read."""
+
+
+def skew_of(plan: Plan) -> float:
+    """Degrees clockwise that were taken out of the picture before it was read."""
+    return float(plan.extra.get(DRAWING, {}).get(UPRIGHT, {}).get("skewDeg", 0.0))
+
+
 def frame_of(plan: Plan) -> PixelFrame | None:
     """The frame of the picture the plan was read from; None if it was read from none."""
     try:

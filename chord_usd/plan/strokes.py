@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from chord_usd.plan.bodies import filled_bodies
 from chord_usd.types import BoolArray, ByteArray, FloatArray
 
 _DARKNESS = (0.45, 0.65, 0.8)
@@ -15,6 +16,14 @@ _DARKNESS = (0.45, 0.65, 0.8)
 
 _FAINTEST_INK = 0.88
 """Share of the paper's brightness below which anything is drawn at all."""
+
+_BLACK_SCREEN = 60
+
+_FLAT_COLORS = 6
+_COLOR_STEP = 16
+_LEAST_COLOR_SHARE = 0.004
+_LEAST_CHROMA = 60
+"""Walls may have one flat colour: vivid, and one of the most frequent in the picture."""
 
 _EDGE = 0.006
 """Share of the picture's shorter side that is passed over along its edges."""
@@ -30,6 +39,21 @@ _THINNEST_WALL = 0.35
 
 _SHORTEST_WALL = 2.5
 """Loose pieces shorter than so many thicknesses are symbols or letters, unless they are piers."""
+
+_FINEST_LINE = 0.009
+_BOLDEST_LINE_PX = 7.0
+"""A drawing's walls are single lines if they are thinner than both: this share of it, and this."""
+
+_WALL_SHARE = 0.018
+"""What a wall measures in a usual dwelling, as a share of its longer side."""
+
+_FRAME_FILLED = 0.97
+_WITHIN_FRAME = 0.5
+_FRAME_MARGIN = 0.08
+"""A frame is a bare rectangle near the sheet's edge, round what measures so much of it or more."""
+
+_LETTER_SHARE = 0.3
+"""A piece of which less than this lies outside of lines of text is a letter."""
 
 _SHORTEST_PIER = 0.75
 _PIER_FILL = 0.7
@@ -47,6 +71,10 @@ class Strokes:
     thickness_px: float
     """Of the usual wall."""
 
+    are_lines: bool = False
+    """Walls are drawn as single lines, as in a sketch; wall and thickness are as if they were
+    drawn to scale in a usual dwelling."""
+
     @property
     def thin(self) -> BoolArray:
         """Ink that is no wall: door leaves, window panes, furniture, text."""
@@ -54,21 +82,86 @@ class Strokes:
         return self.ink & ~near_wall
 
 
-def find_strokes(rgb: ByteArray) -> Iterator[Strokes]:
-    """Ways to tell walls from the rest in a drawing (H, W, 3), the strictest first."""
-    brightness = _brightness(rgb)
+def find_strokes(rgb: ByteArray, texts_px: Sequence[FloatArray] = ()) -> Iterator[Strokes]:
+    """Ways to tell walls from the rest in a drawing (H, W, 3), the strictest first.
+
+    texts_px: (4, 2) corners of each line of text: what lies in one is no wall.
+    """
+    brightness = _brightness(_on_white(rgb))
     # A frame along the picture's edge is no part of the plan.
     edge = max(3, round(_EDGE * min(brightness.shape)))
     brightness = np.pad(brightness[edge:-edge, edge:-edge], edge, constant_values=1.0)
     ink = brightness < _FAINTEST_INK
+    brightness[_frames(ink)] = 1.0
+    ink = brightness < _FAINTEST_INK
+    letters = _boxes(ink.shape, texts_px)
     for share in _DARKNESS:
-        dark = brightness < share
-        thickness_px = _wall_thickness(dark)
-        if thickness_px is None:
+        yield from _strokes_of(brightness < share, ink, letters)
+    for colored in _flat_colors(rgb):
+        yield from _strokes_of(colored, ink, letters)
+    for bodies in filled_bodies(ink):
+        yield from _strokes_of(bodies, ink, letters)
+
+
+def _flat_colors(rgb: ByteArray) -> Iterator[BoolArray]:
+    """(H, W) where each of the picture's vivid flat colours is."""
+    codes = (rgb // _COLOR_STEP).astype(np.int32) @ np.array([256, 16, 1])
+    counts = np.bincount(codes.ravel(), minlength=4096)
+    for code in np.argsort(-counts)[:_FLAT_COLORS]:
+        color = np.array([code // 256, code // 16 % 16, code % 16]) * _COLOR_STEP
+        if counts[code] > _LEAST_COLOR_SHARE * codes.size and np.ptp(color) >= _LEAST_CHROMA:
+            yield np.asarray(codes == code)
+
+
+def _boxes(shape: tuple[int, ...], corners_px: Sequence[FloatArray]) -> BoolArray:
+    """(H, W) what lies in one of these boxes."""
+    canvas = np.zeros(shape, np.uint8)
+    for corners in corners_px:
+        cv2.fillConvexPoly(canvas, np.rint(corners - 0.5).astype(np.int32), (1.0,))
+    return canvas > 0
+
+
+def _frames(ink: BoolArray) -> BoolArray:
+    """(H, W) bare rectangles round everything else, as sheets have."""
+    frames = np.zeros(ink.shape, bool)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(ink.astype(np.uint8), connectivity=8)
+    ends = stats[:, :2] + stats[:, 2:4]
+    for label in np.argsort(-stats[1:, 2:4].sum(axis=1))[:4] + 1 if count > 1 else ():
+        left, top, width, height = (int(v) for v in stats[label, :4])
+        within = (stats[:, :2] > (left, top)).all(axis=1) & (ends < ends[label]).all(axis=1)
+        if not within.any() or max(left, top) > _FRAME_MARGIN * max(ink.shape):
             continue
+        content = ends[within].max(axis=0) - stats[within, :2].min(axis=0)
+        if (content < _WITHIN_FRAME * stats[label, 2:4]).any():
+            continue
+        own = labels[top : top + height, left : left + width] == label
+        _, _, holes, _ = cv2.connectedComponentsWithStats((~own).astype(np.uint8), connectivity=4)
+        hole = holes[1:, cv2.CC_STAT_AREA].max(initial=0)
+        if hole + own.sum() >= _FRAME_FILLED * width * height:
+            frames[top : top + height, left : left + width] |= own
+    return frames
+
+
+def _strokes_of(dark: BoolArray, ink: BoolArray, letters: BoolArray) -> Iterator[Strokes]:
+    """The thick strokes among dark pixels, if there are any."""
+    thickness_px = _wall_thickness(dark)
+    if thickness_px is not None:
         wall = _thick_parts(dark, thickness_px)
+        extent_px = _extent(wall)
+        are_lines = thickness_px < min(_BOLDEST_LINE_PX, _FINEST_LINE * extent_px)
+        if are_lines:
+            thickness_px = max(thickness_px, _WALL_SHARE * extent_px)
+        wall = _without_specks(wall, letters, thickness_px)
+        if are_lines:
+            wall = _thickened(wall, thickness_px)
         if wall.any():
-            yield Strokes(ink, wall, thickness_px)
+            yield Strokes(ink, wall, thickness_px, are_lines)
+
+
+def _on_white(rgb: ByteArray) -> ByteArray:
+    """The drawing on light paper: one on a black screen has its colours turned round."""
+    dark = np.median(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)[::4, ::4]) < _BLACK_SCREEN
+    return np.asarray(255 - rgb, np.uint8) if dark else rgb
 
 
 def _brightness(rgb: ByteArray) -> FloatArray:
@@ -109,13 +202,45 @@ def _wall_thickness(ink: BoolArray) -> float | None:
 
 
 def _thick_parts(ink: BoolArray, thickness_px: float) -> BoolArray:
-    """Ink at least as thick as an inner wall, without specks and symbols."""
+    """Ink at least as thick as an inner wall."""
     side = max(round(_THINNEST_WALL * thickness_px), _LEAST_WALL_PX)
-    opened = cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, np.ones((side, side), np.uint8))
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(opened, connectivity=8)
+    square = np.ones((side, side), np.uint8)
+    return cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, square) > 0
+
+
+def _extent(wall: BoolArray) -> float:
+    rows, columns = np.flatnonzero(wall.any(axis=1)), np.flatnonzero(wall.any(axis=0))
+    return float(max(np.ptp(rows), np.ptp(columns))) if len(rows) else 0.0
+
+
+def _thickened(lines: BoolArray, thickness_px: float) -> BoolArray:
+    """Lines made walls of this thickness, without making them longer."""
+    side = 2 * round(thickness_px / 2) + 1
+    image = lines.astype(np.uint8)
+    flat = cv2.morphologyEx(image, cv2.MORPH_OPEN, np.ones((1, side), np.uint8))
+    steep = cv2.morphologyEx(image, cv2.MORPH_OPEN, np.ones((side, 1), np.uint8))
+    slanted = lines & ~_grown(flat, 1, 3) & ~_grown(steep, 3, 1)
+    return (
+        _grown(flat, 1, side)
+        | _grown(steep, side, 1)
+        | _grown(slanted.astype(np.uint8), side // 2 | 1, side // 2 | 1)
+    )
+
+
+def _grown(mask: ByteArray | cv2.typing.MatLike, width_px: int, height_px: int) -> BoolArray:
+    return cv2.dilate(mask, np.ones((height_px, width_px), np.uint8)) > 0
+
+
+def _without_specks(wall: BoolArray, letters: BoolArray, thickness_px: float) -> BoolArray:
+    """Without letters, specks and symbols: what is too short for a wall so thick."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(
+        wall.astype(np.uint8), connectivity=8
+    )
     width, height = stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]
     extent, area = np.maximum(width, height), stats[:, cv2.CC_STAT_AREA]
     is_pier = (extent >= _SHORTEST_PIER * thickness_px) & (area >= _PIER_FILL * width * height)
     keep = (extent >= _SHORTEST_WALL * thickness_px) | is_pier
+    outside = np.bincount(labels[~letters], minlength=count)
+    keep &= outside > _LETTER_SHARE * area
     keep[0] = False
-    return np.asarray(keep[labels]) if count > 1 else np.zeros(ink.shape, bool)
+    return np.asarray(keep[labels]) if count > 1 else np.zeros(wall.shape, bool)

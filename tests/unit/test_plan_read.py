@@ -119,7 +119,10 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "long": (lambda p: p.write_bytes(png_header(LARGEST_SIDE_PX + 1, 64)), "is 12001×64 pixels"),
     "white": (lambda p: Image.new("RGB", (300, 300), "white").save(p), "no closed room"),
     "black": (lambda p: Image.new("RGB", (300, 300)).save(p), "no closed room"),
-    "photo": (lambda p: Image.fromarray(photo_of_something_else()).save(p), "no closed room"),
+    "photo": (
+        lambda p: Image.fromarray(photo_of_something_else()).save(p),
+        "no closed room|has a floor of",
+    ),
     "layout": (lambda p: write_layout(p), "is a layout, not a plan"),
     "broken json": (lambda p: p.write_text('{"rooms": ['), "is not JSON"),
     "folder": (lambda p: p.mkdir(), "is a folder"),

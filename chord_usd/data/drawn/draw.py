@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from chord_usd.data.drawn.lettering import draw_dimensions, write_names
+from chord_usd.data.drawn.lettering import draw_dimensions, middle_of, write_names
 from chord_usd.data.drawn.paper import soil
 from chord_usd.data.drawn.styles import RGB, Style
 from chord_usd.geometry import (
@@ -37,6 +37,9 @@ from chord_usd.types import (
 from chord_usd.units import px_from_m, rotation_2d
 
 _MARGIN_M = 2.0
+
+_DOUBLE_DOOR_M = 1.3
+"""Wider doors have two leaves."""
 
 _LEADING: tuple[RoomKind, ...] = (
     "living", "bedroom", "kitchen", "bathroom", "dining", "study", "balcony", "store", "corridor",
@@ -66,7 +69,7 @@ class Drawing:
 
 def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing:
     """Draw a plan."""
-    truth = without_seams(plan)
+    truth = _as_drawn(without_seams(plan), style)
     frame = _frame(truth, style.m_per_px)
     corners = np.concatenate([room.polygon_m for room in truth.rooms])
     width = math.ceil((np.ptp(corners[:, 0]) + 2 * _MARGIN_M) / style.m_per_px)
@@ -103,6 +106,19 @@ def without_seams(plan: Plan) -> Plan:
         Opening(o.id, o.kind, o.box, rooms_beside(o.box, rooms)) for o in plan.openings
     )
     return Plan(tuple(rooms), openings)
+
+
+def _as_drawn(plan: Plan, style: Style) -> Plan:
+    """Doors within the house that are drawn as gaps are passages: nothing tells them apart."""
+    if style.door != "gap":
+        return plan
+    openings = (
+        replace(o, kind="passage")
+        if o.kind == "door" and len(o.room_ids) == 2 and not _is_double(o)
+        else o
+        for o in plan.openings
+    )
+    return replace(plan, openings=tuple(openings))
 
 
 def _frame(plan: Plan, m_per_px: float) -> PixelFrame:
@@ -143,7 +159,7 @@ def _draw_walls(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) 
     deep = shapely.union_all([_deepened(o, style.wall_m).buffer(1e-6) for o in plan.openings])
     walls = walls.difference(deep if slimmer < 0 else holes)
     if style.wall == "line":
-        _draw_middle_lines(canvas, whole.difference(holes), frame, style)
+        _draw_middle_lines(canvas, whole, holes, frame, style)
         return
     if style.wall == "solid":
         _fill(canvas, walls, frame, style.wall_rgb)
@@ -168,12 +184,12 @@ def _deepened(opening: Opening, depth_m: float) -> Polygon:
 
 
 def _draw_middle_lines(
-    canvas: ByteArray, walls: BaseGeometry, frame: PixelFrame, style: Style
+    canvas: ByteArray, walls: BaseGeometry, holes: BaseGeometry, frame: PixelFrame, style: Style
 ) -> None:
     """Walls as single strokes, as in a sketch."""
     width = max(style.line_px * frame.m_per_px, 0.03)
     core = walls.buffer(-(WALL_THICKNESS_M - width) / 2, join_style="mitre")
-    _fill(canvas, core, frame, style.wall_rgb)
+    _fill(canvas, core.difference(holes), frame, style.wall_rgb)
 
 
 def _line(
@@ -188,28 +204,57 @@ def _line(
 
 def _draw_opening(canvas: ByteArray, opening: Opening, frame: PixelFrame, style: Style) -> None:
     corners = footprint(opening.box)
-    inner = min(1.0, style.wall_m / WALL_THICKNESS_M) if style.wall != "line" else 0.25
+    inner = min(1.0, style.wall_m / WALL_THICKNESS_M) if style.wall != "line" else 0.6
     middle = corners.mean(axis=0)
     across = rotation_2d(opening.box.yaw_deg) @ np.array([0.0, 1.0])
     offsets = (corners - middle) @ across
     corners = corners - np.outer(offsets * (1 - inner), across)
-    rgb, width = style.line_rgb, style.line_px
+    rgb, width = style.line_rgb, 1 if style.wall == "line" else style.line_px
     if opening.kind == "window":
         if style.window == "filled":
             _fill(canvas, Polygon(corners), frame, (200, 215, 235))
         _line(canvas, corners[[0, 1, 2, 3, 0]], frame, rgb, width)
         ends = (corners[0] + corners[1]) / 2, (corners[2] + corners[3]) / 2
-        if style.window == "panes":
+        # A window that is no more than a hollow piece of wall could not be told from one.
+        if style.window == "panes" or (style.wall == "hollow" and style.window == "double"):
             _line(canvas, np.array(ends), frame, rgb, width)
+    elif opening.kind == "door" and style.door == "gap" and _is_double(opening):
+        _draw_sliding(canvas, corners, frame, style)
     elif opening.kind == "door" and style.door != "gap":
         hinge, jamb = corners[0], corners[3]
-        length = float(np.hypot(*(jamb - hinge)))
-        along = (jamb - hinge) / length
-        angles = np.radians(np.arange(0, 91, 3))[:, None]
-        swing = hinge + length * (np.cos(angles) * along + np.sin(angles) * across)
-        if style.door == "arc":
-            _line(canvas, swing, frame, rgb, width)
-        _line(canvas, np.array([hinge, swing[-1]]), frame, rgb, width)
+        if not _is_double(opening):
+            _draw_leaf(canvas, hinge, jamb - hinge, across, frame, style)
+        else:
+            half = (jamb - hinge) / 2
+            _draw_leaf(canvas, hinge, half, across, frame, style)
+            _draw_leaf(canvas, jamb, -half, across, frame, style)
+
+
+def _is_double(opening: Opening) -> bool:
+    return opening.box.size_m[0] >= _DOUBLE_DOOR_M
+
+
+def _draw_sliding(canvas: ByteArray, corners: FloatArray, frame: PixelFrame, style: Style) -> None:
+    """Two panels, one behind the other."""
+    for share, first, last in ((0.35, 0.0, 0.55), (0.65, 0.45, 1.0)):
+        start = corners[0] + share * (corners[1] - corners[0])
+        stop = corners[3] + share * (corners[2] - corners[3])
+        ends = start + np.array([[first], [last]]) * (stop - start)
+        _line(canvas, ends, frame, style.line_rgb, style.line_px)
+
+
+def _draw_leaf(
+    canvas: ByteArray, hinge: FloatArray, reach: FloatArray, across: FloatArray,
+    frame: PixelFrame, style: Style,
+) -> None:  # fmt: skip
+    """An open leaf, and the arc along which it opens."""
+    length = float(np.hypot(*reach))
+    width = 1 if style.wall == "line" else style.line_px
+    angles = np.radians(np.arange(0, 91, 3))[:, None]
+    swing = hinge + np.cos(angles) * reach + length * np.sin(angles) * across
+    if style.door == "arc":
+        _line(canvas, swing, frame, style.line_rgb, width)
+    _line(canvas, np.array([hinge, swing[-1]]), frame, style.line_rgb, width)
 
 
 # Furniture ---------------------------------------------------------------------------------------
@@ -225,15 +270,18 @@ _SYMBOLS: dict[RoomKind, tuple[tuple[float, float], ...]] = {
 def _draw_furniture(
     canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style, rng: np.random.Generator
 ) -> None:
-    """Outlines of pieces in the corners of rooms, with a round or a cross in them."""
+    """Outlines of pieces in the corners of rooms, clear of doors, names and one another."""
+    taken = [_swept(opening) for opening in plan.openings if opening.kind != "window"]
     for room in plan.rooms:
+        taken.append(Point(middle_of(room)).buffer(2 * style.letters_m))
         low, high = room.polygon_m.min(axis=0), room.polygon_m.max(axis=0)
         for index, (length, width) in enumerate(_SYMBOLS[room.kind]):
             size = np.array([length, width] if rng.random() < 0.5 else [width, length])
             spot = np.where(rng.random(2) < 0.5, low + 0.08, high - size - 0.08)
             piece = shapely.box(*spot, *(spot + size))
-            if not room_polygon(room).contains(piece):
+            if not room_polygon(room).contains(piece) or any(piece.intersects(t) for t in taken):
                 continue
+            taken.append(piece)
             _line(canvas, np.array(piece.exterior.coords), frame, style.line_rgb, 1)
             if index == 0:
                 inner = piece.buffer(-0.12, join_style="mitre")
@@ -241,3 +289,9 @@ def _draw_furniture(
             else:
                 round_ = piece.centroid.buffer(0.3 * float(size.min()))
                 _line(canvas, np.array(round_.exterior.coords), frame, style.line_rgb, 1)
+
+
+def _swept(opening: Opening) -> Polygon:
+    """Where people and leaves pass."""
+    length = opening.box.size_m[0] / (2 if _is_double(opening) else 1)
+    return footprint_polygon(opening.box).buffer(length, cap_style="square", join_style="mitre")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import shapely
 from PIL import Image, ImageDraw, ImageFont
 
 from chord_usd.data.drawn.styles import RGB, Style
@@ -53,6 +54,7 @@ _WORDS: dict[str, dict[RoomKind, str]] = {
 }  # fmt: skip
 
 _INCHES_PER_M = 39.37
+_SMALLEST_LETTERS_PX = 8
 
 
 def write_names(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) -> None:
@@ -64,17 +66,35 @@ def write_names(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) 
             lines.append(_WORDS[style.language][room.kind])
         if (size := _size(room, style)) and room_polygon(room).area > 3.0:
             lines.append(size)
-        x, y = px_from_m(_middle(room), frame)
+        x, y = px_from_m(middle_of(room), frame)
+        low, high = room.polygon_m.min(axis=0), room.polygon_m.max(axis=0)
+        wide, tall = ((high - low) / frame.m_per_px).tolist()
+        needed = max((_width(line, letters_px) for line in lines), default=0.0)
+        # A narrow room has its name along it, in smaller letters where that does not suffice.
+        upright = needed > 0.9 * wide and tall > wide
+        own_px = round(letters_px * min(1.0, 0.9 * (tall if upright else wide) / max(needed, 1.0)))
+        if own_px < _SMALLEST_LETTERS_PX:
+            continue
+        # Kept within the bounds of a room whose widest part lies at one end.
+        bounds = px_from_m(np.array([low, high]), frame)
+        axis, half = int(upright), min(needed * own_px / letters_px, wide if not upright else tall)
+        least, most = sorted(bounds[:, axis].tolist())
+        spot = np.array([x, y])
+        spot[axis] = np.clip(spot[axis], least + 0.55 * half, max(most - 0.55 * half, least))
+        x, y = spot.tolist()
         for index, line in enumerate(lines):
-            offset = (index - (len(lines) - 1) / 2) * 1.3 * letters_px
-            write(canvas, line, (float(x), float(y) + offset), letters_px, style.line_rgb)
+            offset = (index - (len(lines) - 1) / 2) * 1.3 * own_px
+            place = (x + offset, y) if upright else (x, y + offset)
+            write(canvas, line, place, own_px, style.line_rgb, upright=upright)
 
 
-def _middle(room: Room) -> FloatArray:
-    """The point of a room that lies deepest in it, metres."""
-    from shapely import maximum_inscribed_circle
+def _width(line: str, letters_px: int) -> float:
+    return float(_font(letters_px).getlength(line))
 
-    return np.array(maximum_inscribed_circle(room_polygon(room)).coords[0])
+
+def middle_of(room: Room) -> FloatArray:
+    """The point of a room that lies deepest in it, metres; its name stands there."""
+    return np.array(shapely.maximum_inscribed_circle(room_polygon(room)).coords[0])
 
 
 def _size(room: Room, style: Style) -> str:

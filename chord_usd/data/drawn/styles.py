@@ -78,7 +78,7 @@ def _of_family(rng: np.random.Generator, family: str) -> dict[str, Any]:
         "cad": {"wall": "hollow", "wall_rgb": (grey,) * 3, "line_px": 1, "has_dimensions": True},
         "hatched": {"wall": "hatched", "wall_rgb": (grey,) * 3, "line_px": 1},
         "coloured": {"floors": str(rng.choice(["coloured", "tinted"]))},
-        "line": {"wall": "line", "line_px": int(rng.integers(2, 5)), "wall_m": 0.24},
+        "line": {"wall": "line", "line_px": int(rng.integers(3, 6)), "wall_m": 0.24},
         "scan": {"skew_deg": float(rng.uniform(-4.0, 4.0)), "noise": 6.0, "blur_px": 0.6},
         "photo": {
             "shadow": float(rng.uniform(0.2, 0.5)), "noise": 5.0, "blur_px": 1.0, "jpeg": 75,
