@@ -12,7 +12,7 @@ import bpy
 
 from .core import report
 from .core.commands import InputError, describe, found_house
-from .core.edits import Changes, without_room
+from .core.edits import Changes, carried_over, without_room
 from .core.layer import read_changes, write_changes
 from .core.program import ProgramError
 from .house import changes_of, house_collection
@@ -75,9 +75,19 @@ def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
     return house, changes
 
 
-def bring_in(house: Path, certificate: dict[str, Any] | None = None) -> tuple[list[str], Finish]:
-    """The job that lists what a house holds, and the import that follows it."""
-    return describe(house), partial(_show_house, house, certificate)
+def bring_in(
+    house: Path,
+    certificate: dict[str, Any] | None = None,
+    before: Changes | None = None,
+    new_room: str = "",
+) -> tuple[list[str], Finish]:
+    """The job that lists what a house holds, and the import that follows it.
+
+    before: the changes in the scene now, where it shows this house; what the artist does in the
+    meantime is carried over, except in a room that is new. Raises InputError where there is no
+    such file.
+    """
+    return describe(house), partial(_show_house, house, certificate, before, new_room)
 
 
 def rebuild(context: bpy.types.Context, changes: Changes) -> tuple[list[str], Finish]:
@@ -85,8 +95,9 @@ def rebuild(context: bpy.types.Context, changes: Changes) -> tuple[list[str], Fi
     house = house_path(context)
     if not session.claims.take(house.parent):
         raise InputError(HELD)
+    before = changes_of(context)
     write_changes(house, changes)
-    return bring_in(house)
+    return bring_in(house, before=before)
 
 
 def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -99,8 +110,11 @@ def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
 def show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A room was furnished anew: there, only locked pieces keep what was changed."""
     house = Path(str(data["stage"]))
-    write_changes(house, without_room(read_changes(house), str(data["room"])))
-    session.start(context, *bring_in(house, data.get("certificate")))
+    # As it is now: the artist may have gone on in other rooms.
+    before = changes_of(context) if house_collection(context) else read_changes(house)
+    room = str(data["room"])
+    write_changes(house, without_room(before, room))
+    session.start(context, *bring_in(house, data.get("certificate"), before, room))
 
 
 def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -129,9 +143,14 @@ def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
 def _show_house(
     house: Path,
     certificate: dict[str, Any] | None,
+    before: Changes | None,
+    new_room: str,
     context: bpy.types.Context,
     contents: dict[str, Any],
 ) -> None:
+    if before and house_collection(context):
+        merged = carried_over(read_changes(house), before, changes_of(context))
+        write_changes(house, without_room(merged, new_room) if new_room else merged)
     import_house(context, house)
     own = fields(context)
     own.house, own.contents = str(house), json.dumps(contents)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 Matrix = tuple[tuple[float, ...], ...]
 """Four rows of four, acting on columns, as Blender writes them; metres."""
@@ -18,6 +18,8 @@ MOVED_BY = 1e-5
 SCHEMA = 2
 
 Size = tuple[float, float, float]
+
+Entry = TypeVar("Entry")
 
 Looks = Mapping[str, str]
 """Variant set to variant."""
@@ -133,6 +135,29 @@ def as_it_was(changes: Changes, room: str) -> Changes:
         looks=others(changes.looks),
         lights=others(changes.lights),
     )
+
+
+def carried_over(wanted: Changes, before: Changes, now: Changes) -> Changes:
+    """The changes wanted, and what the artist did while the program worked on them.
+
+    before: the changes in the scene when the work began; now: when it ended.
+    """
+    return replace(
+        wanted,
+        pieces=_merged(wanted.pieces, before.pieces, now.pieces),
+        lights=_merged(wanted.lights, before.lights, now.lights),
+        locked=now.locked,
+    )
+
+
+def _merged(
+    wanted: Mapping[str, Entry], before: Mapping[str, Entry], now: Mapping[str, Entry]
+) -> dict[str, Entry]:
+    touched = {path for path in {*before, *now} if before.get(path) != now.get(path)}
+    # What was changed from both sides is as it was asked for.
+    touched = {path for path in touched if wanted.get(path) == before.get(path)}
+    kept = {path: entry for path, entry in wanted.items() if path not in touched}
+    return {**kept, **{path: now[path] for path in touched if path in now}}
 
 
 def with_look(changes: Changes, path: str, variant_set: str, variant: str) -> Changes:

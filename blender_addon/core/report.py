@@ -39,7 +39,8 @@ def headline(report: Mapping[str, Any]) -> str:
     """The certificate in one line."""
     count = len(findings(report))
     walkable = float(report.get("walkable", 0.0))
-    verdict = "Certified" if report.get("valid") and not count else f"{count} findings"
+    told = "1 finding" if count == 1 else f"{count} findings"
+    verdict = "Certified" if report.get("valid") and not count else told
     return f"{verdict}; {walkable:.0%} of the floor is walkable"
 
 

@@ -129,7 +129,7 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
 
 
 def _draw_pictures(assets: Sequence[Asset], folder: Path, watch: Stopwatch) -> dict[str, Path]:
-    """A picture of each asset in the folder; those that are there already are not drawn again."""
+    """A picture of each asset in the folder; one younger than its mesh is not drawn again."""
     from PIL import Image
 
     from chord_usd.assets.sheet import draw_asset
@@ -138,11 +138,15 @@ def _draw_pictures(assets: Sequence[Asset], folder: Path, watch: Stopwatch) -> d
     with watch.step("pictures") as progress, deliver() as delivery:
         for done, asset in enumerate(assets):
             progress(done, len(assets))
-            if not files[asset.id].is_file():
+            if not _is_younger(files[asset.id], asset.usd_path):
                 target = delivery.place(files[asset.id])
                 Image.fromarray(draw_asset(asset, PICTURE_PX)).save(target, format="PNG")
         progress(len(assets), len(assets))
     return files
+
+
+def _is_younger(picture: Path, mesh: Path) -> bool:
+    return picture.is_file() and picture.stat().st_mtime >= mesh.stat().st_mtime
 
 
 def run_show(options: argparse.Namespace) -> Outcome:

@@ -38,7 +38,12 @@ told["locked"] = next(iter(s.part("house").pieces_of(bpy.context, room)))
 told["locked_at"] = before[told["locked"]]
 s.start("lock_piece", path=told["locked"])
 told["objects"] = len(bpy.data.objects)
-told["regenerated"] = s.press("regenerate")
+told["regenerated"] = s.start("regenerate")
+# Blender stays usable meanwhile: what is done goes on.
+meanwhile = next(p for p in before if p.count("/") == 5 and f"/{room}/" not in p and p != other)
+s.objects()[meanwhile].location.x += 0.1
+told["meanwhile"], told["meanwhile_at"] = meanwhile, s.places()[meanwhile]
+told["regenerated"] += s.wait()
 after = s.places()
 told["before"], told["after"], told["room"] = before, after, room
 told["other_at"], told["locked_after"] = after[other], after.get(told["locked"])

@@ -55,7 +55,7 @@ def test_a_locked_piece_and_other_rooms_stay(told: Told) -> None:
     inside = f"/Rooms/{told['room']}/"
     before, after = told["before"], told["after"]
     for path, matrix in before.items():
-        if inside not in path and path != told["other"]:
+        if inside not in path and path not in (told["other"], told["meanwhile"]):
             assert np.allclose(after[path], matrix, atol=1e-5), path
     assert {p: m for p, m in after.items() if inside in p} != {
         p: m for p, m in before.items() if inside in p
@@ -64,6 +64,10 @@ def test_a_locked_piece_and_other_rooms_stay(told: Told) -> None:
 
 def test_an_edit_of_another_room_outlives_it(told: Told) -> None:
     assert np.allclose(told["other_at"], told["moved"], atol=1e-5)
+
+
+def test_an_edit_made_while_the_program_works_is_not_lost(told: Told) -> None:
+    assert np.allclose(told["after"][told["meanwhile"]], told["meanwhile_at"], atol=1e-5)
 
 
 def test_pictures_are_made_here_and_on_a_farm(told: Told) -> None:

@@ -352,6 +352,23 @@ def test_the_edits_of_a_room_can_be_dropped() -> None:
     assert left.lights == {}
 
 
+def test_what_is_done_while_the_program_works_is_carried_over() -> None:
+    before = edits.Changes(
+        pieces={CHAIR: edits.Edit(moved(2.0), moved(2.5)), DESK: ALL.pieces[DESK]}
+    )
+    wanted = edits.Changes(pieces={**before.pieces, BED: ALL.pieces[BED]})
+    now = edits.Changes(
+        pieces={BED: edits.Edit(moved(0.0), moved(9.0)), CHAIR: edits.Edit(moved(2.0), moved(3.0))},
+        lights={"lamp": 2.0},
+        locked=(DESK,),
+    )
+    merged = edits.carried_over(wanted, before, now)
+    assert merged.pieces == {BED: ALL.pieces[BED], CHAIR: now.pieces[CHAIR]}
+    assert merged.lights == {"lamp": 2.0}
+    assert merged.locked == (DESK,)
+    assert edits.carried_over(wanted, before, before) == wanted
+
+
 def test_a_look_is_chosen_where_it_belongs() -> None:
     room = edits.with_look(ALL, ROOM, "wallMaterial", "Plaster")
     assert room.looks[ROOM] == {"floorMaterial": "Oak", "wallMaterial": "Plaster"}
