@@ -16,6 +16,7 @@ from chord_usd.batch.records import (
     Record,
     read_record,
 )
+from chord_usd.batch.shared import SHARED_FOLDERS
 from chord_usd.errors import MissingExtraError
 from chord_usd.files import deliver, write_atomic
 
@@ -38,7 +39,7 @@ def rows(folder: Path, failures: Iterable[Result] = ()) -> list[dict[str, Any]]:
     """All rows of a folder of houses, by name; houses that could not be made come last.
 
     A row has kind (house or picture), status (done or failed), house, camera, plan, seed, path
-    (of the stage or the picture), files and sha256 (all files it is made of, and their hashes),
+    (of the stage or the picture), files and sha256 (what it alone is made of, and the hashes),
     why (it failed), seconds, and for houses FIGURES. Paths are relative to the folder.
     """
     found: list[dict[str, Any]] = []
@@ -103,6 +104,8 @@ def _figure_type(name: str) -> Any:
 
 def _house_row(name: str, record: Record) -> dict[str, Any]:
     told = record.told
+    shared = tuple(f"{kind}/" for kind in SHARED_FOLDERS)
+    files = {k: digest for k, digest in record.files.items() if not k.startswith(shared)}
     return {
         "kind": "house",
         "status": "done",
@@ -111,8 +114,8 @@ def _house_row(name: str, record: Record) -> dict[str, Any]:
         "plan": told["plan"],
         "seed": told["seed"],
         "path": f"{name}/{STAGE_FILE}",
-        "files": [f"{name}/{file}" for file in record.files],
-        "sha256": list(record.files.values()),
+        "files": [f"{name}/{file}" for file in files],
+        "sha256": list(files.values()),
         "why": None,
         "seconds": round(sum(told["seconds"].values()), 3),
         **{key: told[key] for key in FIGURES},

@@ -186,11 +186,9 @@ def _outcome(done: Done, options: argparse.Namespace, seconds: dict[str, float])
         "files": [str(file) for file in done.files],
         "seconds": seconds,
     }
-    rate = 3600.0 * len(done.made) / max(seconds["houses"], 1e-3)
     text = (
-        f"{options.output}: {len(done.made)} houses made in {seconds['houses']:.1f} s "
-        f"({rate:.0f} an hour), {len(done.kept)} kept, {len(failures)} failed; "
-        f"the certificate of {done.holding} holds"
+        f"{options.output}: {len(done.made)} houses made in {seconds['houses']:.1f} s, "
+        f"{len(done.kept)} kept, {len(failures)} failed; the certificate of {done.holding} holds"
     )
     warnings = [f"{name}: {why}" for name, why in failures.items()][:MOST_TOLD]
     if len(failures) > MOST_TOLD:

@@ -219,6 +219,9 @@ class TestExports:
             ("picture", "a", "a/pictures/Top.png"),
             ("house", "b", f"b/{STAGE_FILE}"),
         ]
+        assert listed[0]["files"] == [
+            f"a/{name}" for name in (STAGE_FILE, "layout.png", "plan.png", "scene.json")
+        ]
         for row in (listed[0], listed[2]):
             for file, digest in zip(row["files"], row["sha256"], strict=True):
                 assert hashlib.sha256((houses / file).read_bytes()).hexdigest() == digest
