@@ -59,25 +59,31 @@ class LocalEngine:
             team: list[_Worker] = []
             try:
                 while queue or any(worker.unit for worker in team):
-                    while queue and len(team) < count:
-                        team.append(_Worker(load, Path(logs), threads))
-                    for worker in team:
-                        if queue and not worker.unit:
-                            worker.begin(queue.take())
-                    ready = wait([worker.connection for worker in team])
-                    for worker in [w for w in team if w.connection in ready]:
-                        unit, worker.unit = worker.unit, None
-                        result = worker.result()
-                        if result is None:
-                            team.remove(worker)
-                            result = queue.died(unit, worker.how_it_died()) if unit else None
-                        if result:
-                            yield result
+                    idle = [worker for worker in team if not worker.unit]
+                    while queue and (idle or len(team) < count):
+                        if not idle:
+                            idle.append(_Worker(load, Path(logs), threads))
+                            team.append(idle[0])
+                        idle.pop().begin(queue.take())
+                    yield from _answers(team, queue)
             finally:
                 for worker in team:
                     worker.ask_to_end()
                 for worker in team:
                     worker.end()
+
+
+def _answers(team: list[_Worker], queue: Queue) -> Iterator[Result]:
+    """Wait until some have answered or died; the dead leave the team, their units wait again."""
+    ready = wait([worker.connection for worker in team])
+    for worker in [worker for worker in team if worker.connection in ready]:
+        unit, worker.unit = worker.unit, None
+        result = worker.result()
+        if result is None:
+            team.remove(worker)
+            result = queue.died(unit, worker.how_it_died()) if unit else None
+        if result:
+            yield result
 
 
 class _Worker:
