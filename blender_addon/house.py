@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable
 
 import bpy
@@ -23,6 +22,12 @@ CHANGES_KEY = "chord_usd_changes"
 
 LOCKED_KEY = "chord_usd_locked"
 """Custom property of pieces that stay when their room is furnished anew."""
+
+LAMP_KEY = "chord_usd_lamp"
+"""Custom property of lamps: the brightness that the house itself has them at."""
+
+LEAST_LIGHT = 1e-3
+"""Share of its brightness that a lamp keeps that was put out; an exposure has no zero."""
 
 CATEGORY_KEY, SIZE_KEY = "chord:category", "chord:size_m"
 """Custom properties that the importer gives pieces: attributes of the stage."""
@@ -115,28 +120,31 @@ def changes_of(context: bpy.types.Context) -> Changes:
     came_with = understood(json.loads(house[CHANGES_KEY]))
     context.view_layer.update()
     objects = own_objects(context)
-    lamps = {path: item for path, item in objects.items() if is_light(path) and _is_lamp(item)}
     return Changes(
         pieces=moves(house_placements(context), placements(objects), came_with.swaps),
         looks=came_with.looks,
-        lights={p: 2**o.data.exposure for p, o in lamps.items() if o.data.exposure != 0.0},
+        lights={p: s for p, s in _strengths(objects).items() if abs(s - 1.0) > LEAST_LIGHT},
         locked=tuple(sorted(path for path, item in objects.items() if item.get(LOCKED_KEY))),
     )
+
+
+def remember_lamps(objects: Objects, changes: Changes) -> None:
+    """Keep with each lamp how bright the house itself has it."""
+    for path, item in objects.items():
+        if is_light(path) and item.type == "LIGHT":
+            item[LAMP_KEY] = _brightness(item) / changes.lights.get(path, 1.0)
 
 
 def set_light(context: bpy.types.Context, room: str, strength: float) -> None:
     """Let the lamps of a room burn so much brighter than the house has them."""
     for path, item in own_objects(context).items():
-        if room_of(path) == room and _is_lamp(item):
-            item.data.exposure = math.log2(strength)
+        if room_of(path) == room and LAMP_KEY in item:
+            item.data.energy *= strength * item[LAMP_KEY] / max(_brightness(item), LEAST_LIGHT)
 
 
 def light_of(objects: Objects, room: str) -> float:
     """How much brighter the lamps of a room burn."""
-    for path, item in objects.items():
-        if room_of(path) == room and _is_lamp(item):
-            return float(2**item.data.exposure)
-    return 1.0
+    return next((s for path, s in _strengths(objects).items() if room_of(path) == room), 1.0)
 
 
 def show_rooms(context: bpy.types.Context) -> None:
@@ -167,5 +175,15 @@ def select(context: bpy.types.Context, items: Iterable[bpy.types.Object]) -> Non
                 bpy.ops.view3d.view_selected()
 
 
-def _is_lamp(item: bpy.types.Object) -> bool:
-    return item.type == "LIGHT"
+def _strengths(objects: Objects) -> dict[str, float]:
+    """How much brighter each lamp burns than the house has it, by path."""
+    return {
+        path: max(_brightness(item) / item[LAMP_KEY], LEAST_LIGHT)
+        for path, item in objects.items()
+        if item.get(LAMP_KEY)
+    }
+
+
+def _brightness(lamp: bpy.types.Object) -> float:
+    """Power as it comes out; Blender 4.2 has no exposure of lamps, its importer none to keep."""
+    return float(lamp.data.energy * 2 ** getattr(lamp.data, "exposure", 0.0))

@@ -15,6 +15,7 @@ from .house import (
     own_objects,
     placements,
     remember,
+    remember_lamps,
     show_rooms,
 )
 from .properties import PATH_KEY, fields, show_ceilings
@@ -72,6 +73,7 @@ def _recall_changes(context: bpy.types.Context, root: bpy.types.Collection, hous
     context.view_layer.update()
     objects, changes = own_objects(context), read_changes(house)
     remember(root, placements_of_house(placements(objects), changes), changes)
+    remember_lamps(objects, changes)
     for path in changes.locked:
         if path in objects:
             objects[path][LOCKED_KEY] = True

@@ -77,8 +77,6 @@ class ChordSelectPiece(_PieceOperator, bpy.types.Operator):
     bl_label = "Select"
     bl_options = {"UNDO"}
 
-    path: bpy.props.StringProperty()  # type: ignore[valid-type]
-
     def change(self, context: bpy.types.Context, _objects: Objects) -> None:
         """Selects, and frames where there is a 3-D view."""
         select(context, objects_at(context, [self.path]))
@@ -91,8 +89,6 @@ class ChordLockPiece(_PieceOperator, bpy.types.Operator):
     bl_label = "Lock"
     bl_options = {"UNDO"}
 
-    path: bpy.props.StringProperty()  # type: ignore[valid-type]
-
     def change(self, _context: bpy.types.Context, objects: Objects) -> None:
         """Turns the lock."""
         objects[self.path][LOCKED_KEY] = not objects[self.path].get(LOCKED_KEY)
@@ -104,8 +100,6 @@ class ChordDeletePiece(_PieceOperator, bpy.types.Operator):
     bl_idname = "chord.delete_piece"
     bl_label = "Delete"
     bl_options = {"UNDO"}
-
-    path: bpy.props.StringProperty()  # type: ignore[valid-type]
 
     def change(self, context: bpy.types.Context, _objects: Objects) -> None:
         """Removes its objects; saving the edits makes it last."""
