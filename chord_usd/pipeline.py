@@ -404,7 +404,7 @@ def redraw_room(
 def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]) -> Iterator[Item]:
     """New items of a room under ids of their own, without those that would stand in kept ones.
 
-    Nothing is sampled where something is kept, except on rugs and the like.
+    Nothing is sampled where something is kept, but what is pulled to a wall may come in its way.
     """
     from chord_usd.geometry import footprint_polygon
     from chord_usd.palette import category

@@ -272,9 +272,8 @@ def draw_items(
 
 
 def taken_pixels(items: Iterable[Item], frame: PixelFrame) -> BoolArray:
-    """(H, W) pixels that these items stand on or touch; nothing stands in the way of a rug."""
-    solid = [i for i in items if palette.category(i.category).mount is not Mount.UNDERFOOT]
-    taken = draw_items(solid, frame)[0] > 0
+    """(H, W) pixels that these items are drawn on, and those beside them."""
+    taken = draw_items(items, frame)[0] > 0
     grown = taken.copy()
     for axis in (0, 1):
         for step in (-1, 1):

@@ -295,3 +295,16 @@ def test_drawing_is_fast_enough_to_stream_training_data() -> None:
         raster.draw_plan(plan)
     # 0.5 ms on an idle core; the bound only catches a return of shapely or of loops over pixels.
     assert (time.process_time() - start) / len(plans) < 0.01
+
+
+def test_what_is_taken_is_a_pixel_wider_than_what_is_drawn() -> None:
+    frame = PixelFrame(0.1, (0.0, 0.0), 64)
+    bed = Item("bed", "bed", Box((3.0, 3.0, 0.0), (1.0, 2.0, 0.5), 0.0), "room")
+    drawn = raster.draw_items([bed], frame)[0] > 0
+    taken = raster.taken_pixels([bed], frame)
+    assert not (drawn & ~taken).any()
+    rows, columns = np.nonzero(drawn)
+    wide_rows, wide_columns = np.nonzero(taken)
+    assert (wide_rows.min(), wide_rows.max()) == (rows.min() - 1, rows.max() + 1)
+    assert (wide_columns.min(), wide_columns.max()) == (columns.min() - 1, columns.max() + 1)
+    assert not raster.taken_pixels([], frame).any()
