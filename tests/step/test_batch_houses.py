@@ -10,7 +10,7 @@ import pytest
 from chord_usd.stage.check import check_stage
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-QUICK = ["--steps", "2", "--no-tabletop", "--workers", "1", "--json"]
+QUICK = ["--no-tabletop", "--workers", "1", "--json"]
 PICTURES = ["--renders", "--quality", "draft", "--samples", "1", "--resolution", "32x18"]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -22,6 +23,7 @@ from chord_usd.batch.run import Exports, find_due
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.shared import keep_pictures, share_files
 from chord_usd.batch.units import list_units
+from chord_usd.cli import UNUSABLE, main
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.pipeline import Settings
 
@@ -130,6 +132,15 @@ class TestOneAtATime:
         assert makers.made(folder) == []
         makers.batch(folder, makers.units("a"))
 
+    def test_the_command_line_says_so_in_one_line(
+        self, folder: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        folder.mkdir()
+        with locked(folder):
+            assert main(["batch", "--synth", "1", "-o", str(folder)]) == UNUSABLE
+        told = capsys.readouterr().err
+        assert re.fullmatch(r"error: .+another batch is at work here.+\n", told)
+
     def test_a_batch_that_was_killed_holds_nothing(self, folder: Path) -> None:
         folder.mkdir()
         code = (
@@ -164,6 +175,27 @@ class TestFullDisk:
             makers.batch(folder, makers.units("a", "full", "b"), makers.troubled)
         assert makers.made(folder) == ["a"]
         assert [path.name for path in sorted(folder.iterdir())] == ["a", "assets"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [],
+        ["missing.png"],
+        ["--synth", "0"],
+        ["--synth", "1", "--gpus", "0.5"],
+        ["--synth", "1", "--address", "head:6379"],
+        ["--synth", "1", "--engine", "dask"],
+        ["--synth", "1", "--renders", "--passes", "colour"],
+    ],
+    ids=" ".join,
+)
+def test_an_unusable_command_line_makes_nothing(
+    words: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["batch", *words, "-o", str(folder)]) == UNUSABLE
+    assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
+    assert not folder.exists()
 
 
 class TestSharing:
