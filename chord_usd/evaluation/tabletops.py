@@ -125,7 +125,7 @@ def _as_read(found: Sequence[FoundItem], layout: LayoutImage) -> tuple[Item, ...
 
 
 def filled_in_tries(at: Workplace, judged: Sequence[Judged]) -> Score:
-    """How many pieces are filled when those that came out bare are drawn again, as `generate` does."""
+    """Share of pieces filled when those that came out bare are drawn again, as `generate` does."""
     bare = [one.case for one in judged if not one.laid.children]
     for attempt in range(1, TRIES):
         again = replace(at, seed=at.seed + attempt * len(judged))

@@ -58,7 +58,8 @@ def again(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 @pytest.fixture(scope="module")
 def other(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
-    return make(run_cli, tmp_path_factory.mktemp("other"), "cut_corner.png", "--seed", "3", "--no-tabletop")
+    folder = tmp_path_factory.mktemp("other")
+    return make(run_cli, folder, "cut_corner.png", "--seed", "3", "--no-tabletop")
 
 
 @pytest.fixture(scope="module")
