@@ -103,7 +103,9 @@ def measure_skew(rgb: ByteArray) -> float:
     grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
     edges = np.asarray(cv2.Canny(grey, 60, 160), np.uint8)
     skew_deg = _sharpest_turn(edges, _skew_of_lines(edges))
-    return skew_deg if abs(skew_deg) >= _LEAST_SKEW_DEG else 0.0
+    # A turn that shifts the far end of the longest line by a pixel cannot be told from none.
+    least_deg = max(_LEAST_SKEW_DEG, math.degrees(1.5 / max(edges.shape)))
+    return skew_deg if abs(skew_deg) > least_deg else 0.0
 
 
 def _sharpest_turn(edges: ByteArray, near_deg: float) -> float:

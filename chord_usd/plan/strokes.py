@@ -48,9 +48,10 @@ _WALL_SHARE = 0.018
 """What a wall measures in a usual dwelling, as a share of its longer side."""
 
 _FRAME_FILLED = 0.97
-_WITHIN_FRAME = 0.5
+_WITHIN_FRAME = 0.5, 0.92
 _FRAME_MARGIN = 0.08
-"""A frame is a bare rectangle near the sheet's edge, round what measures so much of it or more."""
+"""A frame is a bare rectangle near the sheet's edge, round what measures such a share of it; the
+outer face of a hollow wall lies closer to the inner one."""
 
 _LETTER_SHARE = 0.3
 """A piece of which less than this lies outside of lines of text is a letter."""
@@ -132,7 +133,8 @@ def _frames(ink: BoolArray) -> BoolArray:
         if not within.any() or max(left, top) > _FRAME_MARGIN * max(ink.shape):
             continue
         content = ends[within].max(axis=0) - stats[within, :2].min(axis=0)
-        if (content < _WITHIN_FRAME * stats[label, 2:4]).any():
+        share = content / stats[label, 2:4]
+        if not ((_WITHIN_FRAME[0] < share) & (share < _WITHIN_FRAME[1])).all():
             continue
         own = labels[top : top + height, left : left + width] == label
         _, _, holes, _ = cv2.connectedComponentsWithStats((~own).astype(np.uint8), connectivity=4)
