@@ -9,18 +9,25 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
+from chord_usd.plan.labels import texts_in
+from chord_usd.plan.measures import parse_measure
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.regions import Outline
 from chord_usd.plan.strokes import Strokes
-from chord_usd.types import PixelFrame, Plan
+from chord_usd.plan.text import Text
+from chord_usd.room_names import room_kind
+from chord_usd.types import PixelFrame, Plan, RoomKind
 
 _HOUSE_M2 = (4.0, 3000.0)
 _LEAST_COVERED = 0.35
 """Share of what the walls surround that must be rooms; where it is less, walls were missed."""
 
 _UNCERTAIN = 0.5
-_MOST_NAMES = 3
+_MOST_NAMES = 4
 """An open plan has up to three names; more are a sign of walls that were not seen."""
+
+_OWN_ROOM: frozenset[RoomKind] = frozenset({"bedroom", "bathroom", "study"})
+"""These have walls of their own."""
 
 _CUT_SHARE = 0.04
 """A wall along so much of the picture's edge means that the drawing goes on beyond it."""
@@ -58,12 +65,17 @@ def _surrounded_px(outlines: Sequence[Outline], strokes: Strokes) -> float:
     return float(cv2.contourArea(cv2.convexHull(points.astype(np.int32))))
 
 
-def doubts(plan: Plan, strokes: Strokes) -> list[str]:
-    """What a user should look at, in sentences."""
+def doubts(
+    plan: Plan, strokes: Strokes, texts: Sequence[Text], frame: PixelFrame
+) -> list[str]:  # fmt: skip
+    """What a user should look at, in sentences. texts: of the picture that lies in frame."""
     told = []
-    several = [room.id for room in plan.rooms if room.name.count(",") >= _MOST_NAMES]
+    several = [room.id for room in plan.rooms if _is_several(texts_in(room, texts, frame))]
     if several:
-        told.append(f"{', '.join(several)}: several names in one room; a wall may be missing there")
+        told.append(
+            f"{', '.join(several)}: what is printed there is of several rooms; an opening "
+            "or a wall may be missing"
+        )
     shaky = [room.id for room in plan.rooms if room.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN]
     if shaky:
         told.append(f"the outlines of {', '.join(shaky)} are uncertain")
@@ -74,6 +86,15 @@ def doubts(plan: Plan, strokes: Strokes) -> list[str]:
     if sides:
         told.append(f"the drawing seems to be cut off at its {' and '.join(sides)} edge")
     return told
+
+
+def _is_several(texts: Sequence[Text]) -> bool:
+    """Whether what is printed in a room is of more rooms than an open plan has parts."""
+    measures = [parse_measure(text.text) for text in texts]
+    sized = sum(measure is not None and measure.kind != "length" for measure in measures)
+    kinds = [kind for kind in (room_kind(text.text) for text in texts) if kind != "unknown"]
+    own = sum(kind in _OWN_ROOM for kind in kinds)
+    return sized > 1 or len(kinds) >= _MOST_NAMES or (own > 0 and len(kinds) > 1)
 
 
 def _cut_sides(strokes: Strokes) -> list[str]:

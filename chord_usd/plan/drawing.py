@@ -96,7 +96,7 @@ def read_drawing(
     refuse_nonsense(reading.outlines, reading.strokes, reading.frame)
     plan = _plan(reading, texts)
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
-    told += [*scale.warnings(), *doubts(plan, reading.strokes)]
+    told += [*scale.warnings(), *doubts(plan, reading.strokes, texts, reading.frame)]
     entry = {**placement(drawing)[DRAWING], **sheet.turn}
     extra = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
     return replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})

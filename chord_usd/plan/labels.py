@@ -30,7 +30,7 @@ def label_rooms(
 
     Ids are by kind where a kind was read (bedroom1), as those of a plan raster are.
     """
-    labelled = [_labelled(room, _texts_in(room, texts, frame)) for room in rooms]
+    labelled = [_labelled(room, texts_in(room, texts, frame)) for room in rooms]
     counts: dict[RoomKind, int] = {}
     named = []
     for room in labelled:
@@ -40,7 +40,8 @@ def label_rooms(
     return tuple(named)
 
 
-def _texts_in(room: Room, texts: Sequence[Text], frame: PixelFrame) -> list[Text]:
+def texts_in(room: Room, texts: Sequence[Text], frame: PixelFrame) -> list[Text]:
+    """What is printed in a room."""
     floor = room_polygon(room)
     return [text for text in texts if floor.contains(Point(*m_from_px(text.center_px, frame)))]
 

@@ -56,8 +56,9 @@ def read_texts(rgb: ByteArray) -> tuple[Text, ...]:
     scale = np.clip(1.0, _SMALLEST_SIDE_PX / side, _LARGEST_SIDE_PX / side)
     how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
     sized = rgb if scale == 1.0 else cv2.resize(rgb, None, fx=scale, fy=scale, interpolation=how)
-    # The engine takes BGR, as OpenCV does; the angle classifier is for pages upside down.
-    found = _engine()(np.ascontiguousarray(sized[:, :, ::-1]), use_cls=False)
+    # The engine takes BGR, as OpenCV does; without its classifier lines that run up are read
+    # upside down.
+    found = _engine()(np.ascontiguousarray(sized[:, :, ::-1]), use_cls=True)
     if found.txts is None:
         return ()
     return tuple(

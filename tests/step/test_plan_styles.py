@@ -16,8 +16,9 @@ from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
 from chord_usd.evaluation.plans import Reader, score_reading, summaries
 from chord_usd.plan import drawing as drawings
-from chord_usd.plan.drawing import read_drawing
+from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.placement import WARNINGS, frame_of, placement, skew_of
+from chord_usd.plan.text import Text
 from chord_usd.types import ByteArray, PixelFrame, Plan
 
 
@@ -119,6 +120,20 @@ def test_a_plan_cut_through_a_room_says_so() -> None:
     except PlanError:
         return
     assert any("cut off" in warning for warning in plan.extra[WARNINGS])
+
+
+def test_what_is_printed_of_several_rooms_in_one_is_told() -> None:
+    """Two bedrooms of which the wall between them was not drawn."""
+    page = np.full((500, 700, 3), 255, np.uint8)
+    cv2.rectangle(page, (60, 60), (640, 440), (0, 0, 0), 14)
+    page[430:450, 300:360] = 255
+    box = np.array([[-50.0, 240.0], [50.0, 240.0], [50.0, 260.0], [-50.0, 260.0]])
+    texts = (
+        Text("11.2 m2", box + np.array([200.0, 0.0]), 1.0),
+        Text("10.4 m2", box + np.array([500.0, 0.0]), 1.0),
+    )
+    plan = read_drawing(page, known=Known(texts))
+    assert any("of several rooms" in warning for warning in plan.extra[WARNINGS])
 
 
 # Scores ------------------------------------------------------------------------------------------
