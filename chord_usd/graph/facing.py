@@ -37,6 +37,8 @@ def facing(
     """
     rectangle = piece.rectangle
     fits = mark_fits(rectangle, marked)
+    if mount is Mount.WALL:
+        fits = fits * _long_fronts(rectangle)  # panels hang flat, whatever their mark has become
     if fits.max() < LEAST_MARK_FIT:
         walls = _walls_behind(pixels, rectangle, range(4))
         return int(np.argmax(walls + _LONG_WORD * _long_fronts(rectangle))), False

@@ -202,6 +202,29 @@ def test_noise_of_six_levels_loses_little() -> None:
     assert right / seen > 0.97
 
 
+def test_a_panel_hangs_flat_whatever_its_mark_has_become() -> None:
+    graph = next(g for g in map(house, range(40)) if _panels(g))
+    plan_image = raster.draw_plan(graph.plan)
+    panel = _panels(graph)[0]
+    labels, front = raster.draw_items([panel], plan_image.frame)
+    columns = np.flatnonzero(labels.any(axis=0))
+    rows = np.flatnonzero(labels.any(axis=1))
+    front[:] = False
+    # The mark has moved to one of the narrow ends.
+    front[rows[0] : rows[0] + 3, columns[0] : columns[0] + 3] = True
+    layout = LayoutImage(
+        raster.paint_layout(plan_image, labels, front & (labels > 0)), plan_image.frame
+    )
+    found = extract_graph(layout, graph.plan, detector=BLIND, segmenter=BLIND)
+    (item,) = found.items
+    assert item.box.size_m[0] > 3 * item.box.size_m[1]
+    assert item.box.yaw_deg == pytest.approx(panel.box.yaw_deg)
+
+
+def _panels(graph: SceneGraph) -> list[Item]:
+    return [item for item in graph.items if item.category == "bed_background"]
+
+
 def test_frayed_edges_and_lost_marks_lose_little() -> None:
     from chord_usd.training.detector_data import fray, patch
 
