@@ -56,6 +56,8 @@ _GOOD_SHARE = 0.8
 """A reading that encloses this share of what the best one does is as good."""
 
 _LINES_WEIGHT = 0.6
+_SHUT_WEIGHT = 0.6
+"""Rooms without any opening are most likely none."""
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
@@ -128,9 +130,10 @@ class _Reading:
 
     @property
     def weight(self) -> float:
-        """Floor that walls enclose; single lines count for less, for furniture has such, too."""
+        """Floor that walls with openings enclose; single lines count for less."""
         floor = sum(outline.walled * Polygon(outline.polygon_px).area for outline in self.outlines)
-        return floor * (_LINES_WEIGHT if self.strokes.are_lines else 1.0)
+        shut = 1.0 if self.bars else _SHUT_WEIGHT
+        return floor * shut * (_LINES_WEIGHT if self.strokes.are_lines else 1.0)
 
 
 def _best_reading(rgb: ByteArray, texts: Sequence[Text], m_per_px: float | None) -> _Reading:

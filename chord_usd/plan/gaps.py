@@ -144,7 +144,7 @@ def _wall_ends(strokes: Strokes) -> list[_End]:
     )
     ends = []
     for contour in contours:
-        corners = cv2.approxPolyDP(contour, 1.0 + 0.1 * strokes.thickness_px, closed=True)
+        corners = cv2.approxPolyDP(contour, 1.0 + 0.05 * strokes.thickness_px, closed=True)
         if len(corners) >= 4:
             ends += _ends_of(corners.reshape(-1, 2) + 0.5, strokes)
     return ends if len(ends) <= _MOST_ENDS else []

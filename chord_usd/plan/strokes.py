@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -37,6 +38,9 @@ _ELONGATED = 4.0
 _THINNEST_WALL = 0.35
 """Inner walls are at least this share of the usual wall's thickness."""
 
+_THINNEST_IN_BLUR = 0.5
+_BLUR_PX = 4
+
 _SHORTEST_WALL = 2.5
 """Loose pieces shorter than so many thicknesses are symbols or letters, unless they are piers."""
 
@@ -45,10 +49,11 @@ _BOLDEST_LINE_PX = 7.0
 """A drawing's walls are single lines if they are thinner than both: this share of it, and this."""
 
 _WALL_SHARE = 0.018
-"""What a wall measures in a usual dwelling, as a share of its longer side."""
+"""What a wall measures in a usual dwelling, as a share of the side of a square as large."""
 
 _FRAME_FILLED = 0.97
-_WITHIN_FRAME = 0.5, 0.92
+_WITHIN_FRAME = 0.5
+_HOLLOW = 0.92
 _FRAME_MARGIN = 0.08
 """A frame is a bare rectangle near the sheet's edge, round what measures such a share of it; the
 outer face of a hollow wall lies closer to the inner one."""
@@ -133,8 +138,10 @@ def _frames(ink: BoolArray) -> BoolArray:
         if not within.any() or max(left, top) > _FRAME_MARGIN * max(ink.shape):
             continue
         content = ends[within].max(axis=0) - stats[within, :2].min(axis=0)
-        share = content / stats[label, 2:4]
-        if not ((_WITHIN_FRAME[0] < share) & (share < _WITHIN_FRAME[1])).all():
+        largest = stats[within, 2:4].max(axis=0)
+        if (content < _WITHIN_FRAME * stats[label, 2:4]).any():
+            continue
+        if (largest > _HOLLOW * stats[label, 2:4]).all():
             continue
         own = labels[top : top + height, left : left + width] == label
         _, _, holes, _ = cv2.connectedComponentsWithStats((~own).astype(np.uint8), connectivity=4)
@@ -149,10 +156,10 @@ def _strokes_of(dark: BoolArray, ink: BoolArray, letters: BoolArray) -> Iterator
     thickness_px = _wall_thickness(dark)
     if thickness_px is not None:
         wall = _thick_parts(dark, thickness_px)
-        extent_px = _extent(wall)
-        are_lines = thickness_px < min(_BOLDEST_LINE_PX, _FINEST_LINE * extent_px)
+        sides_px = _extent(wall)
+        are_lines = thickness_px < min(_BOLDEST_LINE_PX, _FINEST_LINE * max(sides_px))
         if are_lines:
-            thickness_px = max(thickness_px, _WALL_SHARE * extent_px)
+            thickness_px = max(thickness_px, _WALL_SHARE * math.sqrt(sides_px[0] * sides_px[1]))
         wall = _without_specks(wall, letters, thickness_px)
         if are_lines:
             wall = _thickened(wall, thickness_px)
@@ -205,14 +212,17 @@ def _wall_thickness(ink: BoolArray) -> float | None:
 
 def _thick_parts(ink: BoolArray, thickness_px: float) -> BoolArray:
     """Ink at least as thick as an inner wall."""
-    side = max(round(_THINNEST_WALL * thickness_px), _LEAST_WALL_PX)
+    # Where walls are but a few pixels thick, the blur of a photograph makes lines half as thick.
+    blurred = min(round(_THINNEST_IN_BLUR * thickness_px), _BLUR_PX)
+    side = max(round(_THINNEST_WALL * thickness_px), blurred, _LEAST_WALL_PX)
     square = np.ones((side, side), np.uint8)
     return cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, square) > 0
 
 
-def _extent(wall: BoolArray) -> float:
+def _extent(wall: BoolArray) -> tuple[float, float]:
+    """Width and height of what is drawn."""
     rows, columns = np.flatnonzero(wall.any(axis=1)), np.flatnonzero(wall.any(axis=0))
-    return float(max(np.ptp(rows), np.ptp(columns))) if len(rows) else 0.0
+    return (float(np.ptp(columns)), float(np.ptp(rows))) if len(rows) else (0.0, 0.0)
 
 
 def _thickened(lines: BoolArray, thickness_px: float) -> BoolArray:

@@ -121,7 +121,7 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "black": (lambda p: Image.new("RGB", (300, 300)).save(p), "no closed room"),
     "photo": (
         lambda p: Image.fromarray(photo_of_something_else()).save(p),
-        "no closed room|has a floor of",
+        "no closed room|has a floor of|could be read as rooms",
     ),
     "layout": (lambda p: write_layout(p), "is a layout, not a plan"),
     "broken json": (lambda p: p.write_text('{"rooms": ['), "is not JSON"),
