@@ -41,7 +41,8 @@ house: setup
 	$(BIN)/chord-usd render out/house.usda -o out/pictures $(CAMERAS:%=--camera %) --samples 32 --resolution 960x540
 
 test: setup
-	$(BIN)/python -m pytest tests/unit tests/step tests/end_to_end
+	$(BIN)/python -m pytest -n 2 tests/unit
+	$(BIN)/python -m pytest tests/step tests/end_to_end
 
 lint: setup
 	$(BIN)/ruff check .
