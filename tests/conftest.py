@@ -27,7 +27,7 @@ RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
 TIMEOUT_S = 300
 
 # The same examples every time: a change is judged by what it changes, not by luck.
-settings.register_profile("steady", derandomize=True, deadline=None)
+settings.register_profile("steady", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("steady")
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -16,21 +14,9 @@ from chord_usd import cli
 from chord_usd.cli import build_parser, main
 from chord_usd.commands.common import Outcome
 from chord_usd.errors import ChordError
+from tests.verbs import VERBS
 
 ROOT = Path(__file__).parents[2]
-HELP_SECONDS = 0.3
-
-
-def leaves(parser: argparse.ArgumentParser, words: tuple[str, ...] = ()) -> list[str]:
-    """Every verb, as a user types it."""
-    groups = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
-    if not groups:
-        return [" ".join(words)]
-    children = groups[0].choices.items()
-    return [verb for name, child in children for verb in leaves(child, (*words, name))]
-
-
-VERBS = leaves(build_parser())
 
 
 def test_the_verbs_of_the_readme_are_the_verbs_of_the_program() -> None:
@@ -47,22 +33,6 @@ def test_every_option_of_the_readme_exists() -> None:
     assert len(lines) > 5
     for line in lines:
         build_parser().parse_args(line.split()[1:])
-
-
-@pytest.mark.parametrize("verb", ["", *VERBS])
-def test_help_answers_at_once(verb: str) -> None:
-    """Processor seconds, up to three tries: the machine may be busy with other things."""
-    assert any(_help_seconds(verb.split()) < HELP_SECONDS for _ in range(3))
-
-
-def _help_seconds(words: list[str]) -> float:
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(
-        [sys.executable, "-m", "chord_usd.cli", *words, "--help"], capture_output=True, check=True
-    )
-    assert done.stdout.startswith(b"usage: chord-usd")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def test_the_parser_imports_nothing_heavy() -> None:
