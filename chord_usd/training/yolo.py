@@ -17,7 +17,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import cv2
 import torch
+from PIL import Image
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
@@ -37,6 +39,9 @@ from chord_usd.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
 from chord_usd.training.onnx_file import write_graph
 
 ARCHITECTURES: dict[Kind, str] = {"items": "yolov8n-obb.yaml", "rooms": "yolov8n-seg.yaml"}
+
+_REPLACED = ((Image, "open"), (cv2, "imread"), (cv2, "imwrite"), (cv2, "imshow"))
+"""What ultralytics replaces when it is imported."""
 
 _OVERLAP: dict[Kind, float] = {"items": 0.5, "rooms": 0.6}
 """Of two proposals of one class that overlap more than this, the weaker is dropped."""
@@ -166,7 +171,12 @@ class _Library:
 
 @lru_cache(maxsize=1)
 def _ultralytics() -> _Library:
-    """Import ultralytics so that it stays silent, offline and out of the user's home folder."""
+    """Import ultralytics so that it stays silent, offline and out of the user's home folder.
+
+    It replaces functions of Pillow and OpenCV for the whole process; one of them installs packages
+    when a file is no picture. They are put back.
+    """
+    kept = [(module, name, getattr(module, name)) for module, name in _REPLACED]
     logging.getLogger("ultralytics").setLevel(logging.ERROR)
     settings = {"YOLO_OFFLINE": "true", "YOLO_VERBOSE": "false"}
     before = {name: os.environ.get(name) for name in (*settings, "YOLO_CONFIG_DIR")}
@@ -179,6 +189,8 @@ def _ultralytics() -> _Library:
             from ultralytics.nn import tasks
             from ultralytics.utils import LOGGER
         finally:
+            for module, name, function in kept:
+                setattr(module, name, function)
             for name, value in before.items():
                 os.environ.pop(name, None)
                 if value is not None:

@@ -133,6 +133,20 @@ def test_ultralytics_is_silent_and_leaves_the_home_folder_alone(tmp_path: Path) 
     assert not list(tmp_path.rglob("*ltralytics*"))
 
 
+def test_ultralytics_leaves_the_functions_of_other_libraries_alone() -> None:
+    """It replaces Image.open by one that installs packages when a file is no picture."""
+    code = (
+        "import cv2, PIL.Image as image\n"
+        "def functions(): return image.open, cv2.imread, cv2.imwrite, cv2.imshow\n"
+        "before = functions()\n"
+        "from chord_usd.training.yolo import build_model\n"
+        "build_model('items')\n"
+        "import sys; assert 'ultralytics' in sys.modules\n"
+        "assert functions() == before"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def samples(count: int) -> list[Sample]:
     return [draw_sample(house(seed), CLEAN, np.random.default_rng(seed)) for seed in range(count)]
 
