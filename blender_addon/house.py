@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import bpy
 
 from .core.edits import Changes, Matrix, moves, told, understood
-from .core.tree import is_light, is_placed, piece_of, room_of
+from .core.tree import is_light, is_piece, is_placed, room_of
 from .properties import PATH_KEY, chosen_room, fields
 
 PLACED_KEY = "chord_usd_placed"
@@ -74,11 +74,7 @@ def objects_at(context: bpy.types.Context, paths: Iterable[str]) -> list[bpy.typ
 def pieces_of(context: bpy.types.Context, room: str) -> Objects:
     """The furniture of a room by USD path, in the order of their names."""
     found = own_objects(context)
-    return {
-        path: found[path]
-        for path in sorted(found)
-        if piece_of(path) == path and room_of(path) == room
-    }
+    return {path: found[path] for path in sorted(found) if is_piece(path) and room_of(path) == room}
 
 
 def component(objects: Objects, piece: str) -> str:

@@ -20,8 +20,6 @@ from .importer import import_house
 from .properties import fields
 from .session import Finish, session
 
-HELD = "Another Blender works on this house. Close it there first."
-
 
 class JobOperator:
     """Starts a job; what is missing is told in the panel."""
@@ -34,7 +32,7 @@ class JobOperator:
             return {"CANCELLED"}
         try:
             arguments, finish = self.job(context)
-            self.start(context, arguments, finish)
+            session.start(context, arguments, finish)
         except (InputError, ProgramError, OSError) as error:
             own.error = str(error)
             self.report({"ERROR"}, str(error))
@@ -44,10 +42,6 @@ class JobOperator:
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line and what follows it. Raises InputError for what is missing."""
         raise NotImplementedError
-
-    def start(self, context: bpy.types.Context, arguments: list[str], finish: Finish) -> None:
-        """Start the job; by default chord-usd does it."""
-        session.start(context, arguments, finish)
 
 
 def house_path(context: bpy.types.Context) -> Path:
@@ -60,14 +54,19 @@ def unsaved_folder() -> Path:
     return Path(bpy.app.tempdir or tempfile.gettempdir())
 
 
+def claim(house: Path) -> None:
+    """Keep other Blenders from a house. Raises InputError where one of them works on it."""
+    if not session.claims.take(house.parent):
+        raise InputError("Another Blender works on this house. Close it there first.")
+
+
 def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
     """Write the layer of changes, so that the program sees what the artist sees.
 
     Raises InputError where another Blender has the house, OSError.
     """
     house = house_path(context)
-    if not session.claims.take(house.parent):
-        raise InputError(HELD)
+    claim(house)
     if house_collection(context) is None:
         return house, read_changes(house)
     changes = changes_of(context)
@@ -90,13 +89,10 @@ def bring_in(
     return describe(house), partial(_show_house, house, certificate, before, new_room)
 
 
-def rebuild(context: bpy.types.Context, changes: Changes) -> tuple[list[str], Finish]:
-    """The same with other changes, which are saved. Raises InputError, OSError."""
-    house = house_path(context)
-    if not session.claims.take(house.parent):
-        raise InputError(HELD)
-    before = changes_of(context)
-    write_changes(house, changes)
+def rebuild(house: Path, before: Changes, after: Changes) -> tuple[list[str], Finish]:
+    """The same with other changes, which are saved; before: those in the scene, as save_changes
+    returns them. Raises InputError, OSError."""
+    write_changes(house, after)
     return bring_in(house, before=before)
 
 

@@ -43,11 +43,4 @@ def _show_library(context: bpy.types.Context, data: dict[str, Any]) -> None:
     fields(context).note = f"{data['assets']} models in the asset browser, under {library.NAME}"
 
 
-def register() -> None:
-    """Makes the button known."""
-    bpy.utils.register_class(ChordBuildLibrary)
-
-
-def unregister() -> None:
-    """Takes it back."""
-    bpy.utils.unregister_class(ChordBuildLibrary)
+register, unregister = bpy.utils.register_classes_factory((ChordBuildLibrary,))

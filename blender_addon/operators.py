@@ -10,11 +10,11 @@ import bpy
 from .core import commands
 from .core.edits import as_it_was
 from .core.layer import house_of
-from .core.tree import piece_of, room_of
+from .core.tree import is_piece, room_of
 from .jobs import (
-    HELD,
     JobOperator,
     bring_in,
+    claim,
     rebuild,
     save_changes,
     show_certificate,
@@ -76,8 +76,7 @@ class ChordOpenHouse(JobOperator, bpy.types.Operator):
     def job(self, _context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The list of what it holds, and the import that follows it."""
         house = house_of(Path(bpy.path.abspath(self.filepath)))
-        if not session.claims.take(house.parent):
-            raise commands.InputError(HELD)
+        claim(house)
         return bring_in(house)
 
 
@@ -91,9 +90,7 @@ class ChordRegenerate(JobOperator, bpy.types.Operator):
         """The command line, and the import that follows it."""
         own, name = fields(context), chosen_room(context)
         house, changes = save_changes(context)
-        locked = [
-            p.split("/")[-1] for p in changes.locked if piece_of(p) == p and room_of(p) == name
-        ]
+        locked = [p.split("/")[-1] for p in changes.locked if is_piece(p) and room_of(p) == name]
         seed = random.randrange(MAX_SEED)
         assets = bpy.path.abspath(own.assets)
         arguments = commands.regenerate(house, name, seed, assets, locked)
@@ -147,8 +144,8 @@ class ChordDiscardEdits(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves what is left, and brings the house in again."""
-        _, changes = save_changes(context)
-        return rebuild(context, as_it_was(changes, chosen_room(context)))
+        house, changes = save_changes(context)
+        return rebuild(house, changes, as_it_was(changes, chosen_room(context)))
 
 
 class ChordCancel(bpy.types.Operator):
@@ -211,14 +208,4 @@ _CLASSES = (
     ChordDice,
 )
 
-
-def register() -> None:
-    """Makes the classes known."""
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    """Takes them back."""
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -81,23 +81,20 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
         layout.template_list("UI_UL_list", "chord_rooms", own, "rooms", own, "room_index", rows=4)
         row = layout.row(align=True)
         row.operator("chord.frame_room", icon="VIEWZOOM")
-        start = row.row(align=True)
-        start.enabled = not session.is_running
+        start = _when_idle(row.row(align=True))
         start.operator("chord.regenerate", icon="FILE_REFRESH")
         row = layout.row()
         row.prop(own, "solo")
         row.prop(own, "hide_ceilings")
         layout.prop(own.rooms[own.room_index], "light", slider=True)
-        looks = layout.column()
-        looks.enabled = not session.is_running
+        looks = _when_idle(layout.column())
         for look in report.looks(parsed(own.contents)):
             if look.path in ("/House", f"/House/Rooms/{chosen_room(context)}"):
                 _draw_look(looks, look)
         looks.operator("chord.shuffle_looks", icon="FILE_REFRESH")
         row = layout.row(align=True)
         row.operator("chord.save_edits", icon="FILE_TICK")
-        discard = row.row(align=True)
-        discard.enabled = not session.is_running
+        discard = _when_idle(row.row(align=True))
         discard.operator("chord.discard_edits", text="", icon="LOOP_BACK")
 
 
@@ -117,13 +114,11 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
             row.operator("chord.select_piece", text=name, icon="RESTRICT_SELECT_OFF").path = path
             lock = "LOCKED" if item.get(LOCKED_KEY) else "UNLOCKED"
             row.operator("chord.lock_piece", text="", icon=lock).path = path
-            start = row.row(align=True)
-            start.enabled = not session.is_running
+            start = _when_idle(row.row(align=True))
             start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
             row.operator("chord.delete_piece", text="", icon="TRASH").path = path
             if component(objects, path) == own.swap_path:
-                box = self.layout.box()
-                box.enabled = not session.is_running
+                box = _when_idle(self.layout.box())
                 _draw_models(box, own, models.get(own.swap_path, ""))
                 for look in looks:
                     if look.path == own.swap_path:
@@ -141,8 +136,7 @@ class ChordCertificatePanel(_HousePart, bpy.types.Panel):
         own = fields(context)
         row = self.layout.row()
         row.label(text=own.certificate or "Not checked yet")
-        start = row.row()
-        start.enabled = not session.is_running
+        start = _when_idle(row.row())
         start.operator("chord.check_house", icon="CHECKMARK")
         for index, finding in enumerate(own.findings):
             shown = self.layout.operator("chord.show_finding", text=finding.name, icon="ERROR")
@@ -162,12 +156,10 @@ class ChordRenderPanel(_HousePart, bpy.types.Panel):
         self.layout.prop(own, "samples")
         self.layout.prop(own, "passes")
         self.layout.prop(own, "render_folder")
-        start = self.layout.row()
-        start.enabled = not session.is_running
+        start = _when_idle(self.layout.row())
         start.operator("chord.render", icon="RENDER_STILL")
         self.layout.prop(own, "farm_folder")
-        start = self.layout.row()
-        start.enabled = not session.is_running
+        start = _when_idle(self.layout.row())
         start.operator("chord.write_farm_job", icon="NETWORK_DRIVE")
 
 
@@ -182,9 +174,14 @@ class ChordLibraryPanel(_Part, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Where it goes, and the button that builds it."""
         self.layout.prop(fields(context), "library_folder")
-        start = self.layout.row()
-        start.enabled = not session.is_running
+        start = _when_idle(self.layout.row())
         start.operator("chord.build_library", icon="ASSET_MANAGER")
+
+
+def _when_idle(part: bpy.types.UILayout) -> bpy.types.UILayout:
+    """A part of the layout that is grey while a job runs."""
+    part.enabled = not session.is_running
+    return part
 
 
 def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -251,14 +248,4 @@ PANELS = (
     ChordLibraryPanel,
 )
 
-
-def register() -> None:
-    """Makes the panels known."""
-    for panel in PANELS:
-        bpy.utils.register_class(panel)
-
-
-def unregister() -> None:
-    """Takes them back."""
-    for panel in reversed(PANELS):
-        bpy.utils.unregister_class(panel)
+register, unregister = bpy.utils.register_classes_factory(PANELS)

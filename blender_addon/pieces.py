@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from .core import commands, report, swaps
-from .core.edits import Changes, Edit, Size, Swap, with_look
+from .core.edits import Changes, Edit, Size, Swap, size_of, with_look
 from .core.layer import edits_file
 from .house import (
     CATEGORY_KEY,
@@ -150,7 +150,7 @@ class ChordSwap(JobOperator, bpy.types.Operator):
         usd = swaps.bring_model(chosen.usd, house)
         slot = _slot(objects[own.swap_path], changes, own.swap_path)
         swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path))
-        return rebuild(context, _with_swap(context, changes, swap, chosen.size_m))
+        return rebuild(house, changes, _with_swap(context, changes, swap, chosen.size_m))
 
 
 class ChordChooseLook(JobOperator, bpy.types.Operator):
@@ -165,8 +165,9 @@ class ChordChooseLook(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the choice, and brings the house in again."""
-        _, changes = save_changes(context)
-        return rebuild(context, with_look(changes, self.path, self.variant_set, self.variant))
+        house, changes = save_changes(context)
+        after = with_look(changes, self.path, self.variant_set, self.variant)
+        return rebuild(house, changes, after)
 
 
 class ChordShuffleLooks(JobOperator, bpy.types.Operator):
@@ -178,12 +179,13 @@ class ChordShuffleLooks(JobOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the choices, and brings the house in again."""
         room = f"/House/Rooms/{chosen_room(context)}"
-        _, changes = save_changes(context)
+        house, before = save_changes(context)
+        after = before
         for look in report.looks(parsed(fields(context).contents)):
             if look.path == room:
                 others = [variant for variant in look.offered if variant != look.chosen]
-                changes = with_look(changes, room, look.variant_set, random.choice(others))
-        return rebuild(context, changes)
+                after = with_look(after, room, look.variant_set, random.choice(others))
+        return rebuild(house, before, after)
 
 
 class ChordFrameRoom(bpy.types.Operator):
@@ -233,8 +235,7 @@ def _slot(item: bpy.types.Object, changes: Changes, path: str) -> Size:
     """What a model may fill here: the size of the piece that the house itself has."""
     if path in changes.swaps:
         return changes.swaps[path].slot_m
-    length, width, height = (float(side) for side in item[SIZE_KEY])
-    return length, width, height
+    return size_of(item[SIZE_KEY])
 
 
 def _colour(context: bpy.types.Context, path: str) -> str:
@@ -274,14 +275,4 @@ _CLASSES = (
     ChordShowFinding,
 )
 
-
-def register() -> None:
-    """Makes the classes known."""
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    """Takes them back."""
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -63,14 +63,4 @@ def preferences(context: bpy.types.Context) -> ChordPreferences:
 
 _CLASSES = (ChordPreferences, ChordCheckProgram)
 
-
-def register() -> None:
-    """Makes the classes known."""
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    """Takes them back."""
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -8,6 +8,7 @@ from typing import Any
 
 import bpy
 
+from .core.commands import MAX_STEPS, PASSES
 from .core.tree import is_ceiling
 
 SCENE_KEY = "chord_usd"
@@ -17,14 +18,6 @@ PATH_KEY = "chord_usd_path"
 """Custom property of objects and collections: their USD path."""
 
 MAX_SEED = 2**31 - 1
-
-PASSES = (
-    ("rgb", "Picture", "What a camera sees"),
-    ("depth", "Depth", "Metres from the camera"),
-    ("normal", "Normals", "Directions of surfaces"),
-    ("instance", "Instances", "Which piece a pixel shows"),
-    ("semantic", "Categories", "Of which category a pixel is"),
-)
 
 
 def _show_light(room: ChordRoom, context: bpy.types.Context) -> None:
@@ -81,7 +74,10 @@ class ChordScene(bpy.types.PropertyGroup):
     style: bpy.props.StringProperty(name="Style")  # type: ignore[valid-type]
     seed: bpy.props.IntProperty(name="Seed", min=0, max=MAX_SEED)  # type: ignore[valid-type]
     steps: bpy.props.IntProperty(  # type: ignore[valid-type]
-        name="Steps", description="Sampler steps; 0: as many as the model likes", min=0, max=1000
+        name="Steps",
+        description="Sampler steps; 0: as many as the model likes",
+        min=0,
+        max=MAX_STEPS,
     )
     tabletop: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Lay tables", description="Put things on tables, desks and worktops", default=True
@@ -115,7 +111,10 @@ class ChordScene(bpy.types.PropertyGroup):
     )
     samples: bpy.props.IntProperty(name="Samples", default=128, min=1)  # type: ignore[valid-type]
     passes: bpy.props.EnumProperty(  # type: ignore[valid-type]
-        name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"rgb"}
+        name="Passes",
+        items=[(name, *told) for name, told in PASSES.items()],
+        options={"ENUM_FLAG"},
+        default={"rgb"},
     )
     render_folder: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Pictures", default="//pictures", subtype="DIR_PATH"
@@ -155,18 +154,16 @@ def show_ceilings(context: bpy.types.Context) -> None:
             item.hide_set(hidden)
 
 
-_CLASSES = (ChordRoom, ChordFinding, ChordScene)
+_register, _unregister = bpy.utils.register_classes_factory((ChordRoom, ChordFinding, ChordScene))
 
 
 def register() -> None:
     """Makes the classes known and hangs the fields on scenes."""
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     setattr(bpy.types.Scene, SCENE_KEY, bpy.props.PointerProperty(type=ChordScene))
 
 
 def unregister() -> None:
     """Takes them back."""
     delattr(bpy.types.Scene, SCENE_KEY)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister()

@@ -24,8 +24,14 @@ MAX_STEPS = 1000
 HOUSE = "house.usda"
 """Name of a new house, in a folder of its own."""
 
-PASSES = ("rgb", "depth", "normal", "instance", "semantic")
-"""As chord-usd render has them."""
+PASSES = {
+    "rgb": ("Picture", "What a camera sees"),
+    "depth": ("Depth", "Metres from the camera"),
+    "normal": ("Normals", "Directions of surfaces"),
+    "instance": ("Instances", "Which piece a pixel shows"),
+    "semantic": ("Categories", "Of which category a pixel is"),
+}
+"""As chord-usd render has them: the label of each, and what it shows."""
 
 MODELS_SHOWN = 8
 """How many models are offered for a swap."""
@@ -114,12 +120,12 @@ def regenerate(
 
 def describe(house: Path) -> list[str]:
     """Arguments that list what the house holds, with its changes. Raises InputError."""
-    return ["describe", str(opened_file(_existing(house))), *_REPORT]
+    return ["describe", _seen(house), *_REPORT]
 
 
 def check(house: Path) -> list[str]:
     """Arguments that certify the house with its changes. Raises InputError."""
-    return ["check", str(opened_file(_existing(house))), *_REPORT]
+    return ["check", _seen(house), *_REPORT]
 
 
 def nearest(category: str, size_m: Size, pictures: Path, assets: str = "") -> list[str]:
@@ -146,15 +152,13 @@ def build_assets(folder: Path) -> list[str]:
 
 def render(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
     """Arguments that render the house with its changes. Raises InputError."""
-    stage = str(opened_file(_existing(house)))
-    return ["render", stage, "-o", str(folder), *_pictures(settings), *_REPORT]
+    return ["render", _seen(house), "-o", str(folder), *_pictures(settings), *_REPORT]
 
 
 def farm(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
     """Arguments that write the same pictures as a job for render farms. Raises InputError."""
-    stage = str(opened_file(_existing(house)))
     tiles = max(1, round(settings.resolution[1] / FARM_TILE_PX))
-    words = ["farm", "bundle", stage, "-o", str(folder), "--tiles", str(tiles)]
+    words = ["farm", "bundle", _seen(house), "-o", str(folder), "--tiles", str(tiles)]
     return [*words, *_pictures(settings), *_REPORT]
 
 
@@ -221,6 +225,11 @@ def _assets(folder: str) -> list[str]:
     if not path.is_dir():
         raise InputError(f"The assets folder {path} is not there.")
     return ["--assets", str(path)]
+
+
+def _seen(house: Path) -> str:
+    """The file of a house with its changes."""
+    return str(opened_file(_existing(house)))
 
 
 def _existing(house: Path) -> Path:

@@ -9,6 +9,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+from .tree import is_placed, room_of
+
 Matrix = tuple[tuple[float, ...], ...]
 """Four rows of four, acting on columns, as Blender writes them; metres."""
 
@@ -109,11 +111,11 @@ def placements_of_house(seen: Mapping[str, Matrix], changes: Changes) -> dict[st
 
 def without_room(changes: Changes, room: str) -> Changes:
     """The changes after a room was furnished anew: there, only locked pieces keep theirs."""
-    inside = f"/Rooms/{room}/Furniture/"
 
     def stays(path: str) -> bool:
         own = [path, *_above(path)]
-        return inside not in path or any(locked in own for locked in changes.locked)
+        is_meant = is_placed(path) and room_of(path) == room
+        return not is_meant or any(locked in own for locked in changes.locked)
 
     return replace(
         changes,
@@ -124,10 +126,9 @@ def without_room(changes: Changes, room: str) -> Changes:
 
 def as_it_was(changes: Changes, room: str) -> Changes:
     """The changes without any in this room."""
-    own = f"/Rooms/{room}"
 
     def others(entries: Mapping[str, Any]) -> dict[str, Any]:
-        return {p: e for p, e in entries.items() if f"{own}/" not in p and not p.endswith(own)}
+        return {p: e for p, e in entries.items() if not room or room_of(p) != room}
 
     return replace(
         changes,
@@ -200,6 +201,12 @@ def understood(data: Mapping[str, Any]) -> Changes:
     )
 
 
+def size_of(sides: Iterable[Any]) -> Size:
+    """A size from its three sides. Raises ValueError or TypeError for anything else."""
+    length, width, height = map(float, sides)
+    return length, width, height
+
+
 def same(a: Matrix, b: Matrix) -> bool:
     """Whether two placements are one."""
     pairs = zip((x for row in a for x in row), (x for row in b for x in row), strict=True)
@@ -222,12 +229,12 @@ def _edit(entry: Mapping[str, Any]) -> Edit:
 
 
 def _swap(entry: Mapping[str, Any]) -> Swap:
-    slot, offset, size = (tuple(map(float, entry[k])) for k in ("slot_m", "offset_m", "size_m"))
+    x, y = map(float, entry["offset_m"])
     return Swap(
         usd=str(entry["usd"]),
-        slot_m=(slot[0], slot[1], slot[2]),
-        offset_m=(offset[0], offset[1]),
-        size_m=(size[0], size[1], size[2]),
+        slot_m=size_of(entry["slot_m"]),
+        offset_m=(x, y),
+        size_m=size_of(entry["size_m"]),
         looks=dict(entry["looks"]),
     )
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .edits import Matrix, Size, Swap
+from .edits import Matrix, Size, Swap, size_of
 
 COLOUR = "colour"
 """The variant set of the models' colours."""
@@ -49,8 +49,8 @@ def candidates(report: Mapping[str, Any]) -> list[Candidate]:
             Candidate(
                 id=str(asset["id"]),
                 usd=Path(asset["usd"]),
-                size_m=_size(asset["size_m"]),
-                fits_m=_size(fits["size_m"]),
+                size_m=size_of(asset["size_m"]),
+                fits_m=size_of(fits["size_m"]),
                 offset_m=(float(fits["center_m"][0]), float(fits["center_m"][1])),
                 colours=tuple(asset.get("looks", {}).get(COLOUR, ())),
                 picture=Path(asset["picture"]) if asset.get("picture") else None,
@@ -119,8 +119,3 @@ def _turn(matrix: Matrix) -> list[list[float]]:
     """The rotation of a placement, without its scale."""
     lengths = [math.sqrt(sum(matrix[row][col] ** 2 for row in range(3))) for col in range(3)]
     return [[matrix[row][col] / (lengths[col] or 1.0) for col in range(3)] for row in range(3)]
-
-
-def _size(sides: Any) -> Size:
-    length, width, height = (float(side) for side in sides)
-    return length, width, height

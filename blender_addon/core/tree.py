@@ -75,26 +75,22 @@ def _place(house: Branch, parts: list[str]) -> Branch:
 
 def room_names(paths: Iterable[str]) -> list[str]:
     """The rooms of a house, in the order of the stage."""
-    parts = (path.split("/")[1:] for path in paths)
-    return list(dict.fromkeys(p[2] for p in parts if len(p) > 2 and p[1] == ROOMS))
+    return list(dict.fromkeys(room for path in paths if (room := room_of(path))))
 
 
 def is_piece(path: str) -> bool:
     """Whether this is a piece that stands in a room: what is moved and removed as a whole."""
-    parts = path.split("/")[1:]
-    return len(parts) == 5 and parts[1] == ROOMS and parts[3] == FURNITURE
+    return is_placed(path) and path.count("/") == 5
 
 
 def is_placed(path: str) -> bool:
     """Whether this is a piece, a part of one, or what stands on it: placements to look after."""
-    parts = path.split("/")[1:]
-    return len(parts) >= 5 and parts[1] == ROOMS and parts[3] == FURNITURE
+    return _group_of(path) == FURNITURE
 
 
 def is_light(path: str) -> bool:
     """Whether this is a lamp of a room."""
-    parts = path.split("/")[1:]
-    return len(parts) >= 5 and parts[1] == ROOMS and parts[3] == LIGHTS
+    return _group_of(path) == LIGHTS
 
 
 def room_of(path: str) -> str:
@@ -106,6 +102,12 @@ def room_of(path: str) -> str:
 def piece_of(path: str) -> str:
     """The path of the piece that this is a part of, or stands on; empty where there is none."""
     return "/".join(path.split("/")[:6]) if is_placed(path) else ""
+
+
+def _group_of(path: str) -> str:
+    """The group of its room that something is in, such as Furniture; empty where it is in none."""
+    parts = path.split("/")[1:]
+    return parts[3] if len(parts) > 4 and parts[1] == ROOMS else ""
 
 
 def is_ceiling(path: str) -> bool:
