@@ -33,7 +33,7 @@ import numpy as np
 from shapely import LinearRing, LineString, Point, Polygon
 
 from chord_usd import palette
-from chord_usd.errors import ChordError, PlanError, SceneError
+from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
 from chord_usd.files import write_atomic
 from chord_usd.geometry import footprint_polygon, room_polygon, rooms_beside
 from chord_usd.json_elements import Element, Names
@@ -117,8 +117,7 @@ def _load(path: Path, error: type[ChordError]) -> object:
         text = path.read_bytes().decode("utf-8-sig")
         return json.loads(text)
     except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise error(f"cannot be read ({reason})", where=str(path)) from problem
+        raise error(f"cannot be read ({reason_of(problem)})", where=str(path)) from problem
     except UnicodeDecodeError as problem:
         raise error("is not text", where=str(path), expected="CHOrD JSON in UTF-8") from problem
     except json.JSONDecodeError as problem:

@@ -58,3 +58,8 @@ class DiskFullError(OutputError):
 
 class MissingExtraError(ChordError):
     """An optional package is not installed; the message names the extra to install."""
+
+
+def reason_of(error: OSError) -> str:
+    """Why the system refused, to stand inside a sentence: "permission denied"."""
+    return (error.strerror or str(error)).lower()

@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from chord_usd.errors import ChordError, DiskFullError, OutputError
+from chord_usd.errors import ChordError, DiskFullError, OutputError, reason_of
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 _NEARLY_FULL_BYTES = 16 * 2**20
@@ -199,9 +199,8 @@ _FREE_SPACE = "free some space, or write to another disk"
 def _output_error(error: OSError, target: Path) -> OutputError:
     if error.errno in _FULL_DISK:
         return DiskFullError("the disk is full", where=str(target), try_=_FREE_SPACE)
-    reason = (error.strerror or str(error)).lower()
     return OutputError(
-        f"cannot be written ({reason})",
+        f"cannot be written ({reason_of(error)})",
         where=str(target),
         expected="a path in a writable folder",
         try_="another -o path",

@@ -109,8 +109,13 @@ def usable_cores() -> int:
     """
     affinity = getattr(os, "sched_getaffinity", None)
     cores = len(affinity(0)) if affinity else os.cpu_count() or 1
+    return min(cores, granted_threads() or cores)
+
+
+def granted_threads() -> int | None:
+    """How many threads OMP_NUM_THREADS grants; None where it says nothing of use."""
     limit = os.environ.get(THREADS_VARIABLE, "")
-    return min(cores, int(limit)) if limit.isdigit() and int(limit) else cores
+    return int(limit) or None if limit.isdigit() else None
 
 
 def _initializers(weights: Mapping[str, npt.NDArray[Any]]) -> tuple[Sequence[str], Sequence[Any]]:

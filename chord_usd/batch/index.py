@@ -30,6 +30,11 @@ FIGURES = (
 )  # fmt: skip
 """Of a house, out of its record."""
 
+_COLUMNS = (
+    "kind", "status", "house", "camera", "plan", "seed", "path", "files", "sha256", "why", "seconds"
+)  # fmt: skip
+"""Of every row, in this order."""
+
 _MEASURES = ("m_per_px", "walkable", "reachable_rooms", "por", "piou")
 _TEXTS = ("kind", "status", "house", "camera", "plan", "path", "why")
 _LISTS = ("files", "sha256")
@@ -106,20 +111,18 @@ def _house_row(name: str, record: Record) -> dict[str, Any]:
     told = record.told
     shared = tuple(f"{kind}/" for kind in SHARED_FOLDERS)
     files = {k: digest for k, digest in record.files.items() if not k.startswith(shared)}
-    return {
-        "kind": "house",
-        "status": "done",
-        "house": name,
-        "camera": None,
-        "plan": told["plan"],
-        "seed": told["seed"],
-        "path": f"{name}/{STAGE_FILE}",
-        "files": [f"{name}/{file}" for file in files],
-        "sha256": list(files.values()),
-        "why": None,
-        "seconds": round(sum(told["seconds"].values()), 3),
+    return _row(
+        kind="house",
+        status="done",
+        house=name,
+        plan=told["plan"],
+        seed=told["seed"],
+        path=f"{name}/{STAGE_FILE}",
+        files=[f"{name}/{file}" for file in files],
+        sha256=list(files.values()),
+        seconds=round(sum(told["seconds"].values()), 3),
         **{key: told[key] for key in FIGURES},
-    }
+    )
 
 
 def _picture_rows(house: Path, made: Record) -> Iterator[dict[str, Any]]:
@@ -133,33 +136,33 @@ def _picture_rows(house: Path, made: Record) -> Iterator[dict[str, Any]]:
         sidecar = f"{house.name}/{PICTURES_FOLDER}/{camera}.json"
         if len(files) == 1:  # coco.json speaks of all cameras
             continue
-        yield {
-            "kind": "picture",
-            "status": "done",
-            "house": house.name,
-            "camera": camera,
-            "plan": made.told["plan"],
-            "seed": made.told["seed"],
-            "path": next((file for file in files if file.endswith(f"/{camera}.png")), sidecar),
-            "files": list(files),
-            "sha256": list(files.values()),
-            "why": None,
-            "seconds": None,
-        }
+        yield _row(
+            kind="picture",
+            status="done",
+            house=house.name,
+            camera=camera,
+            plan=made.told["plan"],
+            seed=made.told["seed"],
+            path=next((file for file in files if file.endswith(f"/{camera}.png")), sidecar),
+            files=list(files),
+            sha256=list(files.values()),
+        )
 
 
 def _failed_row(result: Result) -> dict[str, Any]:
     unit = result.unit
-    return {
-        "kind": "house",
-        "status": "failed",
-        "house": unit.name,
-        "camera": None,
-        "plan": unit.source,
-        "seed": unit.seed,
-        "path": None,
-        "files": [],
-        "sha256": [],
-        "why": result.why,
-        "seconds": None,
-    } | ({"detail": result.detail} if result.detail else {})
+    return _row(
+        kind="house",
+        status="failed",
+        house=unit.name,
+        plan=unit.source,
+        seed=unit.seed,
+        files=[],
+        sha256=[],
+        why=result.why,
+        **({"detail": result.detail} if result.detail else {}),
+    )
+
+
+def _row(**known: Any) -> dict[str, Any]:
+    return {**dict.fromkeys(_COLUMNS), **known}

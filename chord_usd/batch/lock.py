@@ -9,7 +9,7 @@ import socket
 from collections.abc import Iterator
 from pathlib import Path
 
-from chord_usd.errors import OutputError
+from chord_usd.errors import OutputError, reason_of
 
 LOCK_FILE = ".batch.lock"
 
@@ -57,7 +57,7 @@ def _open(path: Path) -> int:
         return os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
         raise OutputError(
-            f"cannot be written to ({(error.strerror or str(error)).lower()})",
+            f"cannot be written to ({reason_of(error)})",
             where=str(path.parent),
             expected="a folder for houses",
             try_="another -o",

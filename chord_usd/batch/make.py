@@ -45,14 +45,15 @@ class Maker:
 
     def __init__(self, order: Order) -> None:
         self._order = order
+        self._digests = Digests()
 
     def __call__(self, unit: Unit) -> None:
         """As Make."""
         house = self._order.folder / unit.name
-        if not finished(house / HOUSE_RECORD, unit.recipe, Digests()):
+        if not finished(house / HOUSE_RECORD, unit.recipe, self._digests):
             self._furnish(unit, house)
         if self._order.renders:
-            _render(house, self._order.renders)
+            _render(house, self._order.renders, self._digests)
 
     @cached_property
     def _models(self) -> Models:
@@ -84,19 +85,19 @@ class Maker:
                 keep_pictures(target, folder, PICTURES_FOLDER)
 
 
-def pictures_recipe(house: Path, options: RenderOptions) -> Mapping[str, Any]:
+def pictures_recipe(house: Path, options: RenderOptions, digests: Digests) -> Mapping[str, Any]:
     """All that decides the pictures of a house that is there."""
-    made = options.made(hash_file(house / STAGE_FILE))
+    made = options.made(digests.of(house / STAGE_FILE))
     return {**made, "cameras": options.cameras, "walkthrough": options.walkthrough}
 
 
-def _render(house: Path, options: RenderOptions) -> None:
+def _render(house: Path, options: RenderOptions, digests: Digests) -> None:
     """Take the pictures that are not there; those of a camera appear together."""
     from chord_usd.image.render import render_stage
 
-    recipe = pictures_recipe(house, options)
+    recipe = pictures_recipe(house, options, digests)
     record = house / PICTURES_RECORD
-    if finished(record, recipe, Digests()):
+    if finished(record, recipe, digests):
         return
     watch = Stopwatch()
     with watch.step("render"):

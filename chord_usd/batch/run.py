@@ -22,7 +22,7 @@ from chord_usd.batch.records import (
 )
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.units import Order, Unit
-from chord_usd.errors import OutputError
+from chord_usd.errors import OutputError, reason_of
 from chord_usd.progress import Progress, Stopwatch
 
 
@@ -94,7 +94,7 @@ def find_due(
         house = order.folder / unit.name
         record = finished(house / HOUSE_RECORD, unit.recipe, digests)
         if record and order.renders:
-            recipe = pictures_recipe(house, order.renders)
+            recipe = pictures_recipe(house, order.renders, digests)
             record = finished(house / PICTURES_RECORD, recipe, digests)
         if not record:
             due.append(unit)
@@ -154,7 +154,7 @@ def _make_folder(folder: Path) -> bool:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(
-            f"cannot be made ({(error.strerror or str(error)).lower()})",
+            f"cannot be made ({reason_of(error)})",
             where=str(folder),
             expected="a folder for houses",
             try_="another -o",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import bpy
+
+from chord_usd.networks import granted_threads
 
 GPU_BACKENDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 """In the order they are tried."""
@@ -17,9 +18,9 @@ class DeviceMissingError(Exception):
 
 def share_processor(scene: Any) -> None:
     """Take no more cores than OMP_NUM_THREADS grants, where several renders share a machine."""
-    limit = os.environ.get("OMP_NUM_THREADS", "")
-    if limit.isdigit() and int(limit):
-        scene.render.threads_mode, scene.render.threads = "FIXED", int(limit)
+    granted = granted_threads()
+    if granted:
+        scene.render.threads_mode, scene.render.threads = "FIXED", granted
 
 
 def choose_device(scene: Any, wanted: str) -> str:
