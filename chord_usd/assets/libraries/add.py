@@ -7,7 +7,7 @@ from pathlib import Path
 
 from chord_usd.assets.database import INDEX_NAME, read_index, write_index
 from chord_usd.assets.libraries.convert import convert, identifier
-from chord_usd.assets.libraries.models import Model, Refused, numbered
+from chord_usd.assets.libraries.models import Model, Refused, free_name
 from chord_usd.assets.libraries.readers import open_library
 from chord_usd.errors import AssetError
 from chord_usd.progress import Progress
@@ -44,14 +44,15 @@ def add_library(
     for done, model in enumerate(models):
         if progress is not None:
             progress(done, len(models))
-        name = next(numbered(identifier(model.id), taken))
+        wanted = identifier(model.id)
+        name = free_name(wanted, taken)
         try:
             with library.opened(model) as mesh:
                 made = convert(model, mesh, name, folder, most_triangles)
         except AssetError as error:
             added.refused.append(Refused(model.id, _why(error)))
             continue
-        if name != identifier(model.id):
+        if name != wanted:
             added.warnings.append(f"{model.id}: this id was there already; it is called {name}")
         taken.add(name)
         added.assets.append(made.asset)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 
 from chord_usd.errors import AssetError
@@ -46,14 +47,19 @@ def checked_archive(path: Path) -> zipfile.ZipFile:
     return archive
 
 
-def unpack_folder(archive: zipfile.ZipFile, folder: str, target: Path) -> None:
-    """Write the files of one folder of the archive ("" is its root, without what is below)."""
+def files_by_folder(archive: zipfile.ZipFile) -> dict[str, list[zipfile.ZipInfo]]:
+    """The files of an archive by the folder that they lie in; "." is its root."""
+    folders: dict[str, list[zipfile.ZipInfo]] = {}
     for entry in archive.infolist():
-        if entry.is_dir():
-            continue
-        inside = PurePosixPath(entry.filename)
-        if str(inside.parent) == (folder or "."):
-            (target / inside.name).write_bytes(archive.read(entry))
+        if not entry.is_dir():
+            folders.setdefault(str(PurePosixPath(entry.filename).parent), []).append(entry)
+    return folders
+
+
+def unpack(archive: zipfile.ZipFile, entries: Iterable[zipfile.ZipInfo], target: Path) -> None:
+    """Write entries of an archive, side by side."""
+    for entry in entries:
+        (target / PurePosixPath(entry.filename).name).write_bytes(archive.read(entry))
 
 
 def _refuse_escape(name: str, path: Path) -> None:

@@ -59,7 +59,7 @@ _LEAST_LIKENESS = 0.72
 def known_category(*words: str) -> str | None:
     """The category that the first of these texts names, in our words or in everyday ones."""
     for text in words:
-        plain = re.sub(r"[\s_]+", " ", text).strip().lower()
+        plain = _plain(text)
         if plain.replace(" ", "_") in _NAMES:
             return plain.replace(" ", "_")
         for name, pattern in _WORDS:
@@ -70,13 +70,18 @@ def known_category(*words: str) -> str | None:
 
 def nearest_category(text: str) -> str | None:
     """The category whose name is spelled most alike; None where none is much alike."""
-    plain = re.sub(r"[\s_]+", " ", text).strip().lower()
+    plain = _plain(text)
     likeness = {
         name: SequenceMatcher(None, plain, CATEGORIES[name].label.lower()).ratio()
         for name in _NAMES
     }
     best = max(likeness, key=lambda name: likeness[name])
     return best if likeness[best] >= _LEAST_LIKENESS else None
+
+
+def _plain(text: str) -> str:
+    """Small letters, with single blanks between words."""
+    return re.sub(r"[\s_]+", " ", text).strip().lower()
 
 
 _NAMES = frozenset(row.name for row in (*HOUSE_CATEGORIES, *TABLE_CATEGORIES))

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from chord_usd.assets.component import ComponentInfo, write_component
+from chord_usd.assets.database import SizeM
 from chord_usd.assets.finishes import Finish
 from chord_usd.assets.libraries.categories import known_category, nearest_category
 from chord_usd.assets.libraries.meshes import Mesh, Sheet, read_mesh
-from chord_usd.assets.libraries.models import Model, SizeM
+from chord_usd.assets.libraries.models import UNITS_M, Model
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import Solid
 from chord_usd.errors import AssetError
@@ -25,7 +26,6 @@ MOST_PARTS = 24
 """Materials of one model; further ones are dressed as the last of them."""
 
 TEXTURE_PX = 1024
-_UNITS_M = (1.0, 0.01, 0.001, 0.0254, 0.3048)
 _BELIEVABLE = 1.8
 """A piece up to this much smaller or larger than the palette's range is taken as it is."""
 
@@ -119,7 +119,8 @@ def _size_m(
             raise _unbelievable(np.array(model.size_m), kind)
         return model.size_m
     said = model.unit_m or mesh.unit_m
-    units = (said,) if model.unit_m else ((said, *_UNITS_M) if said else _UNITS_M)
+    usual = UNITS_M.values()
+    units = (said,) if model.unit_m else ((said, *usual) if said else tuple(usual))
     for unit_m in units:
         if unit_m and _is_believable(span * unit_m, kind):
             if said and unit_m != said:

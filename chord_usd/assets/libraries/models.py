@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 from typing import Protocol
 
-SizeM = tuple[float, float, float]
+from chord_usd.assets.database import SizeM
 
 Axis = str
 """One of +x, -x, +y, -y, +z, -z."""
 AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
+
+UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+"""What models are measured in, the likeliest first."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +47,6 @@ class Model:
 class Library(Protocol):
     """A folder or archive with models."""
 
-    name: str
-
     def models(self) -> list[Model]:
         """All entries, in the order of the catalogue. Raises AssetError for a damaged one."""
 
@@ -63,11 +65,7 @@ class Refused:
     why: str
 
 
-def numbered(wanted: str, taken: set[str]) -> Iterator[str]:
-    """wanted, then wanted_2, wanted_3 …, those that are not taken."""
-    number = 1
-    while True:
-        name = wanted if number == 1 else f"{wanted}_{number}"
-        if name not in taken:
-            yield name
-        number += 1
+def free_name(wanted: str, taken: Collection[str]) -> str:
+    """The name wanted, or the first of wanted_2, wanted_3 … that is not taken."""
+    names = (f"{wanted}_{number}" for number in count(2))
+    return next(name for name in chain([wanted], names) if name not in taken)

@@ -8,11 +8,13 @@ import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from chord_usd.assets.libraries.archives import checked_archive, unpack_folder
-from chord_usd.assets.libraries.models import AXES, Library, Model, SizeM
+from chord_usd.assets.database import SizeM
+from chord_usd.assets.libraries.archives import checked_archive, files_by_folder, unpack
+from chord_usd.assets.libraries.models import AXES, UNITS_M, Library, Model
 from chord_usd.errors import AssetError
 
 MANIFESTS = ("manifest.json", "manifest.csv")
@@ -20,7 +22,6 @@ FUTURE_INFO = "model_info.json"
 SWEET_HOME_CATALOGUE = "PluginFurnitureCatalog.properties"
 MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".usd", ".usda", ".usdc", ".usdz")
 
-_UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 _EXAMPLE = '[{"file": "chair.glb", "category": "chair", "licence": "CC-BY-4.0", "author": "…"}]'
 
 
@@ -53,7 +54,6 @@ class ManifestLibrary:
     """
 
     def __init__(self, folder: Path, manifest: Path) -> None:
-        self.name = folder.name
         self._folder, self._manifest = folder, manifest
 
     def models(self) -> list[Model]:
@@ -77,7 +77,7 @@ class ManifestLibrary:
                 category=str(row["category"]),
                 file=_inside(file),
                 size_m=_size_m(row),
-                unit_m=_UNITS_M[str(row["unit"])] if row.get("unit") else None,
+                unit_m=UNITS_M[str(row["unit"])] if row.get("unit") else None,
                 up=_axis(row.get("up")),
                 front=_axis(row.get("front")),
                 label=str(row.get("label") or ""),
@@ -99,8 +99,6 @@ class ManifestLibrary:
 
 class FutureLibrary:
     """3D-FUTURE: a folder per model with raw_model.obj and texture.png; model_info.json beside."""
-
-    name = "3D-FUTURE"
 
     def __init__(self, folder: Path, info: Path) -> None:
         self._folder, self._info = folder, info
@@ -142,25 +140,23 @@ class SweetHomeLibrary:
     """A Sweet Home 3D furniture library: a zip of OBJ meshes, textures and a catalogue."""
 
     def __init__(self, path: Path) -> None:
-        self.name = path.stem
         self._path = path
 
     def models(self) -> list[Model]:
         """The catalogue's furniture, without doors and windows. Raises AssetError."""
-        with checked_archive(self._path) as archive:
-            try:
-                text = archive.read(SWEET_HOME_CATALOGUE).decode("latin-1")
-            except (KeyError, OSError, zipfile.BadZipFile) as error:
-                raise AssetError(
-                    f"the catalogue cannot be read ({error})",
-                    where=str(self._path),
-                    expected=f"{SWEET_HOME_CATALOGUE} inside the archive",
-                ) from None
-        entries = _by_number(read_properties(text))
+        archive = self._archive
+        try:
+            text = archive.read(SWEET_HOME_CATALOGUE).decode("latin-1")
+        except (KeyError, OSError, zipfile.BadZipFile) as error:
+            raise AssetError(
+                f"the catalogue cannot be read ({error})",
+                where=str(self._path),
+                expected=f"{SWEET_HOME_CATALOGUE} inside the archive",
+            ) from None
         library = read_properties(text)
         return [
             self._model(entry, library, number)
-            for number, entry in entries.items()
+            for number, entry in _by_number(library).items()
             if "model" in entry and entry.get("doorOrWindow", "false") != "true"
         ]
 
@@ -175,7 +171,7 @@ class SweetHomeLibrary:
             ) from None
         name = entry.get("name", "")
         return Model(
-            id=entry.get("id", f"{self.name}_{number}").split("#")[-1],
+            id=entry.get("id", f"{self._path.stem}_{number}").split("#")[-1],
             category=f"{name} {entry.get('tags', '')}".strip() or entry.get("category", ""),
             file=_inside(entry["model"].lstrip("/")),
             size_m=(size[0], size[1], size[2]),
@@ -191,10 +187,18 @@ class SweetHomeLibrary:
     def opened(self, model: Model) -> Iterator[Path]:
         """The mesh and what lies beside it in the archive, unpacked for a while."""
         inside = PurePosixPath(model.file)
-        with checked_archive(self._path) as archive, tempfile.TemporaryDirectory() as folder:
-            parent = "" if str(inside.parent) == "." else str(inside.parent)
-            unpack_folder(archive, parent, Path(folder))
+        with tempfile.TemporaryDirectory() as folder:
+            unpack(self._archive, self._folders.get(str(inside.parent), ()), Path(folder))
             yield _existing(Path(folder) / inside.name)
+
+    @cached_property
+    def _archive(self) -> zipfile.ZipFile:
+        """Looked through once: it has thousands of files, and is asked for each of its models."""
+        return checked_archive(self._path)
+
+    @cached_property
+    def _folders(self) -> dict[str, list[zipfile.ZipInfo]]:
+        return files_by_folder(self._archive)
 
 
 def read_properties(text: str) -> dict[str, str]:
