@@ -9,7 +9,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Room
+from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Plan, Room
 from chord_usd.units import rotation_2d
 
 
@@ -84,3 +84,12 @@ def polygons_of(area: BaseGeometry) -> list[Polygon]:
     if isinstance(area, MultiPolygon) or hasattr(area, "geoms"):
         return [part for child in area.geoms for part in polygons_of(child)]
     return []
+
+
+def is_axis_aligned(plan: Plan, tolerance_m: float = 0.005) -> bool:
+    """Whether every wall runs along x or y, to within tolerance_m over its length."""
+    for room in plan.rooms:
+        sides = np.abs(np.roll(room.polygon_m, -1, axis=0) - room.polygon_m)
+        if (sides.min(axis=1) > tolerance_m).any():
+            return False
+    return True

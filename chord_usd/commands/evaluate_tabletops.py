@@ -78,7 +78,7 @@ def _workplace(options: argparse.Namespace) -> Workplace:
     from chord_usd.palette import Level
 
     model = load_layout_model(options, "table")
-    if model.traits.level is not Level.TABLE:
+    if model.config.level != "table":
         raise UsageError(
             "is a model of houses",
             where=str(options.checkpoint),

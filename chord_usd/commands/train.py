@@ -35,13 +35,19 @@ def add(verbs: Verbs) -> None:
     layout.add_argument(
         "--preset", default="default", metavar="NAME", help="default, large or paper (default)"
     )
-    layout.add_argument(
-        "--flats", type=Path, metavar="JSONL", help="real floor plans to furnish beside our own"
-    )
+    _add_flats(layout)
     _add_loop_options(layout)
     table = add_verb(group, "table", run_table, "train the model of what stands on tables")
     _add_training_options(table, minutes=40.0, batch=None)
     _add_loop_options(table)
+    for verb, what, run in (
+        ("text2plan", "from words", run_text2plan),
+        ("outline2plan", "in open plans", run_outline2plan),
+    ):
+        floors = add_verb(group, verb, run, f"train the model that plans floors {what}")
+        _add_training_options(floors, minutes=60.0, batch=None)
+        _add_flats(floors)
+        _add_loop_options(floors)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -69,6 +75,12 @@ def add(verbs: Verbs) -> None:
         default=200,
         metavar="N",
         help="held-out houses to score the result on (200)",
+    )
+
+
+def _add_flats(parser: Parser) -> None:
+    parser.add_argument(
+        "--flats", type=Path, metavar="JSONL", help="real floor plans to learn from beside our own"
     )
 
 
@@ -133,6 +145,29 @@ def run_table(options: argparse.Namespace) -> Outcome:
     trainer = LayoutTrainer(TABLE, config, options.output)
     stream = TableStream(TableStreamConfig(options.seed), TABLE, config.batch)
     return _trained(options, trainer, stream, {})
+
+
+def run_text2plan(options: argparse.Namespace) -> Outcome:
+    """Runs train text2plan."""
+    return _run_floors(options, "text")
+
+
+def run_outline2plan(options: argparse.Namespace) -> Outcome:
+    """Runs train outline2plan."""
+    return _run_floors(options, "outline")
+
+
+def _run_floors(options: argparse.Namespace, condition: str) -> Outcome:
+    from chord_usd.data.flats import read_flats
+    from chord_usd.layout.config import FLOOR
+    from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
+    from chord_usd.training.trainer import FLOOR_TRAINING, LayoutTrainer
+
+    config = _training(options, FLOOR_TRAINING)
+    real = read_flats(options.flats, part="train") if options.flats else []
+    trainer = LayoutTrainer(FLOOR, config, options.output)
+    stream = FloorStream(FloorStreamConfig(options.seed, condition), real, FLOOR, config.batch)
+    return _trained(options, trainer, stream, {"real_plans": len(stream.real_plans)})
 
 
 def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:

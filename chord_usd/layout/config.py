@@ -18,9 +18,9 @@ class LayoutConfig:
     TABLE.
     """
 
-    level: Literal["house", "table"] = "house"
-    """What is laid out: furniture over a plan, or items over the top view of a supporting piece
-    (levels.LEVELS)."""
+    level: Literal["house", "table", "floor"] = "house"
+    """What is laid out: furniture over a plan, items over the top view of a supporting piece, or
+    rooms, walls and openings over an open plan or a blank sheet (levels.LEVELS)."""
     state: Literal["codes", "rgb"] = "codes"
     """What is diffused: one error-correcting code word per category, or the RGB raster itself."""
     condition: Literal["planes", "rgb"] = "planes"
@@ -33,6 +33,11 @@ class LayoutConfig:
     """Width of each U-Net level, finest first."""
     attention: tuple[bool, ...] = (False, False, True, True)
     """Which levels attend over the whole house."""
+    words: int = 0
+    """How many words the network attends to, near its bottleneck (paper, supplementary, "Text-
+    conditioned floor planning"); 0 for none."""
+    word_channels: int = 0
+    """Length of the vector that stands for a word."""
     blocks_per_level: int = 1
     feature_channels: int = 64
     """Width between the U-Net and the 1×1 head."""
@@ -92,6 +97,11 @@ PRESETS: dict[str, LayoutConfig] = {
 }
 """default: two CPU cores; large: a GPU; paper: section 5 of the paper, 3 noise + 3 plan channels
 in, 3 out, DDPM's U-Net and linear schedule at full resolution."""
+
+FLOOR = LayoutConfig(
+    level="floor", attention=(False, False, True, True), words=60, word_channels=448
+)
+"""Floor plans from words, and from open plans: see planning/words.py for what the words are."""
 
 TABLE = LayoutConfig(level="table", default_steps=12)
 """Tabletops: built as the default, so that a layout model of houses can be the start (transfer)."""

@@ -14,7 +14,8 @@ from chord_usd.layout.description import REMEDY, Description, read_description
 from chord_usd.layout.device import choose_device
 from chord_usd.networks import Network, has_graph, load_network
 
-GRAPH_INPUTS = ("state", "time", "pixels", "grid")
+GRAPH_INPUTS = ("state", "time", "pixels", "grid", "words")
+"""The last only where the network attends to words."""
 GRAPH_OUTPUTS = ("output", "clean")
 
 
@@ -28,6 +29,8 @@ class Plans:
     """(B, planes, H / patch, W / patch), or None for the RGB condition."""
     inside: npt.NDArray[np.bool_]
     """(B, 1, H, W) floor; items exist nowhere else."""
+    words: npt.NDArray[np.float32] | None = None
+    """(B, words, channels) for networks that attend to words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +69,9 @@ class OnnxDenoiser:
     ) -> Estimate:
         """As Denoiser. Raises MemoryError where there is not enough."""
         assert plans.grid is not None, "networks of the paper's kind have no graph"
-        inputs = (state, np.array(times, np.int64), plans.pixels, plans.grid)
-        output, clean = self._network.run(dict(zip(GRAPH_INPUTS, inputs, strict=True)))
+        inputs = [state, np.array(times, np.int64), plans.pixels, plans.grid]
+        inputs += [] if plans.words is None else [plans.words]
+        output, clean = self._network.run(dict(zip(GRAPH_INPUTS, inputs, strict=False)))
         return Estimate(output, clean)
 
 

@@ -9,42 +9,59 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from chord_usd import palette
-from chord_usd.layout import condition, table_condition
+from chord_usd import palette, plan_labels
+from chord_usd.layout import condition, floor_condition, table_condition
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.measures import Condition
-from chord_usd.types import ByteArray
+from chord_usd.raster import paint_layout
+from chord_usd.types import BoolArray, ByteArray, PlanImage
 
 Describe = Callable[[ByteArray, float, int], Condition]
 """Picture (H, W, 3), metres per pixel and pixels per grid cell to what the network sees."""
+
+Paint = Callable[[PlanImage, ByteArray, BoolArray], ByteArray]
+"""What is laid out over, labels (H, W) and front marks (H, W) to the picture (H, W, 3) of it."""
 
 
 @dataclass(frozen=True)
 class LevelTraits:
     """What sets one level apart."""
 
-    level: palette.Level
-    """Whose categories are painted."""
     class_count: int
-    """Label 0 is the bare ground, label 1 + detector_class an item."""
+    """Label 0 is the bare ground, label 1 + detector_class an item; at the level of floors labels
+    are those of plan_labels."""
     describe: Describe
+    paint: Paint
     pixel_planes: int
     grid_planes: int
     ground_plane: int
     """Of the pixels: where items can be."""
-    area_plane: int
-    """Of the grid: log(1 + area in m²) / AREA_SCALE of the region a cell belongs to."""
-    usual_area_m2: float
+    area_plane: int | None = None
+    """Of the grid: log(1 + area in m²) / AREA_SCALE of the region a cell belongs to; None where
+    regions do not weigh by their area."""
+    usual_area_m2: float = 1.0
     """A region of this area weighs one per pixel in training."""
-    weighed_area_m2: tuple[float, float]
+    weighed_area_m2: tuple[float, float] = (1.0, 1.0)
     """Smaller and larger regions count as these."""
+    label_weights: tuple[tuple[int, float], ...] = ()
+    """Labels whose pixels weigh more than one in training: there are few of them."""
+    whole: bool = False
+    """Whether the network looks at the whole canvas, and not at what is drawn on it."""
+
+
+def _paint_table(image: PlanImage, labels: ByteArray, front: BoolArray) -> ByteArray:
+    return paint_layout(image, labels, front, palette.Level.TABLE)
+
+
+def _paint_floors(_image: PlanImage, labels: ByteArray, _front: BoolArray) -> ByteArray:
+    return plan_labels.paint_labels(labels)
 
 
 LEVELS: dict[str, LevelTraits] = {
     "house": LevelTraits(
-        level=palette.Level.HOUSE,
         class_count=1 + len(palette.HOUSE_CATEGORIES),
         describe=condition.plan_condition,
+        paint=paint_layout,
         pixel_planes=condition.PIXEL_PLANES,
         grid_planes=condition.GRID_PLANES,
         ground_plane=condition.FLOOR_PLANE,
@@ -53,15 +70,30 @@ LEVELS: dict[str, LevelTraits] = {
         weighed_area_m2=(1.0, 40.0),
     ),
     "table": LevelTraits(
-        level=palette.Level.TABLE,
         class_count=1 + len(palette.TABLE_CATEGORIES),
         describe=table_condition.table_condition,
+        paint=_paint_table,
         pixel_planes=table_condition.PIXEL_PLANES,
         grid_planes=table_condition.GRID_PLANES,
         ground_plane=table_condition.TOP_PLANE,
         area_plane=table_condition.AREA_PLANE,
         usual_area_m2=0.5,
         weighed_area_m2=(0.1, 2.0),
+    ),
+    "floor": LevelTraits(
+        class_count=len(plan_labels.LABEL_NAMES),
+        describe=floor_condition.floor_condition,
+        paint=_paint_floors,
+        pixel_planes=floor_condition.PIXEL_PLANES,
+        grid_planes=floor_condition.GRID_PLANES,
+        ground_plane=floor_condition.GROUND_PLANE,
+        label_weights=(
+            (plan_labels.WALL, 2.0),
+            (plan_labels.DOOR, 4.0),
+            (plan_labels.WINDOW, 3.0),
+            (plan_labels.PASSAGE, 4.0),
+        ),
+        whole=True,
     ),
 }
 

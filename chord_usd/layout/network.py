@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import torch
-from diffusers import UNet2DModel
+from diffusers import UNet2DConditionModel, UNet2DModel
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -33,32 +33,26 @@ class LayoutNetwork(nn.Module):
         width = config.channels[0]
         self.embed_state = nn.Conv2d(_state_channels(config) * fold, width, 1)
         self.embed_plan = nn.Conv2d(_plan_channels(config), width, 1)
-        unet: Any = UNet2DModel(
-            in_channels=2 * width,
-            out_channels=config.feature_channels,
-            block_out_channels=config.channels,
-            layers_per_block=config.blocks_per_level,
-            down_block_types=tuple(
-                "AttnDownBlock2D" if attend else "DownBlock2D" for attend in config.attention
-            ),
-            up_block_types=tuple(
-                "AttnUpBlock2D" if attend else "UpBlock2D" for attend in config.attention[::-1]
-            ),
-            attention_head_dim=32,
-            norm_num_groups=16,
-        )
-        self.unet = unet
+        self.unet = _unet(config)
         self.head = nn.Conv2d(config.feature_channels, _output_channels(config) * fold, 1)
         self.register_buffer(
             "codes", torch.from_numpy(codebook(self.class_count)), persistent=False
         )
 
-    def forward(self, state: Tensor, time: Tensor, pixels: Tensor, grid: Tensor | None) -> Tensor:
+    def forward(
+        self,
+        state: Tensor,
+        time: Tensor,
+        pixels: Tensor,
+        grid: Tensor | None,
+        words: Tensor | None = None,
+    ) -> Tensor:
         """What the network says of a noisy batch.
 
         state: (B, C, H, W) noisy state; time: (B,) training steps in [0, training_steps);
         pixels: (B, pixel planes or 3, H, W) and grid: (B, grid planes, H/patch, W/patch), or None
-        for the RGB condition: the plan or table, as its level describes it. Returns
+        for the RGB condition: the plan or table, as its level describes it; words: (B, words,
+        word_channels) where the network attends to words, all 0 for one that is missing. Returns
         (B, class_count + 1, H, W): category logits, then the front mark's logit; for the RGB state
         the predicted noise, (B, 3, H, W).
         """
@@ -68,7 +62,8 @@ class LayoutNetwork(nn.Module):
             plan = torch.cat([plan, grid], dim=1)
         folded = functional.pixel_unshuffle(state, patch)
         inputs = torch.cat([self.embed_state(folded), self.embed_plan(plan)], dim=1)
-        features = functional.silu(self.unet(inputs, time).sample)
+        said = () if words is None else (words,)
+        features = functional.silu(self.unet(inputs, time, *said).sample)
         return functional.pixel_shuffle(self.head(features), patch)
 
     def encode(self, labels: Tensor, front: Tensor) -> Tensor:
@@ -86,6 +81,28 @@ class LayoutNetwork(nn.Module):
         words = torch.einsum("bkhw,kc->bchw", chances, self.codes)
         front = torch.tanh(output[:, self.class_count :].float() / 2.0)  # 2 sigmoid(z) - 1
         return torch.cat([words, front], dim=1)
+
+
+def _unet(config: LayoutConfig) -> Any:
+    """diffusers' U-Net; where there are words, attending levels attend to them, too."""
+    common: dict[str, Any] = {
+        "in_channels": 2 * config.channels[0],
+        "out_channels": config.feature_channels,
+        "block_out_channels": config.channels,
+        "layers_per_block": config.blocks_per_level,
+        "norm_num_groups": 16,
+    }
+    attending = "CrossAttn{}Block2D" if config.words else "Attn{}Block2D"
+    blocks = [attending if attend else "{}Block2D" for attend in config.attention]
+    common["down_block_types"] = tuple(block.format("Down") for block in blocks)
+    common["up_block_types"] = tuple(block.format("Up") for block in reversed(blocks))
+    if not config.words:
+        return UNet2DModel(**common, attention_head_dim=32)
+    # What this class calls so is the number of heads.
+    heads = tuple(width // 32 for width in config.channels)
+    return UNet2DConditionModel(
+        **common, cross_attention_dim=config.word_channels, attention_head_dim=heads
+    )
 
 
 def _state_channels(config: LayoutConfig) -> int:

@@ -36,6 +36,7 @@ class TorchDenoiser:
                 torch.tensor(times, device=self.device),
                 self._tensor(plans.pixels),
                 None if plans.grid is None else self._tensor(plans.grid),
+                None if plans.words is None else self._tensor(plans.words),
             ).float()
         if self.description.config.state == "rgb":
             return Estimate(output.cpu().numpy(), None)

@@ -27,23 +27,26 @@ def write_layout_graph(folder: Path, network: LayoutNetwork) -> None:
     if has_graph(folder) or config.state != "codes" or config.condition != "planes":
         return
     side, cell, traits = 2 * config.window_multiple_px, config.patch_px, traits_of(config)
-    example = (
+    example = [
         torch.zeros(1, STATE_CHANNELS, side, side),
         torch.zeros(1, dtype=torch.long),
         torch.zeros(1, traits.pixel_planes, side, side),
         torch.zeros(1, traits.grid_planes, side // cell, side // cell),
-    )
+    ]
+    if config.words:
+        example.append(torch.zeros(1, config.words, config.word_channels))
     write_graph(
         folder,
         _Estimating(network),
         stored={f"network.{name}": name for name in network.state_dict()},
-        inputs=dict(zip(GRAPH_INPUTS, example, strict=True)),
+        inputs=dict(zip(GRAPH_INPUTS, example, strict=False)),
         outputs=GRAPH_OUTPUTS,
         free_axes={
             "state": _AXES,
             "time": {0: "batch"},
             "pixels": _AXES,
             "grid": _GRID_AXES,
+            **({"words": {0: "batch"}} if config.words else {}),
             **dict.fromkeys(GRAPH_OUTPUTS, _AXES),
         },
     )
@@ -56,8 +59,6 @@ class _Estimating(nn.Module):
         super().__init__()
         self.network = network
 
-    def forward(
-        self, state: Tensor, time: Tensor, pixels: Tensor, grid: Tensor
-    ) -> tuple[Tensor, Tensor]:
-        output = self.network(state, time, pixels, grid)
+    def forward(self, state: Tensor, time: Tensor, *condition: Tensor) -> tuple[Tensor, Tensor]:
+        output = self.network(state, time, *condition)
         return output, self.network.expected_state(output)

@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 import torch
 
-from chord_usd import raster
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
@@ -30,10 +29,7 @@ def draw_sheet(
     images = [example.image for example in examples]
     steps = min(model.config.default_steps, MOST_STEPS)
     rows = [
-        [
-            raster.paint_layout(example.image, example.labels, example.front, model.traits.level)
-            for example in examples
-        ]
+        [model.traits.paint(example.image, example.labels, example.front) for example in examples]
     ]
     for seed in range(2):
         sampled = model.sample_batch(images, seeds=[seed] * len(images), steps=steps)

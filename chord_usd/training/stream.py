@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, IterableDataset, get_worker_info
@@ -57,6 +58,8 @@ class Drawn:
     """What it lies on."""
     labels: ByteArray
     front: BoolArray
+    words: npt.NDArray[np.float32] | None = None
+    """What is said of it, (words, channels)."""
 
 
 class BatchStream(IterableDataset[Batch]):
@@ -64,7 +67,8 @@ class BatchStream(IterableDataset[Batch]):
 
     A batch holds, for windows of height H and width W around what is drawn, rgb (B, H, W, 3) uint8
     and pixels (B, planes, H, W) uint8 and grid (B, planes, H/patch, W/patch) float32 of the
-    condition, labels (B, H, W) uint8, front (B, H, W) bool and layout (B, H, W, 3) uint8.
+    condition, labels (B, H, W) uint8, front (B, H, W) bool, layout (B, H, W, 3) uint8 and, where
+    something is said of them, words (B, words, channels).
     """
 
     config: SeededConfig
@@ -99,6 +103,9 @@ class BatchStream(IterableDataset[Batch]):
                 yield self._batch(pool[first : first + self.batch])
 
     def _sized(self, drawn: Drawn) -> tuple[WindowSize, Drawn]:
+        if self.traits.whole:
+            height, width = drawn.labels.shape
+            return (height, width), drawn
         return window_size(drawn.image.rgb, self.network.window_multiple_px), drawn
 
     def _batch(self, sized: Sequence[tuple[WindowSize, Drawn]]) -> Batch:
@@ -116,7 +123,7 @@ class BatchStream(IterableDataset[Batch]):
         condition = self.traits.describe(
             image.rgb[window], image.frame.m_per_px, self.network.patch_px
         )
-        layout = raster.paint_layout(image, drawn.labels, drawn.front, self.traits.level)
+        layout = self.traits.paint(image, drawn.labels, drawn.front)
         return {
             "rgb": image.rgb[window],
             "pixels": condition.pixels,
@@ -124,6 +131,7 @@ class BatchStream(IterableDataset[Batch]):
             "labels": drawn.labels[window],
             "front": drawn.front[window],
             "layout": layout[window],
+            **({} if drawn.words is None else {"words": drawn.words}),
         }
 
 

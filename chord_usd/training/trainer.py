@@ -80,6 +80,10 @@ TABLE_TRAINING = TrainingConfig(minutes=40.0, batch=16, learning_rate=4e-4, warm
 """Tabletops are small pictures: more of them a step for the same time."""
 
 
+FLOOR_TRAINING = TrainingConfig(minutes=60.0, batch=8, learning_rate=4e-4, front_weight=0.0)
+"""Floor plans have no fronts."""
+
+
 class LayoutTrainer:
     """Holds what a run must not lose: network, moving average, optimiser, counters."""
 
@@ -101,6 +105,9 @@ class LayoutTrainer:
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
         self.started = time.monotonic()
+        self._label_weights = torch.ones(self.traits.class_count, device=self.device)
+        for label, weight in self.traits.label_weights:
+            self._label_weights[label] = weight
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
@@ -218,7 +225,8 @@ class LayoutTrainer:
         times = torch.randint(0, network.config.training_steps, (len(clean),), device=clean.device)
         noise = torch.randn_like(clean)
         noisy = self.scheduler.add_noise(clean, noise, times)
-        output = network(noisy, times, self._plan_pixels(batch), self._plan_grid(batch))
+        plan = self._plan_pixels(batch), self._plan_grid(batch), batch.get("words")
+        output = network(noisy, times, *plan)
         if network.config.state == "rgb":
             return {"loss": functional.mse_loss(output.float(), noise)}
         return self._category_losses(output, batch)
@@ -243,6 +251,8 @@ class LayoutTrainer:
     def _pixel_weight(self, batch: Batch) -> Tensor:
         """(B, H, W): a bathroom left empty is as bad as a bedroom, at a tenth of its pixels."""
         plane = self.traits.area_plane
+        if plane is None:
+            return self._label_weights[batch["labels"].long()]
         area_m2 = torch.expm1(batch["grid"][:, plane : plane + 1] * AREA_SCALE)
         relative = area_m2.clamp(*self.traits.weighed_area_m2) / self.traits.usual_area_m2
         weight = torch.where(area_m2 > 0, relative**-self.config.area_power, 1.0)

@@ -1,0 +1,129 @@
+"""Floor plans as training batches: on blank sheets with words, or in open plans."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from chord_usd import plan_labels
+from chord_usd.data.augment import Pose, posed
+from chord_usd.data.descriptions import describe
+from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import TEST_SEED, is_test_seed
+from chord_usd.geometry import is_axis_aligned
+from chord_usd.layout.config import LayoutConfig
+from chord_usd.palette import BACKGROUND_RGB
+from chord_usd.planning.encoder import TextEncoder, default_encoder
+from chord_usd.planning.words import condition_words
+from chord_usd.training.stream import BatchStream, Drawn, SeededConfig
+from chord_usd.types import ByteArray, PixelFrame, Plan, PlanImage
+from chord_usd.wish import Wish, floor_area_m2
+
+
+@dataclass(frozen=True)
+class FloorStreamConfig(SeededConfig):
+    """What the stream of floor plans draws from. Shares and chances are in [0, 1]."""
+
+    condition: str = "text"
+    """text: on a blank sheet; outline: in an open plan."""
+    real_share: float = 0.3
+    """Share of real floor plans, where there are any."""
+    text_chance: float = 0.5
+    """Chance that the words of a text are seen, beside the programme that they stand for."""
+    wish_chance: float = 0.5
+    """Chance that a programme is given with an open plan."""
+
+
+class FloorStream(BatchStream):
+    """Floor plans, procedural and real."""
+
+    pool_batches = 1
+    """All of a size."""
+
+    def __init__(
+        self,
+        config: FloorStreamConfig,
+        real_plans: Sequence[Plan],
+        network: LayoutConfig,
+        batch: int,
+    ) -> None:
+        super().__init__(network, batch)
+        self.config: FloorStreamConfig = config
+        self.real_plans = [plan for plan in real_plans if _is_plain(plan)]
+        self._encoder: TextEncoder | None = None
+
+    def draw(self, rng: np.random.Generator) -> Drawn:
+        """One more floor plan, and what is said of it."""
+        while True:
+            drawn = self._drawn(self._plan(rng), rng)
+            if drawn is not None:
+                return drawn
+
+    def held_out(self, count: int) -> list[Drawn]:
+        """The first test plans that fit their sheets."""
+        drawn: list[Drawn] = []
+        seed = TEST_SEED
+        while len(drawn) < count:
+            rng = np.random.default_rng(seed)
+            found = self._drawn(random_plan(rng), rng)
+            drawn += [found] if found else []
+            seed += 1
+        return drawn
+
+    def _plan(self, rng: np.random.Generator) -> Plan:
+        if self.real_plans and rng.random() < self.config.real_share:
+            plan = self.real_plans[int(rng.integers(len(self.real_plans)))]
+            return posed(plan, Pose(bool(rng.integers(2)), 1.0, 90.0 * int(rng.integers(4))))
+        seed = int(rng.integers(2**40))
+        while is_test_seed(seed):
+            seed = int(rng.integers(2**40))
+        return random_plan(np.random.default_rng(seed))
+
+    def _drawn(self, plan: Plan, rng: np.random.Generator) -> Drawn | None:
+        """The plan on its sheet; None where it does not fit, or cannot be said in words."""
+        if self.config.condition == "text" and not is_axis_aligned(plan):
+            return None
+        scale = self._scale(plan)
+        if scale is None:
+            return None
+        frame = plan_labels.label_frame(plan, scale)
+        labels = plan_labels.label_plan(plan, frame)
+        sheet = blank_sheet(frame)
+        if self.config.condition == "outline":
+            shell = plan_labels.open_plan(labels, scale)
+            sheet = PlanImage(plan_labels.paint_labels(shell), frame)
+        return Drawn(sheet, labels, np.zeros(labels.shape, bool), self._words(plan, rng))
+
+    def _scale(self, plan: Plan) -> float | None:
+        points = np.concatenate([room.polygon_m for room in plan.rooms])
+        extent_m = float(np.ptp(points, axis=0).max()) + 2 * plan_labels.WALL_THICKNESS_M
+        finest = plan_labels.fitting_scale(extent_m)
+        if self.config.condition == "outline" or finest is None:
+            return finest
+        scale = plan_labels.scale_for_area(floor_area_m2(plan))
+        return scale if scale >= finest else None
+
+    def _words(self, plan: Plan, rng: np.random.Generator) -> np.ndarray:
+        said = describe(plan, rng)
+        if self.config.condition == "outline":
+            # Its walls say how large it is.
+            wish = replace(said.wish, area_m2=None)
+            return condition_words(wish if rng.random() < self.config.wish_chance else Wish())
+        if rng.random() >= self.config.text_chance:
+            return condition_words(said.wish)
+        self._encoder = self._encoder or default_encoder()
+        return condition_words(said.wish, self._encoder.encode([said.text])[0])
+
+
+def blank_sheet(frame: PixelFrame) -> PlanImage:
+    """A sheet with nothing on it."""
+    rgb: ByteArray = np.full((frame.height_px, frame.height_px, 3), BACKGROUND_RGB, np.uint8)
+    return PlanImage(rgb, frame)
+
+
+def _is_plain(plan: Plan) -> bool:
+    """Whether every room's kind is known and the house can be entered."""
+    doors = [opening for opening in plan.openings if opening.kind == "door"]
+    return bool(doors) and all(room.kind != "unknown" for room in plan.rooms)
