@@ -30,6 +30,13 @@ ROOM_KINDS: tuple[RoomKind, ...] = RoomKind.__args__  # type: ignore[attr-define
 
 OpeningKind = Literal["door", "window", "passage"]
 
+BASE_AND_HEIGHT_M: dict[OpeningKind, tuple[float, float]] = {
+    "door": (0.0, 2.1),
+    "window": (0.9, 1.5),
+    "passage": (0.0, 2.3),
+}
+"""Heights of a hole's lower edge and of the hole itself, where a raster does not show them."""
+
 WALL_THICKNESS_M = 0.24
 """Every wall of a plan raster is this thick, which is what gives the raster its scale (paper)."""
 

@@ -12,8 +12,7 @@ from chord_usd import raster
 from chord_usd.data.houses import random_plan
 from chord_usd.geometry import footprint, footprint_polygon, polygons_of, room_polygon
 from chord_usd.plan.decode import decode_plan
-from chord_usd.plan.openings import BASE_AND_HEIGHT_M
-from chord_usd.types import Opening, Plan, RoomKind
+from chord_usd.types import BASE_AND_HEIGHT_M, Opening, Plan, RoomKind
 
 HALF_PX = 0.5
 SLANTED_PX = 0.8

@@ -1,6 +1,6 @@
 """Plan raster -> Plan, to within half a pixel of what was drawn.
 
-What a raster cannot show is filled in: heights of openings (see openings.BASE_AND_HEIGHT_M), ids,
+What a raster cannot show is filled in: heights of openings (see types.BASE_AND_HEIGHT_M), ids,
 and where two rooms of one kind touch without a wall, they are one room.
 """
 

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from chord_usd.types import (
+    BASE_AND_HEIGHT_M,
     BoolArray,
     Box,
     FloatArray,
@@ -19,13 +20,6 @@ from chord_usd.types import (
 )
 from chord_usd.units import m_from_px
 from chord_usd.vectorize import rotated_box_from_mask
-
-BASE_AND_HEIGHT_M: dict[OpeningKind, tuple[float, float]] = {
-    "door": (0.0, 2.1),
-    "window": (0.9, 1.5),
-    "passage": (0.0, 2.3),
-}
-"""A plan raster does not show heights; these are the usual ones."""
 
 CONFIDENCE = "confidence"
 """Key of Room.extra and Opening.extra: how sure the reading of a drawing is, [0, 1]."""
