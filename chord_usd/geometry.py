@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
@@ -27,7 +28,19 @@ def footprint(box: Box) -> FloatArray:
             [half_length, half_width],
         ]
     )
-    return own @ rotation_2d(box.yaw_deg).T + np.array(box.center_m[:2])
+    return to_world(box, own)
+
+
+def to_world(box: Box, points_m: npt.ArrayLike) -> FloatArray:
+    """Points (..., 2) of a box's own frame in the frame that the box is in."""
+    turned: FloatArray = np.asarray(points_m, np.float64) @ rotation_2d(box.yaw_deg).T
+    return turned + np.array(box.center_m[:2])
+
+
+def to_own(box: Box, points_m: npt.ArrayLike) -> FloatArray:
+    """Points (..., 2) of the frame that a box is in, in its own frame; inverse of to_world."""
+    turned: FloatArray = (np.asarray(points_m) - box.center_m[:2]) @ rotation_2d(box.yaw_deg)
+    return turned
 
 
 def front_direction(yaw_deg: float) -> FloatArray:
@@ -69,7 +82,7 @@ def rooms_beside(box: Box, rooms: Sequence[Room]) -> tuple[str, ...]:
             [[-half_length, 0], [half_length, 0], [half_length, side * reach_m],
              [-half_length, side * reach_m]]
         )  # fmt: skip
-        strip = Polygon(own @ rotation_2d(box.yaw_deg).T + np.array(box.center_m[:2]))
+        strip = Polygon(to_world(box, own))
         shares = {room_id: floor.intersection(strip).area for room_id, floor in floors}
         best = max(shares, key=lambda room_id: shares[room_id], default="")
         if best and shares[best] > 0.1 * strip.area and best not in beside:

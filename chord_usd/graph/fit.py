@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from chord_usd.geometry import to_world
 from chord_usd.palette import Category, Mount
 from chord_usd.types import Asset, Box
-from chord_usd.units import rotation_2d
 
 MOST_STRETCH = 1.05
 """Most that one side of a mesh is stretched against another."""
@@ -38,7 +38,6 @@ def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
     if is_guess:
         scale[2] = min(1.0, least / _OWN_HEIGHT_FROM)
     size_m = np.round(np.array(asset.size_m) * scale, 6)
-    back_m = np.array([0.0, (box.size_m[1] - size_m[1]) / 2])
-    x, y = np.array(box.center_m[:2]) + rotation_2d(box.yaw_deg) @ back_m
+    x, y = to_world(box, (0.0, (box.size_m[1] - size_m[1]) / 2))
     length, width, height = (float(side) for side in size_m)
     return Box((float(x), float(y), box.center_m[2]), (length, width, height), box.yaw_deg)

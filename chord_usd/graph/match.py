@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -93,6 +93,14 @@ def box_of(detection: Detection, frame: PixelFrame) -> Box:
     return Box(center_m, size_m, _yaw_deg(front_right - front_left))
 
 
+def items_seen(detections: Iterable[Detection], frame: PixelFrame) -> tuple[Item, ...]:
+    """Detections as items just where they were seen, in no room and without meshes."""
+    return tuple(
+        Item(f"{one.category}_{index}", one.category, box_of(one, frame))
+        for index, one in enumerate(detections)
+    )
+
+
 def match_assets(graph: SceneGraph, database: Database) -> SceneGraph:
     """Give every item without a mesh the nearest one: same category, least difference in size.
 
@@ -175,7 +183,7 @@ def _items_of(
         (one, free_floor.kept(standing, box, category(one.detection.category), reach_m))
         for (one, box), standing in zip(found, standings, strict=True)
     ]
-    placed.sort(key=lambda pair: _order(*pair))
+    placed.sort(key=lambda pair: reading_order(pair[0].detection.category, pair[1]))
     counts: dict[str, int] = defaultdict(int)
     items = []
     for one, box in placed:
@@ -190,9 +198,10 @@ def _align_within_deg(name: str) -> float:
     return ALIGN_BUILT_IN_DEG if is_built_in(category(name)) else ALIGN_DEG
 
 
-def _order(one: FoundItem, box: Box) -> tuple[int, float, float]:
+def reading_order(name: str, box: Box) -> tuple[int, float, float]:
+    """By which items are numbered, whatever order they were found in: category, then position."""
     x, y, _ = box.center_m
-    return category(one.detection.category).detector_class, round(x, 3), round(y, 3)
+    return category(name).detector_class, round(x, 3), round(y, 3)
 
 
 def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:

@@ -15,15 +15,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon
+from chord_usd.geometry import footprint_polygon, to_own, to_world
 from chord_usd.graph.fit import fitted_box
-from chord_usd.graph.match import Database, box_of
+from chord_usd.graph.match import Database, box_of, reading_order
 from chord_usd.graph.snap import FoundItem
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import Mount, category
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.types import Box, FloatArray, Item, PixelFrame
-from chord_usd.units import rotation_2d
 
 ON_TOP = 0.995
 """Share of its footprint that must lie over the top; the rest is rounding of cells."""
@@ -140,8 +139,7 @@ def _top_of(carrier: Item, box: Box, reliefs: Reliefs) -> float:
     if carrier.asset is None:
         return carrier.box.center_m[2] + carrier.box.size_m[2]
     relief = reliefs(carrier.asset).scaled(carrier.box.size_m)
-    offset = np.array(box.center_m[:2]) - np.array(carrier.box.center_m[:2])
-    x, y = offset @ rotation_2d(carrier.box.yaw_deg)
+    x, y = to_own(carrier.box, box.center_m[:2])
     own = Box((float(x), float(y), 0.0), box.size_m, box.yaw_deg - carrier.box.yaw_deg)
     return carrier.box.center_m[2] + relief.highest_m(own)
 
@@ -163,7 +161,7 @@ def _runs_into(box: Box, table: Box, around: Sequence[Item]) -> bool:
 
 def in_world(box: Box, parent: Box) -> Box:
     """A child's box in the frame that its parent's box is in."""
-    x, y = rotation_2d(parent.yaw_deg) @ np.array(box.center_m[:2]) + np.array(parent.center_m[:2])
+    x, y = to_world(parent, box.center_m[:2])
     center_m = (float(x), float(y), parent.center_m[2] + box.center_m[2])
     return Box(center_m, box.size_m, parent.yaw_deg + box.yaw_deg)
 
@@ -172,12 +170,7 @@ def _named(table: Item, items: Sequence[Item]) -> tuple[Item, ...]:
     """Ids table/category_n, counted by category and position, as in rooms."""
     counts: dict[str, int] = defaultdict(int)
     named = []
-    for item in sorted(items, key=_reading_order):
+    for item in sorted(items, key=lambda one: reading_order(one.category, one.box)):
         named.append(replace(item, id=f"{table.id}/{item.category}_{counts[item.category]}"))
         counts[item.category] += 1
     return tuple(named)
-
-
-def _reading_order(item: Item) -> tuple[int, float, float]:
-    x, y, _ = item.box.center_m
-    return category(item.category).detector_class, round(x, 3), round(y, 3)

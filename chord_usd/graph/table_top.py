@@ -8,11 +8,17 @@ import cv2
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint, footprint_polygon, front_direction, room_polygon
+from chord_usd.geometry import (
+    footprint,
+    footprint_polygon,
+    front_direction,
+    room_polygon,
+    to_own,
+    to_world,
+)
 from chord_usd.relief import Relief
 from chord_usd.table_top import SIDES, Border, Side, TableTop
 from chord_usd.types import Box, FloatArray, Item, Room
-from chord_usd.units import rotation_2d
 
 SEATS: dict[str, float] = {
     "chair": 0.45, "leisure_sofa": 0.6, "single_sofa": 0.8, "sofa": 0.8
@@ -56,22 +62,16 @@ def is_too_small(top: TableTop) -> bool:
     return 2.0 * reach_m < LEAST_SIDE_M
 
 
-def to_own(box: Box, points_m: FloatArray) -> FloatArray:
-    """World points (N, 2) in the own frame of a box."""
-    return (points_m - np.array(box.center_m[:2])) @ rotation_2d(box.yaw_deg)
-
-
 def _walls(box: Box, room: Room) -> Iterator[Border]:
     floor = room_polygon(room)
     half = np.array(box.size_m[:2]) / 2
-    turn = rotation_2d(box.yaw_deg).T
     for side in SIDES:
         axis, sign = _axis(side)
         points = np.zeros((_SAMPLES, 2))
         points[:, axis] = sign * (half[axis] + WALL_REACH_M)
         reach = half[1 - axis]
         points[:, 1 - axis] = np.linspace(-0.9 * reach, 0.9 * reach, _SAMPLES)
-        world = points @ turn + np.array(box.center_m[:2])
+        world = to_world(box, points)
         outside = ~shapely.contains_xy(floor, world[:, 0], world[:, 1])
         if outside.mean() >= _WALL_SHARE:
             yield Border(side, "wall", -float(reach), float(reach))

@@ -19,11 +19,12 @@ from chord_usd.geometry import (
     footprint_polygon,
     polygons_of,
     room_polygon,
+    to_world,
     wall_area,
 )
 from chord_usd.palette import CATEGORIES, Rgb
 from chord_usd.types import Box, FloatArray, Item, Opening, PixelFrame, Room, RoomKind, SceneGraph
-from chord_usd.units import px_from_m, rotation_2d
+from chord_usd.units import px_from_m
 
 PICTURE_PX = 1200
 """Longer side of the picture."""
@@ -190,12 +191,12 @@ def _draw_opening(sheet: Sheet, opening: Opening) -> None:
     if opening.kind == "window":
         sheet.fill(footprint_polygon(opening.box), GLASS, 0.5)
         for y_m in (-face_m, 0.0, face_m):
-            sheet.line(_in_world(opening.box, [(-half_m, y_m), (half_m, y_m)]), WALL, 1.2)
+            sheet.line(to_world(opening.box, [(-half_m, y_m), (half_m, y_m)]), WALL, 1.2)
     if opening.kind == "door":
         # The plan does not say which way a door opens: a closed leaf claims nothing.
-        sheet.line(_in_world(opening.box, [(-half_m, 0.0), (half_m, 0.0)]), LEAF, 4.0)
+        sheet.line(to_world(opening.box, [(-half_m, 0.0), (half_m, 0.0)]), LEAF, 4.0)
     for x_m in (-half_m, half_m):
-        sheet.line(_in_world(opening.box, [(x_m, -face_m), (x_m, face_m)]), WALL, 1.2)
+        sheet.line(to_world(opening.box, [(x_m, -face_m), (x_m, face_m)]), WALL, 1.2)
 
 
 def _draw_item(sheet: Sheet, item: Item) -> None:
@@ -205,7 +206,7 @@ def _draw_item(sheet: Sheet, item: Item) -> None:
     sheet.line(footprint(item.box), edge, 1.6, closed=True)
     _draw_front(sheet, item.box, edge)
     for child in item.children:
-        corners_m = _in_world(item.box, footprint(child.box))
+        corners_m = to_world(item.box, footprint(child.box))
         sheet.line(corners_m, edge, 1.0, closed=True)
 
 
@@ -215,14 +216,8 @@ def _draw_front(sheet: Sheet, box: Box, rgb: Rgb) -> None:
     tip_m = -width_m / 2
     reach_m = min(0.14, 0.3 * width_m, 0.3 * length_m)
     corners = [(-reach_m, tip_m + reach_m), (0.0, tip_m), (reach_m, tip_m + reach_m)]
-    triangle_m = _in_world(box, corners)
+    triangle_m = to_world(box, corners)
     sheet.fill(Polygon(triangle_m), rgb)
-
-
-def _in_world(box: Box, own_m: Iterable[tuple[float, float]] | FloatArray) -> FloatArray:
-    """Points (N, 2) of the box's own frame in the world."""
-    points = np.array(list(own_m), dtype=np.float64)
-    return points @ rotation_2d(box.yaw_deg).T + np.array(box.center_m[:2])
 
 
 def _darker(rgb: Rgb) -> Rgb:

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.geometry import footprint
+from chord_usd.geometry import footprint, to_own
 from chord_usd.types import Box, FloatArray
-from chord_usd.units import rotation_2d
 
 IOU = 0.5
 """A proposal is right when it overlaps a truth of its class by at least this."""
@@ -83,8 +82,7 @@ def edge_errors_m(found: Box, truth: Box) -> FloatArray:
 
     Fronts do not matter: a piece that faces the wrong way has its edges where they should be.
     """
-    turn = rotation_2d(truth.yaw_deg)
-    own = (footprint(found) - np.array(truth.center_m[:2])) @ turn
+    own = to_own(truth, footprint(found))
     half = np.array(truth.size_m[:2]) / 2
     errors: FloatArray = np.abs(np.concatenate([own.max(axis=0) - half, own.min(axis=0) + half]))
     return errors

@@ -18,6 +18,7 @@ from chord_usd.data.drawn.styles import RGB, Style
 from chord_usd.geometry import (
     footprint,
     footprint_polygon,
+    front_direction,
     polygons_of,
     room_polygon,
     rooms_beside,
@@ -34,7 +35,7 @@ from chord_usd.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.units import px_from_m, rotation_2d
+from chord_usd.units import px_from_m
 
 _MARGIN_M = 2.0
 
@@ -178,7 +179,7 @@ def _draw_walls(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) 
 
 def _deepened(opening: Opening, depth_m: float) -> Polygon:
     corners = footprint(opening.box)
-    across = rotation_2d(opening.box.yaw_deg) @ np.array([0.0, 1.0])
+    across = -front_direction(opening.box.yaw_deg)
     half = across * (max(depth_m, opening.box.size_m[1]) - opening.box.size_m[1]) / 2
     return Polygon(corners + np.array([half, -half, -half, half]))
 
@@ -206,7 +207,7 @@ def _draw_opening(canvas: ByteArray, opening: Opening, frame: PixelFrame, style:
     corners = footprint(opening.box)
     inner = min(1.0, style.wall_m / WALL_THICKNESS_M) if style.wall != "line" else 0.6
     middle = corners.mean(axis=0)
-    across = rotation_2d(opening.box.yaw_deg) @ np.array([0.0, 1.0])
+    across = -front_direction(opening.box.yaw_deg)
     offsets = (corners - middle) @ across
     corners = corners - np.outer(offsets * (1 - inner), across)
     rgb, width = style.line_rgb, 1 if style.wall == "line" else style.line_px
