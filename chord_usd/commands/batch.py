@@ -20,7 +20,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.commands.render import add_look
+from chord_usd.commands.render import add_look, look_of
 
 if TYPE_CHECKING:
     from chord_usd.batch.engine import Engine
@@ -147,17 +147,9 @@ def _render_options(options: argparse.Namespace) -> RenderOptions | None:
     """Raises RenderError for what cannot be rendered, before any house is made."""
     if not options.renders:
         return None
-    from chord_usd.image.options import QUALITIES, RenderOptions
+    from chord_usd.image.options import RenderOptions
 
-    return RenderOptions(
-        resolution_px=options.resolution,
-        quality=QUALITIES[options.quality],
-        samples=options.samples,
-        passes=options.passes,
-        lighting=options.lighting,
-        device=options.device,
-        skip_existing=True,
-    )
+    return RenderOptions(**look_of(options), device=options.device, skip_existing=True)
 
 
 def _engine(options: argparse.Namespace, folder: Path) -> Engine:

@@ -106,8 +106,7 @@ def run(options: argparse.Namespace) -> Outcome:
 def _cases(options: argparse.Namespace, watch: Stopwatch) -> dict[str, list[Case]]:
     """The layouts to score, by the name of their column."""
     from chord_usd.evaluation import detector_cases
-    from chord_usd.layout.sample import LayoutModel
-    from chord_usd.locations import checkpoint_folder
+    from chord_usd.pipeline import Settings, load_model
 
     files = [existing_file(file) for file in options.layouts]
     cases: dict[str, list[Case]] = {}
@@ -116,7 +115,7 @@ def _cases(options: argparse.Namespace, watch: Stopwatch) -> dict[str, list[Case
             cases[CLEAN] = list(detector_cases.clean_cases(options.houses))
     if options.generated:
         with watch.step("layout") as progress:
-            model = LayoutModel.load(checkpoint_folder("plan2layout"), options.device)
+            model = load_model(Settings(device=options.device))
             cases[GENERATED] = list(
                 detector_cases.generated_cases(model, options.generated, options.steps, progress)
             )

@@ -75,7 +75,6 @@ def _workplace(options: argparse.Namespace) -> Workplace:
     from chord_usd.assets.database import load_database
     from chord_usd.assets.tops import relief_of
     from chord_usd.evaluation.tabletops import Workplace
-    from chord_usd.palette import Level
 
     model = load_layout_model(options, "table")
     if model.config.level != "table":
@@ -114,11 +113,10 @@ def _in_houses(options: argparse.Namespace, at: Workplace, watch: Stopwatch) -> 
     from chord_usd.evaluation.tabletop_cases import house_cases
     from chord_usd.evaluation.tabletops import judge, sampled
     from chord_usd.graph.detect import load_item_detector
-    from chord_usd.layout.sample import LayoutModel
-    from chord_usd.locations import checkpoint_folder
+    from chord_usd.pipeline import Settings, load_model
 
     with watch.step("houses") as progress:
-        houses = LayoutModel.load(checkpoint_folder("plan2layout"), options.device)
+        houses = load_model(Settings(device=options.device))
         detector = load_item_detector()
         cases = list(
             house_cases(houses, detector, at.database, at.reliefs, options.houses, progress)

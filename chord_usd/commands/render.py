@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Options,
@@ -79,6 +79,19 @@ def add_look(group: Options) -> None:
     )  # fmt: skip
 
 
+def look_of(options: argparse.Namespace) -> dict[str, Any]:
+    """What add_look has read, as fields of RenderOptions."""
+    from chord_usd.image.options import QUALITIES
+
+    return {
+        "resolution_px": options.resolution,
+        "quality": QUALITIES[options.quality],
+        "samples": options.samples,
+        "passes": options.passes,
+        "lighting": options.lighting,
+    }
+
+
 def add_how(parser: Parser) -> None:
     """The options that say where and how."""
     group = parser.add_argument_group("how")
@@ -112,21 +125,17 @@ def _add_parts(parser: Parser) -> None:
 
 def render_options(options: argparse.Namespace) -> RenderOptions:
     """What add_what and add_how have read. Raises RenderError."""
-    from chord_usd.image.options import QUALITIES, RenderOptions
+    from chord_usd.image.options import RenderOptions
 
     return RenderOptions(
+        **look_of(options),
         cameras=tuple(options.camera),
         rooms=tuple(options.room),
         walkthrough=options.walkthrough,
-        resolution_px=options.resolution,
-        quality=QUALITIES[options.quality],
-        samples=options.samples,
         seed=options.seed,
-        passes=options.passes,
         engine=options.engine,
         device=options.device,
         skip_existing=options.skip_existing,
-        lighting=options.lighting,
     )
 
 
