@@ -15,6 +15,9 @@ from typing import Any, Literal, Protocol
 Progress = Callable[[int, int], None]
 """Called with how many of how many parts are done."""
 
+Warn = Callable[[str], None]
+"""Called with what a user should know, a sentence."""
+
 ProgressStyle = Literal["auto", "bar", "lines", "json", "openjd", "none"]
 PROGRESS_STYLES: tuple[ProgressStyle, ...] = ProgressStyle.__args__  # type: ignore[attr-defined]
 

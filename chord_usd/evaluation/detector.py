@@ -18,10 +18,9 @@ from chord_usd.graph.detect import ItemDetector, RoomSegmenter
 from chord_usd.graph.extract import extract_graph
 from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items, room_iou
+from chord_usd.progress import Progress
 from chord_usd.types import Item, Plan
 from chord_usd.units import wrap_deg
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,15 +12,15 @@ from chord_usd import raster
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED
-from chord_usd.graph.match import box_of
+from chord_usd.graph.match import items_seen
 from chord_usd.graph.snap import decode_items
+from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.progress import Progress
 from chord_usd.raster_files import read_layout
 from chord_usd.types import Item, LayoutImage, Plan
 
 BATCH = 6
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,19 +53,17 @@ def generated_cases(
 
     Nobody drew these, so what their colours say, read without the networks, is the truth.
     """
-    for start in range(0, count, BATCH):
-        indices = range(start, min(start + BATCH, count))
-        plans = [random_plan(np.random.default_rng(TEST_SEED + index)) for index in indices]
-        images = [
-            raster.draw_plan(plan, shade=index % 2 == 0)
-            for index, plan in zip(indices, plans, strict=True)
-        ]
-        layouts = model.sample_batch(images, seeds=list(indices), steps=steps)
-        for index, layout, plan in zip(indices, layouts, plans, strict=True):
-            name = f"{TEST_SEED + index}"
-            yield Case(name, layout, read_by_colour(layout), plan, index % 2 == 0)
+    plans = [random_plan(np.random.default_rng(TEST_SEED + index)) for index in range(count)]
+
+    def paint(indices: Sequence[int]) -> list[LayoutImage]:
+        images = [raster.draw_plan(plans[index], shade=index % 2 == 0) for index in indices]
+        return model.sample_batch(images, seeds=indices, steps=steps)
+
+    for index, layout in enumerate(in_batches(paint, range(count), BATCH)):
+        name = f"{TEST_SEED + index}"
+        yield Case(name, layout, read_by_colour(layout), plans[index], index % 2 == 0)
         if progress:
-            progress(indices.stop, count)
+            progress(index + 1, count)
 
 
 def cases_of_files(files: Sequence[Path]) -> Iterator[Case]:
@@ -77,7 +75,4 @@ def cases_of_files(files: Sequence[Path]) -> Iterator[Case]:
 
 def read_by_colour(layout: LayoutImage) -> tuple[Item, ...]:
     """Items by colour alone, without room."""
-    return tuple(
-        Item(f"{found.category}_{index}", found.category, box_of(found, layout.frame), "")
-        for index, found in enumerate(decode_items(layout))
-    )
+    return items_seen(decode_items(layout), layout.frame)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 from typing import Any
@@ -18,6 +18,7 @@ from chord_usd.evaluation.report import markdown_table
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.fidelity import MIN_MATCH_IOU, match_items
 from chord_usd.metrics.footprints import footprints_of
+from chord_usd.progress import Progress, Warn
 from chord_usd.types import ByteArray, Item
 
 SHEET_PLANS, SHEET_LAYOUTS = 3, 3
@@ -25,9 +26,6 @@ SHEET_PLANS, SHEET_LAYOUTS = 3, 3
 
 SAME_ROOM_SHARE = 0.8
 """Two furnishings of a room are one arrangement when this share of their items match."""
-
-Progress = Callable[[int, int], None]
-Warn = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,15 +17,13 @@ from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish
 from chord_usd.metrics.scores import Score, rooms_of_kind, score_scenes
+from chord_usd.progress import Progress, Warn
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
 """A house is furnished when none of these stands empty."""
 
 BATCH = 8
-
-Progress = Callable[[int, int], None]
-Warn = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ what of the gap is due to the collision and what to the place.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from chord_usd.evaluation.report import figure_png, markdown_table, new_figure, 
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.outlier import Drawing, NoiseError
 from chord_usd.metrics.scores import score_scenes
+from chord_usd.progress import Progress, Warn
 from chord_usd.types import FloatArray, SceneGraph
 
 PAPER_TIMES = (900, 1000)
@@ -36,9 +37,6 @@ LEVELS = 14
 """Noise levels of the curve over the whole schedule."""
 
 BATCH = 6
-
-Progress = Callable[[int, int], None]
-Warn = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import resource
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from chord_usd.evaluation.report import figure_png, markdown_table, new_figure, 
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.scores import Score
 from chord_usd.networks import usable_cores
+from chord_usd.progress import Progress, Warn
 from chord_usd.raster import draw_plan
 
 DEFAULT_STEPS = (1, 2, 5, 10, 20, 50, 100)
@@ -26,9 +27,6 @@ _SHARES = ("blocked_openings", "furnished")
 
 LOSS = 0.05
 """A score may be this much worse, as a share of its best, for the fewer steps to count as good."""
-
-Progress = Callable[[int, int], None]
-Warn = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from chord_usd.graph.detect import ItemDetector
 from chord_usd.graph.extract import extract_graph
 from chord_usd.graph.match import Database
 from chord_usd.graph.tabletop import View, table_views
+from chord_usd.layout.device import in_batches
 from chord_usd.layout.outlier import NoiseError
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.schedule import alphas_cumprod, noised
@@ -73,17 +74,19 @@ def house_cases(
 
     Pieces on which nothing fits are left out.
     """
-    for start in range(0, count, BATCH):
-        seeds = [TEST_SEED + index for index in range(start, min(start + BATCH, count))]
-        plans = [random_plan(np.random.default_rng(seed)) for seed in seeds]
-        layouts = model.sample_batch([raster.draw_plan(plan) for plan in plans], seeds=seeds)
-        for seed, plan, layout in zip(seeds, plans, layouts, strict=True):
-            graph = extract_graph(layout, plan, database, detector)
-            for view in table_views(graph, reliefs):
-                if not view.is_too_small:
-                    yield Case(f"procedural/{seed}/{view.item.id}", view)
+    plans = [random_plan(np.random.default_rng(TEST_SEED + index)) for index in range(count)]
+
+    def furnish(indices: Sequence[int]) -> list[LayoutImage]:
+        images = [raster.draw_plan(plans[index]) for index in indices]
+        return model.sample_batch(images, seeds=[TEST_SEED + index for index in indices])
+
+    for index, layout in enumerate(in_batches(furnish, range(count), BATCH)):
+        graph = extract_graph(layout, plans[index], database, detector)
+        for view in table_views(graph, reliefs):
+            if not view.is_too_small:
+                yield Case(f"procedural/{TEST_SEED + index}/{view.item.id}", view)
         if progress:
-            progress(start + len(seeds), count)
+            progress(index + 1, count)
 
 
 def redrawn(model: LayoutModel, cases: Sequence[Case], noise_to_signal: float) -> list[LayoutImage]:

@@ -15,9 +15,10 @@ import shapely
 
 from chord_usd import raster
 from chord_usd.data.splits import split_hash
+from chord_usd.data.tabletops.board import FACING_DEG as SIDE_YAW_DEG
 from chord_usd.evaluation.tabletop_cases import Case
-from chord_usd.geometry import footprint_polygon, front_direction
-from chord_usd.graph.match import Database, box_of
+from chord_usd.geometry import footprint_polygon
+from chord_usd.graph.match import Database, items_seen
 from chord_usd.graph.snap import FoundItem
 from chord_usd.graph.table_items import read_items, read_table_pixels
 from chord_usd.graph.table_place import Laid
@@ -27,11 +28,11 @@ from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.overlap import STACKED_TOLERANCE_M, Overlap, items_overlap
-from chord_usd.metrics.scores import Score
+from chord_usd.metrics.scores import Score, mean_of, share_of
 from chord_usd.palette import SUPPORTS, Level
 from chord_usd.progress import Progress
 from chord_usd.relief import Relief, Reliefs
-from chord_usd.table_top import Side
+from chord_usd.table_top import SIDES
 from chord_usd.types import Item, LayoutImage
 from chord_usd.units import wrap_deg
 
@@ -46,10 +47,6 @@ PAINTED = 0.5
 
 FACING_DEG = 45.0
 """So far from straight an item still faces a side."""
-
-_OUT: dict[Side, tuple[float, float]] = {
-    "back": (0.0, 1.0), "front": (0.0, -1.0), "left": (-1.0, 0.0), "right": (1.0, 0.0)
-}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,14 +111,8 @@ def judge(at: Workplace, cases: Sequence[Case], layouts: Sequence[LayoutImage]) 
 def _judged(at: Workplace, case: Case, layout: LayoutImage) -> Judged:
     found = read_items(layout, case.view.item.category)
     laid = case.view.laid(layout, at.database, at.reliefs)
-    return Judged(case, layout, tuple(found), _as_read(found, layout), laid)
-
-
-def _as_read(found: Sequence[FoundItem], layout: LayoutImage) -> tuple[Item, ...]:
-    return tuple(
-        Item(str(number), one.detection.category, box_of(one.detection, layout.frame))
-        for number, one in enumerate(found)
-    )
+    raw = items_seen([one.detection for one in found], layout.frame)
+    return Judged(case, layout, tuple(found), raw, laid)
 
 
 def filled_in_tries(at: Workplace, judged: Sequence[Judged]) -> Score:
@@ -148,7 +139,7 @@ def score_tabletops(judged: Sequence[Judged], at: Workplace) -> TableScores:
     rows = {**_raw_scores(judged), **_placed_scores(judged, at.reliefs)}
     known = [one for one in judged if one.case.truth is not None]
     if known and len(known) == len(judged):
-        rows["items_of_data"] = _mean([float(len(o.case.truth or ())) for o in known], "pieces")
+        rows["items_of_data"] = mean_of([float(len(o.case.truth or ())) for o in known], "pieces")
     by_category = {}
     for name in SUPPORTS:
         own = [one for one in judged if one.case.view.item.category == name]
@@ -174,10 +165,10 @@ def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
     marks = [found.front_seen for one in judged for found in one.found]
     return {
         **_overlap_scores(overlaps, ""),
-        "off_edge": _mean(over_edge, "items"),
-        "front_shown": _mean(marks, "items"),
-        "faces_right": _mean(facing, "items with a right way round"),
-        "round_trip": _mean([round_trip(one) for one in judged if one.raw], "pieces"),
+        "off_edge": mean_of(over_edge, "items"),
+        "front_shown": mean_of(marks, "items"),
+        "faces_right": mean_of(facing, "items with a right way round"),
+        "round_trip": mean_of([round_trip(one) for one in judged if one.raw], "pieces"),
     }
 
 
@@ -192,8 +183,8 @@ def _placed_scores(judged: Sequence[Judged], reliefs: Reliefs) -> dict[str, Scor
     placed = [items_overlap(one.laid.children) for one in judged]
     return {
         **_overlap_scores(placed, "placed_"),
-        "supported": _mean(supported, "items placed"),
-        "left_out": Score((seen - kept) / seen if seen else 0.0, seen, "items"),
+        "supported": mean_of(supported, "items placed"),
+        "left_out": share_of(seen - kept, seen, "items"),
         "filled": _filled(judged),
         "items": _items(judged),
     }
@@ -203,19 +194,19 @@ def _overlap_scores(overlaps: Iterable[Overlap], prefix: str) -> dict[str, Score
     paired = [overlap for overlap in overlaps if overlap.pairs]
     over = "pieces with a pair of items"
     scores = {
-        "por": _mean([one.por for one in paired], over),
-        "por_all": _mean([one.por_all for one in paired], over),
-        "piou": _mean([one.piou for one in paired], over),
+        "por": mean_of([one.por for one in paired], over),
+        "por_all": mean_of([one.por_all for one in paired], over),
+        "piou": mean_of([one.piou for one in paired], over),
     }
     return {prefix + name: score for name, score in scores.items()}
 
 
 def _filled(judged: Sequence[Judged]) -> Score:
-    return _mean([bool(one.laid.children) for one in judged], "pieces")
+    return mean_of([bool(one.laid.children) for one in judged], "pieces")
 
 
 def _items(judged: Sequence[Judged]) -> Score:
-    return _mean([float(len(one.laid.children)) for one in judged], "pieces")
+    return mean_of([float(len(one.laid.children)) for one in judged], "pieces")
 
 
 def faces_somebody(item: Item, case: Case) -> bool:
@@ -224,10 +215,9 @@ def faces_somebody(item: Item, case: Case) -> bool:
     borders = case.view.top.borders
     seats = {border.side for border in borders if border.kind == "seat"}
     walls = {border.side for border in borders if border.kind == "wall"}
-    front = front_direction(item.box.yaw_deg)
-    sides = seats or {side for side in _OUT if side not in walls}
-    least = np.cos(np.radians(FACING_DEG + 1e-6))
-    return any(float(front @ np.array(_OUT[side])) >= least for side in sides)
+    sides = seats or {*SIDES} - walls
+    off_deg = (abs(wrap_deg(item.box.yaw_deg - SIDE_YAW_DEG[side])) for side in sides)
+    return any(off <= FACING_DEG + 1e-6 for off in off_deg)
 
 
 def round_trip(one: Judged) -> float:
@@ -296,7 +286,8 @@ def score_reader(cases: Sequence[Case], layouts: Sequence[LayoutImage]) -> Reade
     painted_found: list[bool] = []
     for case, layout in zip(cases, layouts, strict=True):
         truth = case.truth or ()
-        mine = _as_read(read_items(layout, case.view.item.category), layout)
+        read = read_items(layout, case.view.item.category)
+        mine = items_seen([one.detection for one in read], layout.frame)
         truths, found = truths + len(truth), found + len(mine)
         pairs = match_items(mine, truth)
         known = {true.id for _, true in pairs}
@@ -332,7 +323,3 @@ def _painted(case: Case, layout: LayoutImage) -> list[Item]:
 
 def _share(holds: np.ndarray) -> float:
     return float(holds.mean()) if holds.size else 0.0
-
-
-def _mean(values: Sequence[float] | Sequence[bool], over: str) -> Score:
-    return Score(float(np.mean(values)) if len(values) else 0.0, len(values), over)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from chord_usd.metrics.openings import Blocked, blocked_openings, rooms_beside
@@ -101,29 +101,31 @@ def mean_scores(scores: Iterable[SceneScores]) -> dict[str, Score]:
     furnished = sum(s.rooms_to_furnish - len(s.empty_rooms) for s in all_scores)
     pairs = "scenes with a pair of items"
     return {
-        "por": _mean([o.por for o in paired], pairs),
-        "por_all": _mean([o.por_all for o in paired], pairs),
-        "piou": _mean([o.piou for o in paired], pairs),
-        "piou_all": _mean([o.piou_all for o in paired], pairs),
-        "out_of_room": _share(
+        "por": mean_of([o.por for o in paired], pairs),
+        "por_all": mean_of([o.por_all for o in paired], pairs),
+        "piou": mean_of([o.piou for o in paired], pairs),
+        "piou_all": mean_of([o.piou_all for o in paired], pairs),
+        "out_of_room": share_of(
             sum(len(s.out_of_room) for s in all_scores), sum(s.items for s in all_scores), "items"
         ),
-        "blocked_openings": _share(
+        "blocked_openings": share_of(
             sum(len(s.blocked_openings) for s in all_scores),
             sum(s.openings for s in all_scores),
             "openings",
         ),
-        "furnished": _share(
+        "furnished": share_of(
             furnished, sum(s.rooms_to_furnish for s in all_scores), "rooms to furnish"
         ),
-        "walkable": _mean([w.walkable for w in walks], "scenes"),
-        "reachable_rooms": _mean([w.reachable_rooms for w in walks], "scenes"),
+        "walkable": mean_of([w.walkable for w in walks], "scenes"),
+        "reachable_rooms": mean_of([w.reachable_rooms for w in walks], "scenes"),
     }
 
 
-def _mean(values: list[float], over: str) -> Score:
+def mean_of(values: Sequence[float], over: str) -> Score:
+    """The mean of some values; of none it is 0."""
     return Score(sum(values) / len(values) if values else 0.0, len(values), over)
 
 
-def _share(part: int, whole: int, over: str) -> Score:
+def share_of(part: int, whole: int, over: str) -> Score:
+    """How much of a whole a part is; of nothing it is 0."""
     return Score(part / whole if whole else 0.0, whole, over)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -23,6 +23,7 @@ from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.graph.detect import CONFIG_FILE, IMAGE_PX, Kind, scaled
 from chord_usd.networks import WEIGHTS_FILE
+from chord_usd.progress import Progress
 from chord_usd.training.detector_data import Sample, Spoiling, stream
 from chord_usd.training.yolo import build_model, load_matching, load_weights, save_model
 from chord_usd.types import CANVAS_PX
@@ -74,7 +75,7 @@ def train_detector(
     out: Path,
     config: DetectorTraining | None = None,
     resume: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     generated: Sequence[Sample] = (),
 ) -> dict[str, Any]:
     """Train one network for config.minutes and leave weights, config and log in out.
@@ -122,7 +123,7 @@ class _Run:
         self.samples = stream(rng, SPOILING[kind], kind, generated)
         self.generated = len(generated)
 
-    def train(self, progress: Callable[[int, int], None]) -> None:
+    def train(self, progress: Progress) -> None:
         total = self.config.minutes * 60.0
         started = saved = time.monotonic()
         elapsed = 0.0

@@ -6,7 +6,8 @@ colours say, read without the networks, and the rooms of the plan they were pain
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,14 @@ from chord_usd import raster
 from chord_usd.data.augment import random_pose
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import is_test_seed
-from chord_usd.graph.match import box_of
+from chord_usd.graph.match import items_seen
 from chord_usd.graph.snap import decode_items
+from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.progress import Progress
 from chord_usd.raster_files import read_layout, write_raster
 from chord_usd.training.detector_data import Sample, sample_of
-from chord_usd.types import Item, LayoutImage, Plan
+from chord_usd.types import LayoutImage, Plan
 
 _FIRST_SEED = 500_000_000
 """Far from the seeds of other training data, and below those of test houses."""
@@ -40,21 +42,21 @@ def generated_samples(
     folder.mkdir(parents=True, exist_ok=True)
     seeds = [seed for seed in range(_FIRST_SEED, _FIRST_SEED + count) if not is_test_seed(seed)]
     missing = [seed for seed in seeds if not _file(folder, seed).is_file()]
-    for start in range(0, len(missing), _BATCH):
+    painted = in_batches(partial(_painted, model), missing, _BATCH)
+    for done, (seed, layout) in enumerate(zip(missing, painted, strict=True), start=1):
+        write_raster(layout, _file(folder, seed))
         if progress:
-            progress(start, len(missing))
-        _paint(model, missing[start : start + _BATCH], folder)
+            progress(done, len(missing))
     return [_sample(read_layout(_file(folder, seed)), _plan(seed)) for seed in seeds]
 
 
-def _paint(model: LayoutModel, seeds: list[int], folder: Path) -> None:
+def _painted(model: LayoutModel, seeds: Sequence[int]) -> list[LayoutImage]:
     images = []
     for seed in seeds:
         plan, margin = _plan(seed), np.random.default_rng(seed).integers(*_MARGIN_PX)
         frame = raster.fit_frame(plan, margin_px=int(margin))
         images.append(raster.draw_plan(plan, frame, shade=seed % 2 == 0))
-    for seed, layout in zip(seeds, model.sample_batch(images, seeds=seeds), strict=True):
-        write_raster(layout, _file(folder, seed))
+    return model.sample_batch(images, seeds=seeds)
 
 
 def _plan(seed: int) -> Plan:
@@ -67,11 +69,5 @@ def _file(folder: Path, seed: int) -> Path:
 
 
 def _sample(layout: LayoutImage, plan: Plan) -> Sample:
-    items = tuple(_items(layout))
+    items = items_seen(decode_items(layout), layout.frame)
     return sample_of(layout.rgb, items, plan.rooms, layout.frame)
-
-
-def _items(layout: LayoutImage) -> Iterator[Item]:
-    for index, found in enumerate(decode_items(layout)):
-        name = found.category
-        yield Item(f"{name}_{index}", name, box_of(found, layout.frame), "")

@@ -17,7 +17,7 @@ from chord_usd.data.tabletops import Tabletop, lay, random_tabletop
 from chord_usd.data.tabletops.board import EDGE_M, Board, Outline
 from chord_usd.data.tabletops.tops import SHARES, Piece
 from chord_usd.geometry import footprint, footprint_polygon, front_direction
-from chord_usd.graph.match import box_of
+from chord_usd.graph.match import items_seen
 from chord_usd.graph.table_items import read_items
 from chord_usd.layout.table_condition import (
     AREA_PLANE,
@@ -54,10 +54,8 @@ def drawn(tabletop: Tabletop) -> LayoutImage:
 
 
 def read(layout: LayoutImage, name: str) -> list[Item]:
-    return [
-        Item(str(index), one.detection.category, box_of(one.detection, layout.frame))
-        for index, one in enumerate(read_items(layout, name))
-    ]
+    found = read_items(layout, name)
+    return list(items_seen([one.detection for one in found], layout.frame))
 
 
 def top_of(name: str, length_m: float, width_m: float, *borders: Border) -> TableTop:
