@@ -34,10 +34,10 @@ if TYPE_CHECKING:
 
 LAYOUT_CHECKPOINT = "plan2layout"
 TABLE_CHECKPOINT = "table"
+DETECTOR_CHECKPOINT = "detector_items"
 
 _TOUCH_M2 = 1e-4
 """Footprints that share less only touch."""
-DETECTOR_CHECKPOINT = "detector_items"
 
 
 @dataclass(frozen=True)
@@ -322,23 +322,21 @@ def regenerate(
         kept_ids = house.furniture(room_name, keep, source)
         seed = house.seeds[room_name] + 1 if seed is None else seed
     with watch.step("load"):
-        model = load_model(settings)
-        table_model = load_table_model(settings)
-        reader = load_reader(settings)
+        models = load_models(settings)
     with watch.step("layout") as progress:
         own = replace(settings, seed=seed)
-        drawn = redraw_room(house.graph, room, model, own, progress, kept_ids)
+        drawn = redraw_room(house.graph, room, models.layout, own, progress, kept_ids)
     with watch.step("graph"):
-        found = reader.read(drawn.alone, house.graph.plan)
+        found = models.reader.read(drawn.alone, house.graph.plan)
         stay = [i for i in house.graph.items if i.room_id != room.id or i.id in kept_ids]
         items = (*stay, *_beside(found.items_of(room.id), stay, kept_ids))
         graph = replace(house.graph, items=items, provenance=drawn.layout.provenance)
     with watch.step("outliers"):
-        graph = score_outliers(graph, draw_plan(house.graph.plan), model)
-    if table_model:
+        graph = score_outliers(graph, draw_plan(house.graph.plan), models.layout)
+    if models.table:
         with watch.step("tabletop") as progress:
-            database, rooms = reader.database, (room.id,)
-            graph = lay_tables(graph, table_model, database, own, progress, rooms, kept_ids).graph
+            database, rooms = models.reader.database, (room.id,)
+            graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
     return Regenerated(
         source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
     )
@@ -422,8 +420,7 @@ def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]
         ):
             continue
         stem, number = item.id.rsplit("_", 1)
-        own = item.id if item.id not in ids else ""
-        own = own or next(i for n in count(int(number)) if (i := f"{stem}_{n}") not in ids)
+        own = next(i for n in count(int(number)) if (i := f"{stem}_{n}") not in ids)
         ids.add(own)
         yield replace(item, id=own)
 
