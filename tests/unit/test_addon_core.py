@@ -180,9 +180,11 @@ def test_passes_are_those_of_the_program() -> None:
 
 
 def test_plans_are_those_that_the_program_reads() -> None:
+    from chord_usd.batch.units import PLAN_SUFFIXES
     from chord_usd.plan.vector.formats import SUFFIXES
 
     assert {*SUFFIXES, ".pdf", ".json"} <= set(commands.PLAN_SUFFIXES)
+    assert set(PLAN_SUFFIXES) == set(commands.PLAN_SUFFIXES)
 
 
 def test_a_house_that_moved_with_its_blender_file_is_found(tmp_path: Path) -> None:
