@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from chord_usd.evaluation.detector_cases import Case
+from chord_usd.evaluation.report import enlarged
 from chord_usd.graph.detect import ItemDetector, RoomSegmenter
 from chord_usd.palette import category
 from chord_usd.types import ByteArray, RoomKind
@@ -44,7 +45,7 @@ def draw_sheet(
 
 
 def _boxes(case: Case, detector: ItemDetector) -> ByteArray:
-    picture = _enlarged(case.layout.rgb)
+    picture = enlarged(case.layout.rgb, ENLARGE)
     for found in detector.detect(case.layout.rgb):
         corners = np.rint(found.corners_px * ENLARGE).astype(np.int32)
         row = category(found.category)
@@ -62,7 +63,7 @@ def _rooms(case: Case, segmenter: RoomSegmenter) -> ByteArray:
     for found in reversed(proposals):
         tint = np.array(_ROOM_RGB[found.kind], dtype=np.float32)
         rgb[found.mask] = (1 - _ROOM_OPACITY) * rgb[found.mask] + _ROOM_OPACITY * tint
-    picture = _enlarged(rgb.astype(np.uint8))
+    picture = enlarged(rgb.astype(np.uint8), ENLARGE)
     for found in proposals:
         rows, columns = np.nonzero(found.mask)
         if len(rows):
@@ -70,8 +71,3 @@ def _rooms(case: Case, segmenter: RoomSegmenter) -> ByteArray:
             text = f"{found.kind} {found.score:.2f}"
             cv2.putText(picture, text, at, cv2.FONT_HERSHEY_PLAIN, 0.8, (0, 0, 0))
     return picture
-
-
-def _enlarged(rgb: ByteArray) -> ByteArray:
-    big = cv2.resize(rgb, None, fx=ENLARGE, fy=ENLARGE, interpolation=cv2.INTER_NEAREST)
-    return np.asarray(big, dtype=np.uint8)

@@ -7,14 +7,13 @@ from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 from typing import Any
 
-import cv2
 import numpy as np
 import shapely
 
 from chord_usd.data.splits import split_hash
 from chord_usd.evaluation.cases import Case
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
-from chord_usd.evaluation.report import markdown_table
+from chord_usd.evaluation.report import enlarged, framed, markdown_table
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.fidelity import MIN_MATCH_IOU, match_items
 from chord_usd.metrics.footprints import footprints_of
@@ -145,15 +144,9 @@ def sheet(rows: Sequence[Sequence[Furnished]], enlarge: int = 2) -> ByteArray:
     """(H, W, 3) pictures: a row per plan, SHEET_LAYOUTS layouts side by side."""
     lines = []
     for row in rows[:SHEET_PLANS]:
-        tiles = [_framed(one.image.rgb, enlarge) for one in row[:SHEET_LAYOUTS]]
+        tiles = [framed(enlarged(one.image.rgb, enlarge)) for one in row[:SHEET_LAYOUTS]]
         lines.append(np.concatenate(tiles, axis=1))
     return np.concatenate(lines)
-
-
-def _framed(rgb: ByteArray, enlarge: int) -> ByteArray:
-    large = cv2.resize(rgb, None, fx=enlarge, fy=enlarge, interpolation=cv2.INTER_NEAREST)
-    grey = (150, 150, 150)
-    return np.asarray(cv2.copyMakeBorder(large, 2, 2, 2, 2, cv2.BORDER_CONSTANT, value=grey))
 
 
 def as_data(scores: DiversityScores) -> dict[str, Any]:

@@ -9,6 +9,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from chord_usd.files import deliver
 from chord_usd.metrics.scores import Score
 from chord_usd.types import ByteArray
@@ -55,6 +57,16 @@ def figure_png(figure: Figure) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": ""})
     return buffer.getvalue()
+
+
+def enlarged(rgb: ByteArray, times: int) -> ByteArray:
+    """(times H, times W, 3) the picture with a square for each pixel."""
+    return rgb.repeat(times, axis=0).repeat(times, axis=1)
+
+
+def framed(rgb: ByteArray) -> ByteArray:
+    """The picture with a thin grey line round it, for a sheet of several."""
+    return np.pad(rgb, ((2, 2), (2, 2), (0, 0)), constant_values=150)
 
 
 def picture_png(rgb: ByteArray) -> bytes:

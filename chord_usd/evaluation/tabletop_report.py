@@ -9,7 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from chord_usd.evaluation.report import markdown_table, picture_png, score_text
+from chord_usd.evaluation.report import enlarged, framed, markdown_table, picture_png, score_text
 from chord_usd.evaluation.tabletops import Judged, ReaderScores, TableScores
 from chord_usd.palette import SUPPORTS
 from chord_usd.types import ByteArray
@@ -125,15 +125,10 @@ def draw_sheet(parts: Sequence[Sequence[Judged]]) -> bytes:
 
 def _cell(one: Judged) -> ByteArray:
     """A raster, enlarged, with the outlines of its items and a stroke along each front."""
-    size = one.layout.rgb.shape[:2]
-    picture = cv2.resize(
-        one.layout.rgb, (size[1] * ENLARGE, size[0] * ENLARGE), interpolation=cv2.INTER_NEAREST
-    )
+    picture = enlarged(one.layout.rgb, ENLARGE)
     for found in one.found:
         corners = np.rint(found.detection.corners_px * ENLARGE).astype(np.int32)
         cv2.polylines(picture, [corners], True, (90, 90, 90), 1, cv2.LINE_AA)
         cv2.polylines(picture, [corners[1:3]], False, (200, 0, 0), 2)
     cut = MARGIN_PX * ENLARGE
-    picture = picture[cut:-cut, cut:-cut]
-    framed = cv2.copyMakeBorder(picture, 2, 2, 2, 2, cv2.BORDER_CONSTANT, value=(150, 150, 150))
-    return np.asarray(framed, np.uint8)
+    return framed(picture[cut:-cut, cut:-cut])
