@@ -138,7 +138,7 @@ def draw_plan(plan: Plan) -> PlanImage:
     """Plan -> PlanImage."""
     from chord_usd import raster
 
-    return raster.draw_plan(plan)
+    return raster.draw_plan(plan, raster.house_frame(plan))
 
 
 def load_model(settings: Settings) -> LayoutModel:
@@ -378,7 +378,7 @@ def redraw_room(
 
     from chord_usd import raster
 
-    plan_image = raster.draw_plan(graph.plan)
+    plan_image = draw_plan(graph.plan)
     bare = LayoutImage(plan_image.rgb, plan_image.frame)
     region = raster.room_pixels(room, plan_image.frame)
     stay = [item for item in graph.items if item.room_id != room.id or item.id in kept_ids]

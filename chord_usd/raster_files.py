@@ -17,6 +17,7 @@ import numpy as np
 
 from chord_usd.errors import SceneError
 from chord_usd.files import write_atomic
+from chord_usd.raster import LARGEST_CANVAS_PX
 from chord_usd.types import CANVAS_PX, LayoutImage, PixelFrame, PlanImage, Provenance, frozen_array
 
 TEXT_CHUNK = "chord"
@@ -38,21 +39,22 @@ def write_raster(image: PlanImage | LayoutImage, path: Path) -> None:
 
 
 def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
-    """Read a layout raster of CANVAS_PX × CANVAS_PX pixels.
+    """Read a layout raster: a square of CANVAS_PX × CANVAS_PX pixels, larger for large houses.
 
     m_per_px is needed only for pictures without the "chord" chunk, whose origin is taken to be
     (0, 0). Raises SceneError for what is no such picture.
     """
     rgb, described = _open(path)
-    if rgb.shape[:2] != (CANVAS_PX, CANVAS_PX):
+    height_px, width_px = rgb.shape[:2]
+    if height_px != width_px or not CANVAS_PX <= height_px <= LARGEST_CANVAS_PX:
         raise SceneError(
-            f"is {rgb.shape[1]}×{rgb.shape[0]} pixels",
+            f"is {width_px}×{height_px} pixels",
             where=str(path),
-            expected=f"a layout raster of {CANVAS_PX}×{CANVAS_PX}",
+            expected=f"a layout raster of {CANVAS_PX}×{CANVAS_PX}, or a larger square",
             try_="chord-usd layout plan.png -o layout.png",
         )
     if m_per_px is not None:
-        return LayoutImage(rgb, PixelFrame(m_per_px, (0.0, 0.0)))
+        return LayoutImage(rgb, PixelFrame(m_per_px, (0.0, 0.0), height_px))
     if described is None:
         raise SceneError(
             "does not say how large its pixels are",
@@ -60,7 +62,15 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
             expected="a layout written by chord-usd layout",
             try_="--scale M_PER_PX",
         )
-    return LayoutImage(rgb, *_frame_and_provenance(described, path))
+    frame, provenance = _frame_and_provenance(described, path)
+    if frame.height_px != height_px:
+        raise SceneError(
+            f"was drawn {frame.height_px} pixels high and is {height_px} now",
+            where=str(path),
+            expected="a layout at the size it was written in",
+            try_="--scale M_PER_PX",
+        )
+    return LayoutImage(rgb, frame, provenance)
 
 
 def _open(path: Path) -> tuple[np.ndarray[Any, Any], dict[str, Any] | None]:

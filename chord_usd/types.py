@@ -41,7 +41,8 @@ WALL_THICKNESS_M = 0.24
 """Every wall of a plan raster is this thick, which is what gives the raster its scale (paper)."""
 
 CANVAS_PX = 256
-"""Width and height of plan and layout rasters (paper, section 5)."""
+"""Width and height of plan and layout rasters (paper, section 5); those of large houses are
+larger (raster.house_frame)."""
 
 
 OOD = "ood"
@@ -133,7 +134,7 @@ class Provenance:
 
 @dataclass(frozen=True, eq=False)
 class PlanImage:
-    """A plan raster: (CANVAS_PX, CANVAS_PX, 3) uint8 RGB, and where it lies."""
+    """A plan raster: (H, H, 3) uint8 RGB, CANVAS_PX high or more, and where it lies."""
 
     rgb: ByteArray
     frame: PixelFrame

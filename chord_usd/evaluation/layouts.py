@@ -75,7 +75,7 @@ def sampled(
     halved.
     """
     jobs = [
-        (raster.draw_plan(case.plan, shade=sampling.shaded), sampling.seed + index)
+        (_plan_image(case, sampling), sampling.seed + index)
         for index, case in enumerate(cases)
     ]
 
@@ -89,6 +89,10 @@ def sampled(
         yield read_back(cases[index], image)
         if progress:
             progress(index + 1, len(cases))
+
+
+def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
+    return raster.draw_plan(case.plan, raster.house_frame(case.plan), shade=sampling.shaded)
 
 
 def read_back(case: Case, image: LayoutImage) -> Furnished:
@@ -108,7 +112,7 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
     """
     for case in cases:
         scene = case.truth(sampling.seed)
-        plan_image = raster.draw_plan(case.plan, shade=sampling.shaded)
+        plan_image = _plan_image(case, sampling)
         yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
 
 

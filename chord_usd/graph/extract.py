@@ -15,8 +15,9 @@ from chord_usd.graph.detect import (
 )
 from chord_usd.graph.directions import plan_directions
 from chord_usd.graph.match import Database, match_assets, place_items
-from chord_usd.graph.rooms import name_rooms, read_plan
+from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.snap import find_items
+from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
 
 
@@ -49,11 +50,10 @@ def extract_graph(
     Raises CheckpointError when they cannot be, SceneError when there is no room, AssetError.
     """
     pixels = read_pixels(layout.rgb)
-    proposals = (detector or _shipped_detector()).detect(layout.rgb)
+    proposals = detect_in_tiles((detector or _shipped_detector()).detect, layout.rgb)
     plan = plan or read_plan(pixels, layout.frame)
     if any(room.kind == "unknown" for room in plan.rooms):
-        rooms = (segmenter or _shipped_segmenter()).segment(layout.rgb)
-        plan = name_rooms(plan, rooms, layout.frame)
+        plan = name_in_tiles((segmenter or _shipped_segmenter()).segment, plan, layout)
     directions = plan_directions(plan.rooms, layout.frame)
     found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
     graph = SceneGraph(

@@ -21,6 +21,7 @@ from chord_usd.graph.outlines import outline_of
 from chord_usd.graph.walls import Walls
 from chord_usd.palette import PLAN_CATEGORIES, ROOM_SHADES, category
 from chord_usd.types import (
+    BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
     BoolArray,
     Box,
@@ -38,13 +39,6 @@ from chord_usd.units import m_from_px, px_from_m
 from chord_usd.vectorize import RotatedBox, rotated_box_from_mask
 
 IntArray = npt.NDArray[np.int32]
-
-BASE_AND_HEIGHT_M: dict[OpeningKind, tuple[float, float]] = {
-    "door": (0.0, 2.1),
-    "window": (0.9, 1.5),
-    "passage": (0.0, 2.3),
-}
-"""A raster does not show heights; these are the usual ones."""
 
 _LEAST_ROOM_M2 = 0.5
 _LEAST_OPENING_M = 0.3

@@ -41,8 +41,7 @@ FAR_M = 4.0
 def plan_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
     """Masks and room measures of a (H, W, 3) plan raster; one grid cell is cell_px pixels wide."""
     wall, door, window = (near(rgb, row.rgb) for row in PLAN_CATEGORIES)
-    free = ~(wall | door | window)
-    regions, kinds, boxes_px = _rooms(rgb[..., 0], free)
+    regions, kinds, boxes_px = _rooms(rgb[..., 0], ~(wall | door | window))
     half = cell_px // 2
     coarse = regions[half::cell_px, half::cell_px]
     inside = regions > 0
@@ -60,6 +59,14 @@ def plan_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
         ]
     ).astype(np.float32)
     return Condition(pixels, grid)
+
+
+def floor_regions(rgb: ByteArray, m_per_px: float) -> tuple[npt.NDArray[np.int32], BoolArray]:
+    """Number of each room's floor (H, W), 0 elsewhere, and the passages in walls (H, W)."""
+    free = ~np.any([near(rgb, row.rgb) for row in PLAN_CATEGORIES], axis=0)
+    regions, kinds, boxes_px = _rooms(rgb[..., 0], free)
+    gaps = passage_mask(regions, boxes_px, kinds == _UNKNOWN, m_per_px)
+    return np.where(gaps, 0, regions), gaps
 
 
 def _rooms(

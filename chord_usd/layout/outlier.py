@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from chord_usd import raster
 from chord_usd.layout.denoiser import Plans
+from chord_usd.layout.mosaic import Mosaic
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.schedule import State, alphas_cumprod, noised
 from chord_usd.types import BoolArray, ByteArray, FloatArray, Item, PlanImage
@@ -81,7 +82,7 @@ class NoiseError:
             yield maps
 
     def _squared_error(
-        self, clean: State, noise: State, plans: Plans, time: int
+        self, clean: State, noise: State, plans: Plans | Mosaic, time: int
     ) -> npt.NDArray[np.float32]:
         noisy = noised(clean, noise, self._alphas[time])
         estimate = self.model.estimate(noisy, [time] * len(clean), plans)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from chord_usd import __version__
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
 from chord_usd.layout.levels import traits_of
+from chord_usd.layout.mosaic import Mosaic, mosaic_of
 from chord_usd.layout.schedule import (
     DiffusersSampler,
     Sampler,
@@ -22,8 +23,8 @@ from chord_usd.layout.schedule import (
 )
 from chord_usd.layout.window import Window, WindowSize, window_of, window_size
 from chord_usd.progress import Progress
-from chord_usd.raster import paint_layout
 from chord_usd.types import (
+    CANVAS_PX,
     BoolArray,
     ByteArray,
     LayoutImage,
@@ -130,27 +131,60 @@ class LayoutModel:
         noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
         """
         run = _Run(steps or self.config.default_steps, sampler, (seed,), progress)
-        before = paint_layout(plan_image, labels, front, self.traits.level)
+        before = self.traits.paint(plan_image, labels, front)
         window = window_of(plan_image.rgb, self._window_size(plan_image))
         kept = _Kept(
             self.encode(labels[window], front[window], before[window]), region[window][None, None]
         )
-        final = self._denoise(self.plans([plan_image], [window]), run, kept)
+        final = self._denoise(self.plans([plan_image], [window], region[window]), run, kept)
         image = self._picture(plan_image, final[0], run, 0, [window])
         rgb = np.where(region[..., None], image.rgb, before)
         return LayoutImage(frozen_array(rgb, np.uint8), image.frame, image.provenance)
 
+    def sample_labels(
+        self,
+        sheets: Sequence[PlanImage],
+        words: State | None = None,
+        *,
+        seeds: Sequence[int],
+        steps: int | None = None,
+        progress: Progress | None = None,
+    ) -> list[ByteArray]:
+        """Label maps (H, W) of what is laid out on these sheets, which are of one size.
+
+        words: (B, words, channels) for a network that attends to words.
+        """
+        count = steps or self.config.default_steps
+        run = _Run(count, "ddim", tuple(seeds), progress)
+        plans = self._described([one.rgb for one in sheets], [one.frame.m_per_px for one in sheets])
+        final = self._denoise(replace(plans, words=words), run, kept=None)
+        return list(final[:, :-1].argmax(axis=1).astype(np.uint8))
+
     def plans(
-        self, plan_images: Sequence[PlanImage], windows: Sequence[Window] | None = None
-    ) -> Plans:
-        """Plan rasters, or these windows of them, as what the network is conditioned on."""
-        cell = self.config.patch_px
+        self,
+        plan_images: Sequence[PlanImage],
+        windows: Sequence[Window] | None = None,
+        region: BoolArray | None = None,
+    ) -> Plans | Mosaic:
+        """Plan rasters, or these windows of them, as what the network is conditioned on.
+
+        Where they are larger than the canvas that the network was trained on it is shown parts of
+        them. region: (H, W) of a window, the only floor that matters.
+        """
         pictures = [image.rgb for image in plan_images]
         if windows:
             pictures = [rgb[window] for rgb, window in zip(pictures, windows, strict=True)]
+        scales = [image.frame.m_per_px for image in plan_images]
+        if max(pictures[0].shape[:2]) > CANVAS_PX and not self._sees_whole:
+            multiple_px = self.config.window_multiple_px
+            return mosaic_of(pictures, scales, multiple_px, self._described, region)
+        return self._described(pictures, scales)
+
+    def _described(self, pictures: Sequence[ByteArray], m_per_px: Sequence[float]) -> Plans:
+        cell = self.config.patch_px
         conditions = [
-            self.traits.describe(rgb, image.frame.m_per_px, cell)
-            for rgb, image in zip(pictures, plan_images, strict=True)
+            self.traits.describe(rgb, scale, cell)
+            for rgb, scale in zip(pictures, m_per_px, strict=True)
         ]
         masks = np.stack([condition.pixels for condition in conditions])
         inside = masks[:, self.traits.ground_plane, None] > 0
@@ -165,24 +199,30 @@ class LayoutModel:
             return _as_state(rgb)[None]
         return encode(labels, front, self.traits.class_count)[None]
 
-    def estimate(self, state: State, times: Sequence[int], plans: Plans) -> Estimate:
+    def estimate(self, state: State, times: Sequence[int], plans: Plans | Mosaic) -> Estimate:
         """What the network says of a noisy batch (B, C, H, W); bare wherever there is no floor."""
+        if isinstance(plans, Mosaic):
+            return plans.estimate(state, times, self.estimate, self._bare())
         estimate = self._denoiser.estimate(state, times, plans)
         if estimate.clean is None:
             return estimate
-        nothing = np.zeros((1, 1), np.uint8)
-        bare = encode(nothing, nothing > 0, self.traits.class_count)
-        logits = np.full((self.traits.class_count + 1, 1, 1), -_SURE, np.float32)
-        logits[0] = _SURE
+        output, clean = self._bare()
         return Estimate(
-            np.where(plans.inside, estimate.output, logits),
-            np.where(plans.inside, estimate.clean, bare),
+            np.where(plans.inside, estimate.output, output),
+            np.where(plans.inside, estimate.clean, clean),
         )
 
-    def _denoise(self, plans: Plans, run: _Run, kept: _Kept | None) -> State:
+    def _bare(self) -> tuple[State, State]:
+        """Output and clean state of one pixel that is no floor, (1, classes + 1 or C, 1, 1)."""
+        nothing = np.zeros((1, 1), np.uint8)
+        logits = np.full((1, self.traits.class_count + 1, 1, 1), -_SURE, np.float32)
+        logits[:, 0] = _SURE
+        return logits, encode(nothing, nothing > 0, self.traits.class_count)[None]
+
+    def _denoise(self, plans: Plans | Mosaic, run: _Run, kept: _Kept | None) -> State:
         """The reverse process; returns category and front logits, or the clean RGB state."""
         sampler = self._sampler(run)
-        noise = self._noise(run.seeds, *plans.pixels.shape[-2:])
+        noise = self._noise(run.seeds, *plans.inside.shape[-2:])
         levels = [float(self._alphas[time]) for time in sampler.times]
         state = _held(noise, noise, kept, levels[0])
         output = state
@@ -215,9 +255,13 @@ class LayoutModel:
         height, width = (int(side) for side in sizes.max(axis=0))
         return [window_of(image.rgb, (height, width)) for image in plan_images]
 
+    @property
+    def _sees_whole(self) -> bool:
+        return self.config.state == "rgb" or self.traits.whole
+
     def _window_size(self, plan_image: PlanImage) -> WindowSize:
-        """What the network looks at: the house alone, but the paper's network the whole canvas."""
-        if self.config.state == "rgb":
+        """What the network looks at: the house alone, or the whole canvas."""
+        if self._sees_whole:
             height, width = plan_image.rgb.shape[:2]
             return height, width
         return window_size(plan_image.rgb, self.config.window_multiple_px)
@@ -239,7 +283,7 @@ class LayoutModel:
             window = windows[index]
             labels[window] = final[:-1].argmax(axis=0)
             front[window] = (final[-1] > 0) & (labels[window] > 0)
-            pixels = paint_layout(plan_image, labels, front, self.traits.level)
+            pixels = self.traits.paint(plan_image, labels, front)
         provenance = Provenance(
             checkpoint_hash=self.checkpoint.content_hash,
             seed=run.seeds[index],
