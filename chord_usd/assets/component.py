@@ -225,9 +225,9 @@ def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     UsdGeom.Scope.Define(stage, f"/{design.id}/Colliders")
     for part in parts:
-        if part.collider == "boundingCube":
-            _define_box(stage, f"/{design.id}/Colliders/{part.name}", part.solid.bounds_m())
-        elif part.collider is not None:
+        for name, bounds_m in part.felt_boxes_m().items():
+            _define_box(stage, f"/{design.id}/Colliders/{name}", bounds_m)
+        if part.collider not in ("boundingCube", None):
             prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
             UsdPhysics.CollisionAPI.Apply(prim)
             mesh = UsdPhysics.MeshCollisionAPI.Apply(prim)
@@ -317,8 +317,8 @@ def _add_wall_unit(stage: Usd.Stage, design: Design, parts: tuple[Part, ...]) ->
             for part in parts:
                 if part.on_wall and not hung:
                     stage.OverridePrim(f"/{design.id}/Geometry/{part.name}").SetActive(False)
-                    if part.collider == "boundingCube":
-                        stage.OverridePrim(f"/{design.id}/Colliders/{part.name}").SetActive(False)
+                    for name in part.felt_boxes_m():
+                        stage.OverridePrim(f"/{design.id}/Colliders/{name}").SetActive(False)
     variants.SetVariantSelection(WALL_VARIANTS[0])
 
 

@@ -16,8 +16,8 @@ from chord_usd.types import FloatArray
 Collider = Literal["boundingCube", "convexHull", "none"]
 """USD Physics approximation; `none` collides with the triangles themselves (fixed, hollow parts).
 
-boundingCube, along the model's axes, is the steady one in the MuJoCo solver: whatever stands on the
-floor has it.
+boundingCube, along the model's axes, is the steady one in the MuJoCo solver: whatever something
+movable stands on has it. `none` is for what never moves; solvers make one hull of such a mesh.
 """
 
 FIT_TOLERANCE = 0.08
@@ -35,6 +35,8 @@ class Part:
     """Which of the model's materials it wears; colourways say what each slot looks like."""
     collider: Collider | None = "boundingCube"
     """None for small trim that nothing needs to collide with."""
+    felt: tuple[Solid, ...] = ()
+    """Solids whose bounding boxes are felt in place of its own: the two sides of a table."""
     above: bool = False
     """Stands on top and rises above the nominal height (a tap, a television)."""
     uvs: FloatArray | None = None
@@ -48,6 +50,14 @@ class Part:
     def is_body(self) -> bool:
         """Whether the part counts for the nominal size."""
         return not (self.above or self.on_wall)
+
+    def felt_boxes_m(self) -> dict[str, FloatArray]:
+        """Bounds, (2, 3), of the boxes it is felt as, by the names of their prims."""
+        if self.collider != "boundingCube":
+            return {}
+        if not self.felt:
+            return {self.name: self.solid.bounds_m()}
+        return {f"{self.name}_{n}": one.bounds_m() for n, one in enumerate(self.felt, start=1)}
 
 
 Draw = Callable[[tuple[float, float, float]], tuple[Part, ...]]
@@ -124,4 +134,11 @@ def fitted(
             expected=f"{list(size_m)} m",
         )
     base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    return tuple(replace(part, solid=part.solid.moved(*(-base)).scaled(*factor)) for part in parts)
+
+    def fit(solid: Solid) -> Solid:
+        return solid.moved(*(-base)).scaled(*factor)
+
+    return tuple(
+        replace(part, solid=fit(part.solid), felt=tuple(fit(one) for one in part.felt))
+        for part in parts
+    )

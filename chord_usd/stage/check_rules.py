@@ -15,6 +15,7 @@
     CHORD013  every mesh wears a material
     CHORD014  node ids are unique
     CHORD015  the house has a room with a floor (looked for by check.py)
+    CHORD016  what moves collides as boxes and hulls, not as its triangles
 
 Each has a broken stage in tests/fixtures/broken that trips it. Paths inside an instance are given
 through the first instance that shows them.
@@ -35,6 +36,8 @@ NODE_ID = "chord:node_id"
 
 EXTENT_TOLERANCE_M = 1e-3
 MIN_FACE_AREA_M2 = 1e-12
+
+_PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 _ABSOLUTE = re.compile(r"^([/\\~]|[A-Za-z]:|[A-Za-z][A-Za-z0-9+.-]+:)")
 """A root, a home folder, a drive letter or a scheme."""
@@ -185,11 +188,22 @@ def _body_in_body(prim: Usd.Prim) -> Iterator[str]:
         above = above.GetParent()
 
 
+def _hollow_body(prim: Usd.Prim) -> Iterator[str]:
+    """Triangles have no inside: solvers refuse them for what moves, or close them to a hull."""
+    if not prim.HasAPI(UsdPhysics.RigidBodyAPI):
+        return
+    for below in Usd.PrimRange(prim, _PROXIES):
+        if below.IsA(UsdGeom.Mesh) and below.HasAPI(UsdPhysics.CollisionAPI):
+            shape = UsdPhysics.MeshCollisionAPI(below).GetApproximationAttr().Get() or "none"
+            if shape == UsdPhysics.Tokens.none:
+                yield f"this rigid body collides with the triangles of {below.GetName()}"
+
+
 def _untyped_ancestor(prim: Usd.Prim) -> Iterator[str]:
     """Blender breaks the chain of transforms at an untyped prim."""
     if prim.GetTypeName() or prim.IsPrototype() or prim.IsPseudoRoot():
         return
-    for below in Usd.PrimRange(prim, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+    for below in Usd.PrimRange(prim, _PROXIES):
         if below.IsA(UsdGeom.Xformable):
             yield f"has no type and {below.GetPath()} below it; expected Xform or Scope"
             return
@@ -336,6 +350,7 @@ _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
     "CHORD011": _finite,
     "CHORD012": _extents_hint,
     "CHORD013": _bare_mesh,
+    "CHORD016": _hollow_body,
 }
 
 RULES = tuple(sorted((*_STAGE_RULES, *_PRIM_RULES)))

@@ -14,6 +14,7 @@ from chord_usd.assets.database import build_assets, load_database, read_index
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
 from chord_usd.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.stage.physics import KG_PER_M3
 from chord_usd.types import Asset
 
 ALL = {design.id: design for design in designs()}
@@ -135,6 +136,18 @@ def test_colliders_are_shapes_and_nothing_is_a_rigid_body(assets: tuple[Asset, .
             else:
                 approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
                 assert approximation in ("convexHull", "none")
+
+
+def test_what_people_move_is_felt_as_boxes_and_hulls_that_stand_on_boxes() -> None:
+    """Hulls rock on their many corners, and triangles are nothing that could move."""
+    for design in (design for design in designs() if design.category in KG_PER_M3):
+        parts = design.parts()
+        boxes = [bounds for part in parts for bounds in part.felt_boxes_m().values()]
+        assert min(bounds[0, 2] for bounds in boxes) < 1e-3, design.id
+        for part in parts:
+            assert part.collider != "none", f"{design.id} {part.name}"
+            if part.collider == "convexHull":
+                assert part.solid.bounds_m()[0, 2] > 1e-3, f"{design.id} {part.name}"
 
 
 def test_a_chair_fits_under_every_table(assets: tuple[Asset, ...]) -> None:

@@ -38,20 +38,24 @@ def _egg(length: float, width: float, z: float, back: float, sides: int = 40) ->
     return np.stack([x, y + back - split, np.full(sides, z)], axis=-1)
 
 
-def toilet(size_m: Size, *, wall_hung: bool = False) -> tuple[Part, ...]:
-    """A toilet: bowl, seat and closed lid, cistern with a button; wall_hung has a slim frame."""
+def toilet(size_m: Size, *, framed: bool = False) -> tuple[Part, ...]:
+    """A toilet: bowl, seat and closed lid, cistern with a button.
+
+    framed hides the cistern in a slim tall frame and skirts the bowl. It stands on its foot all
+    the same: not every toilet is drawn right at its wall.
+    """
     length, width, height = size_m
     seat_z = 0.4
     back = width / 2
-    tank_w = 0.17 if not wall_hung else 0.12
+    tank_w = 0.17 if not framed else 0.12
     bowl_w = width - tank_w - 0.01
     bowl_back = back - tank_w + 0.01
-    bowl_l = length * (0.95 if not wall_hung else 0.94)
+    bowl_l = length * (0.95 if not framed else 0.94)
     profile = (
         ((0.62, 0.62, 0.0), (0.6, 0.6, 0.02), (0.58, 0.56, 0.14), (0.74, 0.72, 0.26),
          (0.95, 0.97, 0.35), (1.0, 1.0, 0.385), (0.97, 0.985, 0.395))
-        if not wall_hung
-        else ((0.5, 0.5, 0.1), (0.72, 0.66, 0.12), (0.9, 0.88, 0.22), (0.98, 0.98, 0.33),
+        if not framed
+        else ((0.8, 0.76, 0.0), (0.82, 0.78, 0.015), (0.86, 0.82, 0.16), (0.97, 0.96, 0.32),
               (1.0, 1.0, 0.385), (0.97, 0.985, 0.395))
     )  # fmt: skip
     bowl = loft([_egg(bowl_l * sx, bowl_w * sy, z, bowl_back) for sx, sy, z in profile])
@@ -63,16 +67,16 @@ def toilet(size_m: Size, *, wall_hung: bool = False) -> tuple[Part, ...]:
         .turned("y", 90)
         .moved(0.05, bowl_back - 0.03, seat_z + 0.008)
     )
-    tank_z = 0.38 if not wall_hung else 0.0
+    tank_z = 0.38 if not framed else 0.0
     tank = rounded_slab((length, tank_w, height - tank_z - 0.03), 0.03, 0.012, 5, 2)
     cover = rounded_slab((length, tank_w + 0.006, 0.034), 0.03, 0.008, 5, 2)
-    button = cylinder(0.026, 0.012, 0.003, 20) if not wall_hung else block((0.2, 0.02, 0.13))
+    button = cylinder(0.026, 0.012, 0.003, 20) if not framed else block((0.2, 0.02, 0.13))
     at = (
         (0.0, back - tank_w / 2, height - 0.009)
-        if not wall_hung
+        if not framed
         else (0.0, back - tank_w - 0.002, height - 0.2)
     )
-    button = button.scaled(z=0.75) if not wall_hung else button
+    button = button.scaled(z=0.75) if not framed else button
     return (
         Part("Bowl", bowl, "ceramic", collider="convexHull"),
         Part("Seat", seat, "seat", collider=None),
@@ -325,7 +329,7 @@ _VANITY = {
     "forest": _vanity("forest", "marble", "brass"),
 }
 _TOILET = Style("Toilet", toilet, _CERAMIC, 0.8)
-_WALL_HUNG = Style("Toilet_Wall_Frame", partial(toilet, wall_hung=True), _CERAMIC, 0.85)
+_WALL_HUNG = Style("Toilet_Wall_Frame", partial(toilet, framed=True), _CERAMIC, 0.85)
 _PEDESTAL = Style("Washbasin_Pedestal", partial(washbasin, kind="pedestal"), _VANITY, 0.85)
 _DRAWERS = Style("Washbasin_Drawers", washbasin, _VANITY, 0.86)
 _VESSEL = Style("Washbasin_Vessel", partial(washbasin, kind="vessel"), _VANITY, 0.87)

@@ -224,7 +224,7 @@ def table_lamp(size_m: Size, *, kind: Literal["shade", "arm"] = "shade") -> tupl
     bulb = lathe([(0.012, 0), (0.028, 0.035), (0.026, 0.055), (0.0, 0.075)], 16)
     bulb = bulb.scaled(*(min(1.0, shade_h / 0.12),) * 3)
     return (
-        Part("Foot", body, "ceramic", collider="convexHull"),
+        Part("Foot", body, "ceramic"),
         Part("Shade", shade, "shade", collider="convexHull"),
         Part("Spider", spider, "metal", collider=None),
         Part("Bulb", bulb.moved(z=height * 0.68), "shade", collider=None),
@@ -265,7 +265,7 @@ def pen_holder(size_m: Size) -> tuple[Part, ...]:
                height * (1.0, 0.93, 0.97, 0.9)[index] - 0.002]  # fmt: skip
         pens.append(tube([foot, top], 0.004, 8))
     return (
-        Part("Cup", cup, "cup", collider="convexHull"),
+        Part("Cup", cup, "cup"),
         Part("Pens_A", pens[0] + pens[2], "cover_a", collider=None),
         Part("Pens_B", pens[1] + pens[3], "cover_b", collider=None),
     )

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from chord_usd.assets.model import Part
-from chord_usd.assets.solids import Size, Solid, bent_path, block, cylinder, joined, lathe, tube
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    bent_path,
+    block,
+    box,
+    cylinder,
+    joined,
+    lathe,
+    tube,
+)
 
 FRONT_M = 0.018
 """Thickness of a door or drawer front."""
@@ -156,6 +169,21 @@ def four_legs(
         lean[:, :2] += share * [foot[0] - sx * splay_m, foot[1] - sy * splay_m]
         parts.append(Part(f"Leg_{index}", Solid(lean, leg.faces), slot))
     return tuple(parts)
+
+
+def felt_round(solid: Solid) -> tuple[Solid, ...]:
+    """Blocks within an upright cylinder around a solid, to be felt in its place.
+
+    A box around a round table top has corners that reach to the chairs beside it.
+    """
+    low, high = solid.bounds_m()
+    size, at = high - low, (low + high) / 2
+    blocks = []
+    for turn in np.radians((20.0, 45.0, 70.0)):
+        length, width = size[0] * math.cos(turn), size[1] * math.sin(turn)
+        within = box((float(length), float(width), float(size[2])))
+        blocks.append(within.moved(float(at[0]), float(at[1]), float(low[2])))
+    return tuple(blocks)
 
 
 def plinth(size_m: Size, height_m: float, inset_m: float = 0.05) -> Part:

@@ -16,6 +16,7 @@ from chord_usd.assets.solids import (
     bent_path,
     bevelled_plate,
     block,
+    box,
     cushion,
     cylinder,
     joined,
@@ -129,10 +130,12 @@ def barrel_chair(size_m: Size) -> tuple[Part, ...]:
     seat = cushion((length - 0.2, width - 0.15, 0.2), 0.3, 0.06, 0.03)
     foot = lathe([(0.2, 0.0), (0.22, 0.015), (0.2, 0.03), (0.06, 0.05), (0.06, 0.13)], 28)
     base = rounded_slab((length - 0.14, width - 0.14, 0.16), 0.35, 0.02, 6, 2)
+    back = box((length, 0.1, height - 0.1)).moved(y=width / 2 - 0.05, z=0.1)
+    arm = box((0.1, width * 0.8, 0.48)).moved(length / 2 - 0.05, width * 0.1, 0.1)
     return (
         Part("Foot", foot, "leg"),
         Part("Base", base.moved(y=-0.02, z=0.12), "cloth"),
-        Part("Shell", shell.moved(z=0.1), "cloth", collider="none"),
+        Part("Shell", shell.moved(z=0.1), "cloth", felt=(back, arm, arm.scaled(x=-1.0))),
         Part("Seat", seat.moved(y=-0.06, z=0.25), "cushion"),
     )
 

@@ -130,14 +130,14 @@ def bedside_table(
     depth = width / 2 - y
     middle = (y + width / 2) / 2
     drawer_z = height - 0.2
-    side = block((board, depth, height - 0.13)).moved((length - board) / 2, middle, 0.11)
+    right = block((board, depth, height - 0.13)).moved((length - board) / 2, middle, 0.11)
     shelf = block((length - 2 * board + 0.002, depth - 0.01, board)).moved(y=middle, z=0.13)
     case = box((length - 2 * board, depth - 0.006, 0.18)).moved(y=middle, z=drawer_z)
     back = box((length - 2 * board, 0.01, drawer_z - 0.131)).moved(y=width / 2 - 0.012, z=0.131)
     plate = rounded_slab((length, width - HANDLE_M + 0.004, board), 0.006, 0.004, 3)
     return (
         *four_legs(length - 0.04, width - 0.08, 0.115, 0.035),
-        Part("Sides", mirrored_pair(side), "body", collider="none"),
+        Part("Sides", mirrored_pair(right), "body", felt=(right, right.scaled(x=-1.0))),
         Part("Shelf", shelf, "body"),
         Part("Drawer_Box", case, "body"),
         Part("Back", back, "body"),

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Literal
 
-from chord_usd.assets.furniture.joinery import HANDLE_M, cells, drawers, four_legs
+from chord_usd.assets.furniture.joinery import HANDLE_M, cells, drawers, felt_round, four_legs
 from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
+    Solid,
     block,
     cylinder,
     joined,
@@ -57,16 +59,22 @@ def trestle_table(size_m: Size) -> tuple[Part, ...]:
     tall = height - top_m
     upright = block((bar, bar, tall + 0.001)).moved(y=width / 2 - 0.07)
     cross = block((bar - 0.002, width - 0.14, bar))
-    portal = joined([upright, upright.scaled(y=-1.0), cross, cross.moved(z=tall - bar)])
+    portal = [upright, upright.scaled(y=-1.0), cross, cross.moved(z=tall - bar)]
     at = length / 2 - min(0.16, length * 0.12)
     top = rounded_slab((length, width, top_m), 0.012, 0.005, 3, 1)
     beam = block((2 * at, 0.04, 0.03)).moved(z=tall - 0.032)
     return (
         Part("Top", top.moved(z=tall), "top"),
-        Part("Frame_Left", portal.moved(x=-at), "leg"),
-        Part("Frame_Right", portal.moved(x=at), "leg"),
+        _portal("Frame_Left", portal, -at),
+        _portal("Frame_Right", portal, at),
         Part("Beam", beam, "leg", collider=None),
     )
+
+
+def _portal(name: str, bars: Sequence[Solid], x_m: float) -> Part:
+    """Bars that are felt one by one: feet go between them."""
+    moved = tuple(bar.moved(x=x_m) for bar in bars)
+    return Part(name, joined(moved), "leg", felt=moved)
 
 
 def pedestal_table(size_m: Size, *, foot_m: float = 0.28) -> tuple[Part, ...]:
@@ -78,9 +86,11 @@ def pedestal_table(size_m: Size, *, foot_m: float = 0.28) -> tuple[Part, ...]:
         (foot, 0.0), (foot, 0.012), (foot * 0.9, 0.022), (0.06, 0.06), (0.04, 0.14),
         (0.04, height - 0.12), (0.09, height - 0.03), (0.09, height - 0.028),
     ]  # fmt: skip
+    top = top.moved(z=height - 0.03)
+    felt = (*felt_round(cylinder(foot, 0.022)), cylinder(0.06, height - 0.05).moved(z=0.02))
     return (
-        Part("Top", top.moved(z=height - 0.03), "top"),
-        Part("Column", lathe(column, 28), "leg"),
+        Part("Top", top, "top", felt=felt_round(top)),
+        Part("Column", lathe(column, 28), "leg", felt=felt),
     )
 
 
@@ -133,12 +143,12 @@ def waterfall_table(size_m: Size) -> tuple[Part, ...]:
     z = height - board - tall
     case = block((length - 2 * board, depth, tall)).moved(y=y_face + depth / 2, z=z)
     columns = 1 if length < 1.0 else 2
+    right = side.moved(x=(length - board) / 2 - 0.002)
     fronts = drawers(list(cells(length - 2 * board, tall - 0.004, columns, (1.0,), z + 0.002)),
                      y_face, "knob")  # fmt: skip
     return (
         Part("Top", top, "top"),
-        Part("Sides", mirrored_pair(side.moved(x=(length - board) / 2 - 0.002)), "top",
-             collider="none"),
+        Part("Sides", mirrored_pair(right), "top", felt=(right, right.scaled(x=-1.0))),
         Part("Drawer_Box", case, "body"),
         *fronts,
     )  # fmt: skip
@@ -149,13 +159,12 @@ def nest_of_drums(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     big, small = width / 2, min(length - width, width) / 2 + 0.04
     profile = [(big - 0.03, 0), (big, 0.03), (big, height - 0.1), (big - 0.015, height - 0.09)]
-    low = lathe(profile, 40)
-    tall = cylinder(small, height - 0.001, 0.012, 32)
+    low = lathe(profile, 40).moved(x=-length / 2 + big)
+    tall = cylinder(small, height - 0.001, 0.012, 32).moved(length / 2 - small, -(big - small))
     return (
-        Part("Low_Table", low.moved(x=-length / 2 + big), "top", collider="convexHull"),
-        Part("High_Table", tall.moved(length / 2 - small, -(big - small)), "leg",
-             collider="convexHull"),
-    )  # fmt: skip
+        Part("Low_Table", low, "top", felt=felt_round(low)),
+        Part("High_Table", tall, "leg", felt=felt_round(tall)),
+    )
 
 
 def tray_table(size_m: Size) -> tuple[Part, ...]:
@@ -166,6 +175,8 @@ def tray_table(size_m: Size) -> tuple[Part, ...]:
         [(radius - 0.02, 0), (radius, 0.008), (radius, 0.04), (radius - 0.015, 0.04),
          (radius - 0.02, 0.014), (0.0, 0.014)], 36,
     ).scaled(x=length, y=width)  # fmt: skip
+    # What stands on it stands within the rim, which nothing needs to feel.
+    plate = cylinder(radius - 0.02, 0.014, 0, 36).scaled(x=length, y=width).moved(z=height - 0.04)
     reach = min(length, width) / 2
     legs = []
     for index in range(3):
@@ -174,7 +185,7 @@ def tray_table(size_m: Size) -> tuple[Part, ...]:
         points[:, 0] += reach * (0.85 - 0.35 * points[:, 2] / height)
         legs.append(type(leg)(points, leg.faces).turned("z", 90 + 120 * index))
     return (
-        Part("Tray", tray.moved(z=height - 0.04), "top"),
+        Part("Tray", tray.moved(z=height - 0.04), "top", felt=felt_round(plate)),
         *(Part(f"Leg_{i}", leg, "leg") for i, leg in enumerate(legs, start=1)),
     )
 
@@ -184,12 +195,12 @@ def cube_table(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     board = 0.022
     side = block((board, width - 0.004, height - 2 * board + 0.002))
+    right = side.moved((length - board) / 2 - 0.002, 0, board - 0.001)
     return (
         Part("Top", rounded_slab((length, width, board), 0.01, 0.004).moved(z=height - board),
              "top"),
         Part("Bottom", block((length - 0.002, width - 0.002, board)), "leg"),
-        Part("Sides", mirrored_pair(side.moved((length - board) / 2 - 0.002, 0, board - 0.001)),
-             "leg", collider="none"),
+        Part("Sides", mirrored_pair(right), "leg", felt=(right, right.scaled(x=-1.0))),
         Part("Shelf", block((length - 2 * board, width - 0.03, 0.018)).moved(z=height * 0.45),
              "leg"),
         Part("Back", block((length - 2 * board, 0.012, height - 2 * board)).moved(

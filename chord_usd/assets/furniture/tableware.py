@@ -33,7 +33,7 @@ def ornament(size_m: Size, *, kind: OrnamentKind = "vase") -> tuple[Part, ...]:
         section = [(0.2, 0), (0.24, 0.06), (0.4, 0.3), (0.5, 1.0), (0.475, 1.0), (0.36, 0.34),
                    (0.15, 0.12), (0.0, 0.1)]  # fmt: skip
         bowl = lathe(rounded_profile(section), 36)
-        return (Part("Bowl", bowl.scaled(length, width, height), "ceramic", collider="convexHull"),)
+        return (Part("Bowl", bowl.scaled(length, width, height), "ceramic"),)
     if kind == "candles":
         return _candles(length, width, height)
     if kind == "vase":
@@ -204,7 +204,7 @@ def coffee_cup(size_m: Size) -> tuple[Part, ...]:
         0.012,
     )
     return (
-        Part("Saucer", saucer, "ceramic", collider="convexHull"),
+        Part("Saucer", saucer, "ceramic"),
         Part("Cup", cup + tube(ear, 0.003, 8), "ceramic", collider="convexHull"),
         Part("Coffee", coffee, "coffee", collider=None),
     )  # fmt: skip
@@ -229,7 +229,7 @@ def fruit_bowl(size_m: Size) -> tuple[Part, ...]:
     top = _fruit("apple", size).moved(z=height - 2 * size)
     fruits["apple"].append(top)
     return (
-        Part("Bowl", bowl, "ceramic", collider="convexHull"),
+        Part("Bowl", bowl, "ceramic"),
         *(Part(f"{kind.capitalize()}s", joined(solids), kind, collider=None)
           for kind, solids in fruits.items()),
     )  # fmt: skip
