@@ -24,6 +24,9 @@ SUPPORT_GAP_M = 0.01
 HULL_SLACK_M = 0.005
 """A centroid this far outside the hull of its supports does not tip over yet."""
 
+_EDGE_M = 5e-4
+"""A foot flush with a wall stands on the edge of the floor; meshes hold their corners rounded."""
+
 _MAX_CONTACTS = 64
 _GRID_M = 0.01
 """Of many feet in one cell of this size one is enough."""
@@ -238,7 +241,10 @@ def _thinned(points: FloatArray) -> FloatArray:
 
 
 def _touch(points: FloatArray, triangles: FloatArray) -> Any:
-    """(N,) whether each point has one of the triangles within SUPPORT_GAP_M below or above."""
+    """(N,) whether each point has one of the triangles within SUPPORT_GAP_M below or above.
+
+    Beside a triangle by no more than _EDGE_M is over it.
+    """
     if not len(points) or not len(triangles):
         return np.zeros(len(points), dtype=bool)
     a, b, c = (triangles[:, k] for k in range(3))
@@ -247,8 +253,10 @@ def _touch(points: FloatArray, triangles: FloatArray) -> Any:
     offset = points[:, None, :2] - a[None, :, :2]
     v = (offset[..., 0] * ac[:, 1] - offset[..., 1] * ac[:, 0]) / area
     w = (ab[:, 0] * offset[..., 1] - ab[:, 1] * offset[..., 0]) / area
-    slack = 1e-6
-    inside = (v >= -slack) & (w >= -slack) & (v + w <= 1 + slack)
+    # Each share falls from 1 to 0 over the triangle's height above the opposite side.
+    slack = [_EDGE_M * np.hypot(*side.T) / np.abs(area) for side in (ac, ab, ac - ab)]
+    inside = (v >= -slack[0]) & (w >= -slack[1]) & (v + w <= 1 + slack[2])
+    v, w = np.clip(v, 0.0, 1.0), np.clip(w, 0.0, 1.0)
     height = a[:, 2] + v * (b - a)[:, 2] + w * (c - a)[:, 2]
     near = np.abs(height - points[:, None, 2]) <= SUPPORT_GAP_M
     return (inside & near).any(axis=1)

@@ -250,6 +250,14 @@ def test_support_wants_contact_below_the_centroid():
     assert unsupported([table], [], lambda _: True) == []
 
 
+@pytest.mark.parametrize(("over_m", "stands"), [(1.5e-5, True), (0.26, False)])
+def test_what_is_flush_with_a_wall_stands_on_all_of_its_feet(over_m, stands):
+    """The floor's corners are rounded, so feet on its edge may lie a hair beside it."""
+    at = 0.25 - 5 - over_m
+    shower = body("shower", box((0.5, 0.5, 1.0), (at, at, 0.5)))
+    assert (unsupported([shower], [FLOOR], lambda _: False) == []) == stands
+
+
 def test_a_wide_piece_may_stand_on_a_narrow_one():
     """None of the plate's corners is over the post; the post's are under the plate."""
     post, plate = (
