@@ -79,6 +79,10 @@ class Relief:
         cells = box.size_m[0] * box.size_m[1] / self.cell_m2
         return min(float(self.free[window][mask].sum()) / max(cells, float(mask.sum()), 1.0), 1.0)
 
+    def is_level(self, box: Box) -> bool:
+        """Whether nothing that rises from the top, as a television's foot, is under a box."""
+        return self.highest_m(box) <= self.level_m + LEVEL_M
+
     @property
     def cell_m2(self) -> float:
         """Area of one cell."""

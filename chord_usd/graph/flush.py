@@ -31,7 +31,9 @@ _ROUNDING_SHARE = 0.7
 """So much of a thin panel may overlap by rounding alone."""
 
 _OUT_SHARE = 0.005
-"""Share of a footprint that may lie out of its room."""
+"""Share of a footprint that may lie out of its room..."""
+_OUT_M = 0.004
+"""...and how deep: a corner of a slanted piece is a small share and in the wall all the same."""
 _STEPS = 24
 _GRID_M = 1e-9
 """Without a grid GEOS errs now and then where edges lie on each other, as these do."""
@@ -172,7 +174,7 @@ def pull_into(standing: Standing, room: Polygon) -> Standing:
     """Cut off what stands out of the room, edge by edge, each time the cut that costs least."""
     rectangle = standing.rectangle
     for _ in range(4):
-        if _out_share(rectangle, room) <= _OUT_SHARE:
+        if _fits(rectangle, room):
             break
         cuts = [_cut(rectangle, name, room) for name in ("u0", "u1", "v0", "v1")]
         rectangle = max(cuts, key=lambda cut: (cut[0], cut[1].area_px))[1]
@@ -189,15 +191,18 @@ def _cut(rectangle: Rectangle, name: str, room: Polygon) -> tuple[bool, Rectangl
     for step in range(1, _STEPS + 1):
         place = start + (limit - start) * 0.5 * step / _STEPS
         cut = replace(rectangle, **{name: place})
-        if _out_share(cut, room) <= _OUT_SHARE:
+        if _fits(cut, room):
             return True, cut
     return False, cut
 
 
-def _out_share(rectangle: Rectangle, room: Polygon) -> float:
+def _fits(rectangle: Rectangle, room: Polygon) -> bool:
+    """Whether next to nothing lies out of the room, and that nowhere deep."""
     shape = _outline(rectangle)
     out = shape.difference(room, grid_size=_GRID_M)
-    return float(out.area / max(shape.area, 1e-9))
+    if out.area > _OUT_SHARE * shape.area:
+        return False
+    return bool(out.buffer(-_OUT_M / 2).is_empty)
 
 
 def part(standings: Sequence[Standing], rounding_m: float = 0.0) -> list[Standing]:

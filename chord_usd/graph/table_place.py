@@ -111,7 +111,7 @@ def _back_over_edge(item: Item, relief: Relief) -> Item | None:
         for way in ways if step else ways[:1]:
             moved_x, moved_y = np.array([x, y]) + step * _STEP_M * way
             box = replace(item.box, center_m=(float(moved_x), float(moved_y), z))
-            share = relief.free_share(box)
+            share = relief.free_share(box) if relief.is_level(box) else 0.0
             if best is None or share > best[0]:
                 best = share, box
         if best and best[0] >= ON_TOP:

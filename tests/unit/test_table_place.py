@@ -190,6 +190,16 @@ class TestPlacing:
         assert [child.category for child in result.children] == ["laptop"]
         assert {one.category for one in result.seen} == {"laptop", "coffee_cup"}
 
+    def test_what_only_just_reaches_a_foot_is_moved_off_it(self) -> None:
+        """Else it would be lifted by the foot of the television and hang in the air."""
+        desk = table("tv_cabinet", (1.6, 0.4, 0.5))
+        relief = flat(desk.box.size_m)
+        relief.heights_m[38:41, 140:180] = 0.51
+        plant = thing("small_plant", -0.189, 0.07, (0.18, 0.18, 0.24))
+        (child,) = laid(desk, plant, relief=relief).children
+        assert child.box.center_m[2] == 0.5
+        assert relief.is_level(child.box)
+
     def test_nothing_stands_on_a_hump(self) -> None:
         """Where something rises from the top (a television) nothing is put on it."""
         desk = table("tv_cabinet", (1.6, 0.4, 0.5))
