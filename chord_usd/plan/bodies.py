@@ -22,8 +22,11 @@ _LEAST_STRIP_PX = 1.5
 _ELONGATED = 2.0
 """A strip is at least so many times as long as wide."""
 
-_UNEVEN = 1.75
-"""At a crossing a strip is so many times as wide as elsewhere, no more."""
+_UNEVEN, _UNEVEN_LONG = 1.75, 2.3
+"""At a crossing a strip is so many times as wide as elsewhere, no more; a long one at a jog, too."""
+
+_LONG = 20.0
+"""So many times as long as wide."""
 
 _SLIM, _STOUT = 0.4, 1.7
 """Inner and outer walls, as shares of the usual wall's width."""
@@ -31,8 +34,8 @@ _SLIM, _STOUT = 0.4, 1.7
 _PANE = 0.72
 """Two strips side by side, each narrower than this share of the usual wall, are a window."""
 
-_CRUMB = 0.5
-"""A hatched wall's crumbs are smaller than this share of a square as wide as the wall."""
+_CRUMB_WIDTH, _CRUMB_LENGTH = 0.015, 0.06
+"""A hatched wall's crumbs are narrower and shorter than these shares of the drawing."""
 
 _LEAST_CRUMBS = 150
 
@@ -45,6 +48,9 @@ _LARGEST_RING = 12.0
 """Rings smaller than so many wall widths are baths and basins."""
 
 Labels = npt.NDArray[np.int32]
+
+_FACE_PX = 3
+"""A face is drawn no wider than this."""
 
 _BLOCK = np.ones((3, 3), np.uint8)
 
@@ -63,22 +69,26 @@ def filled_bodies(ink: BoolArray) -> Iterator[BoolArray]:
     areas = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
     areas[0] = 0.0
     areas[border_values(labels)] = 0.0
-    is_crumb = (areas > 0) & (areas < _CRUMB * (0.02 * extent) ** 2)
     widths, depths = _widths(ink, labels, areas)
+    narrowest = np.maximum(widths, 1.0)
+    is_crumb = (areas > 0) & (areas < _CRUMB_LENGTH * extent * narrowest)
+    is_crumb &= (narrowest < _CRUMB_WIDTH * extent) & (
+        stats[:, 2:4].max(axis=1) < _CRUMB_LENGTH * extent
+    )
     long = areas / np.maximum(widths, 1.0) ** 2
     is_strip = (
         (widths >= _LEAST_STRIP_PX)
         & (widths <= _WIDEST * extent)
-        & (depths <= _UNEVEN * widths)
+        & (depths <= np.where(long > _LONG, _UNEVEN_LONG, _UNEVEN) * widths)
         & (long >= _ELONGATED)
     )
     if is_crumb.sum() >= _LEAST_CRUMBS:
-        yield _hatching(labels, areas, is_crumb)
+        yield _hatching(ink, labels, areas, is_crumb)
         is_strip &= ~is_crumb
     bounds = stats[:, cv2.CC_STAT_WIDTH] * stats[:, cv2.CC_STAT_HEIGHT]
     is_block = (areas >= _BLOCK_FILL * bounds) & ~is_strip
     if is_strip.any():
-        yield from _hollow(labels, areas, widths, is_strip, np.where(is_block, depths, 0.0))
+        yield from _hollow(ink, labels, areas, widths, is_strip, np.where(is_block, depths, 0.0))
 
 
 def _extent(ink: BoolArray) -> float:
@@ -100,7 +110,7 @@ def _widths(ink: BoolArray, labels: Labels, areas: FloatArray) -> tuple[FloatArr
 
 
 def _hollow(
-    labels: Labels, areas: FloatArray, widths: FloatArray, is_strip: BoolArray,
+    ink: BoolArray, labels: Labels, areas: FloatArray, widths: FloatArray, is_strip: BoolArray,
     blocks: FloatArray,
 ) -> Iterator[BoolArray]:  # fmt: skip
     """Strips about as wide as most, without window panes and small rings.
@@ -112,11 +122,11 @@ def _hollow(
     counts = np.bincount(np.rint(widths[strips]).astype(int), areas[strips])
     usual = float(np.argmax(np.convolve(counts, [1.0, 1.0, 1.0], mode="same")))
     near = is_strip & (widths >= _SLIM * usual) & (widths <= _STOUT * usual)
-    near &= ~_panes(labels, near & (widths < _PANE * usual), lengths)
+    near &= ~_panes(labels, is_strip & (widths < _PANE * usual), lengths)
     near &= ~_rings(labels, near, usual)
     near |= (np.abs(blocks / usual - 1.0) < _BLOCK_SLACK) & (areas > _SHORTEST_BLOCK * usual**2)
     if near.any():
-        yield _with_faces(near[labels])
+        yield _with_faces(near[labels], ink, _SLIM * usual)
 
 
 def _panes(labels: Labels, narrow: BoolArray, lengths: FloatArray) -> BoolArray:
@@ -154,15 +164,20 @@ def _rings(labels: Labels, strips: BoolArray, width: float) -> BoolArray:
     return found
 
 
-def _hatching(labels: Labels, areas: FloatArray, is_crumb: BoolArray) -> BoolArray:
+def _hatching(ink: BoolArray, labels: Labels, areas: FloatArray, is_crumb: BoolArray) -> BoolArray:
     """Where many crumbs of paper lie side by side."""
-    filled = _with_faces(is_crumb[labels])
-    side = max(3, round(0.25 * float(np.sqrt(np.median(areas[is_crumb])))) * 2 + 1)
-    square = np.ones((side, side), np.uint8)
-    return np.asarray(cv2.morphologyEx(filled.astype(np.uint8), cv2.MORPH_OPEN, square) > 0)
+    return _with_faces(is_crumb[labels], ink, 0.5 * float(np.sqrt(np.median(areas[is_crumb]))))
 
 
-def _with_faces(bodies: BoolArray) -> BoolArray:
-    """Bodies, the lines between them and those round them."""
+def _with_faces(bodies: BoolArray, ink: BoolArray, least_px: float) -> BoolArray:
+    """Bodies, the lines between them and those round them, without what leads away.
+
+    least_px: no wall is thinner.
+    """
     closed = cv2.morphologyEx(bodies.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
-    return np.asarray(cv2.dilate(closed, _BLOCK) > 0)
+    near = cv2.dilate(closed, np.ones((2 * _FACE_PX + 1,) * 2, np.uint8)) > 0
+    faced = (cv2.dilate(closed, _BLOCK) > 0) | (near & ink)
+    # Odd, so that opening does not shift the walls.
+    side = 2 * max(round(least_px / 2), 2) + 1
+    square = np.ones((side, side), np.uint8)
+    return np.asarray(cv2.morphologyEx(faced.astype(np.uint8), cv2.MORPH_OPEN, square) > 0)

@@ -26,6 +26,9 @@ _DRAWN_REACH = 22.0
 
 _SHORTEST_GAP = 1.2
 
+_CORNER_PX, _CORNER_SHARE = 1.0, 0.1
+"""Blur and hatching chamfer corners by so much: pixels, and a share of the wall's thickness."""
+
 _MOST_ENDS = 1000
 """A drawing with more wall ends is no plan."""
 
@@ -144,7 +147,8 @@ def _wall_ends(strokes: Strokes) -> list[_End]:
     )
     ends = []
     for contour in contours:
-        corners = cv2.approxPolyDP(contour, 1.0 + 0.05 * strokes.thickness_px, closed=True)
+        slack_px = _CORNER_PX + _CORNER_SHARE * strokes.thickness_px
+        corners = cv2.approxPolyDP(contour, slack_px, closed=True)
         if len(corners) >= 4:
             ends += _ends_of(corners.reshape(-1, 2) + 0.5, strokes)
     return ends if len(ends) <= _MOST_ENDS else []
