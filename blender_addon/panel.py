@@ -8,7 +8,8 @@ import bpy
 
 from .core import report, swaps
 from .core.state import OFFERED_BY, panel_state, wrapped
-from .house import LOCKED_KEY, component, own_objects, pieces_of
+from .core.tree import piece_of
+from .house import LOCKED_KEY, pieces_of
 from .jobs import unsaved_folder
 from .preferences import preferences
 from .previews import icon
@@ -106,7 +107,7 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """A line for each piece; models to choose from below the one that is to be swapped."""
-        own, objects = fields(context), own_objects(context)
+        own = fields(context)
         looks, models = report.looks(parsed(own.contents)), report.models(parsed(own.contents))
         for path, item in pieces_of(context, chosen_room(context)).items():
             row = self.layout.row(align=True)
@@ -117,7 +118,7 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
             start = _when_idle(row.row(align=True))
             start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
             row.operator("chord.delete_piece", text="", icon="TRASH").path = path
-            if component(objects, path) == own.swap_path:
+            if piece_of(own.swap_path) == path:
                 box = _when_idle(self.layout.box())
                 _draw_models(box, own, models.get(own.swap_path, ""))
                 for look in looks:
