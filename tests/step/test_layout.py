@@ -103,6 +103,52 @@ def test_resampling_a_region_leaves_every_other_pixel(model):
     )
 
 
+def _large_plan_image() -> PlanImage:
+    """Eight rooms of 6 × 5 m in a row."""
+    rgb = np.full((736, 736, 3), 255, np.uint8)
+    for left in range(10, 710, 89):
+        rgb[300:380, left : left + 93] = CATEGORIES["wall"].rgb
+        rgb[304:376, left + 4 : left + 89] = 255
+    return PlanImage(rgb, PixelFrame(0.07, (0.0, 0.0), 736))
+
+
+def test_a_large_house_is_sampled_whole():
+    torch.manual_seed(0)
+    network = LayoutNetwork(TINY).eval().requires_grad_(False)
+    model = LayoutModel(TorchDenoiser(Checkpoint(network, TINY, "hash", {})))
+    plan = _large_plan_image()
+    layout = model.sample(plan, seed=0)
+    assert layout.rgb.shape == plan.rgb.shape
+    assert np.array_equal(layout.rgb, model.sample(plan, seed=0).rgb)
+    painted = (layout.rgb != plan.rgb).any(axis=2)
+    assert not painted[(plan.rgb == 0).all(axis=2)].any()
+    assert not painted[:300].any()
+    assert not painted[380:].any()
+    assert all(painted[:, left + 4 : left + 89].any() for left in range(10, 710, 89))
+
+
+def test_one_room_of_a_large_house_is_sampled_anew():
+    torch.manual_seed(0)
+    network = LayoutNetwork(TINY).eval().requires_grad_(False)
+    model = LayoutModel(TorchDenoiser(Checkpoint(network, TINY, "hash", {})))
+    plan = _large_plan_image()
+    labels = np.zeros(plan.rgb.shape[:2], np.uint8)
+    labels[310:330, 20:60], labels[340:370, 120:150] = 3, 5
+    region = np.zeros(labels.shape, bool)
+    region[304:376, 103:188] = True
+    before = paint_layout(plan, labels, labels > 4)
+    looked = []
+    estimate = model.estimate
+    model.estimate = lambda state, times, plans: (
+        looked.append(state.shape) or estimate(state, times, plans)
+    )
+    after = model.resample(plan, labels, labels > 4, region, seed=1)
+    assert np.array_equal(after.rgb[~region], before[~region])
+    assert not np.array_equal(after.rgb[region], before[region])
+    views = [shape for shape in looked if shape[-1] <= 256]
+    assert len(views) == TINY.default_steps, "more than the one view on the room was looked through"
+
+
 @pytest.mark.parametrize("sampler", SAMPLERS)
 def test_every_sampler_takes_the_steps_it_is_given(model, sampler):
     one = model.sample(_plan_image(), seed=3, steps=4, sampler=sampler)

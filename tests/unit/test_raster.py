@@ -115,6 +115,27 @@ def test_the_house_is_centred_and_fills_the_canvas(seed: int, size: int, margin:
     assert top == pytest.approx(size - bottom)
 
 
+@pytest.mark.parametrize("side_m", [2.0, 8.0, 16.0, 25.0, 90.0, 500.0])
+def test_a_house_of_any_size_has_a_scale_that_serves(side_m: float) -> None:
+    corners = [(0, 0), (side_m, 0), (side_m, side_m / 3), (0, side_m / 3)]
+    plan = Plan((room("bedroom", corners),), ())
+    frame = raster.house_frame(plan)
+    assert raster.FINEST_M_PER_PX <= frame.m_per_px <= raster.COARSEST_M_PER_PX
+    assert frame.height_px >= CANVAS_PX
+    assert frame.height_px % raster.CANVAS_STEP_PX == 0
+    bounds = px_from_m(np.array(wall_area(plan.rooms).bounds).reshape(2, 2), frame)
+    assert bounds.min() >= 5.9
+    assert bounds.max() <= frame.height_px - 5.9
+    if 8.0 <= side_m <= 16.0:
+        assert frame == raster.fit_frame(plan)
+
+
+def test_a_plan_in_the_wrong_unit_is_refused() -> None:
+    plan = Plan((room("bedroom", [(0, 0), (9e4, 0), (9e4, 9e4), (0, 9e4)]),), ())
+    with pytest.raises(PlanError, match=r"m across.*Try: --scale"):
+        raster.house_frame(plan)
+
+
 def test_a_short_opening_box_still_goes_through_the_whole_wall() -> None:
     plan = Plan(
         (room(*HOUSE),), (Opening("w", "window", Box((2, -0.12, 0.9), (1.5, 0.12, 1.4), 0)),)
