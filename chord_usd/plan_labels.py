@@ -51,6 +51,11 @@ def scale_for_area(area_m2: float) -> float:
     return SCALES_M[int(area_m2 > COARSE_FROM_M2)]
 
 
+def sheet_frame(m_per_px: float) -> PixelFrame:
+    """The frame of a label map whose middle is the origin."""
+    return PixelFrame(m_per_px, (-m_per_px * CANVAS_PX / 2,) * 2, CANVAS_PX)
+
+
 def label_frame(plan: Plan, m_per_px: float) -> PixelFrame:
     """The frame in which a plan lies in the middle of its label map, on whole pixels."""
     points = np.concatenate([room.polygon_m for room in plan.rooms])
@@ -103,9 +108,8 @@ def fill_shell(shell: BoolArray) -> BoolArray:
     """(H, W) a closed outline and all that lies within."""
     drawn = shell.astype(np.uint8)
     contours, _ = cv2.findContours(drawn, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return np.asarray(
-        cv2.drawContours(np.zeros_like(drawn), contours, -1, 1, cv2.FILLED).astype(bool)
-    )
+    filled = cv2.drawContours(np.zeros_like(drawn), contours, -1, (1.0,), cv2.FILLED)
+    return np.asarray(filled).astype(bool)
 
 
 def open_plan(labels: ByteArray, m_per_px: float) -> ByteArray:

@@ -99,6 +99,55 @@ def room_kind(name: str) -> RoomKind:
     return _KIND_OF_WORD.get(max(known, key=len, default=""), "unknown")
 
 
+def kind_of_word(word: str, english: bool, inflected: bool = True) -> RoomKind | None:
+    """The kind that one word of a sentence names, in Latin letters; singular or plural.
+
+    Stricter than room_kind: short forms that only stand on drawings are words of a sentence, too.
+    english: whether the sentence is; a German "Bad" is none in it. inflected: whether a known word
+    with an ending that is not a plural will do.
+    """
+    plain = _without_accents(unicodedata.normalize("NFKC", word).casefold())
+    others = _OTHER_WORDS | (_OTHER_IN_ENGLISH if english else _OTHER_BUT_IN_ENGLISH)
+    if len(plain) < _SHORTEST_WORD or plain in others:
+        return None
+    stems = [plain, *(plain.removesuffix(end) for end in _PLURALS if plain.endswith(end))]
+    stems += [plain[:-3] + "y"] if plain.endswith("ies") else []
+    for stem in stems:
+        if stem in _KIND_OF_WORD and stem not in others:
+            return _KIND_OF_WORD[stem]
+    known_words = (word for word in _KIND_OF_WORD if inflected and word not in others)
+    longer = (known for known in known_words if len(known) > 5 and plain.startswith(known))
+    best = max((known for known in longer if len(plain) - len(known) <= 4), key=len, default=None)
+    return _KIND_OF_WORD[best] if best else None
+
+
+_SHORTEST_WORD = 3
+_PLURALS = ("s", "es", "n", "en", "r", "er", "t", "ta")
+_NOT_IN_SENTENCES = (
+    "room rooms other unknown undefined family master suite var ens office second hwr kit essen"
+    " kind eltern estar manger service servico kochen schlafen arbeiten wohnen zimmer oma aula"
+    " sitting oh tk th kk kh mh ub rt vh alk khh klk psh kph ph eau guest clo robe home entree"
+    " entre technik theatre great"
+)
+_OTHER_WORDS = frozenset(_NOT_IN_SENTENCES.split())
+"""Words that name a room on a drawing, and mean other things, or none alone, in a sentence."""
+
+_OTHER_IN_ENGLISH = frozenset(["bad", "cuarto", "quarto", "dormitorio", "kind"])
+_OTHER_BUT_IN_ENGLISH = frozenset(["den", "hall", "closet"])
+
+
+def kinds_in_han(text: str) -> list[tuple[int, int, RoomKind]]:
+    """Room names in Chinese or Japanese: from where, to where, and what they name."""
+    found: list[tuple[int, int, RoomKind]] = []
+    place = 0
+    while place < len(text):
+        match = next(((w, k) for w, k in _LONGEST_FIRST if text.startswith(w, place)), None)
+        if match:
+            found.append((place, place + len(match[0]), match[1]))
+        place += len(match[0]) if match else 1
+    return found
+
+
 def _without_accents(text: str) -> str:
     """Latin letters only: "Küche" -> "kuche"."""
     parts = unicodedata.normalize("NFD", text.translate(_FLATTENED))

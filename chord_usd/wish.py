@@ -9,6 +9,19 @@ from dataclasses import dataclass, field
 from chord_usd.geometry import room_polygon
 from chord_usd.types import ROOM_KINDS, Plan, RoomKind
 
+NAMES: dict[RoomKind, tuple[str, str]] = {
+    "living": ("living room", "living rooms"),
+    "dining": ("dining room", "dining rooms"),
+    "bedroom": ("bedroom", "bedrooms"),
+    "kitchen": ("kitchen", "kitchens"),
+    "bathroom": ("bathroom", "bathrooms"),
+    "balcony": ("balcony", "balconies"),
+    "corridor": ("corridor", "corridors"),
+    "study": ("study", "studies"),
+    "store": ("storeroom", "storerooms"),
+}
+"""What rooms of each kind are called: one of them, several."""
+
 WISHED_KINDS: tuple[RoomKind, ...] = tuple(kind for kind in ROOM_KINDS if kind != "unknown")
 
 _DINING_KINDS = ("living", "dining")
@@ -27,9 +40,29 @@ class Wish:
     """Whether the kitchen shall be joined to a living or dining room without a door."""
 
     @property
+    def sentence(self) -> str:
+        """The wish in the paper's words (supplementary, "Text-conditioned floor planning")."""
+        said = [
+            f"{self.counts[kind]} {NAMES[kind][self.counts[kind] != 1]}"
+            for kind in WISHED_KINDS
+            if kind in self.counts
+        ]
+        area = "" if self.area_m2 is None else f"{round(self.area_m2)}-square-meter "
+        rooms = f" with {listed(said)}" if said else ""
+        open_kitchen = ", with an open kitchen" if self.open_kitchen else ""
+        return f"This is a {area}flat{rooms}{open_kitchen}."
+
+    @property
     def rooms(self) -> int:
         """Rooms that were mentioned."""
         return sum(self.counts.values())
+
+
+def listed(parts: list[str]) -> str:
+    """Parts of a sentence: "a, b, and c"."""
+    if len(parts) < 3:
+        return " and ".join(parts)
+    return f"{', '.join(parts[:-1])}, and {parts[-1]}"
 
 
 def room_counts(plan: Plan) -> dict[RoomKind, int]:

@@ -15,11 +15,11 @@ from chord_usd.commands.common import (
     add_part,
     add_seed,
     add_verb,
-    existing_file,
     positive,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
 from chord_usd.files import deliver
 
 if TYPE_CHECKING:
@@ -30,9 +30,10 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
     parser.add_argument(
-        "plan", type=Path, metavar="PLAN",
+        "plan", type=Path, nargs="?", metavar="PLAN",
         help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON",
     )  # fmt: skip
+    add_sources(parser)
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     parser.add_argument(
@@ -67,9 +68,8 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         tabletop=not options.no_tabletop,
     )
-    plan_file = existing_file(options.plan)
     watch = stopwatch(options)
-    with deliver() as delivery:
+    with plan_source(options, settings, watch) as (plan_file, planned), deliver() as delivery:
         stage_path = delivery.place(options.output)
         extras = {
             kind: delivery.place(path)
@@ -80,6 +80,7 @@ def run(options: argparse.Namespace) -> Outcome:
             )
             if path
         }
+        settings = without_scale(settings) if planned else settings
         house = generate(plan_file, stage_path, settings, watch)
         _write_extras(house, extras)
         with watch.step("check"):
@@ -87,6 +88,9 @@ def run(options: argparse.Namespace) -> Outcome:
 
             report = check_stage(stage_path)
     data = _summary(house, options.output, watch.seconds, certificate(report))
+    if planned:
+        data["planned"] = planned_report(planned)
+        data["warnings"] = [*planned.warnings, *data["warnings"]]
     return Outcome(_text(data, report.holds), data, warnings=data["warnings"])
 
 

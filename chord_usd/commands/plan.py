@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.commands import planned
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
@@ -43,6 +44,7 @@ def add(verbs: Verbs) -> None:
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
     draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
     add_output(draw, "the plan raster, plan.png")
+    planned.add(group)
 
 
 def run_read(options: argparse.Namespace) -> Outcome:
@@ -96,7 +98,7 @@ def reading_report(plan: Plan) -> dict[str, Any]:
 def run_draw(options: argparse.Namespace) -> Outcome:
     """Runs plan draw."""
     from chord_usd.chord_json import read_plan
-    from chord_usd.raster import draw_plan
+    from chord_usd.pipeline import draw_plan
     from chord_usd.raster_files import write_raster
 
     plan_file = existing_file(options.plan)

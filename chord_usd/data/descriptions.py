@@ -12,7 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.types import Plan, RoomKind
-from chord_usd.wish import WISHED_KINDS, Wish, floor_area_m2, has_open_kitchen, room_counts
+from chord_usd.wish import (
+    NAMES,
+    WISHED_KINDS,
+    Wish,
+    floor_area_m2,
+    has_open_kitchen,
+    listed,
+    room_counts,
+)
 
 NUMBER_WORDS = (
     "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
@@ -21,20 +29,17 @@ NUMBER_WORDS = (
 
 SQUARE_FEET_PER_M2 = 10.7639
 
-_NAMES: dict[RoomKind, tuple[tuple[str, str], ...]] = {
-    "living": (("living room", "living rooms"), ("lounge", "lounges"),
-               ("sitting room", "sitting rooms")),
-    "dining": (("dining room", "dining rooms"), ("dining area", "dining areas")),
-    "bedroom": (("bedroom", "bedrooms"), ("bedroom", "bedrooms"), ("bed", "beds")),
-    "kitchen": (("kitchen", "kitchens"),),
-    "bathroom": (("bathroom", "bathrooms"), ("bath", "baths"), ("toilet", "toilets")),
-    "balcony": (("balcony", "balconies"), ("terrace", "terraces")),
-    "corridor": (("corridor", "corridors"), ("hallway", "hallways"), ("hall", "halls")),
-    "study": (("study", "studies"), ("home office", "home offices")),
-    "store": (("storeroom", "storerooms"), ("storage room", "storage rooms"),
-              ("closet", "closets")),
-}  # fmt: skip
-"""Singular and plural; the first is what the paper's sentences say."""
+_OTHER_NAMES: dict[RoomKind, tuple[tuple[str, str], ...]] = {
+    "living": (("lounge", "lounges"), ("sitting room", "sitting rooms")),
+    "dining": (("dining area", "dining areas"),),
+    "bedroom": (("bed", "beds"),),
+    "bathroom": (("bath", "baths"), ("toilet", "toilets")),
+    "balcony": (("terrace", "terraces"),),
+    "corridor": (("hallway", "hallways"), ("hall", "halls")),
+    "study": (("home office", "home offices"),),
+    "store": (("storage room", "storage rooms"), ("closet", "closets")),
+}
+"""Beside those of wish.NAMES: one of them, several."""
 
 _PAPER_KINDS: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
 
@@ -56,16 +61,6 @@ class Description:
     wish: Wish
 
 
-def paper_sentence(wish: Wish) -> str:
-    """A wish in the paper's words: kinds that are not mentioned are left out, but its four kinds."""
-    kinds = [k for k in WISHED_KINDS if k in wish.counts]
-    said = [_counted(wish.counts[kind], kind, 0) for kind in kinds]
-    area = "" if wish.area_m2 is None else f"{round(wish.area_m2)}-square-meter "
-    open_kitchen = ", with an open kitchen" if wish.open_kitchen else ""
-    rooms = f" with {_listed(said)}" if said else ""
-    return f"This is a {area}flat{rooms}{open_kitchen}."
-
-
 def describe(plan: Plan, rng: np.random.Generator) -> Description:
     """A text about a plan, in the paper's form or in free English, and the wish it stands for."""
     counts = room_counts(plan)
@@ -73,7 +68,7 @@ def describe(plan: Plan, rng: np.random.Generator) -> Description:
     if rng.random() < 0.4:
         kinds = [k for k in WISHED_KINDS if k in _PAPER_KINDS or (counts[k] and rng.random() < 0.5)]
         wish = Wish({kind: counts[kind] for kind in kinds}, area)
-        return Description(paper_sentence(wish), wish)
+        return Description(wish.sentence, wish)
     mentioned: dict[RoomKind, int] = {}
     for kind in WISHED_KINDS:
         chance = MENTION_CHANCE.get(kind, _OTHER_MENTION_CHANCE) if counts[kind] else _ABSENT_CHANCE
@@ -97,12 +92,12 @@ def _free(wish: Wish, rng: np.random.Generator) -> Description:
         counts.pop("kitchen")
     present = [kind for kind in counts if counts[kind]]
     rng.shuffle(present)
-    said = [_counted(counts[kind], kind, None, rng) for kind in present]
+    said = [_counted(counts[kind], kind, rng) for kind in present]
     if wish.open_kitchen:
         said.insert(int(rng.integers(len(said) + 1)), str(rng.choice(_OPEN_KITCHENS)))
-    absent = [_NAMES[kind][0][0] for kind in counts if not counts[kind]]
+    absent = [NAMES[kind][0] for kind in counts if not counts[kind]]
     text = f"{head}{dwelling}"
-    text += f" with {_listed(said)}" if said else ""
+    text += f" with {listed(said)}" if said else ""
     if absent:
         text += str(rng.choice([", no ", " but without "])) + " or ".join(absent)
     area = wish.area_m2
@@ -125,23 +120,14 @@ def _area(area_m2: float, rng: np.random.Generator) -> tuple[float, str]:
     return area_m2, f"{about}{area_m2:.0f} {unit}"
 
 
-def _counted(
-    count: int, kind: RoomKind, name: int | None, rng: np.random.Generator | None = None
-) -> str:
-    """ "2 bedrooms", "two beds", "a kitchen"; name: which of the kind's names, by chance if None."""
-    names = _NAMES[kind]
-    singular, plural = names[int(rng.integers(len(names))) if rng else name or 0]
-    noun = singular if count == 1 else plural
-    if rng and count == 1 and rng.random() < 0.6:
+def _counted(count: int, kind: RoomKind, rng: np.random.Generator) -> str:
+    """ "2 bedrooms", "two beds", "a kitchen"."""
+    names = (NAMES[kind], *_OTHER_NAMES.get(kind, ()))
+    noun = names[int(rng.integers(len(names)))][count != 1]
+    if count == 1 and rng.random() < 0.6:
         return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
-    return f"{_number(count, rng) if rng else count} {noun}"
+    return f"{_number(count, rng)} {noun}"
 
 
 def _number(count: int, rng: np.random.Generator) -> str:
     return NUMBER_WORDS[count] if count < len(NUMBER_WORDS) and rng.random() < 0.5 else str(count)
-
-
-def _listed(parts: list[str]) -> str:
-    if len(parts) < 3:
-        return " and ".join(parts)
-    return f"{', '.join(parts[:-1])}, and {parts[-1]}"

@@ -69,8 +69,8 @@ class OnnxDenoiser:
     ) -> Estimate:
         """As Denoiser. Raises MemoryError where there is not enough."""
         assert plans.grid is not None, "networks of the paper's kind have no graph"
-        inputs = [state, np.array(times, np.int64), plans.pixels, plans.grid]
-        inputs += [] if plans.words is None else [plans.words]
+        words = () if plans.words is None else (plans.words,)
+        inputs = (state, np.array(times, np.int64), plans.pixels, plans.grid, *words)
         output, clean = self._network.run(dict(zip(GRAPH_INPUTS, inputs, strict=False)))
         return Estimate(output, clean)
 

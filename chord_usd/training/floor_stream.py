@@ -14,11 +14,11 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.geometry import is_axis_aligned
 from chord_usd.layout.config import LayoutConfig
-from chord_usd.palette import BACKGROUND_RGB
 from chord_usd.planning.encoder import TextEncoder, default_encoder
+from chord_usd.planning.sheet import blank_sheet
 from chord_usd.planning.words import condition_words
 from chord_usd.training.stream import BatchStream, Drawn, SeededConfig
-from chord_usd.types import ByteArray, PixelFrame, Plan, PlanImage
+from chord_usd.types import Plan, PlanImage
 from chord_usd.wish import Wish, floor_area_m2
 
 
@@ -115,12 +115,6 @@ class FloorStream(BatchStream):
             return condition_words(said.wish)
         self._encoder = self._encoder or default_encoder()
         return condition_words(said.wish, self._encoder.encode([said.text])[0])
-
-
-def blank_sheet(frame: PixelFrame) -> PlanImage:
-    """A sheet with nothing on it."""
-    rgb: ByteArray = np.full((frame.height_px, frame.height_px, 3), BACKGROUND_RGB, np.uint8)
-    return PlanImage(rgb, frame)
 
 
 def _is_plain(plan: Plan) -> bool:

@@ -26,19 +26,31 @@ def draw_sheet(
 ) -> None:
     """Writes a PNG: a column per held-out example; above what the data holds, then two samples."""
     model = LayoutModel(TorchDenoiser(Checkpoint(network, network.config), str(device)))
-    images = [example.image for example in examples]
     steps = min(model.config.default_steps, MOST_STEPS)
     rows = [
         [model.traits.paint(example.image, example.labels, example.front) for example in examples]
     ]
     for seed in range(2):
-        sampled = model.sample_batch(images, seeds=[seed] * len(images), steps=steps)
-        rows.append([image.rgb for image in sampled])
+        rows.append(_sampled(model, examples, seed, steps))
     sheet = np.concatenate(
         [np.concatenate([_enlarged(rgb) for rgb in row], axis=1) for row in rows]
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     cv2.imwrite(str(path), cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))
+
+
+def _sampled(
+    model: LayoutModel, examples: Sequence[Drawn], seed: int, steps: int
+) -> list[ByteArray]:
+    images, seeds = [example.image for example in examples], [seed] * len(examples)
+    words = [example.words for example in examples if example.words is not None]
+    if not words:
+        return [image.rgb for image in model.sample_batch(images, seeds=seeds, steps=steps)]
+    maps = model.sample_labels(images, np.stack(words), seeds=seeds, steps=steps)
+    return [
+        model.traits.paint(image, labels, np.zeros(labels.shape, np.bool_))
+        for image, labels in zip(images, maps, strict=True)
+    ]
 
 
 def _enlarged(rgb: ByteArray) -> ByteArray:

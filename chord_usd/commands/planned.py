@@ -1,0 +1,174 @@
+"""plan from-text, plan from-outline, and what generate does of the same."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.commands.common import (
+    Outcome,
+    Parser,
+    UsageError,
+    Verbs,
+    add_device,
+    add_output,
+    add_seed,
+    add_verb,
+    existing_file,
+    positive,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.files import deliver
+
+if TYPE_CHECKING:
+    from chord_usd.pipeline import Settings
+    from chord_usd.planner import Planned
+    from chord_usd.progress import Stopwatch
+
+
+def add(group: Verbs) -> None:
+    """Adds the verbs to those of plan."""
+    text = add_verb(group, "from-text", run_from_text, "plan the floor that a text asks for")
+    text.add_argument("text", metavar="TEXT", help='such as "a two-bed flat of about 70 m²"')
+    _add_options(text)
+    outline = add_verb(
+        group, "from-outline", run_from_outline, "divide an open plan, outer walls only, into rooms"
+    )
+    outline.add_argument(
+        "outline", type=Path, metavar="OPEN_PLAN",
+        help="drawing of outer walls with windows and doors, or a plan of one room",
+    )  # fmt: skip
+    outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
+    outline.add_argument(
+        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of the drawing"
+    )
+    _add_options(outline)
+
+
+def _add_options(parser: Parser) -> None:
+    add_output(parser, "the plan: plan.png, the raster, or plan.json, the vectors (CHOrD JSON)")
+    add_seed(parser)
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    add_device(parser)
+
+
+def add_sources(parser: Parser) -> None:
+    """generate's options in place of a plan."""
+    source = parser.add_argument_group("instead of PLAN")
+    source.add_argument("--text", default="", metavar="TEXT", help="furnish what a text asks for")
+    source.add_argument(
+        "--outline", type=Path, metavar="OPEN_PLAN",
+        help="divide an open plan into rooms first; with --text, into these",
+    )  # fmt: skip
+
+
+def run_from_text(options: argparse.Namespace) -> Outcome:
+    """Runs plan from-text."""
+    return _run(options, None)
+
+
+def run_from_outline(options: argparse.Namespace) -> Outcome:
+    """Runs plan from-outline."""
+    return _run(options, existing_file(options.outline))
+
+
+def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
+    from chord_usd.chord_json import write_plan
+    from chord_usd.pipeline import Settings, draw_plan
+    from chord_usd.raster_files import write_raster
+
+    suffix = options.output.suffix.lower()
+    if suffix not in (".png", ".json"):
+        raise UsageError(
+            f"cannot write a plan as {suffix or 'a file without suffix'}",
+            where=str(options.output),
+            expected=".png or .json",
+        )
+    settings = Settings(
+        seed=options.seed,
+        steps=options.steps,
+        device=options.device,
+        m_per_px=getattr(options, "scale", None),
+    )
+    watch = stopwatch(options)
+    with deliver() as delivery:
+        target = delivery.place(options.output)
+        planned = _planned(options.text, outline, settings, watch)
+        if suffix == ".json":
+            write_plan(planned.plan, target)
+        else:
+            write_raster(draw_plan(planned.plan), target)
+    data = {"plan": str(options.output), **planned_report(planned), "seconds": watch.seconds}
+    told = f", for {planned.understood}" if planned.understood else ""
+    return Outcome(
+        f"{options.output}: {data['rooms']} rooms, {data['area_m2']:.0f} m²{told}",
+        data,
+        warnings=planned.warnings,
+    )
+
+
+def _planned(text: str, outline: Path | None, settings: Settings, watch: Stopwatch) -> Planned:
+    from chord_usd.planner import plan_from_outline, plan_from_text
+
+    with watch.step("plan") as progress:
+        if outline is None:
+            return plan_from_text(text, settings, progress=progress)
+        return plan_from_outline(outline, settings, text, progress=progress)
+
+
+def planned_report(planned: Planned) -> dict[str, Any]:
+    """For --json: what was planned, and what of it was asked for."""
+    from chord_usd.wish import floor_area_m2, room_counts
+
+    plan = planned.plan
+    return {
+        "understood": planned.understood,
+        "rooms": len(plan.rooms),
+        "room_counts": {kind: n for kind, n in room_counts(plan).items() if n},
+        "area_m2": round(floor_area_m2(plan), 2),
+        "openings": len(plan.openings),
+        "candidates": planned.candidates,
+        "warnings": list(planned.warnings),
+    }
+
+
+@contextmanager
+def plan_source(
+    options: argparse.Namespace, settings: Settings, watch: Stopwatch
+) -> Iterator[tuple[Path, Planned | None]]:
+    """generate's plan file: the one given, or one that was planned and is gone afterwards.
+
+    Raises UsageError where none or several are given, ChordError where none can be planned.
+    """
+    import tempfile
+
+    from chord_usd.chord_json import write_plan
+
+    wanted = bool(options.text) or options.outline is not None
+    if wanted == (options.plan is not None):
+        raise UsageError(
+            "one plan is needed" if not wanted else "there are two plans",
+            where="PLAN, --text, --outline",
+            expected="a plan file, or a text, or an open plan, with a text or without",
+        )
+    if not wanted:
+        yield existing_file(options.plan), None
+        return
+    outline = existing_file(options.outline) if options.outline else None
+    planned = _planned(options.text, outline, settings, watch)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "planned.json"
+        write_plan(planned.plan, path)
+        yield path, planned
+
+
+def without_scale(settings: Settings) -> Settings:
+    """The settings for a plan that was planned: vectors have their scale."""
+    return replace(settings, m_per_px=None, part=1)

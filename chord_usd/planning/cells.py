@@ -1,0 +1,161 @@
+"""A label map's rooms on a grid of straight lines: what was painted by pixels, as walls run.
+
+Walls of one house share few lines. The borders between painted rooms vote for them; each cell
+between the lines goes to the room that has most of its pixels. All rooms then fit each other
+without gap or overlap, whatever frayed edges they were painted with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from chord_usd import plan_labels
+from chord_usd.types import BoolArray, ByteArray, FloatArray
+
+Rooms = npt.NDArray[np.int32]
+"""(H, W) number of the room a pixel belongs to, 0 outside."""
+
+LEAST_ROOM_M2 = 0.8
+"""Smaller spots are no rooms."""
+
+LINE_GAP_M = 0.42
+"""Lines closer than this become one: no room and no nook of one is narrower."""
+
+LEAST_LINE_M = 0.7
+"""Borders of less length in all are frayed edges."""
+
+
+@dataclass(frozen=True, eq=False)
+class CellGrid:
+    """Rooms as cells between lines."""
+
+    x_px: FloatArray
+    """Continuous pixels of the lines along y."""
+    y_px: FloatArray
+    rooms: Rooms
+    """(len(y_px) - 1, len(x_px) - 1) number of each cell's room, 0 outside."""
+    labels: dict[int, int]
+    """Label (plan_labels) of each room."""
+
+
+def cell_grid(
+    labels: ByteArray,
+    house: BoolArray,
+    m_per_px: float,
+    fixed: tuple[Sequence[float], Sequence[float]] = ((), ()),
+) -> CellGrid:
+    """The grid of a label map (H, W).
+
+    house: (H, W) pixels up to the middle of the outer walls; fixed: lines, as x and as y, that are
+    known.
+    """
+    spots, names = _spots(labels, house, m_per_px)
+    rooms = _claimed(spots, house)
+    gap_px, least_px = LINE_GAP_M / m_per_px, LEAST_LINE_M / m_per_px
+    x_px = _lines((rooms[:, 1:] != rooms[:, :-1]).sum(axis=0), fixed[0], gap_px, least_px)
+    y_px = _lines((rooms[1:] != rooms[:-1]).sum(axis=1), fixed[1], gap_px, least_px)
+    cells = np.array(
+        [
+            [_most(rooms[_span(top, bottom), _span(left, right)]) for left, right in _pairs(x_px)]
+            for top, bottom in _pairs(y_px)
+        ],
+        np.int32,
+    ).reshape(max(len(y_px) - 1, 0), max(len(x_px) - 1, 0))
+    return CellGrid(x_px, y_px, _in_one_piece(cells, x_px, y_px), names)
+
+
+def _spots(labels: ByteArray, house: BoolArray, m_per_px: float) -> tuple[Rooms, dict[int, int]]:
+    """Painted rooms: connected spots of one label that are large enough."""
+    spots = np.zeros(labels.shape, np.int32)
+    names: dict[int, int] = {}
+    for label in range(plan_labels.FIRST_ROOM, plan_labels.WALL):
+        mask = ((labels == label) & house).astype(np.uint8)
+        count, found, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
+        for index in range(1, count):
+            if stats[index, cv2.CC_STAT_AREA] * m_per_px**2 >= LEAST_ROOM_M2:
+                names[len(names) + 1] = label
+                spots[found == index] = len(names)
+    return spots, names
+
+
+def _claimed(spots: Rooms, house: BoolArray) -> Rooms:
+    """Each pixel of the house to the nearest painted room: walls are shared in their middle."""
+    if not spots.any():
+        return np.zeros(spots.shape, np.int32)
+    _, nearest = cv2.distanceTransformWithLabels(
+        (spots == 0).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    room_of = np.zeros(int(nearest.max()) + 1, np.int32)
+    room_of[nearest[spots > 0]] = spots[spots > 0]
+    return np.where(house, room_of[nearest], 0).astype(np.int32)
+
+
+def _lines(
+    votes: npt.NDArray[np.int64], fixed: Sequence[float], gap_px: float, least_px: float
+) -> FloatArray:
+    """Positions of lines, in continuous pixels: votes[k] is the border between pixels k, k + 1."""
+    left = votes.astype(float)
+    places = np.arange(1, len(votes) + 1, dtype=float)
+    found = list(fixed)
+    for line in fixed:
+        left[np.abs(places - line) < gap_px] = 0.0
+    while True:
+        around = np.convolve(left, np.ones(3), mode="same")
+        best = int(around.argmax())
+        near = np.abs(places - places[best]) <= 1.0
+        if around[best] < least_px:
+            return np.sort(np.array(found))
+        line = float((left * places)[near].sum() / left[near].sum())
+        found.append(line)
+        left[np.abs(places - line) < gap_px] = 0.0
+
+
+def _pairs(lines: FloatArray) -> list[tuple[float, float]]:
+    return list(pairwise(lines.tolist()))
+
+
+def _span(low: float, high: float) -> slice:
+    return slice(round(low), max(round(high), round(low) + 1))
+
+
+def _most(numbers: Rooms) -> int:
+    return int(np.bincount(numbers.ravel()).argmax()) if numbers.size else 0
+
+
+def _in_one_piece(cells: Rooms, x_px: FloatArray, y_px: FloatArray) -> Rooms:
+    """Each room keeps its largest piece; the others go to what they border on most."""
+    cells = cells.copy()
+    widths, heights = np.diff(x_px), np.diff(y_px)
+    areas = np.outer(heights, widths)
+    for room in np.unique(cells[cells > 0]):
+        count, pieces = cv2.connectedComponents((cells == room).astype(np.uint8), connectivity=4)
+        sizes = [areas[pieces == piece].sum() for piece in range(1, count)]
+        for piece in range(1, count):
+            if piece - 1 != int(np.argmax(sizes)):
+                inside = pieces == piece
+                cells[inside] = _bordering(cells, inside, widths, heights)
+    return cells
+
+
+def _bordering(cells: Rooms, inside: BoolArray, widths: FloatArray, heights: FloatArray) -> int:
+    """The room with the longest border to these cells; outside is one, too."""
+    padded, within = np.pad(cells, 1), np.pad(inside, 1)
+    lengths: dict[int, float] = {}
+    for row, column in np.argwhere(inside):
+        for down, right, length in (
+            (-1, 0, widths[column]),
+            (1, 0, widths[column]),
+            (0, -1, heights[row]),
+            (0, 1, heights[row]),
+        ):
+            spot = row + 1 + down, column + 1 + right
+            if not within[spot]:
+                room = int(padded[spot])
+                lengths[room] = lengths.get(room, 0.0) + float(length)
+    return max(lengths, key=lambda room: lengths[room], default=0)

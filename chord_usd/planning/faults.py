@@ -1,0 +1,62 @@
+"""What is wrong with a plan, in words: what keeps it from being a house."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from chord_usd.geometry import room_polygon, rooms_beside
+from chord_usd.metrics.walk import entrance, walk
+from chord_usd.types import WALL_THICKNESS_M, Plan, RoomKind, SceneGraph
+
+LEAST_AREA_M2: dict[RoomKind, float] = {
+    "living": 6.0, "dining": 3.5, "bedroom": 4.5, "kitchen": 2.5, "bathroom": 1.0,
+    "balcony": 0.8, "corridor": 0.8, "study": 3.0, "store": 0.6,
+}  # fmt: skip
+"""Less floor than this is no room of the kind; a WC of its own is a bathroom."""
+
+LEAST_WIDTH_M = 0.7
+
+_NEARLY = 1e-3
+
+
+def faults(plan: Plan) -> list[str]:
+    """Everything wrong with a plan; an empty list for a house that one can live in.
+
+    Rooms are closed (simple polygons, a wall apart from each other), large enough for their kind,
+    openings lie in walls, there is a front door and every room can be reached from it.
+    """
+    if not plan.rooms:
+        return ["there are no rooms"]
+    return [*_of_rooms(plan), *_of_openings(plan), *_of_ways(plan)]
+
+
+def _of_rooms(plan: Plan) -> Iterator[str]:
+    floors = [(room, room_polygon(room)) for room in plan.rooms]
+    for index, (room, floor) in enumerate(floors):
+        if not floor.is_valid:
+            yield f"{room.id} is not closed"
+            continue
+        least = LEAST_AREA_M2.get(room.kind, 0.6)
+        if floor.area < least:
+            yield f"{room.id} has {floor.area:.1f} m2, less than {least:g}"
+        if floor.buffer(-LEAST_WIDTH_M / 2).is_empty:
+            yield f"{room.id} is narrower than {LEAST_WIDTH_M:g} m"
+        for other, other_floor in floors[:index]:
+            if floor.distance(other_floor) < WALL_THICKNESS_M - _NEARLY:
+                yield f"{room.id} and {other.id} are less than a wall apart"
+
+
+def _of_openings(plan: Plan) -> Iterator[str]:
+    for opening in plan.openings:
+        beside = rooms_beside(opening.box, plan.rooms)
+        if not beside or set(beside) != set(opening.room_ids):
+            told = ", ".join(opening.room_ids) or "a room"
+            yield f"{opening.id} does not lie in a wall of {told}"
+
+
+def _of_ways(plan: Plan) -> Iterator[str]:
+    house = SceneGraph(plan.rooms, plan.openings, ())
+    if entrance(house) is None:
+        yield "there is no front door"
+    for room_id in walk(house).unreachable:
+        yield f"{room_id} cannot be reached"

@@ -1,0 +1,70 @@
+"""A drawing of outer walls -> the shell that rooms are planned in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from shapely.ops import unary_union
+
+from chord_usd import plan_labels
+from chord_usd.errors import PlanError
+from chord_usd.geometry import polygons_of, room_polygon
+from chord_usd.types import WALL_THICKNESS_M, ByteArray, PixelFrame, Plan, frozen_array
+
+LEAST_AREA_M2 = 14.0
+
+
+def shell_of(plan: Plan, where: str) -> Plan:
+    """The open plan that was read from a drawing: one room, and the openings of its walls.
+
+    where: what to name in errors. Raises PlanError where it has inner walls, islands or more than
+    can be planned at once.
+    """
+    if len(plan.rooms) != 1:
+        raise PlanError(
+            f"has {len(plan.rooms)} closed rooms",
+            where=where,
+            expected="an open plan: outer walls that close, nothing inside",
+            try_="chord-usd generate PLAN, for a plan that has its rooms",
+        )
+    room = plan.rooms[0]
+    area_m2 = room_polygon(room).area
+    extent_m = float(np.ptp(room.polygon_m, axis=0).max()) + 2 * WALL_THICKNESS_M
+    most_m = (plan_labels.CANVAS_PX - 2 * plan_labels.MARGIN_PX) * plan_labels.SCALES_M[-1]
+    if area_m2 < LEAST_AREA_M2 or extent_m > most_m:
+        raise PlanError(
+            f"encloses {area_m2:.1f} m², {extent_m:.1f} m across",
+            where=where,
+            expected=f"at least {LEAST_AREA_M2:g} m² and at most {most_m:.0f} m across",
+            try_="--scale M_PER_PX, where the drawing's scale was read wrong",
+        )
+    openings = tuple(
+        replace(opening, kind="door" if opening.kind == "passage" else opening.kind)
+        for opening in plan.openings
+    )
+    return Plan((replace(room, kind="unknown"),), openings, plan.extra)
+
+
+def shell_labels(shell: Plan) -> tuple[ByteArray, PixelFrame]:
+    """(H, W) labels of a shell (plan_labels.open_plan), and where they lie."""
+    extent_m = float(np.ptp(shell.rooms[0].polygon_m, axis=0).max()) + 2 * WALL_THICKNESS_M
+    scale = plan_labels.fitting_scale(extent_m) or plan_labels.SCALES_M[-1]
+    frame = plan_labels.label_frame(shell, scale)
+    return plan_labels.open_plan(plan_labels.label_plan(shell, frame), scale), frame
+
+
+def open_shell(plan: Plan) -> Plan:
+    """The shell of a house that has rooms: what is left when its inner walls are taken out."""
+    floors = unary_union([room_polygon(room) for room in plan.rooms])
+    closed = floors.buffer(WALL_THICKNESS_M, join_style="mitre")
+    whole = closed.buffer(-WALL_THICKNESS_M, join_style="mitre")
+    floor = max(polygons_of(whole), key=lambda part: part.area)
+    room = replace(
+        plan.rooms[0],
+        id="room1",
+        kind="unknown",
+        polygon_m=frozen_array(np.asarray(floor.exterior.simplify(1e-6).coords)[:-1]),
+    )
+    outer = tuple(replace(o, room_ids=("room1",)) for o in plan.openings if len(o.room_ids) == 1)
+    return Plan((room,), outer)
