@@ -40,13 +40,29 @@ MANY_ROOMS = 10
 class Planned:
     """A planned floor."""
 
-    plan: Plan
+    chosen: Candidate
+    tried: tuple[Candidate, ...]
+    """Every floor that was planned to find it, in order."""
+    wish: Wish
     understood: str
     """The wish in short, "" where there is none."""
-    candidates: int
-    """How many floors were planned to find it."""
-    warnings: tuple[str, ...]
-    """What was asked for and could not be had, and what is wrong with the plan."""
+
+    @property
+    def plan(self) -> Plan:
+        """The plan itself."""
+        return self.chosen.plan
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was asked for and could not be had, and what is wrong with the plan."""
+        missed = [
+            f"asked for {asked} {NAMES[kind][asked != 1]}, planned {planned}"
+            for kind, (asked, planned) in self.chosen.missed.items()
+        ]
+        if self.chosen.area_missed:
+            area_m2 = self.chosen.area_m2
+            missed.append(f"asked for {self.wish.area_m2:.0f} m², planned {area_m2:.0f}")
+        return [*missed, *self.chosen.faults]
 
 
 def load_planner(name: str, settings: Settings) -> LayoutModel:
@@ -153,7 +169,7 @@ def _planned(
             expected="something like the homes that the model has learned from",
             try_="another --seed, or fewer wishes",
         )
-    return Planned(chosen.plan, told, len(candidates), tuple(_warnings(chosen, wish)))
+    return Planned(chosen, tuple(candidates), wish, told)
 
 
 def sampled(
@@ -178,13 +194,3 @@ def sampled(
         progress=progress,
     )
     return [plan_from_labels(labels, sheet.frame, shell) for labels in maps]
-
-
-def _warnings(chosen: Candidate, wish: Wish) -> list[str]:
-    found = [
-        f"asked for {asked} {NAMES[kind][asked != 1]}, planned {planned}"
-        for kind, (asked, planned) in chosen.missed.items()
-    ]
-    if chosen.area_missed:
-        found.append(f"asked for {wish.area_m2:.0f} m², planned {chosen.area_m2:.0f}")
-    return [*found, *chosen.faults]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from chord_usd.commands import (
     evaluate_detector,
     evaluate_diversity,
+    evaluate_floors,
     evaluate_layouts,
     evaluate_ood,
     evaluate_plans,
@@ -15,7 +16,7 @@ from chord_usd.commands.common import Verbs, add_group
 
 VERBS = (
     evaluate_layouts, evaluate_ood, evaluate_speed, evaluate_diversity, evaluate_detector,
-    evaluate_plans, evaluate_tabletops,
+    evaluate_plans, evaluate_tabletops, evaluate_floors,
 )  # fmt: skip
 
 

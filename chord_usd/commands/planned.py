@@ -134,8 +134,8 @@ def planned_report(planned: Planned) -> dict[str, Any]:
         "room_counts": {kind: n for kind, n in room_counts(plan).items() if n},
         "area_m2": round(floor_area_m2(plan), 2),
         "openings": len(plan.openings),
-        "candidates": planned.candidates,
-        "warnings": list(planned.warnings),
+        "candidates": len(planned.tried),
+        "warnings": planned.warnings,
     }
 
 

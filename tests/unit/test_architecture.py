@@ -19,33 +19,34 @@ CODE = sorted(
     for file in (ROOT / folder).rglob("*.py")
 )
 
-STEPS = ("plan", "layout", "graph", "stage", "image")
+STEPS = ("plan", "planning", "layout", "graph", "stage", "image")
 WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
-LINE = ("cli", "commands", "pipeline")
+LINE = ("cli", "commands", "pipeline", "planner")
 
 ALLOWED: dict[str, set[str]] = {
     **{step: {"metrics"} for step in STEPS},
     "assets": set(),
     "metrics": set(),
     "data": {"metrics"},
-    "training": {"layout", "graph", "data"},
-    "evaluation": {"layout", "graph", "data", "metrics"},
+    "training": {"planning", "layout", "graph", "data"},
+    "evaluation": {"planning", "layout", "graph", "data", "metrics"},
     "farm": set(),
     "batch": {"pipeline", "data", "stage", "image"},
     "pipeline": {*STEPS, "assets"},
-    "commands": {"pipeline", "batch", "farm", *STEPS, *WORKSHOP},
+    "planner": {"pipeline", *STEPS},
+    "commands": {"pipeline", "planner", "batch", "farm", *STEPS, *WORKSHOP},
     "cli": {"commands"},
     "__main__": {"cli"},
 }
 """What a part may import besides itself and the base modules."""
 
 HEAVY = {
-    "torch": ("layout", "training", "evaluation"),
+    "torch": ("layout", "planning", "training", "evaluation"),
     "diffusers": ("layout", "training", "evaluation"),
     "ultralytics": ("training",),
     "pxr": ("stage", "assets", "image"),
     "bpy": ("image",),
-    "transformers": (),
+    "transformers": ("planning",),
 }
 """Which parts may import a heavy library at all."""
 

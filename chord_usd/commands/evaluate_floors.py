@@ -1,0 +1,126 @@
+"""evaluate text, evaluate outlines: held-out wishes and open plans -> planned floors -> scores."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from chord_usd.commands.common import Outcome, Parser, Verbs, add_verb, stopwatch, whole_number
+from chord_usd.commands.evaluate_options import (
+    add_checkpoint,
+    add_report,
+    load_layout_model,
+    told,
+)
+
+if TYPE_CHECKING:
+    from chord_usd.evaluation.floors import FloorCase
+    from chord_usd.metrics.scores import Score
+    from chord_usd.planner import Planned
+    from chord_usd.planning.choose import Candidate
+    from chord_usd.types import Plan
+
+    Judged = tuple[FloorCase, Candidate]
+
+SHEET_ROWS = 3
+SEEDS = 8
+"""Floors of one wish, on the sheet and for diversity."""
+
+
+def add(group: Verbs) -> None:
+    """Adds the verbs to those of evaluate."""
+    text = add_verb(group, "text", run_text, "score floors planned from held-out texts")
+    _add_options(text, "texts", "text2plan")
+    outlines = add_verb(group, "outlines", run_outlines, "score rooms planned in open plans")
+    _add_options(outlines, "open plans of held-out houses", "outline2plan")
+
+
+def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
+    parser.add_argument(
+        "--n", dest="cases", type=whole_number(1), default=500, metavar="N", help=f"{what} (500)"
+    )
+    add_checkpoint(parser, checkpoint)
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+    add_report(parser)
+
+
+def run_text(options: argparse.Namespace) -> Outcome:
+    """Runs evaluate text."""
+    from chord_usd.evaluation import floors
+    from chord_usd.pipeline import Settings
+    from chord_usd.planner import TEXT_CHECKPOINT, plan_from_text
+    from chord_usd.planning.encoder import default_encoder
+
+    model = load_layout_model(options, TEXT_CHECKPOINT)
+    encoder = default_encoder()
+    settings = Settings(seed=options.seed, steps=options.steps)
+
+    def planned(case: FloorCase, seed: int) -> Planned:
+        return plan_from_text(
+            case.text, replace(settings, seed=options.seed + seed), model, encoder
+        )
+
+    return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
+
+
+def run_outlines(options: argparse.Namespace) -> Outcome:
+    """Runs evaluate outlines."""
+    from chord_usd.evaluation import floors
+    from chord_usd.pipeline import Settings
+    from chord_usd.planner import OUTLINE_CHECKPOINT, plan_in_shell
+    from chord_usd.wish import Wish
+
+    model = load_layout_model(options, OUTLINE_CHECKPOINT)
+    settings = Settings(seed=options.seed, steps=options.steps)
+
+    def planned(case: FloorCase, seed: int) -> Planned:
+        return plan_in_shell(case.shell, Wish(), model, replace(settings, seed=options.seed + seed))
+
+    return _run(options, planned, floors.shell_scores, "Floors in open plans", aligned=False)
+
+
+def _run(
+    options: argparse.Namespace,
+    planned: Callable[[FloorCase, int], Planned],
+    scores_of: Callable[[list[Judged]], dict[str, Score]],
+    title: str,
+    aligned: bool,
+) -> Outcome:
+    from chord_usd.evaluation import floors
+    from chord_usd.evaluation.report import picture_png
+
+    def planner(case: FloorCase) -> tuple[tuple[Candidate, ...], Candidate]:
+        found = planned(case, 0)
+        return found.tried, found.chosen
+
+    watch = stopwatch(options)
+    cases = floors.held_out_cases(options.cases, aligned)
+    with watch.step("plan") as progress:
+        results = floors.plan_all(cases, planner, progress)
+    columns = {
+        "chosen": scores_of([(result.case, result.chosen) for result in results]),
+        "first alone": scores_of([(result.case, result.tried[0]) for result in results]),
+    }
+    with watch.step("diversity"):
+        rows: list[list[Plan]] = [
+            [planned(case, 1 + seed).plan for seed in range(SEEDS)] for case in cases[:SHEET_ROWS]
+        ]
+    different = [floors.diversity(row) for row in rows]
+    notes = [
+        f"split {floors.split_of(cases)}, {len(cases)} cases; {floors.tried_text(results)}",
+        f"diversity over {SEEDS} seeds of {len(rows)} wishes: "
+        + ", ".join(f"{value:.2f}" for value in different),
+    ]
+    data = {
+        "split": floors.split_of(cases),
+        "n": len(cases),
+        "scores": floors.as_data(columns),
+        "diversity": different,
+        "seconds": watch.seconds,
+    }
+    pictures = {"": picture_png(floors.sheet(rows))}
+    return told(options, floors.as_markdown(title, columns, notes), data, pictures, [])

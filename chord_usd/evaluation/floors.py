@@ -1,0 +1,223 @@
+"""Floors planned from words and in open plans, scored against what was asked for."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from shapely.ops import unary_union
+
+from chord_usd import plan_labels
+from chord_usd.data.descriptions import describe
+from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import TEST_SEED, split_hash
+from chord_usd.data.statistics import total_variation
+from chord_usd.evaluation.report import enlarged, framed, markdown_table, score_text
+from chord_usd.geometry import is_axis_aligned, room_polygon, wall_area
+from chord_usd.metrics.scores import Score, mean_of, share_of
+from chord_usd.planning.choose import Candidate
+from chord_usd.planning.outline import open_shell
+from chord_usd.progress import Progress
+from chord_usd.raster import draw_plan
+from chord_usd.types import ByteArray, Plan, RoomKind
+from chord_usd.wish import WISHED_KINDS, Wish
+
+DARK_KINDS: tuple[RoomKind, ...] = ("corridor", "store", "bathroom")
+"""Rooms that can do without a window."""
+
+
+@dataclass(frozen=True, eq=False)
+class FloorCase:
+    """Something to plan, and the house that it was made from."""
+
+    id: str
+    text: str
+    wish: Wish
+    plan: Plan
+
+    @property
+    def shell(self) -> Plan:
+        """The house without its rooms."""
+        return open_shell(self.plan)
+
+
+@dataclass(frozen=True, eq=False)
+class FloorResult:
+    """What was planned: every floor that was tried, in order, and the one that was taken."""
+
+    case: FloorCase
+    tried: tuple[Candidate, ...]
+    chosen: Candidate
+
+
+Planner = Callable[[FloorCase], tuple[tuple[Candidate, ...], Candidate]]
+"""Plans a case: all floors tried, and the one taken."""
+
+
+def held_out_cases(count: int, aligned: bool) -> list[FloorCase]:
+    """The first test houses that fit on a sheet, with a text about each.
+
+    aligned: without houses that have slanted walls.
+    """
+    cases: list[FloorCase] = []
+    seed = TEST_SEED
+    while len(cases) < count:
+        rng = np.random.default_rng(seed)
+        plan = random_plan(rng)
+        points = np.concatenate([room.polygon_m for room in plan.rooms])
+        extent_m = float(np.ptp(points, axis=0).max()) + 2 * plan_labels.WALL_THICKNESS_M
+        if plan_labels.fitting_scale(extent_m) and (is_axis_aligned(plan) or not aligned):
+            said = describe(plan, rng)
+            cases.append(FloorCase(f"house{seed}", said.text, said.wish, plan))
+        seed += 1
+    return cases
+
+
+def plan_all(
+    cases: Sequence[FloorCase], planner: Planner, progress: Progress | None = None
+) -> list[FloorResult]:
+    """Every case, planned."""
+    results = []
+    for index, case in enumerate(cases):
+        tried, chosen = planner(case)
+        results.append(FloorResult(case, tried, chosen))
+        if progress:
+            progress(index + 1, len(cases))
+    return results
+
+
+def split_of(cases: Sequence[FloorCase]) -> str:
+    """12 hex digits that name this set."""
+    return split_hash([case.id for case in cases])
+
+
+def wish_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Score]:
+    """How far floors are what texts asked for; all shares are in [0, 1]."""
+    pairs = list(pairs)
+    asked = [(case, found, kind) for case, found in pairs for kind in case.wish.counts]
+    right = sum(kind not in found.missed for _, found, kind in asked)
+    sized = [found for case, found in pairs if case.wish.area_m2 is not None]
+    scores = {
+        "room counts": share_of(right, len(asked), "kinds of room asked for"),
+        "all counts": share_of(sum(not f.missed for _, f in pairs), len(pairs), "texts"),
+        "area within 10 %": share_of(
+            sum(not found.area_missed for found in sized), len(sized), "texts with an area"
+        ),
+    }
+    for kind in WISHED_KINDS:
+        own = [found for _, found, other in asked if other == kind]
+        scores[f"{kind} count"] = share_of(
+            sum(kind not in found.missed for found in own), len(own), f"texts that tell {kind}"
+        )
+    return scores | sound_scores([found for _, found in pairs])
+
+
+def sound_scores(floors: Sequence[Candidate]) -> dict[str, Score]:
+    """How many floors are houses."""
+    reached = [not any("cannot be reached" in fault for fault in f.faults) for f in floors]
+    return {
+        "valid": share_of(sum(not floor.faults for floor in floors), len(floors), "floors"),
+        "every room reachable": share_of(sum(reached), len(floors), "floors"),
+    }
+
+
+def shell_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Score]:
+    """How well open plans were divided."""
+    pairs = list(pairs)
+    lit = [room_id for case, found in pairs for room_id in _lit(case, found.plan)]
+    kept = [_kept(case, found.plan) for case, found in pairs]
+    counts = Counter(len(found.plan.rooms) for _, found in pairs)
+    true_counts = Counter(len(case.plan.rooms) for case, _ in pairs)
+    return {
+        **sound_scores([found for _, found in pairs]),
+        "outline IoU": mean_of([iou for iou, _ in kept], "floors"),
+        "windows kept": mean_of([share for _, share in kept], "floors"),
+        "windows to rooms that want them": share_of(
+            sum(kind not in DARK_KINDS for kind in lit), len(lit), "windows"
+        ),
+        "room-count TV": Score(total_variation(counts, true_counts), len(pairs), "floors"),
+    }
+
+
+def _lit(case: FloorCase, plan: Plan) -> list[RoomKind]:
+    """Kinds of the rooms behind the shell's windows; "unknown" for a wall."""
+    return [
+        plan.room(opening.room_ids[0]).kind if opening.room_ids else "unknown"
+        for opening in plan.openings
+        if opening.kind == "window" and len(opening.room_ids) < 2
+    ]
+
+
+def _kept(case: FloorCase, plan: Plan) -> tuple[float, float]:
+    """IoU of the house with its walls, and the share of the shell's openings that are there."""
+    before, after = (_whole(rooms) for rooms in (case.shell.rooms, plan.rooms))
+    iou = before.intersection(after).area / before.union(after).area if plan.rooms else 0.0
+    boxes = {opening.box for opening in plan.openings}
+    openings = case.shell.openings
+    kept = sum(opening.box in boxes for opening in openings)
+    return float(iou), kept / len(openings) if openings else 1.0
+
+
+def _whole(rooms: Sequence[Any]) -> Any:
+    floors = [room_polygon(room) for room in rooms]
+    return wall_area(rooms).union(unary_union(floors)).buffer(0.01).buffer(-0.01)
+
+
+def diversity(plans: Sequence[Plan]) -> float:
+    """1 - mean IoU of the rooms of each kind, over all pairs of plans of one wish; [0, 1]."""
+    distances = []
+    for first, second in combinations(plans, 2):
+        shares = []
+        for kind in {room.kind for room in (*first.rooms, *second.rooms)}:
+            a, b = (unary_union([room_polygon(r) for r in p.rooms if r.kind == kind])
+                    for p in (first, second))  # fmt: skip
+            union = a.union(b).area
+            shares.append(a.intersection(b).area / union if union else 1.0)
+        distances.append(1.0 - float(np.mean(shares)))
+    return float(np.mean(distances)) if distances else 0.0
+
+
+def tried_text(results: Sequence[FloorResult]) -> str:
+    """How many floors it took."""
+    mean = np.mean([len(result.tried) for result in results])
+    return f"{mean:.1f} floors planned for each on average, the best of them taken"
+
+
+def as_markdown(title: str, columns: dict[str, dict[str, Score]], notes: Sequence[str]) -> str:
+    """A table of scores, a column per choice; below it what there is to know."""
+    names = list(next(iter(columns.values())))
+    rows = [[name, *(score_text(scores[name]) for scores in columns.values())] for name in names]
+    table = markdown_table(["score (n)", *columns], rows)
+    return "\n".join([f"## {title}\n", table, *(f"- {note}" for note in notes), ""])
+
+
+def as_data(columns: dict[str, dict[str, Score]]) -> dict[str, Any]:
+    """For JSON."""
+    return {
+        column: {
+            name: {"value": score.value, "n": score.count, "over": score.over}
+            for name, score in scores.items()
+        }
+        for column, scores in columns.items()
+    }
+
+
+def sheet(rows: Sequence[Sequence[Plan]]) -> ByteArray:
+    """A picture of plans, a row for each wish."""
+    blank = np.full((plan_labels.CANVAS_PX,) * 2 + (3,), 255, np.uint8)
+    drawn = [
+        [framed(draw_plan(plan).rgb) if plan.rooms else framed(enlarged(blank, 1)) for plan in row]
+        for row in rows
+    ]
+    side = max(picture.shape[0] for row in drawn for picture in row)
+    padded = [[_square(picture, side) for picture in row] for row in drawn]
+    return np.concatenate([np.concatenate(row, axis=1) for row in padded])
+
+
+def _square(picture: ByteArray, side: int) -> ByteArray:
+    missing = side - np.array(picture.shape[:2])
+    return np.pad(picture, ((0, missing[0]), (0, missing[1]), (0, 0)), constant_values=255)
