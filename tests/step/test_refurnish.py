@@ -110,6 +110,35 @@ def test_what_an_artist_changed_elsewhere_stays(folder: Path) -> None:
     assert elsewhere(path, name) == before
 
 
+def test_a_layer_over_the_house_outlives_its_new_furniture(folder: Path) -> None:
+    """An artist works in a layer of his own; names are stable, so that it goes on fitting."""
+    path = folder / "house.usda"
+    name = room_with_items(path)
+    layer = Sdf.Layer.CreateNew(str(folder / "artist.usda"))
+    layer.subLayerPaths = ["./house.usda"]
+    stage = Usd.Stage.Open(layer)
+    moved = next(
+        prim
+        for prim in stage.Traverse()
+        if prim.HasAttribute("chord:node_id")
+        and prim.HasAttribute("xformOp:translate")
+        and f"/{name}/" not in str(prim.GetPath())
+    )
+    moved.GetAttribute("xformOp:translate").Set((9.0, 9.0, 0.0))
+    room = stage.GetPrimAtPath(f"/House/Rooms/{name}")
+    floors = room.GetVariantSet("floorMaterial")
+    chosen = floors.GetVariantNames()[-1]
+    floors.SetVariantSelection(chosen)
+    layer.Save()
+    refurnish(path, path, new_furniture(path, name))
+    again = Usd.Stage.Open(str(folder / "artist.usda"))
+    assert not again.GetCompositionErrors()
+    there = again.GetPrimAtPath(moved.GetPath()).GetAttribute("xformOp:translate").Get()
+    assert tuple(there) == (9.0, 9.0, 0.0)
+    worn = again.GetPrimAtPath(room.GetPath()).GetVariantSet("floorMaterial")
+    assert worn.GetVariantSelection() == chosen
+
+
 def test_another_folder_gets_everything_the_stage_points_to(
     folder: Path, tmp_path: Path, staged_house: Path
 ) -> None:
