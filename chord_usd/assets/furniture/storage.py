@@ -24,6 +24,8 @@ BOARD_M = 0.022
 
 _LEAF_M = 0.46
 """Usual length of a wardrobe door."""
+_DRAWER_M = 0.44
+"""Height of the two rows of drawers below."""
 
 
 def fronts_y(width: float, kind: HandleKind) -> float:
@@ -39,12 +41,14 @@ def carcass(length: float, face_y: float, back_y: float, height: float, z: float
 
 
 def wardrobe(size_m: Size, *, handle: HandleKind = "bar", framed: bool = False) -> tuple[Part, ...]:
-    """A wardrobe with hinged doors on a plinth; framed gives shaker doors and a cornice."""
+    """A wardrobe on a plinth: doors over drawers, or, framed, tall shaker doors and a cornice."""
     length, width, height = size_m
     leaves = max(1, round(length / _LEAF_M))
     y, base, top = fronts_y(width, handle), 0.08, 0.03 if framed else 0.002
     body = carcass(length, y, width / 2, height - base - top + 0.002, base)
-    face = list(cells(length - 0.006, height - base - top - 0.006, leaves, z_m=base + 0.003))
+    wide, tall, low = length - 0.006, height - base - top - 0.006, base + 0.003
+    drawer = 0.0 if framed else _DRAWER_M
+    face = list(cells(wide, tall - drawer, leaves, z_m=low + drawer))
     parts = [
         plinth(size_m, base, inset_m=0.08),
         Part("Body", body, "body"),
@@ -53,6 +57,8 @@ def wardrobe(size_m: Size, *, handle: HandleKind = "bar", framed: bool = False) 
     if framed:
         cornice = block((length, width - 0.02, top), 0.01)
         parts.append(Part("Cornice", cornice.moved(y=0.01, z=height - top), "body"))
+    else:
+        parts += drawers(list(cells(wide, drawer, leaves, (1.0, 1.0), low)), y, handle)
     return tuple(parts)
 
 

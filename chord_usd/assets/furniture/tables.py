@@ -136,7 +136,7 @@ def waterfall_table(size_m: Size) -> tuple[Part, ...]:
     """A low table whose top bends down into its sides, with a drawer between them."""
     length, width, height = size_m
     board = 0.035
-    top = block((length, width, board), 0.006).moved(z=height - board)
+    top = rounded_slab((length, width, board), 0.006, 0.006, 4, 2).moved(z=height - board)
     side = block((board, width - 0.002, height - board + 0.002), 0.004)
     tall, depth = min(0.14, height * 0.35), width - HANDLE_M - 0.022
     y_face = -width / 2 + HANDLE_M + 0.02
