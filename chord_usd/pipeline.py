@@ -17,13 +17,17 @@ from chord_usd.locations import checkpoint_folder
 from chord_usd.progress import Progress, Stopwatch
 from chord_usd.types import (
     OOD,
+    BoolArray,
+    ByteArray,
     Item,
     LayoutImage,
+    PixelFrame,
     Plan,
     PlanImage,
     Room,
     SceneGraph,
     StageFile,
+    frozen_array,
 )
 
 if TYPE_CHECKING:
@@ -99,7 +103,7 @@ def generate(
         models = models or load_models(settings)
         load_usd()
     with watch.step("layout") as progress:
-        layout = draw_layout(plan_image, models.layout, plan_file, settings, progress)
+        layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, progress)
     with watch.step("graph"):
         graph = models.reader.read(layout, plan)
     with watch.step("outliers"):
@@ -158,14 +162,22 @@ def load_table_model(settings: Settings) -> LayoutModel | None:
 
 
 def draw_layout(
+    plan: Plan,
     plan_image: PlanImage,
     model: LayoutModel,
     plan_file: Path,
     settings: Settings,
     progress: Progress | None = None,
 ) -> LayoutImage:
-    """PlanImage -> LayoutImage, by the diffusion model; its provenance names the plan file."""
-    layout = model.sample(
+    """PlanImage -> LayoutImage, by the diffusion model; its provenance names the plan file.
+
+    plan: what the raster was drawn from; its rooms are laid out with their walls upright.
+    """
+    from chord_usd.layout.upright import sample_upright
+
+    layout = sample_upright(
+        model,
+        plan,
         plan_image,
         seed=settings.seed,
         steps=settings.steps,
@@ -374,29 +386,33 @@ def redraw_room(
 
     kept_ids: items of the room that stay; what is sampled ends a pixel short of them.
     """
-    import numpy as np
-
     from chord_usd import raster
+    from chord_usd.layout.upright import direction_of, upright_sheet
+    from chord_usd.pose import posed
 
     plan_image = draw_plan(graph.plan)
-    bare = LayoutImage(plan_image.rgb, plan_image.frame)
-    region = raster.room_pixels(room, plan_image.frame)
+    sheet = upright_sheet(graph.plan, [room], direction_of(room), plan_image)
     stay = [item for item in graph.items if item.room_id != room.id or item.id in kept_ids]
-    labels, front = raster.draw_items(stay, plan_image.frame)
-    kept = [item for item in stay if item.room_id == room.id]
-    region = region & ~raster.taken_pixels(kept, plan_image.frame)
+    around = posed(replace(graph, items=tuple(stay)), sheet.pose)
+    labels, front = raster.draw_items(around.items, sheet.image.frame)
+
+    def free_floor(house: SceneGraph, frame: PixelFrame) -> BoolArray:
+        kept = [item for item in house.items if item.id in kept_ids]
+        own = raster.room_pixels(house.plan.room(room.id), frame)
+        return own & ~raster.taken_pixels(kept, frame)
+
     layout = model.resample(
-        plan_image, labels, front, region,
+        sheet.image, labels, front, free_floor(around, sheet.image.frame),
         seed=settings.seed, steps=settings.steps, sampler=settings.sampler, progress=progress,
     )  # fmt: skip
+    region = free_floor(replace(graph, items=tuple(stay)), plan_image.frame)
     before = raster.layout_image(plan_image, graph.items)
 
-    def in_room_else(around: LayoutImage) -> LayoutImage:
-        rgb = np.where(region[..., None], layout.rgb, around.rgb)
-        rgb.setflags(write=False)
-        return replace(layout, rgb=rgb)
+    def in_room_else(drawn: ByteArray) -> LayoutImage:
+        rgb = sheet.turned_back(layout.rgb, drawn, plan_image, region)
+        return replace(layout, rgb=frozen_array(rgb, rgb.dtype), frame=plan_image.frame)
 
-    return RedrawnRoom(before, layout=in_room_else(before), alone=in_room_else(bare))
+    return RedrawnRoom(before, in_room_else(before.rgb), in_room_else(plan_image.rgb))
 
 
 def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]) -> Iterator[Item]:

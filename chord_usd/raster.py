@@ -94,17 +94,23 @@ def house_frame(plan: Plan, margin_px: int = 6) -> PixelFrame:
     of CANVAS_STEP_PX. Raises PlanError for a plan without rooms, or one beyond LARGEST_CANVAS_PX.
     """
     low, high = _extent_m(plan)
+    fitting = float((high - low).max()) / (CANVAS_PX - 2 * margin_px)
+    return frame_at(plan, min(max(fitting, FINEST_M_PER_PX), COARSEST_M_PER_PX), margin_px)
+
+
+def frame_at(plan: Plan, m_per_px: float, margin_px: int = 6) -> PixelFrame:
+    """The frame at this scale in which the whole house lies, centred, CANVAS_PX high or more.
+
+    Raises PlanError for a plan without rooms, or one beyond LARGEST_CANVAS_PX.
+    """
+    low, high = _extent_m(plan)
     extent_m = float((high - low).max())
-    fitting = extent_m / (CANVAS_PX - 2 * margin_px)
-    m_per_px = min(max(fitting, FINEST_M_PER_PX), COARSEST_M_PER_PX)
-    size_px = CANVAS_PX
-    if fitting > m_per_px:
-        needed_px = extent_m / m_per_px + 2 * margin_px
-        size_px = CANVAS_STEP_PX * math.ceil(needed_px / CANVAS_STEP_PX)
+    needed_px = extent_m / m_per_px + 2 * margin_px - _TIE_PX
+    size_px = max(CANVAS_PX, CANVAS_STEP_PX * math.ceil(needed_px / CANVAS_STEP_PX))
     if size_px > LARGEST_CANVAS_PX:
         raise PlanError(
             f"the plan is {extent_m:.0f} m across",
-            expected=f"at most {LARGEST_CANVAS_PX * COARSEST_M_PER_PX:.0f} m",
+            expected=f"at most {LARGEST_CANVAS_PX * m_per_px:.0f} m",
             try_="--scale M_PER_PX, if that is not what it is",
         )
     return _centred((low + high) / 2, m_per_px, size_px)

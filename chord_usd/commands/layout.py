@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> Outcome:
         with watch.step("load"):
             model = load_model(settings)
         with watch.step("layout") as progress:
-            layout = draw_layout(plan_image, model, plan_file, settings, progress)
+            layout = draw_layout(plan, plan_image, model, plan_file, settings, progress)
         write_raster(layout, target)
     warnings = list(plan.extra.get(WARNINGS, ()))
     m_per_px = layout.frame.m_per_px

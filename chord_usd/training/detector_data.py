@@ -13,12 +13,12 @@ import cv2
 import numpy as np
 
 from chord_usd import raster
-from chord_usd.data.augment import Pose, posed
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.graph.detect import IMAGE_PX, ROOM_CLASSES, Kind, taught_box
 from chord_usd.palette import HOUSE_CATEGORIES, category
+from chord_usd.pose import Pose, posed
 from chord_usd.types import (
     CANVAS_PX,
     BoolArray,

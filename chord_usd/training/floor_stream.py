@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chord_usd import plan_labels
-from chord_usd.data.augment import Pose, posed
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
@@ -17,6 +16,7 @@ from chord_usd.layout.config import LayoutConfig
 from chord_usd.planning.encoder import TextEncoder, default_encoder
 from chord_usd.planning.sheet import blank_sheet
 from chord_usd.planning.words import condition_words
+from chord_usd.pose import Pose, posed
 from chord_usd.training.stream import BatchStream, Drawn, SeededConfig
 from chord_usd.types import Plan, PlanImage
 from chord_usd.wish import Wish, floor_area_m2

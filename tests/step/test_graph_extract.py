@@ -14,7 +14,6 @@ from scipy.optimize import linear_sum_assignment
 from shapely.geometry import Polygon
 
 from chord_usd import raster
-from chord_usd.data.augment import Pose, posed
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import SceneError
@@ -24,6 +23,7 @@ from chord_usd.graph.match import match_assets
 from chord_usd.graph.rooms import bare_plan
 from chord_usd.graph.snap import decode_items
 from chord_usd.palette import Mount, category
+from chord_usd.pose import Pose, posed
 from chord_usd.types import (
     Asset,
     ByteArray,
