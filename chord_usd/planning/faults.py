@@ -27,15 +27,15 @@ def faults(plan: Plan) -> list[str]:
     """
     if not plan.rooms:
         return ["there are no rooms"]
+    open_rooms = [room.id for room in plan.rooms if not room_polygon(room).is_valid]
+    if open_rooms:
+        return [f"{room_id} is not closed" for room_id in open_rooms]
     return [*_of_rooms(plan), *_of_openings(plan), *_of_ways(plan)]
 
 
 def _of_rooms(plan: Plan) -> Iterator[str]:
     floors = [(room, room_polygon(room)) for room in plan.rooms]
     for index, (room, floor) in enumerate(floors):
-        if not floor.is_valid:
-            yield f"{room.id} is not closed"
-            continue
         least = LEAST_AREA_M2.get(room.kind, 0.6)
         if floor.area < least:
             yield f"{room.id} has {floor.area:.1f} m2, less than {least:g}"

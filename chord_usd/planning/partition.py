@@ -74,8 +74,7 @@ def plan_from_labels(labels: ByteArray, frame: PixelFrame, shell: Plan | None = 
     """
     house, fixed = _house(labels, frame, shell)
     grid = cell_grid(labels, house, frame.m_per_px, fixed)
-    within = None if shell is None else _middle(shell)
-    numbers, rooms = _rooms(grid, frame, within)
+    numbers, rooms = _rooms(grid, frame, shell)
     holes = _holes(labels, grid, frame)
     kept = () if shell is None else tuple(o for o in shell.openings)
     openings = [
@@ -119,7 +118,7 @@ def _apart(lines: npt.NDArray[np.float64], ends: npt.NDArray[np.float64]) -> lis
 
 
 def _rooms(
-    grid: CellGrid, frame: PixelFrame, within: Polygon | None
+    grid: CellGrid, frame: PixelFrame, shell: Plan | None
 ) -> tuple[dict[int, str], list[Room]]:
     """Rooms inside their walls, and their ids by their numbers in the grid."""
     counts: Counter[str] = Counter()
@@ -127,9 +126,13 @@ def _rooms(
     rooms = []
     for number in sorted(set(grid.rooms[grid.rooms > 0].tolist())):
         area = unary_union([box(*bounds) for bounds in _cell_bounds(grid, number, frame)])
-        if within is not None:
-            area = area.intersection(within)
-        parts = polygons_of(area.buffer(-_HALF_WALL_M, join_style="mitre"))
+        if shell is not None:
+            area = area.intersection(_middle(shell))
+        floors = area.buffer(-_HALF_WALL_M, join_style="mitre")
+        if shell is not None:
+            # A hair's breadth between a line and a corner of the shell leaves a chamfer there.
+            floors = floors.intersection(room_polygon(shell.rooms[0]))
+        parts = polygons_of(floors)
         if not parts:
             continue
         floor = max(parts, key=lambda part: part.area)

@@ -1,0 +1,155 @@
+"""Words and open plans to plans with the shipped models, and the text encoders behind them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from chord_usd.chord_json import read_plan, write_plan
+from chord_usd.data.houses import random_plan
+from chord_usd.errors import ChordError
+from chord_usd.planning.encoder import MOST_WORDS, TransformersEncoder, default_encoder
+from chord_usd.planning.outline import open_shell
+from chord_usd.raster import draw_plan
+from chord_usd.raster_files import write_raster
+
+RunCli = Callable[..., subprocess.CompletedProcess[str]]
+STEPS = ("--steps", "8")
+
+
+@pytest.fixture(scope="module")
+def small_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A CLIP with random weights, saved as transformers saves the real one."""
+    from transformers import CLIPTextConfig, CLIPTextModel, CLIPTokenizer
+
+    folder = tmp_path_factory.mktemp("clip")
+    letters = [chr(code) for code in range(97, 123)]
+    words = [*letters, *(f"{letter}</w>" for letter in letters)]
+    vocabulary = {word: index for index, word in enumerate([*words, "<|startoftext|>",
+                                                            "<|endoftext|>"])}  # fmt: skip
+    (folder / "vocab.json").write_text(json.dumps(vocabulary))
+    (folder / "merges.txt").write_text("#version: 0.2\n")
+    CLIPTokenizer(str(folder / "vocab.json"), str(folder / "merges.txt")).save_pretrained(folder)
+    config = CLIPTextConfig(
+        vocab_size=len(vocabulary), hidden_size=32, intermediate_size=64, num_hidden_layers=2,
+        num_attention_heads=2, max_position_embeddings=77,
+    )  # fmt: skip
+    CLIPTextModel(config).save_pretrained(folder)
+    return folder
+
+
+def test_clip_is_read_through_transformers(small_clip: Path) -> None:
+    encoder = TransformersEncoder(small_clip)
+    short, long = encoder.encode(["a flat", "two bedrooms and a kitchen"])
+    assert encoder.channels == 32
+    assert short.shape[1] == long.shape[1] == 32
+    assert len(short) < len(long)
+
+
+def test_a_folder_without_a_text_model_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(ChordError, match="no text model"):
+        TransformersEncoder(tmp_path)
+
+
+def test_the_default_encoder_tells_texts_apart() -> None:
+    encoder = default_encoder()
+    two, three, long = encoder.encode(["two bedrooms", "three bedrooms", "a very big house " * 99])
+    assert two.shape == three.shape == (4, 384)
+    assert np.abs(two - three).max() > 0.1
+    assert len(long) == MOST_WORDS
+
+
+def test_text_becomes_a_plan(run_cli: RunCli, tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    text = "a two-bedroom flat with a living room, a kitchen and a bathroom, about 70 m²"
+    done = run_cli("plan", "from-text", text, "-o", out, "--json", *STEPS)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["understood"].startswith("2 bedrooms, 1 living room, 1 kitchen, 1 bathroom")
+    plan = read_plan(out)
+    assert len(plan.rooms) == told["rooms"] > 0
+    again = tmp_path / "again.json"
+    run_cli("plan", "from-text", text, "-o", again, *STEPS)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_an_open_plan_gets_rooms_and_keeps_its_walls(run_cli: RunCli, tmp_path: Path) -> None:
+    shell = open_shell(random_plan(np.random.default_rng(1)))
+    drawn, out = tmp_path / "open.png", tmp_path / "plan.json"
+    write_raster(draw_plan(shell, shade=False), drawn)
+    done = run_cli("plan", "from-outline", drawn, "-o", out, "--json", *STEPS)
+    assert done.returncode == 0, done.stderr
+    plan = read_plan(out)
+    assert len(plan.rooms) == json.loads(done.stdout)["rooms"] > 1
+    windows = [o for o in shell.openings if o.kind == "window"]
+    outer = [o for o in plan.openings if o.kind == "window" and len(o.room_ids) < 2]
+    assert len(outer) == len(windows)
+
+
+BAD_TEXTS = {
+    "empty": ("", "is empty"),
+    "endless": ("a bedroom " * 1000, "10000 characters"),
+    "impossible": ("0 rooms, 500 bedrooms in 20 m²", "500 bedrooms and 20 m²"),
+    "unknown": ("квартира с двумя спальнями", "names no rooms"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_TEXTS)
+def test_bad_texts_are_told(run_cli: RunCli, tmp_path: Path, name: str) -> None:
+    text, told = BAD_TEXTS[name]
+    out = tmp_path / "plan.png"
+    done = run_cli("plan", "from-text", text, "-o", out)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not out.exists()
+
+
+def open_drawing(gap: bool, island: bool) -> np.ndarray:
+    """Four walls drawn 5 cm a pixel; a gap as wide as a room, or a closed box in the middle."""
+    rgb = np.full((256, 256, 3), 255, np.uint8)
+    cv2.rectangle(rgb, (30, 40), (220, 200), (0, 0, 0), 5)
+    if gap:
+        rgb[35:46, 60:190] = 255
+    if island:
+        cv2.rectangle(rgb, (100, 90), (150, 140), (0, 0, 0), 5)
+    return rgb
+
+
+@pytest.mark.parametrize(("gap", "island"), [(True, False), (False, True)])
+def test_outlines_that_are_none_are_told(
+    run_cli: RunCli, tmp_path: Path, gap: bool, island: bool
+) -> None:
+    drawn, out = tmp_path / "open.png", tmp_path / "plan.json"
+    cv2.imwrite(str(drawn), open_drawing(gap, island))
+    done = run_cli("plan", "from-outline", drawn, "-o", out, "--scale", "0.05")
+    assert done.returncode == 2, done.stdout
+    assert done.stderr.count("\n") == 1
+    assert not out.exists()
+
+
+def test_generate_takes_exactly_one_source(run_cli: RunCli, tmp_path: Path) -> None:
+    out = tmp_path / "house.usda"
+    assert run_cli("generate", "-o", out).returncode == 2
+    plan = tmp_path / "plan.json"
+    write_plan(random_plan(np.random.default_rng(0)), plan)
+    assert run_cli("generate", plan, "--text", "two bedrooms", "-o", out).returncode == 2
+    assert not out.exists()
+
+
+def test_a_text_becomes_a_furnished_house(run_cli: RunCli, tmp_path: Path) -> None:
+    out = tmp_path / "house.usda"
+    text = "one-bedroom flat with a kitchen and a bathroom, 45 m²"
+    done = run_cli("generate", "--text", text, "-o", out, "--json", "--no-tabletop", *STEPS)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["planned"]["understood"].endswith("45 m²")
+    assert told["rooms"] == told["planned"]["rooms"]
+    assert told["furniture"] > 0
+    assert out.exists()
