@@ -43,8 +43,6 @@ class LevelTraits:
     """A region of this area weighs one per pixel in training."""
     weighed_area_m2: tuple[float, float] = (1.0, 1.0)
     """Smaller and larger regions count as these."""
-    label_weights: tuple[tuple[int, float], ...] = ()
-    """Labels whose pixels weigh more than one in training: there are few of them."""
     whole: bool = False
     """Whether the network looks at the whole canvas, and not at what is drawn on it."""
 
@@ -87,12 +85,6 @@ LEVELS: dict[str, LevelTraits] = {
         pixel_planes=floor_condition.PIXEL_PLANES,
         grid_planes=floor_condition.GRID_PLANES,
         ground_plane=floor_condition.GROUND_PLANE,
-        label_weights=(
-            (plan_labels.WALL, 2.0),
-            (plan_labels.DOOR, 4.0),
-            (plan_labels.WINDOW, 3.0),
-            (plan_labels.PASSAGE, 4.0),
-        ),
         whole=True,
     ),
 }

@@ -8,7 +8,7 @@ without gap or overlap, whatever frayed edges they were painted with.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import cv2
@@ -42,6 +42,17 @@ class CellGrid:
     """(len(y_px) - 1, len(x_px) - 1) number of each cell's room, 0 outside."""
     labels: dict[int, int]
     """Label (plan_labels) of each room."""
+
+    @property
+    def numbers(self) -> list[int]:
+        """Numbers of the rooms that have a cell."""
+        return [int(number) for number in np.unique(self.rooms) if number > 0]
+
+    def without(self, number: int) -> CellGrid:
+        """The grid with this room's cells given to the neighbour with the longest border."""
+        cells, inside = self.rooms.copy(), self.rooms == number
+        cells[inside] = _bordering(cells, inside, np.diff(self.x_px), np.diff(self.y_px))
+        return replace(self, rooms=_in_one_piece(cells, self.x_px, self.y_px))
 
 
 def cell_grid(

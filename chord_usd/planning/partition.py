@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -15,7 +15,9 @@ from shapely.ops import unary_union
 
 from chord_usd import plan_labels
 from chord_usd.geometry import polygons_of, room_polygon, rooms_beside
-from chord_usd.planning.cells import CellGrid, Rooms, cell_grid
+from chord_usd.planning.cells import LEAST_ROOM_M2, CellGrid, Rooms, cell_grid
+from chord_usd.planning.faults import LEAST_AREA_M2, LEAST_WIDTH_M
+from chord_usd.planning.ways import Border, missing_doors
 from chord_usd.types import (
     BASE_AND_HEIGHT_M,
     ROOM_KINDS,
@@ -28,6 +30,7 @@ from chord_usd.types import (
     PixelFrame,
     Plan,
     Room,
+    RoomKind,
     frozen_array,
 )
 from chord_usd.units import m_from_px, px_from_m
@@ -70,19 +73,25 @@ class _Stretch:
 def plan_from_labels(labels: ByteArray, frame: PixelFrame, shell: Plan | None = None) -> Plan:
     """The plan that a label map (H, W) shows; it has no rooms where none are seen.
 
-    shell: an open plan of one room, whose outer walls and their openings stay as they are.
+    What is too small for a room goes to its neighbour, and rooms that nothing leads to get a door
+    (ways.missing_doors). shell: an open plan of one room, whose outer walls and their openings stay
+    as they are.
     """
     house, fixed = _house(labels, frame, shell)
     grid = cell_grid(labels, house, frame.m_per_px, fixed)
-    numbers, rooms = _rooms(grid, frame, shell)
-    holes = _holes(labels, grid, frame)
-    kept = () if shell is None else tuple(o for o in shell.openings)
-    openings = [
+    grid, floors = _without_slivers(grid, frame, shell)
+    numbers, rooms = _rooms(grid, floors)
+    stretches = list(_stretches(grid))
+    found = [
         opening
-        for opening in (_opening(hole, frame, rooms, numbers) for hole in holes)
-        if opening is not None and not (kept and len(opening.room_ids) < 2)
+        for hole in _holes(labels, stretches, frame)
+        if (opening := _opening(hole, frame, rooms, numbers)) is not None
     ]
-    return Plan(tuple(rooms), tuple(_named([*_rejoined(kept, rooms), *openings])))
+    if shell is not None and shell.openings:
+        inner = [opening for opening in found if len(opening.room_ids) == 2]
+        found = [*_rejoined(shell.openings, rooms), *inner]
+    found += _missing(stretches, found, frame, rooms, numbers)
+    return Plan(tuple(rooms), tuple(_named(found)))
 
 
 def _middle(shell: Plan) -> Polygon:
@@ -117,26 +126,46 @@ def _apart(lines: npt.NDArray[np.float64], ends: npt.NDArray[np.float64]) -> lis
     return [float(line) for line in np.unique(np.round([*lines, *ends], 3))]
 
 
-def _rooms(
+def _without_slivers(
     grid: CellGrid, frame: PixelFrame, shell: Plan | None
-) -> tuple[dict[int, str], list[Room]]:
-    """Rooms inside their walls, and their ids by their numbers in the grid."""
+) -> tuple[CellGrid, dict[int, Polygon]]:
+    """The grid without rooms that are too small for their kind, and the floors of the others."""
+    while True:
+        floors = {number: _floor(grid, number, frame, shell) for number in grid.numbers}
+        small = [n for n, floor in floors.items() if _is_sliver(floor, grid.labels[n])]
+        if not small:
+            return grid, floors
+        grid = grid.without(min(small, key=lambda number: floors[number].area))
+
+
+def _is_sliver(floor: Polygon, label: int) -> bool:
+    least_m2 = LEAST_AREA_M2.get(_kind(label), LEAST_ROOM_M2)
+    return floor.area < least_m2 or floor.buffer(-LEAST_WIDTH_M / 2).is_empty
+
+
+def _kind(label: int) -> RoomKind:
+    return ROOM_KINDS[label - plan_labels.FIRST_ROOM]
+
+
+def _floor(grid: CellGrid, number: int, frame: PixelFrame, shell: Plan | None) -> Polygon:
+    """A room inside its walls; empty where nothing is left."""
+    area = unary_union([box(*bounds) for bounds in _cell_bounds(grid, number, frame)])
+    if shell is not None:
+        area = area.intersection(_middle(shell))
+    floors = area.buffer(-_HALF_WALL_M, join_style="mitre")
+    if shell is not None:
+        # A hair's breadth between a line and a corner of the shell leaves a chamfer there.
+        floors = floors.intersection(room_polygon(shell.rooms[0]))
+    return max(polygons_of(floors), key=lambda part: part.area, default=Polygon())
+
+
+def _rooms(grid: CellGrid, floors: dict[int, Polygon]) -> tuple[dict[int, str], list[Room]]:
+    """The rooms, and their ids by their numbers in the grid."""
     counts: Counter[str] = Counter()
     numbers: dict[int, str] = {}
     rooms = []
-    for number in sorted(set(grid.rooms[grid.rooms > 0].tolist())):
-        area = unary_union([box(*bounds) for bounds in _cell_bounds(grid, number, frame)])
-        if shell is not None:
-            area = area.intersection(_middle(shell))
-        floors = area.buffer(-_HALF_WALL_M, join_style="mitre")
-        if shell is not None:
-            # A hair's breadth between a line and a corner of the shell leaves a chamfer there.
-            floors = floors.intersection(room_polygon(shell.rooms[0]))
-        parts = polygons_of(floors)
-        if not parts:
-            continue
-        floor = max(parts, key=lambda part: part.area)
-        kind = ROOM_KINDS[grid.labels[number] - plan_labels.FIRST_ROOM]
+    for number, floor in floors.items():
+        kind = _kind(grid.labels[number])
         counts[kind] += 1
         numbers[number] = f"{kind}{counts[kind]}"
         corners = shapely.get_coordinates(shapely.orient_polygons(floor).exterior.simplify(1e-6))
@@ -168,10 +197,10 @@ class _Hole:
     high_px: float
 
 
-def _holes(labels: ByteArray, grid: CellGrid, frame: PixelFrame) -> Iterator[_Hole]:
+def _holes(labels: ByteArray, stretches: Sequence[_Stretch], frame: PixelFrame) -> Iterator[_Hole]:
     """Runs of painted openings along every border."""
     least_px = _LEAST_SEEN_M / frame.m_per_px
-    for stretch in _stretches(grid):
+    for stretch in stretches:
         for kind, label in _LABELS.items():
             painted = _along(labels == label, stretch)
             for low, high in _runs(painted, round(stretch.low_px)):
@@ -251,6 +280,46 @@ def _opening(
         90.0 if stretch.upright else 0.0,
     )
     return Opening("", hole.kind, placed, ids)
+
+
+def _missing(
+    stretches: Sequence[_Stretch],
+    openings: Sequence[Opening],
+    frame: PixelFrame,
+    rooms: list[Room],
+    numbers: dict[int, str],
+) -> Iterator[Opening]:
+    """Doors that lead to rooms which nothing leads to."""
+    margin_px = (_HALF_WALL_M + _JAMB_M) / frame.m_per_px
+    borders = []
+    for index, stretch in enumerate(stretches):
+        ids = tuple(numbers[room] for room in stretch.rooms if room in numbers)
+        free_px = stretch.high_px - stretch.low_px - 2 * margin_px
+        taken = tuple(_taken(stretch, margin_px, openings, frame))
+        borders.append(Border(ids, index, free_px * frame.m_per_px, taken))
+    for door in missing_doors({room.id: room.kind for room in rooms}, openings, borders):
+        stretch = stretches[door.border.index]
+        first_px = stretch.low_px + margin_px
+        low, high = (
+            first_px + (door.middle_m + side * door.width_m / 2) / frame.m_per_px
+            for side in (-1, 1)
+        )
+        opening = _opening(_Hole("door", stretch, low, high), frame, rooms, numbers)
+        if opening is not None:
+            yield opening
+
+
+def _taken(
+    stretch: _Stretch, margin_px: float, openings: Sequence[Opening], frame: PixelFrame
+) -> Iterator[tuple[float, float]]:
+    """From where to where openings lie in a stretch, with a jamb's width of wall between."""
+    for opening in openings:
+        x, y = px_from_m(np.array(opening.box.center_m[:2]), frame)
+        across, along = (x, y) if stretch.upright else (y, x)
+        half_m = opening.box.size_m[0] / 2 + _JAMB_M
+        if abs(across - stretch.across_px) * frame.m_per_px < _HALF_WALL_M:
+            middle_m = (along - stretch.low_px - margin_px) * frame.m_per_px
+            yield float(middle_m - half_m), float(middle_m + half_m)
 
 
 def _rejoined(openings: tuple[Opening, ...], rooms: list[Room]) -> Iterator[Opening]:

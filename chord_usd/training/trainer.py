@@ -105,9 +105,6 @@ class LayoutTrainer:
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
         self.started = time.monotonic()
-        self._label_weights = torch.ones(self.traits.class_count, device=self.device)
-        for label, weight in self.traits.label_weights:
-            self._label_weights[label] = weight
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
@@ -252,7 +249,8 @@ class LayoutTrainer:
         """(B, H, W): a bathroom left empty is as bad as a bedroom, at a tenth of its pixels."""
         plane = self.traits.area_plane
         if plane is None:
-            return self._label_weights[batch["labels"].long()]
+            # Not even thin walls and doors weigh more: they would be painted fat.
+            return torch.ones_like(batch["labels"], dtype=torch.float32)
         area_m2 = torch.expm1(batch["grid"][:, plane : plane + 1] * AREA_SCALE)
         relative = area_m2.clamp(*self.traits.weighed_area_m2) / self.traits.usual_area_m2
         weight = torch.where(area_m2 > 0, relative**-self.config.area_power, 1.0)
