@@ -6,7 +6,7 @@ floors are planned at once and the best of them is taken (planning.choose).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,15 +37,28 @@ MANY_ROOMS = 10
 
 
 @dataclass(frozen=True, eq=False)
+class Commission:
+    """What is to be planned, as the network is told it."""
+
+    wish: Wish
+    understood: str
+    """The wish in short, "" where there is none."""
+    words: npt.NDArray[np.float32]
+    """(words, channels), planning.words."""
+    sheet: PlanImage
+    """Blank, or an open plan."""
+    shell: Plan | None = None
+    """The open plan that is on the sheet."""
+
+
+@dataclass(frozen=True, eq=False)
 class Planned:
     """A planned floor."""
 
     chosen: Candidate
     tried: tuple[Candidate, ...]
     """Every floor that was planned to find it, in order."""
-    wish: Wish
-    understood: str
-    """The wish in short, "" where there is none."""
+    commission: Commission
 
     @property
     def plan(self) -> Plan:
@@ -61,7 +74,7 @@ class Planned:
         ]
         if self.chosen.area_missed:
             area_m2 = self.chosen.area_m2
-            missed.append(f"asked for {self.wish.area_m2:.0f} m², planned {area_m2:.0f}")
+            missed.append(f"asked for {self.commission.wish.area_m2:.0f} m², planned {area_m2:.0f}")
         return [*missed, *self.chosen.faults]
 
 
@@ -72,125 +85,110 @@ def load_planner(name: str, settings: Settings) -> LayoutModel:
     return LayoutModel.load(checkpoint_folder(name), settings.device)
 
 
-def plan_from_text(
-    text: str,
-    settings: Settings,
-    model: LayoutModel | None = None,
-    encoder: TextEncoder | None = None,
-    progress: Progress | None = None,
-) -> Planned:
-    """A floor plan that a text asks for. Raises ChordError for a text that asks for none.
-
-    model, encoder: those of earlier plans; by default they are loaded.
-    """
-    from chord_usd import plan_labels
+def plan_from_text(text: str, settings: Settings, progress: Progress | None = None) -> Planned:
+    """A floor plan that a text asks for. Raises ChordError for a text that asks for none."""
     from chord_usd.planning.encoder import default_encoder
-    from chord_usd.planning.sheet import blank_sheet
     from chord_usd.planning.wording import read_wish
-    from chord_usd.planning.words import condition_words
 
-    found = read_wish(text)
-    wish = found.wish
-    encoder = encoder or default_encoder()
-    said = text if found.english else wish.sentence
-    words = condition_words(wish, encoder.encode([said])[0])
-    coarse = wish.rooms > MANY_ROOMS
-    scale = plan_labels.SCALES_M[coarse]
-    if wish.area_m2 is not None:
-        scale = plan_labels.scale_for_area(wish.area_m2)
-    sheet = blank_sheet(plan_labels.sheet_frame(scale))
-    model = model or load_planner(TEXT_CHECKPOINT, settings)
-    return _planned(model, sheet, words, wish, None, settings, found.told, progress)
+    read_wish(text)  # before seconds are spent on loading a language model
+    commission = commission_of_text(text, default_encoder())
+    return carry_out(commission, load_planner(TEXT_CHECKPOINT, settings), settings, progress)
 
 
 def plan_from_outline(
-    outline_file: Path,
-    settings: Settings,
-    text: str = "",
-    model: LayoutModel | None = None,
-    progress: Progress | None = None,
+    outline_file: Path, settings: Settings, text: str = "", progress: Progress | None = None
 ) -> Planned:
     """Rooms for the open plan in a file: outer walls, and the windows and doors in them.
 
     text: what the rooms shall be, "" to leave it open. Raises ChordError for an unusable one.
     """
     from chord_usd.planning.outline import shell_of
-    from chord_usd.planning.wording import read_wish
 
     shell = shell_of(read_plan(outline_file, settings), str(outline_file))
-    found = read_wish(text) if text else None
-    model = model or load_planner(OUTLINE_CHECKPOINT, settings)
-    wish, told = (found.wish, found.told) if found else (Wish(), "")
-    return plan_in_shell(shell, wish, model, settings, told, progress)
+    commission = commission_in_shell(shell, text)
+    return carry_out(commission, load_planner(OUTLINE_CHECKPOINT, settings), settings, progress)
 
 
-def plan_in_shell(
-    shell: Plan,
-    wish: Wish,
-    model: LayoutModel,
-    settings: Settings,
-    told: str = "",
-    progress: Progress | None = None,
-) -> Planned:
-    """Rooms in an open plan of one room. wish: its area is not looked at."""
+def commission_of_text(text: str, encoder: TextEncoder) -> Commission:
+    """What a text asks for. Raises ChordError for a text that asks for nothing that can be had."""
+    from chord_usd import plan_labels
+    from chord_usd.planning.sheet import blank_sheet
+    from chord_usd.planning.wording import read_wish
+    from chord_usd.planning.words import condition_words
+
+    found = read_wish(text)
+    wish = found.wish
+    said = text if found.english else wish.sentence
+    words = condition_words(wish, encoder.encode([said])[0])
+    scale = plan_labels.SCALES_M[wish.rooms > MANY_ROOMS]
+    if wish.area_m2 is not None:
+        scale = plan_labels.scale_for_area(wish.area_m2)
+    return Commission(wish, found.told, words, blank_sheet(plan_labels.sheet_frame(scale)))
+
+
+def commission_in_shell(shell: Plan, text: str = "") -> Commission:
+    """Rooms in an open plan of one room. Raises ChordError as commission_of_text, unless text is
+    ""; the walls say how large the house is, whatever the text does."""
     from chord_usd import plan_labels
     from chord_usd.planning.outline import shell_labels
+    from chord_usd.planning.wording import read_wish
     from chord_usd.planning.words import condition_words
 
     labels, frame = shell_labels(shell)
     sheet = PlanImage(plan_labels.paint_labels(labels), frame)
-    wish = Wish(wish.counts, None, wish.open_kitchen)
-    return _planned(model, sheet, condition_words(wish), wish, shell, settings, told, progress)
+    found = read_wish(text) if text else None
+    wish = replace(found.wish, area_m2=None) if found else Wish()
+    return Commission(wish, found.told if found else "", condition_words(wish), sheet, shell)
 
 
-def _planned(
+def carry_out(
+    commission: Commission,
     model: LayoutModel,
-    sheet: PlanImage,
-    words: npt.NDArray[np.float32],
-    wish: Wish,
-    shell: Plan | None,
     settings: Settings,
-    told: str,
-    progress: Progress | None,
+    progress: Progress | None = None,
 ) -> Planned:
+    """Floors are planned batch by batch until one is all that was asked for, and the best taken.
+
+    Raises PlanError where nothing that has rooms could be planned.
+    """
     from chord_usd.planning.choose import best, judged
 
-    candidates: list[Candidate] = []
+    tried: list[Candidate] = []
     for batch in range(ROUNDS):
         first = (settings.seed * ROUNDS + batch) * BATCH
-        plans = sampled(model, sheet, words, shell, range(first, first + BATCH), settings, progress)
-        candidates += [judged(plan, wish) for plan in plans]
-        if any(candidate.holds for candidate in candidates):
+        seeds = range(first, first + BATCH)
+        plans = _sampled(commission, model, seeds, settings.steps, progress)
+        tried += [judged(plan, commission.wish) for plan in plans]
+        if any(candidate.holds for candidate in tried):
             break
-    chosen = best(candidates)
+    chosen = best(tried)
     if not chosen.plan.rooms:
         raise PlanError(
-            f"no floor could be planned for {told or 'this outline'}",
+            f"no floor could be planned for {commission.understood or 'this outline'}",
             expected="something like the homes that the model has learned from",
             try_="another --seed, or fewer wishes",
         )
-    return Planned(chosen, tuple(candidates), wish, told)
+    return Planned(chosen, tuple(tried), commission)
 
 
-def sampled(
+def _sampled(
+    commission: Commission,
     model: LayoutModel,
-    sheet: PlanImage,
-    words: npt.NDArray[np.float32],
-    shell: Plan | None,
     seeds: range,
-    settings: Settings,
-    progress: Progress | None = None,
+    steps: int | None,
+    progress: Progress | None,
 ) -> list[Plan]:
-    """One plan per seed, as the model draws them."""
+    """One plan per seed."""
     import numpy as np
 
     from chord_usd.planning.partition import plan_from_labels
 
     maps = model.sample_labels(
-        [sheet] * len(seeds),
-        np.stack([words] * len(seeds)),
+        [commission.sheet] * len(seeds),
+        np.stack([commission.words] * len(seeds)),
         seeds=list(seeds),
-        steps=settings.steps,
+        steps=steps,
         progress=progress,
     )
-    return [plan_from_labels(labels, sheet.frame, shell) for labels in maps]
+    frame = commission.sheet.frame
+    return [plan_from_labels(labels, frame, commission.shell) for labels in maps]

@@ -52,7 +52,7 @@ def run_text(options: argparse.Namespace) -> Outcome:
     """Runs evaluate text."""
     from chord_usd.evaluation import floors
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import TEXT_CHECKPOINT, plan_from_text
+    from chord_usd.planner import TEXT_CHECKPOINT, carry_out, commission_of_text
     from chord_usd.planning.encoder import default_encoder
 
     model = load_layout_model(options, TEXT_CHECKPOINT)
@@ -60,9 +60,8 @@ def run_text(options: argparse.Namespace) -> Outcome:
     settings = Settings(seed=options.seed, steps=options.steps)
 
     def planned(case: FloorCase, seed: int) -> Planned:
-        return plan_from_text(
-            case.text, replace(settings, seed=options.seed + seed), model, encoder
-        )
+        own = replace(settings, seed=options.seed + seed)
+        return carry_out(commission_of_text(case.text, encoder), model, own)
 
     return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
 
@@ -71,14 +70,14 @@ def run_outlines(options: argparse.Namespace) -> Outcome:
     """Runs evaluate outlines."""
     from chord_usd.evaluation import floors
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import OUTLINE_CHECKPOINT, plan_in_shell
-    from chord_usd.wish import Wish
+    from chord_usd.planner import OUTLINE_CHECKPOINT, carry_out, commission_in_shell
 
     model = load_layout_model(options, OUTLINE_CHECKPOINT)
     settings = Settings(seed=options.seed, steps=options.steps)
 
     def planned(case: FloorCase, seed: int) -> Planned:
-        return plan_in_shell(case.shell, Wish(), model, replace(settings, seed=options.seed + seed))
+        own = replace(settings, seed=options.seed + seed)
+        return carry_out(commission_in_shell(case.shell), model, own)
 
     return _run(options, planned, floors.shell_scores, "Floors in open plans", aligned=False)
 

@@ -106,7 +106,7 @@ def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
         else:
             write_raster(draw_plan(planned.plan), target)
     data = {"plan": str(options.output), **planned_report(planned), "seconds": watch.seconds}
-    told = f", for {planned.understood}" if planned.understood else ""
+    told = f", for {data['understood']}" if data["understood"] else ""
     return Outcome(
         f"{options.output}: {data['rooms']} rooms, {data['area_m2']:.0f} m²{told}",
         data,
@@ -119,8 +119,8 @@ def _planned(text: str, outline: Path | None, settings: Settings, watch: Stopwat
 
     with watch.step("plan") as progress:
         if outline is None:
-            return plan_from_text(text, settings, progress=progress)
-        return plan_from_outline(outline, settings, text, progress=progress)
+            return plan_from_text(text, settings, progress)
+        return plan_from_outline(outline, settings, text, progress)
 
 
 def planned_report(planned: Planned) -> dict[str, Any]:
@@ -129,7 +129,7 @@ def planned_report(planned: Planned) -> dict[str, Any]:
 
     plan = planned.plan
     return {
-        "understood": planned.understood,
+        "understood": planned.commission.understood,
         "rooms": len(plan.rooms),
         "room_counts": {kind: n for kind, n in room_counts(plan).items() if n},
         "area_m2": round(floor_area_m2(plan), 2),
