@@ -76,17 +76,18 @@ def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
 
 def bring_in(
     house: Path,
-    certificate: dict[str, Any] | None = None,
+    made: dict[str, Any] | None = None,
     before: Changes | None = None,
     new_room: str = "",
 ) -> tuple[list[str], Finish]:
     """The job that lists what a house holds, and the import that follows it.
 
+    made: the report of the program that made it, or furnished a room of it anew.
     before: the changes in the scene now, where it shows this house; what the artist does in the
     meantime is carried over, except in a room that is new. Raises InputError where there is no
     such file.
     """
-    return describe(house), partial(_show_house, house, certificate, before, new_room)
+    return describe(house), partial(_show_house, house, made or {}, before, new_room)
 
 
 def rebuild(house: Path, before: Changes, after: Changes) -> tuple[list[str], Finish]:
@@ -100,7 +101,7 @@ def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A new house: changes to the one that was there before do not apply to it."""
     house = Path(str(data["stage"]))
     write_changes(house, Changes())
-    session.start(context, *bring_in(house, data.get("certificate")))
+    session.start(context, *bring_in(house, data))
 
 
 def show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -110,7 +111,7 @@ def show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
     before = changes_of(context) if house_collection(context) else read_changes(house)
     room = str(data["room"])
     write_changes(house, without_room(before, room))
-    session.start(context, *bring_in(house, data.get("certificate"), before, room))
+    session.start(context, *bring_in(house, data, before, room))
 
 
 def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -138,7 +139,7 @@ def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
 
 def _show_house(
     house: Path,
-    certificate: dict[str, Any] | None,
+    made: dict[str, Any],
     before: Changes | None,
     new_room: str,
     context: bpy.types.Context,
@@ -151,5 +152,8 @@ def _show_house(
     own = fields(context)
     own.house, own.contents = str(house), json.dumps(contents)
     own.swap_path = own.swap_models = ""
-    if certificate:
-        show_certificate(context, certificate)
+    if before is None:  # another house, not this one changed
+        own.planned = "\n".join(report.planned(made))
+        own.warnings = "\n".join(report.warnings(made))
+    if made.get("certificate"):
+        show_certificate(context, made["certificate"])

@@ -24,6 +24,7 @@ from .jobs import (
     show_room,
     unsaved_folder,
 )
+from .preferences import preferences
 from .properties import MAX_SEED, chosen_room, fields
 from .session import Finish, session
 
@@ -37,10 +38,10 @@ class ChordGenerate(JobOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
         own = fields(context)
-        plan = bpy.path.abspath(own.plan)
+        plan = own.outline if own.source == "OUTLINE" else own.plan
         settings = commands.GenerateSettings(
             source=own.source,
-            plan=plan,
+            plan=bpy.path.abspath(plan),
             text=own.text,
             seed=own.seed,
             steps=own.steps,
@@ -48,9 +49,11 @@ class ChordGenerate(JobOperator, bpy.types.Operator):
             style=own.style,
             tabletop=own.tabletop,
         )
-        wanted = commands.house_folder(bpy.data.filepath, plan, unsaved_folder())
+        name = commands.house_name(settings)
+        wanted = commands.house_folder(bpy.data.filepath, name, unsaved_folder())
         arguments = commands.generate(settings, wanted / commands.HOUSE)
-        # Only now: fields that make no job must not claim anything.
+        session.program(preferences(context).program).check_can(arguments)
+        # Only now: what makes no job must not claim anything.
         folder = session.claims.free_folder(wanted)
         if folder != wanted:
             arguments = commands.generate(settings, folder / commands.HOUSE)

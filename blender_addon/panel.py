@@ -19,6 +19,9 @@ from .session import session
 LINE_LETTERS = 42
 """Letters that fit a line of the sidebar."""
 
+EXAMPLE = "a two-bedroom flat with an open kitchen, about 70 m²"
+"""Stands in the empty text field."""
+
 PLAN_SCALE, MODEL_SCALE = 8.0, 4.0
 """Sides of thumbnails, in heights of a button."""
 
@@ -52,6 +55,8 @@ class ChordPanel(_Part, bpy.types.Panel):
             self.layout.operator("chord.cancel", icon="CANCEL")
         if state.phase == "FAILED":
             _draw_text(self.layout.box(), state.message, "ERROR")
+        if state.phase == "DONE":
+            _draw_made(self.layout, own)
         if own.note:
             _draw_text(self.layout, own.note, "INFO")
         if own.house and Path(own.house).is_relative_to(unsaved_folder()):
@@ -195,13 +200,14 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
         row = column.row(align=True)
         for way in ways:
             row.prop_enum(own, "source", way)
-    if own.source == "TEXT":
-        column.prop(own, "text", text="")
-    else:
-        column.prop(own, "plan", text="")
-        thumbnail = icon(Path(bpy.path.abspath(own.plan))) if own.plan else 0
-        if thumbnail:
-            column.template_icon(icon_value=thumbnail, scale=PLAN_SCALE)
+    lacking = program.lacking(filter(None, OFFERED_BY.values())) if program else ""
+    if lacking:
+        _draw_text(column, lacking, "INFO")
+    if own.source != "TEXT":
+        _draw_file(column, own, "plan" if own.source == "PLAN" else "outline")
+    if own.source != "PLAN":
+        hint = EXAMPLE if own.source == "TEXT" else "Which rooms, if you like"
+        column.prop(own, "text", text="", placeholder=hint)
     row = column.row(align=True)
     row.prop(own, "seed")
     row.operator("chord.dice", text="", icon="FILE_REFRESH")
@@ -210,6 +216,25 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
         column.prop(own, "style")
     column.prop(own, "tabletop")
     column.prop(own, "assets")
+
+
+def _draw_file(column: bpy.types.UILayout, own: bpy.types.PropertyGroup, field: str) -> None:
+    """A file to choose, and its thumbnail."""
+    column.prop(own, field, text="")
+    chosen = getattr(own, field)
+    thumbnail = icon(Path(bpy.path.abspath(chosen))) if chosen else 0
+    if thumbnail:
+        column.template_icon(icon_value=thumbnail, scale=PLAN_SCALE)
+
+
+def _draw_made(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup) -> None:
+    """What was understood of a text, what was planned, and what is not as it was asked for."""
+    if own.planned or own.warnings:
+        box = layout.box()
+        for line in own.planned.splitlines():
+            _draw_text(box, line, "CHECKMARK")
+        for line in own.warnings.splitlines():
+            _draw_text(box, line, "ERROR")
 
 
 def _draw_models(box: bpy.types.UILayout, own: bpy.types.PropertyGroup, worn: str) -> None:

@@ -63,14 +63,23 @@ class ChordScene(bpy.types.PropertyGroup):
         name="From",
         items=[
             ("PLAN", "Plan", "A floor plan: picture, page, drawing or CHOrD JSON"),
-            ("TEXT", "Text", "A description in words"),
-            ("OUTLINE", "Outline", "A picture of the outer walls alone"),
+            ("TEXT", "Text", "A description in words: the rooms are planned"),
+            ("OUTLINE", "Open plan", "Outer walls alone: they are divided into rooms"),
         ],
     )
     plan: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Plan", description="Floor plan", subtype="FILE_PATH"
     )
-    text: bpy.props.StringProperty(name="Text")  # type: ignore[valid-type]
+    outline: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Open plan",
+        description="Drawing of outer walls with their doors and windows",
+        subtype="FILE_PATH",
+    )
+    text: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Text",
+        description="Rooms and floor area, such as: a two-bedroom flat with an open kitchen, "
+        "about 70 m²",
+    )
     style: bpy.props.StringProperty(name="Style")  # type: ignore[valid-type]
     seed: bpy.props.IntProperty(name="Seed", min=0, max=MAX_SEED)  # type: ignore[valid-type]
     steps: bpy.props.IntProperty(  # type: ignore[valid-type]
@@ -91,6 +100,10 @@ class ChordScene(bpy.types.PropertyGroup):
     error: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     note: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     """What the last job has to say."""
+    planned: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """What was understood and planned where the house was given no plan, in lines."""
+    warnings: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """What the program warned of when it made the house, one a line."""
     certificate: bpy.props.StringProperty()  # type: ignore[valid-type]
     rooms: bpy.props.CollectionProperty(type=ChordRoom)  # type: ignore[valid-type]
     room_index: bpy.props.IntProperty(update=_show_solo)  # type: ignore[valid-type]

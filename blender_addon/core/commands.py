@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,9 @@ PLAN_SUFFIXES = (*PICTURE_SUFFIXES, ".json", ".pdf", ".svg", ".dxf", ".ifc", ".s
 """What a plan may be: a picture, CHOrD JSON, a page or a drawing."""
 
 MAX_STEPS = 1000
+
+NAME_WORDS, NAME_LETTERS = 6, 40
+"""A house is named after so much of its text."""
 
 HOUSE = "house.usda"
 """Name of a new house, in a folder of its own."""
@@ -52,8 +56,9 @@ class GenerateSettings:
 
     source: Source
     plan: str
-    """Path of the plan picture, or of the outline."""
+    """Path of the plan, or of the open plan that is to be divided into rooms."""
     text: str
+    """What is wanted, in words; an open plan does without."""
     seed: int
     steps: int
     """0 for the model's own number."""
@@ -162,6 +167,14 @@ def farm(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
     return [*words, *_pictures(settings), *_REPORT]
 
 
+def house_name(settings: GenerateSettings) -> str:
+    """A new house's name: that of its plan, or the first words of its text."""
+    if settings.source != "TEXT":
+        return Path(settings.plan).stem
+    words = re.findall(r"\w+", settings.text)[:NAME_WORDS]
+    return " ".join(words)[:NAME_LETTERS].strip()
+
+
 def house_folder(blend_file: str, plan: str, fallback: Path) -> Path:
     """Where a new house goes: beside the Blender file, named after the plan.
 
@@ -200,18 +213,22 @@ def _pictures(settings: RenderSettings) -> list[str]:
 
 
 def _source(settings: GenerateSettings) -> list[str]:
+    # In one word: a text may begin with a dash.
+    text = [f"--text={settings.text.strip()}"] if settings.text.strip() else []
     if settings.source == "TEXT":
-        if not settings.text.strip():
+        if not text:
             raise InputError("Describe the home in the text field.")
-        return ["--text", settings.text.strip()]
+        return text
     path = Path(settings.plan).expanduser()
     if not settings.plan.strip():
-        raise InputError("Choose a floor plan picture.")
+        open_plan = "Choose an open plan: outer walls with their doors and windows."
+        is_open = settings.source == "OUTLINE"
+        raise InputError(open_plan if is_open else "Choose a floor plan picture.")
     if not path.is_file():
         raise InputError(f"The plan {path} is not there (any more).")
     if path.suffix.lower() not in PLAN_SUFFIXES:
         raise InputError(f"{path.name} is no plan; {', '.join(PLAN_SUFFIXES)} are read.")
-    return ["--outline", str(path)] if settings.source == "OUTLINE" else [str(path)]
+    return ["--outline", str(path), *text] if settings.source == "OUTLINE" else [str(path)]
 
 
 def _steps(steps: int) -> list[str]:

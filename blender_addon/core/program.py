@@ -7,7 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,8 +19,12 @@ HOW_TO_GET = (
     "its chord-usd program, or of that Python, in the preferences of this extension"
 )
 
-OPTIONAL = ("--text", "--outline", "--style")
-"""Ways to say what house is wanted that are offered only where the program has them."""
+OPTIONAL = {
+    "--text": "plan a home from a text",
+    "--outline": "divide an open plan into rooms",
+    "--style": "furnish in a style",
+}
+"""Options of `generate` that not every version has, and what each is there to do."""
 
 ANSWER_WITHIN_S = 20.0
 
@@ -44,12 +48,36 @@ class Program:
     """What a command line begins with."""
     version: tuple[int, int, int]
     abilities: frozenset[str] = frozenset()
-    """The options of `generate` that not every version has; some of OPTIONAL."""
+    """Those of OPTIONAL that it has."""
+
+    @property
+    def name(self) -> str:
+        """The program and its version."""
+        return f"chord-usd {'.'.join(map(str, self.version))}"
 
     @property
     def label(self) -> str:
         """As the preferences show it."""
-        return f"chord-usd {'.'.join(map(str, self.version))} ({self.command[0]})"
+        return f"{self.name} ({self.command[0]})"
+
+    def lacking(self, options: Iterable[str]) -> str:
+        """What this version is too old to do of some of OPTIONAL, as a sentence; else empty."""
+        missing = [OPTIONAL[one] for one in options if one not in self.abilities]
+        if not missing:
+            return ""
+        return f"{self.name} cannot {' or '.join(missing)} yet. Update it where it is installed."
+
+    def check_can(self, arguments: Sequence[str]) -> None:
+        """Raises ProgramError for a command line that this version is too old for."""
+        lacking = self.lacking(options_of(arguments))
+        if lacking:
+            raise ProgramError(lacking)
+
+
+def options_of(arguments: Sequence[str]) -> list[str]:
+    """Those of OPTIONAL that a command line uses."""
+    used = {word.partition("=")[0] for word in arguments}
+    return [option for option in OPTIONAL if option in used]
 
 
 def find_program(preference: str) -> Program:

@@ -35,6 +35,21 @@ def findings(report: Mapping[str, Any]) -> list[Finding]:
     return found
 
 
+def planned(report: Mapping[str, Any]) -> list[str]:
+    """What `generate --json` understood and planned, in words; nothing for a plan."""
+    told = report.get("planned")
+    if not told:
+        return []
+    rooms = "1 room" if told["rooms"] == 1 else f"{told['rooms']} rooms"
+    wish = [f"Understood: {told['understood']}"] if told.get("understood") else []
+    return [*wish, f"Planned: {rooms}, {told['area_m2']:.0f} m²"]
+
+
+def warnings(report: Mapping[str, Any]) -> list[str]:
+    """What `generate --json` warns of, as sentences."""
+    return [f"{text[:1].upper()}{text[1:]}" for text in report.get("warnings", ())]
+
+
 def headline(report: Mapping[str, Any]) -> str:
     """The certificate in one line."""
     count = len(findings(report))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .job import Job, Progress
+from .program import options_of
 
 Phase = Literal["EMPTY", "RUNNING", "FAILED", "DONE"]
 
@@ -29,6 +30,9 @@ STEP_NAMES = {
     "render": "Rendering",
 }
 
+PLANNING = "Planning the rooms"
+"""The step "plan" of a job that was given none."""
+
 
 @dataclass(frozen=True)
 class PanelState:
@@ -47,17 +51,20 @@ class PanelState:
 def panel_state(job: Job | None, house: str, error: str) -> PanelState:
     """The state of the panel from the running job, the house at hand and the last error."""
     if job is not None and job.outcome is None:
-        return PanelState("RUNNING", progress_text(job.progress), _share(job.progress))
+        is_planning = not set(OFFERED_BY.values()).isdisjoint(options_of(job.command))
+        return PanelState("RUNNING", progress_text(job.progress, is_planning), _share(job.progress))
     if error:
         return PanelState("FAILED", error)
     return PanelState("DONE", house) if house else PanelState("EMPTY")
 
 
-def progress_text(progress: Progress | None) -> str:
-    """Where the program stands, in words."""
+def progress_text(progress: Progress | None, is_planning: bool = False) -> str:
+    """Where the program stands, in words. is_planning: it is to find a plan, not to read one."""
     if progress is None:
         return "Starting"
     words = STEP_NAMES.get(progress.step, progress.step.capitalize())
+    if is_planning and progress.step == "plan":
+        words = PLANNING
     return f"{words} {progress.share:.0%}" if progress.total > 1 else words
 
 
