@@ -34,6 +34,8 @@ class Directions:
     """(S, 4) x0, y0, x1, y1 of the sides of rooms, upright pixels (y up)."""
     of_segment: npt.NDArray[np.intp]
     """(S,) index into angles_deg."""
+    room_of_segment: npt.NDArray[np.intp]
+    """(S,) index of the room whose side it is."""
 
     def weight(self, angle_deg: float) -> float:
         """Length of wall in a direction, as a share of that in the most frequent one; [0, 1]."""
@@ -43,38 +45,45 @@ class Directions:
         return float(own / totals.max()) if totals.size and totals.max() > 0.0 else 1.0
 
     def near(self, point: FloatArray) -> list[float]:
-        """All directions, that of the side nearest to an upright point (2,) first."""
+        """Directions of the room around an upright point (2,), that of the nearest side first.
+
+        A side gives its direction to what is no farther from it than it is long.
+        """
         if not len(self.segments):
             return [0.0]
         distance = _distance(point, self.segments)
-        nearest = [
-            float(distance[self.of_segment == index].min()) for index in range(len(self.angles_deg))
-        ]
-        return [float(self.angles_deg[index]) for index in np.argsort(nearest, kind="stable")]
+        lengths = np.hypot(*(self.segments[:, 2:] - self.segments[:, :2]).T)
+        own = self.room_of_segment == self.room_of_segment[distance.argmin()]
+        reaching = own & (distance <= lengths)
+        counted = np.flatnonzero(reaching if reaching.any() else own)
+        counted = counted[np.argsort(distance[counted], kind="stable")]
+        return [float(self.angles_deg[one]) for one in dict.fromkeys(self.of_segment[counted])]
 
 
 def plan_directions(rooms: Iterable[Room], frame: PixelFrame) -> Directions:
     """Directions of the rooms' sides."""
-    segments = []
-    for room in rooms:
+    segments, of_room = [], []
+    for index, room in enumerate(rooms):
         corners = px_from_m(room.polygon_m, frame) * (1.0, -1.0)
         segments += np.hstack([corners, np.roll(corners, -1, axis=0)]).tolist()
+        of_room += [index] * len(corners)
     angles = [_angle(np.array(segment)) for segment in segments]
-    return _grouped(segments, angles)
+    return _grouped(segments, angles, of_room)
 
 
 def raster_directions(structure: LabelArray) -> Directions:
     """Directions of the outlines of floor regions in a raster, (H, W) structure labels."""
-    segments, angles = [], []
+    segments, angles, of_region = [], [], []
     clear = (structure == CLEAR).astype(np.uint8)
     contours, _ = cv2.findContours(clear, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    for contour in contours:
+    for index, contour in enumerate(contours):
         if len(contour) >= _LEAST_SIDE_PX:
             for run in _straight_runs(contour[:, 0, :].astype(np.float64)):
                 upright = (run + 0.5) * (1.0, -1.0)
                 segments.append([*upright[0], *upright[-1]])
                 angles.append(_run_angle(upright))
-    return _grouped(segments, angles)
+                of_region.append(index)
+    return _grouped(segments, angles, of_region)
 
 
 def near_direction(angle_deg: float, angles_deg: Iterable[float], reach_deg: float) -> float | None:
@@ -110,7 +119,9 @@ def _angle(segment: FloatArray) -> float:
     return 0.0 if abs(dx) < 1e-9 or abs(dy) < 1e-9 else float(np.degrees(np.arctan2(dy, dx)))
 
 
-def _grouped(segments: Sequence[Sequence[float]], angles_deg: Sequence[float]) -> Directions:
+def _grouped(
+    segments: Sequence[Sequence[float]], angles_deg: Sequence[float], rooms: Sequence[int]
+) -> Directions:
     """Merge directions that are nearly the same, weighted by length."""
     array = np.array(segments, dtype=np.float64).reshape(-1, 4)
     folded = np.array([fold_deg(angle) for angle in angles_deg])
@@ -127,7 +138,7 @@ def _grouped(segments: Sequence[Sequence[float]], angles_deg: Sequence[float]) -
         exact = bool((folded[near] == 0.0).any())
         of_segment[near] = len(angles)
         angles.append(0.0 if exact else fold_deg(float(center) + mean))
-    return Directions(np.array(angles), array, of_segment)
+    return Directions(np.array(angles), array, of_segment, np.array(rooms, np.intp))
 
 
 def _distance(point: FloatArray, segments: FloatArray) -> FloatArray:

@@ -35,7 +35,8 @@ _LEAST_PART_PX = 12
 
 _DARK = 40
 
-_STRAIGHT = Directions(np.zeros(1), np.zeros((0, 4)), np.zeros(0, np.intp))
+_NONE = np.zeros(0, np.intp)
+_STRAIGHT = Directions(np.zeros(1), np.zeros((0, 4)), _NONE, _NONE)
 """Items keep to the sides of the top unless their pixels clearly draw another direction."""
 
 

@@ -19,6 +19,7 @@ from chord_usd.graph.rectangles import (
     fold_deg,
 )
 from chord_usd.types import Box, PixelFrame, Room, frozen_array
+from chord_usd.units import px_from_m
 
 GRID = np.stack(np.meshgrid(np.arange(64) + 0.5, -np.arange(64) - 0.5), axis=-1).reshape(-1, 2)
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
@@ -153,3 +154,19 @@ def test_directions_of_a_house_are_its_walls() -> None:
     assert sorted(directions.angles_deg) == pytest.approx([np.degrees(np.arctan2(-1, 3)), 0.0])
     beside_slant = np.array([3.6 / 0.05, -(256 - 3.4 / 0.05)])
     assert directions.near(beside_slant)[0] == pytest.approx(np.degrees(np.arctan2(-1, 3)))
+
+
+def test_walls_of_other_rooms_and_short_ones_far_off_give_no_direction() -> None:
+    bevelled = [(0.0, 0.0), (6.0, 0.0), (6.0, 5.7), (5.7, 6.0), (0.0, 6.0)]
+    wing = [(6.3, 0.0), (10.0, 2.0), (9.0, 4.0), (6.3, 2.5)]
+    rooms = [
+        Room(f"r{i}", "living", np.array(corners)) for i, corners in enumerate((bevelled, wing))
+    ]
+    directions = plan_directions(rooms, PixelFrame(0.05, (0.0, 0.0)))
+
+    def upright(x_m: float, y_m: float) -> np.ndarray:
+        return px_from_m(np.array([x_m, y_m]), PixelFrame(0.05, (0.0, 0.0))) * (1.0, -1.0)
+
+    assert directions.near(upright(3.0, 3.0)) == [0.0]
+    assert -45.0 in directions.near(upright(5.75, 5.75))
+    assert directions.near(upright(7.5, 1.8))[0] == pytest.approx(28.67, abs=0.1)
