@@ -11,6 +11,13 @@ LINE_LETTERS = 90
 """Letters that fit a line of the preferences."""
 
 
+def _ask_ahead(own: ChordPreferences, _context: bpy.types.Context) -> None:
+    """The panel offers what the program can, as soon as there is one."""
+    from .session import session
+
+    session.ask_ahead(own.program)
+
+
 class ChordPreferences(bpy.types.AddonPreferences):
     """Where chord-usd is, and what a check of it said."""
 
@@ -21,7 +28,7 @@ class ChordPreferences(bpy.types.AddonPreferences):
         description="Path of the chord-usd program, of the Python it is installed in, or of that "
         "environment's folder; empty: found automatically",
         subtype="FILE_PATH",
-        update=lambda self, _context: _ask_ahead(self.program),
+        update=_ask_ahead,
     )
     answer: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
 
@@ -55,13 +62,6 @@ class ChordCheckProgram(bpy.types.Operator):
             return {"CANCELLED"}
         self.report({"INFO"}, own.answer)
         return {"FINISHED"}
-
-
-def _ask_ahead(program: str) -> None:
-    """The panel offers what the program can, as soon as there is one."""
-    from .session import session
-
-    session.ask_ahead(program)
 
 
 def preferences(context: bpy.types.Context) -> ChordPreferences:

@@ -32,6 +32,10 @@ def _show_solo(_own: ChordScene, context: bpy.types.Context) -> None:
     show_rooms(context)
 
 
+def _show_ceilings(_own: ChordScene, context: bpy.types.Context) -> None:
+    show_ceilings(context)
+
+
 class ChordRoom(bpy.types.PropertyGroup):
     """A line of the rooms list; its name is the room's prim."""
 
@@ -110,7 +114,7 @@ class ChordScene(bpy.types.PropertyGroup):
     findings: bpy.props.CollectionProperty(type=ChordFinding)  # type: ignore[valid-type]
     finding_index: bpy.props.IntProperty()  # type: ignore[valid-type]
     hide_ceilings: bpy.props.BoolProperty(  # type: ignore[valid-type]
-        name="Hide ceilings", default=True, update=lambda self, context: show_ceilings(context)
+        name="Hide ceilings", default=True, update=_show_ceilings
     )
     solo: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Solo", description="Show the chosen room alone", update=_show_solo

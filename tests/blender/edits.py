@@ -81,6 +81,10 @@ told["back"] = others[0] in s.objects()
 # An artist's own things outlive the house.
 lamp = bpy.data.objects.new("My lamp", None)
 s.part("house").room_collection(bpy.context, room).objects.link(lamp)
+ceilings = [one for path, one in s.objects().items() if s.part("core.tree").is_ceiling(path)]
+told["ceilings_hidden"] = [one.hide_get() for one in ceilings]
+own.hide_ceilings = False
+told["ceilings_shown"] = [one.hide_get() for one in ceilings]
 own.solo = True
 hidden = bpy.context.view_layer.layer_collection.children["House"].children
 told["solo"] = [layer.name for layer in hidden if not layer.hide_viewport]

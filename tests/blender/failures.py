@@ -22,8 +22,8 @@ for name in ("nowhere", "old", "wrong", "broken"):
     told[name] = s.press("generate")
     told[f"{name}_drawn"] = s.drawn()
 path, os.environ["PATH"] = os.environ["PATH"], ""
-s.use("")
 os.environ["HOME"] = str(s.folder)
+s.use("")
 told["none"] = s.press("generate")
 os.environ["PATH"] = path
 

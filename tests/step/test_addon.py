@@ -30,7 +30,7 @@ if "--version" in sys.argv:
     print("{answer}")
     sys.exit({code})
 if "--help" in sys.argv:
-    print("  --seed N  --outline PNG")
+    print("  --seed N  {can}")
     sys.exit()
 words = dict(zip(sys.argv, sys.argv[1:]))
 if sys.argv[1] == "describe":
@@ -39,11 +39,18 @@ if sys.argv[1] == "assets":
     shutil.copytree({models!r}, words["-o"], dirs_exist_ok=True)
     print(json.dumps({{"assets": 3}}))
 if sys.argv[1] == "generate":
+    text = "".join(word.partition("=")[2] for word in sys.argv if word.startswith("--text="))
+    if "elephant" in text:
+        sys.stderr.write("error: --text: the text names no rooms; expected rooms, in words\\n")
+        sys.exit(2)
+    told = {{"understood": text.upper(), "rooms": 5, "area_m2": 64.6}}
+    missed = {{"planned": told, "warnings": ["asked for 2 bedrooms, planned 1"]}} if text else {{}}
     sys.stderr.write(json.dumps({{"step": "layout", "done": 1, "total": 4}}) + "\\n")
     sys.stderr.flush()
     time.sleep(0.5)
     shutil.copytree({house!r}, os.path.dirname(words["-o"]), dirs_exist_ok=True)
-    print(json.dumps({{"stage": words["-o"], "certificate": {{"valid": True, "walkable": 0.9}}}}))
+    certificate = {{"valid": True, "walkable": 0.9}}
+    print(json.dumps({{"stage": words["-o"], "certificate": certificate, **missed}}))
 """
 """A program that answers as chord-usd does, and has everything ready."""
 
@@ -66,16 +73,18 @@ def programs(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "docs", models / "pictures")
     for asset in models.glob("*/*.usda"):
         shutil.copyfile(ROOT / "docs" / "layouts.png", models / "pictures" / f"{asset.stem}.png")
-    for name, answer, code in (
-        ("good", "chord-usd 9.0.0", 0),
-        ("old", "chord-usd 0.0.1", 0),
-        ("wrong", "Python 3.11.2", 0),
-        ("broken", "", 3),
+    for name, answer, code, can in (
+        ("good", "chord-usd 9.0.0", 0, "--outline PNG --text TEXT"),
+        ("older", "chord-usd 0.1.0", 0, "--outline PNG"),
+        ("old", "chord-usd 0.0.1", 0, ""),
+        ("wrong", "Python 3.11.2", 0, ""),
+        ("broken", "", 3, ""),
     ):
         text = PRETENDS.format(
             python=sys.executable,
             answer=answer,
             code=code,
+            can=can,
             models=str(models),
             house=str(house.parent),
         )
@@ -100,8 +109,24 @@ def failures(
     return run_in_blender("failures.py", plan, programs)
 
 
+@pytest.fixture(scope="module")
+def wishes(run_in_blender: RunInBlender, house: Path, programs: Path) -> Told:
+    """What is offered, told and drawn where a house is made of a text or an open plan."""
+    return run_in_blender("wishes.py", ROOT / "examples" / "two_bedrooms.png", programs, house)
+
+
 def operators(drawn: list[list[str]]) -> list[str]:
     return [line[1] for line in drawn if line[0] == "operator"]
+
+
+def labels(drawn: list[list[str]]) -> str:
+    """All that is written in the panel, as if its lines were one."""
+    return " ".join(line[1] for line in drawn if line[0] == "label")
+
+
+def ways(drawn: list[list[str]]) -> list[str]:
+    """The ways to say what house is wanted that can be chosen."""
+    return [line[-1] for line in drawn if line[0] == "prop_enum"]
 
 
 def test_the_house_comes_in_as_a_collection_tree(edits: Told) -> None:
@@ -175,6 +200,12 @@ def test_edits_of_a_room_can_be_discarded(edits: Told) -> None:
 
 def test_one_room_can_be_shown_alone(edits: Told) -> None:
     assert edits["solo"] == ["Bedroom_0"]
+
+
+def test_ceilings_are_hidden_and_shown(edits: Told) -> None:
+    assert all(edits["ceilings_hidden"])
+    assert edits["ceilings_shown"]
+    assert not any(edits["ceilings_shown"])
 
 
 def test_a_finding_selects_the_culprits(edits: Told) -> None:
@@ -253,13 +284,55 @@ def test_the_panel_of_a_house_has_every_button(edits: Told) -> None:
     )
 
 
-def test_only_what_the_program_can_is_offered(failures: Told, edits: Told) -> None:
-    """The one that pretends takes outlines; chord-usd itself is asked, too."""
-    assert [line[-1] for line in failures["offered"] if line[0] == "prop_enum"] == [
-        "PLAN",
-        "OUTLINE",
-    ]
-    assert not [line for line in failures["old_drawn"] if line[0] == "prop_enum"]
+def test_only_what_the_program_can_is_offered(failures: Told, wishes: Told) -> None:
+    assert ways(wishes["older_drawn"]) == ["PLAN", "OUTLINE"]
+    assert "chord-usd 0.1.0 cannot plan a home" in labels(wishes["older_drawn"])
+    assert ways(wishes["good_drawn"]) == ["PLAN", "TEXT", "OUTLINE"]
+    assert "cannot" not in labels(wishes["good_drawn"])
+    assert ways(failures["old_drawn"]) == []
+
+
+def test_a_program_too_old_for_a_text_is_told_and_nothing_begun(wishes: Told) -> None:
+    assert "chord-usd 0.1.0 cannot plan a home from a text yet" in wishes["older"]
+    assert not wishes["older_folder"]
+
+
+@pytest.mark.parametrize(
+    ("way", "has", "has_not"),
+    [("PLAN", {"plan"}, {"outline", "text"}), ("TEXT", {"text"}, {"plan", "outline"}),
+     ("OUTLINE", {"outline", "text"}, {"plan"})],
+)  # fmt: skip
+def test_each_way_has_its_own_fields(
+    wishes: Told, way: str, has: set[str], has_not: set[str]
+) -> None:
+    drawn = {line[1] for line in wishes["fields"][way] if line[0] == "prop"}
+    assert has <= drawn
+    assert not has_not & drawn
+
+
+def test_what_was_understood_and_missed_is_shown_with_the_house(wishes: Told) -> None:
+    assert wishes["text"] == ""
+    assert wishes["named"] == "two bedrooms about 70 m²"
+    for words in ("Understood: TWO BEDROOMS,", "Planned: 5 rooms, 65 m²", "Asked for 2 bedrooms,"):
+        assert words in labels(wishes["text_drawn"])
+        assert words not in labels(wishes["good_drawn"])
+        assert words not in labels(wishes["running"])
+        assert words not in labels(wishes["refused_drawn"])
+        assert words not in labels(wishes["opened"]), "another house"
+
+
+def test_a_text_that_is_not_understood_is_an_error_like_others(wishes: Told) -> None:
+    assert wishes["wordless"].endswith("Describe the home in the text field.\n")
+    assert wishes["refused"] == "--text: the text names no rooms; expected rooms, in words"
+    assert "the text names no rooms" in labels(wishes["refused_drawn"])
+    assert wishes["kept"]
+
+
+def test_an_open_plan_is_divided_with_a_text_or_without(wishes: Told) -> None:
+    assert "Choose an open plan" in wishes["shapeless"]
+    assert wishes["outline"] == wishes["outline_text"] == ""
+    assert "Understood" not in labels(wishes["outline_drawn"])
+    assert "Understood: TWO BATHROOMS" in labels(wishes["outline_text_drawn"])
 
 
 def test_the_furniture_becomes_an_asset_library(failures: Told) -> None:
@@ -273,7 +346,7 @@ def test_the_furniture_becomes_an_asset_library(failures: Told) -> None:
     assert failures["once"] == 1
 
 
-def test_nothing_is_left_when_it_is_disabled(edits: Told, failures: Told) -> None:
-    for told in (edits, failures):
+def test_nothing_is_left_when_it_is_disabled(edits: Told, failures: Told, wishes: Told) -> None:
+    for told in (edits, failures, wishes):
         assert told["left"] == told["handlers_left"] == []
         assert not told["field_left"]
