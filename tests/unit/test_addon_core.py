@@ -344,6 +344,31 @@ def test_what_was_understood_is_told_in_words() -> None:
     assert report.warnings({"stage": "house.usda"}) == []
 
 
+def test_what_the_program_tells_of_a_planned_floor_is_understood() -> None:
+    import numpy as np
+
+    from chord_usd.commands.planned import planned_report
+    from chord_usd.plan_labels import SCALES_M, sheet_frame
+    from chord_usd.planner import Commission, Planned
+    from chord_usd.planning.choose import judged
+    from chord_usd.planning.sheet import blank_sheet
+    from chord_usd.planning.words import condition_words
+    from chord_usd.types import Plan, Room
+    from chord_usd.wish import Wish
+
+    square = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
+    wish = Wish({"bedroom": 2}, area_m2=40.0)
+    candidate = judged(Plan((Room("a", "living", square),), ()), wish)
+    sheet = blank_sheet(sheet_frame(SCALES_M[0]))
+    commission = Commission(wish, "2 bedrooms and 40 m²", condition_words(wish), sheet)
+    told = planned_report(Planned(candidate, (candidate,), commission))
+    assert report.planned({"planned": told}) == [
+        "Understood: 2 bedrooms and 40 m²",
+        "Planned: 1 room, 20 m²",
+    ]
+    assert "Asked for 2 bedrooms, planned 0" in report.warnings(told)
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [(["--text=a flat"], "Planning"), (["--outline", "a.png"], "Planning"), (["a.png"], "Reading")],
