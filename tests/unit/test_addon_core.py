@@ -6,22 +6,15 @@ import json
 import stat
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from blender_addon.core import commands, edits, layer, library, report, swaps
 from blender_addon.core.claim import Claims
-from blender_addon.core.job import Job, Outcome, Progress, last_report, plain_error
-from blender_addon.core.program import (
-    Program,
-    ProgramError,
-    clean_environment,
-    command_of,
-    find_program,
-)
-from blender_addon.core.state import OFFERED_BY, panel_state, wrapped
+from blender_addon.core.job import Job, Outcome, last_report, plain_error
+from blender_addon.core.program import ProgramError, clean_environment, command_of, find_program
+from blender_addon.core.state import panel_state, wrapped
 from blender_addon.core.tree import (
     collection_tree,
     is_light,
@@ -59,17 +52,6 @@ def test_the_program_is_found_and_says_its_version(tmp_path: Path) -> None:
 def test_the_program_is_asked_what_it_can(tmp_path: Path) -> None:
     body = "import sys\nprint('chord-usd 1.2.3' if '--version' in sys.argv else '  --text T')"
     assert find_program(str(script(tmp_path, body))).abilities == {"--text"}
-
-
-def test_a_program_too_old_for_a_text_says_so() -> None:
-    old, new = Program(("x",), (0, 1, 0)), Program(("x",), (1, 0, 0), frozenset({"--text"}))
-    words = ["generate", "--text=a flat", "-o", "house.usda"]
-    with pytest.raises(ProgramError, match=r"chord-usd 0\.1\.0 cannot plan a home from a text yet"):
-        old.check_can(words)
-    new.check_can(words)
-    old.check_can(["generate", "plan.png"])
-    assert "text or divide an open plan" in old.lacking(("--text", "--outline"))
-    assert new.lacking(("--text",)) == ""
 
 
 @pytest.mark.parametrize(
@@ -183,31 +165,6 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
         build_parser().parse_args(arguments)
 
 
-@pytest.mark.parametrize("text", ["a two-bedroom flat, about 70 m²", "-3 rooms", "--seed"])
-def test_a_text_reaches_the_program_as_it_was_written(tmp_path: Path, text: str) -> None:
-    from chord_usd.cli import build_parser
-
-    outline = tmp_path / "öpen plan.png"
-    outline.touch()
-    settings = replace(SETTINGS, source="TEXT", plan="left from before.png", text=f" {text} ")
-    taken = build_parser().parse_args(commands.generate(settings, tmp_path / "house.usda"))
-    assert (taken.text, taken.outline, taken.plan) == (text, None, None)
-    settings = replace(settings, source="OUTLINE", plan=str(outline))
-    taken = build_parser().parse_args(commands.generate(settings, tmp_path / "house.usda"))
-    assert (taken.text, taken.outline, taken.plan) == (text, outline, None)
-    settings = replace(settings, text="")
-    taken = build_parser().parse_args(commands.generate(settings, tmp_path / "house.usda"))
-    assert (taken.text, taken.outline) == ("", outline)
-
-
-def test_what_is_offered_is_what_the_program_has() -> None:
-    """The panel asks for options by the names that chord-usd gives them."""
-    from chord_usd.cli import build_parser
-
-    for option in filter(None, OFFERED_BY.values()):
-        build_parser().parse_args(["generate", option, "x", "-o", "house.usda"])
-
-
 def test_what_the_program_is_told_is_the_edited_house(tmp_path: Path) -> None:
     house = tmp_path / "house.usda"
     house.touch()
@@ -260,15 +217,6 @@ def test_houses_lie_beside_the_blender_file() -> None:
     folder = commands.house_folder(str(Path("work") / "flat.blend"), "in/plan: 1.png", Path("t"))
     assert folder == Path("work") / "chord-usd" / "plan_ 1"
     assert commands.house_folder("", "", Path("t")) == Path("t") / "chord-usd" / "house"
-
-
-def test_a_house_is_named_after_its_plan_or_its_text() -> None:
-    settings = replace(SETTINGS, plan="in/plän 1.5.png", text="Flat: 2/3 beds, 70.5 m² and so on")
-    assert commands.house_name(settings) == "plän 1.5"
-    name = commands.house_name(replace(settings, source="TEXT"))
-    assert name == "Flat 2 3 beds 70 5"
-    assert commands.house_folder("", name, Path("t")).name == name
-    assert len(commands.house_name(replace(settings, source="TEXT", text="x" * 99))) < 50
 
 
 PARENTS = {
@@ -324,58 +272,6 @@ def test_findings_are_readable_and_lead_to_the_culprits() -> None:
     assert second.text.endswith("is blocked")
     assert report.headline(certificate) == "2 findings; 91% of the floor is walkable"
     assert report.headline({"valid": True, "walkable": 1.0}).startswith("Certified")
-
-
-PLANNED = {
-    "planned": {"understood": "2 bedrooms and 70 m²", "rooms": 5, "area_m2": 64.6},
-    "warnings": ["asked for 2 bedrooms, planned 1", "asked for 70 m², planned 65"],
-}
-
-
-def test_what_was_understood_is_told_in_words() -> None:
-    assert report.planned(PLANNED) == [
-        "Understood: 2 bedrooms and 70 m²",
-        "Planned: 5 rooms, 65 m²",
-    ]
-    without_text = {"planned": {"understood": "", "rooms": 1, "area_m2": 30.2}}
-    assert report.planned(without_text) == ["Planned: 1 room, 30 m²"]
-    assert report.warnings(PLANNED)[0] == "Asked for 2 bedrooms, planned 1"
-    assert report.planned({"stage": "house.usda"}) == []
-    assert report.warnings({"stage": "house.usda"}) == []
-
-
-def test_what_the_program_tells_of_a_planned_floor_is_understood() -> None:
-    import numpy as np
-
-    from chord_usd.commands.planned import planned_report
-    from chord_usd.plan_labels import SCALES_M, sheet_frame
-    from chord_usd.planner import Commission, Planned
-    from chord_usd.planning.choose import judged
-    from chord_usd.planning.sheet import blank_sheet
-    from chord_usd.planning.words import condition_words
-    from chord_usd.types import Plan, Room
-    from chord_usd.wish import Wish
-
-    square = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
-    wish = Wish({"bedroom": 2}, area_m2=40.0)
-    candidate = judged(Plan((Room("a", "living", square),), ()), wish)
-    sheet = blank_sheet(sheet_frame(SCALES_M[0]))
-    commission = Commission(wish, "2 bedrooms and 40 m²", condition_words(wish), sheet)
-    told = planned_report(Planned(candidate, (candidate,), commission))
-    assert report.planned({"planned": told}) == [
-        "Understood: 2 bedrooms and 40 m²",
-        "Planned: 1 room, 20 m²",
-    ]
-    assert "Asked for 2 bedrooms, planned 0" in report.warnings(told)
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [(["--text=a flat"], "Planning"), (["--outline", "a.png"], "Planning"), (["a.png"], "Reading")],
-)
-def test_a_plan_is_planned_or_read(words: list[str], told: str) -> None:
-    job = Job(["chord-usd", "generate", *words], progress=Progress("plan", 1, 4))
-    assert panel_state(job, "", "").message.startswith(told)
 
 
 def test_the_panel_has_four_states(tmp_path: Path) -> None:
