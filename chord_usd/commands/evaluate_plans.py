@@ -17,18 +17,28 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same drawings (0)"
     )
+    parser.add_argument(
+        "--unseen", action="store_true", help="the styles that the reader was not made on"
+    )
     add_report(parser)
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
+    from chord_usd.data.drawn.styles import FAMILIES, HELD_OUT
     from chord_usd.evaluation.plans import Reader, as_markdown, measure_reading, summaries
     from chord_usd.plan.drawing import read_drawing
-    from chord_usd.plan.placement import frame_of, skew_of
+    from chord_usd.plan.placement import frame_of, straightening_of
+    from chord_usd.plan.sheet import straightening_matrix
 
     watch = stopwatch(options)
     with watch.step("plans") as progress:
-        reader = Reader(read_drawing, frame_of, skew_of)
-        scores = measure_reading(reader, options.count, progress, seed=options.seed)
+        reader = Reader(
+            read_drawing,
+            frame_of,
+            lambda plan, shape: straightening_matrix(straightening_of(plan), shape)[0],
+        )
+        families = HELD_OUT if options.unseen else FAMILIES
+        scores = measure_reading(reader, options.count, progress, families, options.seed)
     data = {"styles": summaries(scores), "seed": options.seed, "seconds": watch.seconds}
     return told(options, as_markdown(scores), data, {}, [])

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from chord_usd import palette
 from chord_usd.data.drawn.draw import Drawing, draw_in_style
+from chord_usd.data.drawn.fixtures import SYMBOLS
 from chord_usd.data.drawn.styles import FAMILIES, random_style
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
@@ -16,7 +19,7 @@ from chord_usd.evaluation.report import markdown_table
 from chord_usd.geometry import room_polygon
 from chord_usd.metrics.fidelity import plan_fidelity, room_iou
 from chord_usd.progress import Progress
-from chord_usd.types import ByteArray, PixelFrame, Plan, Room, frozen_array
+from chord_usd.types import Box, ByteArray, FloatArray, PixelFrame, Plan, Room, frozen_array
 from chord_usd.units import m_from_px, px_from_m, rotation_2d
 
 
@@ -28,8 +31,8 @@ class Reader:
     """RGB (H, W, 3) -> plan; raises PlanError."""
     frame_of: Callable[[Plan], PixelFrame | None]
     """Where the picture lies that a plan was read from, once straightened."""
-    skew_of: Callable[[Plan], float]
-    """By how many degrees clockwise that was."""
+    straightening: Callable[[Plan, tuple[int, ...]], FloatArray]
+    """(3, 3) from continuous pixels of a picture of a shape (H, W) to those once straightened."""
 
 
 _FIRST_SEED = 900_000
@@ -53,7 +56,7 @@ class PlanScore:
     room_iou: float = 0.0
     kinds_right: int = 0
     kinds: int = 0
-    """Rooms with a name in the drawing."""
+    """Rooms with a name in the drawing, or of a kind that has symbols of its own."""
     scale_error: float = 0.0
     """|metres per pixel / truth - 1|."""
     warned: bool = False
@@ -84,6 +87,8 @@ def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
     """Read one drawing and compare; positions are compared on the paper, not by the read scale."""
     named = sum(room.kind != "unknown" for room in drawing.truth.rooms)
     kinds = named if drawing.style.has_names else 0
+    if drawing.style.has_symbols:
+        kinds = sum(room.kind in SYMBOLS for room in drawing.truth.rooms)
     try:
         plan = reader.read(drawing.rgb)
     except PlanError:
@@ -91,7 +96,7 @@ def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
     frame = reader.frame_of(plan)
     if frame is None:
         raise ValueError("the reader does not tell where its plan lies in the picture")
-    placed = _on_paper(plan, frame, reader.skew_of(plan), drawing)
+    placed = _on_paper(plan, frame, reader.straightening(plan, drawing.rgb.shape), drawing)
     fidelity = plan_fidelity(placed, drawing.truth)
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
     total = sum(part.found + part.truth for part in parts)
@@ -99,47 +104,44 @@ def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
     return PlanScore(
         drawing.style.family, refused=False, walls=fidelity.walls.value,
         openings=right / total if total else 1.0, room_iou=room_iou(placed, drawing.truth),
-        kinds_right=_kinds_right(placed, drawing.truth) if kinds else 0, kinds=kinds,
+        kinds_right=_kinds_right(placed, drawing) if kinds else 0, kinds=kinds,
         scale_error=abs(frame.m_per_px / drawing.frame.m_per_px - 1.0),
         warned=bool(plan.extra.get("warnings")),
     )  # fmt: skip
 
 
-def _on_paper(plan: Plan, frame: PixelFrame, seen_deg: float, drawing: Drawing) -> Plan:
-    """The plan in the drawing's own metres: through pixels, and turned back where it was askew."""
-    truth = drawing.frame
-    ratio = truth.m_per_px / frame.m_per_px
-    width, height = drawing.rgb.shape[1::-1]
-    left_deg = drawing.style.skew_deg - seen_deg
-    # A straightened picture is larger than the drawing, about the same middle.
-    cos, sin = np.abs(rotation_2d(seen_deg)[0])
-    grown = np.array([round(width * cos + height * sin), round(width * sin + height * cos)])
-    turn = rotation_2d(-left_deg)
+def _on_paper(plan: Plan, frame: PixelFrame, straight: FloatArray, drawing: Drawing) -> Plan:
+    """The plan in the drawing's own metres: back into the picture, and from there on the paper."""
+    matrix = np.linalg.inv(straight @ drawing.to_picture)
 
     def moved(points: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
-        return m_from_px(
-            (px_from_m(points, frame) - grown / 2) @ turn.T + (width / 2, height / 2), truth
-        )
+        pixels = px_from_m(points, frame)
+        paper = np.concatenate([pixels, np.ones((*pixels.shape[:-1], 1))], axis=-1) @ matrix.T
+        return m_from_px(paper[..., :2] / paper[..., 2:], drawing.frame)
 
     rooms = tuple(replace(r, polygon_m=frozen_array(moved(r.polygon_m))) for r in plan.rooms)
-    openings = []
-    for opening in plan.openings:
-        x, y = moved(np.array(opening.box.center_m[:2]))
-        size = opening.box.size_m
-        box = replace(
-            opening.box, center_m=(float(x), float(y), opening.box.center_m[2]),
-            size_m=(size[0] * ratio, size[1] * ratio, size[2]),
-            yaw_deg=opening.box.yaw_deg + left_deg,
-        )  # fmt: skip
-        openings.append(replace(opening, box=box))
-    return Plan(rooms, tuple(openings))
+    openings = tuple(replace(o, box=_moved_box(o.box, moved)) for o in plan.openings)
+    return Plan(rooms, openings)
 
 
-def _kinds_right(plan: Plan, truth: Plan) -> int:
+def _moved_box(box: Box, moved: Callable[[np.ndarray], np.ndarray]) -> Box:  # type: ignore[type-arg]
+    """The box with its ends where these are moved."""
+    length, width, height = box.size_m
+    middle = np.array(box.center_m[:2])
+    half = rotation_2d(box.yaw_deg) @ np.array([length / 2, 0.0])
+    start, stop = moved(np.stack([middle - half, middle + half]))
+    (x, y), (dx, dy) = (start + stop) / 2, stop - start
+    long = math.hypot(dx, dy)
+    size = long, width * long / length, height
+    return Box((float(x), float(y), box.center_m[2]), size, math.degrees(math.atan2(dy, dx)))
+
+
+def _kinds_right(plan: Plan, drawing: Drawing) -> int:
+    told = SYMBOLS if drawing.style.has_symbols else palette.ROOM_SHADES
     return sum(
         any(found.kind == room.kind and _iou(found, room) > _SAME_ROOM_IOU for found in plan.rooms)
-        for room in truth.rooms
-        if room.kind != "unknown"
+        for room in drawing.truth.rooms
+        if room.kind != "unknown" and room.kind in told
     )
 
 

@@ -23,7 +23,7 @@ _ELONGATED = 2.0
 """A strip is at least so many times as long as wide."""
 
 _UNEVEN, _UNEVEN_LONG = 1.75, 2.3
-"""At a crossing a strip is so many times as wide as elsewhere, no more; a long one at a jog, too."""
+"""At a crossing a strip is so many times as wide as elsewhere, no more; a long one at jogs, too."""
 
 _LONG = 20.0
 """So many times as long as wide."""
@@ -34,18 +34,20 @@ _SLIM, _STOUT = 0.4, 1.7
 _PANE = 0.72
 """Two strips side by side, each narrower than this share of the usual wall, are a window."""
 
-_CRUMB_WIDTH, _CRUMB_LENGTH = 0.015, 0.06
+_CRUMB_WIDTH, _CRUMB_LENGTH = 0.015, 0.1
 """A hatched wall's crumbs are narrower and shorter than these shares of the drawing."""
 
 _LEAST_CRUMBS = 150
+_FEWEST_CRUMBS = 4.0
+"""In a drawing, and in a piece of wall; a basin is a crumb of its own."""
 
 _BLOCK_FILL = 0.85
 _BLOCK_SLACK = 0.25
 _SHORTEST_BLOCK = 0.5
 """Between two openings a piece of wall may be as short as this share of its width."""
 
-_LARGEST_RING = 12.0
-"""Rings smaller than so many wall widths are baths and basins."""
+_LARGEST_RING = 18.0
+"""Rings smaller than so many wall widths are beds, baths and basins."""
 
 Labels = npt.NDArray[np.int32]
 
@@ -166,7 +168,12 @@ def _rings(labels: Labels, strips: BoolArray, width: float) -> BoolArray:
 
 def _hatching(ink: BoolArray, labels: Labels, areas: FloatArray, is_crumb: BoolArray) -> BoolArray:
     """Where many crumbs of paper lie side by side."""
-    return _with_faces(is_crumb[labels], ink, 0.5 * float(np.sqrt(np.median(areas[is_crumb]))))
+    crumb_px = float(np.sqrt(np.median(areas[is_crumb])))
+    filled = _with_faces(is_crumb[labels], ink, 0.5 * crumb_px)
+    _, pieces, stats, _ = cv2.connectedComponentsWithStats(filled.astype(np.uint8), connectivity=8)
+    is_wall = stats[:, cv2.CC_STAT_AREA] >= _FEWEST_CRUMBS * crumb_px**2
+    is_wall[0] = False
+    return np.asarray(is_wall[pieces])
 
 
 def _with_faces(bodies: BoolArray, ink: BoolArray, least_px: float) -> BoolArray:
@@ -176,8 +183,8 @@ def _with_faces(bodies: BoolArray, ink: BoolArray, least_px: float) -> BoolArray
     """
     closed = cv2.morphologyEx(bodies.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
     near = cv2.dilate(closed, np.ones((2 * _FACE_PX + 1,) * 2, np.uint8)) > 0
-    faced = (cv2.dilate(closed, _BLOCK) > 0) | (near & ink)
+    faced = ((cv2.dilate(closed, _BLOCK) > 0) | (near & ink)).astype(np.uint8)
     # Odd, so that opening does not shift the walls.
     side = 2 * max(round(least_px / 2), 2) + 1
     square = np.ones((side, side), np.uint8)
-    return np.asarray(cv2.morphologyEx(faced.astype(np.uint8), cv2.MORPH_OPEN, square) > 0)
+    return np.asarray(cv2.morphologyEx(faced, cv2.MORPH_OPEN, square) > 0)

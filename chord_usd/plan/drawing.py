@@ -55,6 +55,9 @@ _FARTHEST_MOVE = 0.5
 _GOOD_SHARE = 0.8
 """A reading that encloses this share of what the best one does is as good."""
 
+_ENTERED_SHARE = 0.6
+"""And which finds this share of the rooms that another does; fewer, and it missed the walls."""
+
 _LINES_WEIGHT = 0.6
 _SHUT_WEIGHT = 0.6
 """Rooms without any opening are most likely none."""
@@ -99,14 +102,14 @@ def read_drawing(
     plan = _plan(reading, texts)
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     told += [*scale.warnings(), *doubts(plan, reading.strokes, texts, reading.frame)]
-    entry = {**placement(drawing)[DRAWING], **sheet.turn}
+    entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     extra = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
     return replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
 
 
 def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
     """What is printed, in pixels of the working picture."""
-    if known.texts and not sheet.skew_deg:
+    if known.texts and not sheet.straightening.entry():
         return tuple(replace(t, corners_px=t.corners_px * sheet.shrink) for t in known.texts)
     return tuple(
         replace(text, corners_px=text.corners_px / sheet.fine_per_px)
@@ -125,6 +128,8 @@ class _Reading:
     outlines: list[Outline]
     bars: list[Bar]
     frame: PixelFrame
+    entered: int
+    """Rooms that something opens into."""
     doors_m_per_px: float | None
     """By the doors; None where too few are drawn."""
 
@@ -141,8 +146,10 @@ def _best_reading(rgb: ByteArray, texts: Sequence[Text], m_per_px: float | None)
     boxes = [text.corners_px for text in texts]
     readings = [_read(strokes, m_per_px) for strokes in find_strokes(rgb, boxes)]
     most = max((reading.weight for reading in readings), default=0.0)
+    good = [reading for reading in readings if reading.weight >= _GOOD_SHARE * most]
+    rooms = max((reading.entered for reading in good), default=0)
     # The strictest reading takes the least furniture for walls.
-    best = next((r for r in readings if r.weight >= _GOOD_SHARE * most), None)
+    best = next((r for r in good if r.entered >= _ENTERED_SHARE * rooms), None)
     if best is None or not best.outlines:
         raise PlanError(
             "no closed room was found",
@@ -161,7 +168,8 @@ def _read(strokes: Strokes, m_per_px: float | None) -> _Reading:
     outlines = room_outlines(regions, strokes, m_per_px)
     frame = PixelFrame(m_per_px, (0.0, 0.0), len(strokes.wall))
     bars = [_bar(gap, regions) for gap in gaps]
-    return _Reading(strokes, outlines, bars, frame, doors)
+    entered = {side for gap in gaps for side in sides(gap, regions.labels)} - {0}
+    return _Reading(strokes, outlines, bars, frame, min(len(entered), len(outlines)), doors)
 
 
 def _take_part(reading: _Reading, part: int) -> tuple[_Reading, list[str]]:

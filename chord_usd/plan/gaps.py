@@ -17,8 +17,15 @@ from chord_usd.types import BoolArray, ByteArray, FloatArray
 _END_WIDTHS = (0.3, 2.2)
 """A wall ends in an edge so many usual wall thicknesses long."""
 
-_SHORTEST_FLANK = 0.25
-"""The faces beside a wall's end are at least this share of its thickness long."""
+_SHORTEST_FLANK, _SLANTED_FLANK = 0.25, 1.5
+"""The faces beside a wall's end are at least this share of its thickness long; those of a slanted
+wall longer."""
+
+_WIDE_END, _WIDE_FLANK = 1.4, 0.6
+"""A wider edge, in wall thicknesses, is the side of a stub unless both faces beside it are longer
+than this share of it."""
+
+_BULGE_PX = 3
 
 _EMPTY_REACH = 12.0
 _DRAWN_REACH = 22.0
@@ -26,8 +33,11 @@ _DRAWN_REACH = 22.0
 
 _SHORTEST_GAP = 1.2
 
-_CORNER_PX, _CORNER_SHARE = 1.0, 0.1
-"""Blur and hatching chamfer corners by so much: pixels, and a share of the wall's thickness."""
+_CORNER_SHARES = (0.05, 0.1)
+"""Outlines are simplified by these shares of the wall's thickness, and a pixel."""
+
+_LOOSE, _SLIVER = 2.5, 0.75
+"""Bits of wall no longer than this and not as wide as a wall are none, in wall thicknesses."""
 
 _MOST_ENDS = 1000
 """A drawing with more wall ends is no plan."""
@@ -101,15 +111,29 @@ def find_gaps(strokes: Strokes) -> list[Gap]:
 
     None crosses another: of two that do, the later one sees through a door.
     """
-    panes = strokes.ink & ~strokes.wall
+    walls = strokes.wall if strokes.lines is None else strokes.lines
     drawn = cv2.dilate(strokes.thin.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    found = [_gap_before(end, strokes, panes) for end in _wall_ends(strokes)]
-    candidates = [_with_swing(gap, drawn) for gap in found if gap is not None]
+    bold_px = _bold_px(strokes)
+    loose, seen = _without_slivers(walls, bold_px)
+    found = [
+        gap
+        for axis in (0, 1)
+        for end in _wall_ends(seen[axis], bold_px)
+        if int(np.argmax(np.abs(end.outward))) == axis
+        and (gap := _gap_before(end, seen[axis], strokes, strokes.ink & ~seen[axis])) is not None
+    ]
+    candidates = [_with_swing(gap, drawn) for gap in found]
     longest_px = _EMPTY_REACH * strokes.thickness_px
     candidates = [g for g in candidates if not g.is_empty or g.length_px <= longest_px]
     gaps: list[Gap] = []
     taken: list[Polygon] = []
-    for gap in sorted(candidates, key=lambda gap: (gap.is_empty, gap.length_px)):
+
+    def rank(gap: Gap) -> tuple[bool, float]:
+        # From the edge of a bit of wall a pane is seen as a leaf across its own wall.
+        is_vague = not (gap.has_pane or gap.has_arc) and _touches(gap, loose)
+        return gap.is_empty or is_vague, gap.length_px
+
+    for gap in sorted(candidates, key=rank):
         shape = Polygon(gap.corners)
         if not any(shape.intersects(other) for other in taken):
             gaps.append(gap)
@@ -133,6 +157,35 @@ def close_gaps(wall: BoolArray, gaps: Sequence[Gap]) -> BoolArray:
 # Wall ends ---------------------------------------------------------------------------------------
 
 
+def _bold_px(strokes: Strokes) -> float:
+    """How thick the walls are as they are drawn."""
+    if strokes.lines is None:
+        return strokes.thickness_px
+    rim = strokes.lines & (cv2.erode(strokes.lines.astype(np.uint8), np.ones((3, 3))) == 0)
+    return max(2.0 * float(strokes.lines.sum()) / max(float(rim.sum()), 1.0), 2.0)
+
+
+def _without_slivers(
+    wall: BoolArray, thickness_px: float
+) -> tuple[BoolArray, tuple[BoolArray, BoolArray]]:
+    """(H, W) the loose bits of wall; and walls as seen along x and y: without bits too slight.
+
+    Where two sliding panels overlap, or a pane has a mullion, the lines are as thick as a wall.
+    """
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(wall.astype(np.uint8), connectivity=8)
+    sizes = stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
+    loose = sizes.max(axis=1) < _LOOSE * thickness_px
+    loose[0] = False
+    slight = loose[:, None] & (sizes < _SLIVER * thickness_px)
+    return loose[labels], (wall & ~slight[labels, 1], wall & ~slight[labels, 0])
+
+
+def _touches(gap: Gap, mask: BoolArray) -> bool:
+    """Whether either end of a gap lies at a mask."""
+    ends = gap.start - 1.5 * gap.along, gap.start + (gap.length_px + 2.0) * gap.along
+    return any(_value_at(mask, end) for end in ends)
+
+
 @dataclass(frozen=True, eq=False)
 class _End:
     middle: FloatArray
@@ -140,27 +193,28 @@ class _End:
     width_px: float
 
 
-def _wall_ends(strokes: Strokes) -> list[_End]:
+def _wall_ends(wall: BoolArray, thickness_px: float) -> list[_End]:
     """Short edges of the walls' outlines between two convex corners; [] for a scrawl."""
-    contours, _ = cv2.findContours(
-        strokes.wall.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE
-    )
-    ends = []
-    for contour in contours:
-        slack_px = _CORNER_PX + _CORNER_SHARE * strokes.thickness_px
-        corners = cv2.approxPolyDP(contour, slack_px, closed=True)
-        if len(corners) >= 4:
-            ends += _ends_of(corners.reshape(-1, 2) + 0.5, strokes)
-    return ends if len(ends) <= _MOST_ENDS else []
+    contours, _ = cv2.findContours(wall.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    ends: list[_End] = []
+    # A fine outline has the shortest stubs of walls, a rough one the ends that blur has rounded.
+    for share in _CORNER_SHARES:
+        for contour in contours:
+            corners = cv2.approxPolyDP(contour, 1.0 + share * thickness_px, closed=True)
+            if len(corners) >= 4:
+                ends += _ends_of(corners.reshape(-1, 2) + 0.5, wall, thickness_px)
+        if len(ends) > _MOST_ENDS:
+            return []
+    return ends
 
 
-def _ends_of(corners: FloatArray, strokes: Strokes) -> list[_End]:
+def _ends_of(corners: FloatArray, wall: BoolArray, thickness_px: float) -> list[_End]:
     edges = np.roll(corners, -1, axis=0) - corners
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     units = edges / np.maximum(lengths, 1e-9)[:, None]
     # Contours pass through pixel centres: the stroke is a pixel thicker.
     widths = lengths + 1.0
-    shortest, longest = (factor * strokes.thickness_px for factor in _END_WIDTHS)
+    shortest, longest = (factor * thickness_px for factor in _END_WIDTHS)
     ends = []
     for index in np.flatnonzero((widths >= shortest) & (widths <= longest)):
         before, after = index - 1, (index + 1) % len(units)
@@ -170,10 +224,15 @@ def _ends_of(corners: FloatArray, strokes: Strokes) -> list[_End]:
         outward = _upright(flank, _AXIS_SINE / 10 if is_long else _AXIS_SINE)
         if units[before] @ outward < 0.8 or units[after] @ outward > -0.8:
             continue
-        if max(lengths[before], lengths[after]) < _SHORTEST_FLANK * widths[index]:
+        # What leads away at an angle must be plain to see.
+        least = _SHORTEST_FLANK if np.abs(outward).max() == 1.0 else _SLANTED_FLANK
+        if max(lengths[before], lengths[after]) < least * widths[index]:
+            continue
+        is_wide = widths[index] > _WIDE_END * thickness_px
+        if is_wide and min(lengths[before], lengths[after]) < _WIDE_FLANK * widths[index]:
             continue
         middle = corners[index] + edges[index] / 2
-        if not _value_at(strokes.wall, middle + 2.5 * outward):
+        if not _value_at(wall, middle + 2.5 * outward):
             width = abs(float(edges[index] @ np.array([-outward[1], outward[0]]))) + 1.0
             ends.append(_End(middle, outward, width))
     return ends
@@ -206,13 +265,15 @@ def _values_at(mask: BoolArray, points: npt.NDArray[np.float64]) -> BoolArray:
 # What a wall end faces ---------------------------------------------------------------------------
 
 
-def _gap_before(end: _End, strokes: Strokes, panes: BoolArray) -> Gap | None:
+def _gap_before(end: _End, wall: BoolArray, strokes: Strokes, panes: BoolArray) -> Gap | None:
     """The gap from a wall's end to the wall it faces; None if there is none near enough."""
     across = np.array([-end.outward[1], end.outward[0]])
     steps = np.arange(1.5, _DRAWN_REACH * strokes.thickness_px)
     offsets = np.array([-0.3, 0.0, 0.3]) * end.width_px
     rays = end.middle + end.outward * steps[:, None, None] + across * offsets[:, None]
-    blocked = _values_at(strokes.wall, rays)
+    blocked = _values_at(wall, rays)
+    # A ragged end bulges past the edge that was fitted to it.
+    blocked[:_BULGE_PX] &= np.cumsum(~blocked[:_BULGE_PX], axis=0) > 0
     hits = np.where(blocked.any(axis=0), np.argmax(blocked, axis=0), len(steps))
     middle = int(np.median(hits))
     if middle >= len(steps) or np.ptp(hits) > 0.6 * strokes.thickness_px:
@@ -220,7 +281,8 @@ def _gap_before(end: _End, strokes: Strokes, panes: BoolArray) -> Gap | None:
     length = float(steps[middle]) - 0.5
     if length < _SHORTEST_GAP * strokes.thickness_px:
         return None
-    gap = Gap(end.middle, end.outward, length, end.width_px)
+    width_px = strokes.thickness_px if strokes.are_lines else end.width_px
+    gap = Gap(end.middle, end.outward, length, width_px)
     return replace(gap, has_pane=_pane_share(gap, panes) >= _PANE_SHARE)
 
 

@@ -14,8 +14,8 @@ from chord_usd.errors import PlanError
 from chord_usd.files import write_atomic
 from chord_usd.geometry import footprint
 from chord_usd.plan.picture import read_picture
-from chord_usd.plan.placement import PAGE, frame_of, skew_of
-from chord_usd.plan.sheet import turned
+from chord_usd.plan.placement import PAGE, frame_of, straightening_of
+from chord_usd.plan.sheet import straightened
 from chord_usd.plan.vector.backdrop import backdrop
 from chord_usd.plan.vector.formats import is_vector
 from chord_usd.plan.vector.pdf import read_pages
@@ -73,9 +73,9 @@ def overlay_on(plan: Plan, source: Path) -> ByteArray:
     if source.suffix.lower() == ".pdf":
         number = int(plan.extra.get(PAGE, 1))
         return overlay(plan, next(p.rgb for p in read_pages(source) if p.number == number))
-    skew_deg = skew_of(plan)
+    done = straightening_of(plan)
     rgb = read_picture(source).rgb
-    return overlay(plan, turned(rgb, skew_deg) if skew_deg else rgb)
+    return overlay(plan, straightened(rgb, done, rgb.shape) if done.entry() else rgb)
 
 
 def _outline(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from chord_usd.types import PixelFrame, Plan
@@ -29,12 +30,38 @@ def placement(frame: PixelFrame) -> Mapping[str, Any]:
 
 
 UPRIGHT = "upright"
-"""Key beside the frame of a drawing: how its picture was turned before it was read."""
+"""Key beside the frame of a drawing: how its picture was straightened before it was read."""
 
 
-def skew_of(plan: Plan) -> float:
-    """Degrees clockwise that were taken out of the picture before it was read."""
-    return float(plan.extra.get(DRAWING, {}).get(UPRIGHT, {}).get("skewDeg", 0.0))
+@dataclass(frozen=True)
+class Straightening:
+    """What was done to a user's picture before it was read."""
+
+    skew_deg: float = 0.0
+    """Clockwise turn that was taken out, after the slant."""
+    corners_px: tuple[tuple[float, float], ...] = ()
+    """Of a sheet seen at a slant, clockwise from its upper left; none for a picture without one."""
+    size_px: tuple[int, int] = (0, 0)
+    """Width and height of that sheet, seen from above."""
+
+    def entry(self) -> Mapping[str, Any]:
+        """For the plan's JSON; empty where nothing was done."""
+        said: dict[str, Any] = {"skewDeg": self.skew_deg} if self.skew_deg else {}
+        if self.corners_px:
+            corners = [[round(x, 2), round(y, 2)] for x, y in self.corners_px]
+            said |= {"sheetPx": corners, "sizePx": list(self.size_px)}
+        return {UPRIGHT: said} if said else {}
+
+
+def straightening_of(plan: Plan) -> Straightening:
+    """How the picture was straightened that a plan was read from."""
+    try:
+        said = plan.extra.get(DRAWING, {}).get(UPRIGHT, {})
+        corners = tuple((float(x), float(y)) for x, y in said.get("sheetPx", ()))
+        width, height = said.get("sizePx", (0, 0))
+        return Straightening(float(said.get("skewDeg", 0.0)), corners, (int(width), int(height)))
+    except (AttributeError, TypeError, ValueError):
+        return Straightening()
 
 
 def frame_of(plan: Plan) -> PixelFrame | None:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from chord_usd.plan.placement import UPRIGHT
+from chord_usd.plan.perspective import find_sheet, rectifying, sheet_size
+from chord_usd.plan.placement import Straightening
 from chord_usd.types import ByteArray, FloatArray
 from chord_usd.units import rotation_2d
 
@@ -39,31 +38,67 @@ class Sheet:
     """Pixels of rgb per pixel of the upright picture."""
     height_px: int
     """Of the upright picture, in the user's pixels."""
-    skew_deg: float = 0.0
-    """Clockwise turn that was taken out of the user's picture."""
+    straightening: Straightening
+    """What was done to the user's picture."""
 
     @property
     def fine_per_px(self) -> float:
         """Pixels of fine per pixel of rgb."""
         return self.fine.shape[0] / self.rgb.shape[0]
 
-    @property
-    def turn(self) -> Mapping[str, Any]:
-        """The entry beside the frame that remembers the skew."""
-        return {UPRIGHT: {"skewDeg": self.skew_deg}} if self.skew_deg else {}
-
 
 def prepare(rgb: ByteArray) -> Sheet:
-    """Scale a picture (H, W, 3) down if need be, and turn it upright."""
-    small = _scaled(rgb, _WORKING_SIDE_PX)
+    """Scale a picture (H, W, 3) down if need be, and straighten it."""
+    small, fine = _scaled(rgb, _WORKING_SIDE_PX), _scaled(rgb, _TEXT_SIDE_PX)
+    shrink = min(1.0, _WORKING_SIDE_PX / max(rgb.shape[:2]))
+    done = Straightening()
+    corners = find_sheet(small)
+    if corners is not None:
+        own = corners / shrink
+        points = tuple((float(x), float(y)) for x, y in own)
+        done = Straightening(0.0, points, sheet_size(own, rgb.shape))
+        small, fine = (straightened(part, done, rgb.shape) for part in (small, fine))
     skew_deg = measure_skew(small)
-    fine = _scaled(rgb, _TEXT_SIDE_PX)
-    height_px = rgb.shape[0]
     if skew_deg:
         small, fine = turned(small, skew_deg), turned(fine, skew_deg)
-        height_px = _turned_size(rgb.shape, skew_deg)[1]
-    shrink = min(1.0, _WORKING_SIDE_PX / max(rgb.shape[:2]))
-    return Sheet(small, fine, shrink, height_px, skew_deg)
+    done = replace(done, skew_deg=skew_deg)
+    height_px = straightening_matrix(done, rgb.shape)[1][1]
+    return Sheet(small, fine, shrink, height_px, done)
+
+
+def straightening_matrix(
+    done: Straightening, shape: tuple[int, ...]
+) -> tuple[FloatArray, tuple[int, int]]:
+    """(3, 3) from the continuous pixels of a picture of a shape (H, W) to those of the straightened
+    one, and its width and height.
+    """
+    matrix, size = np.eye(3), (shape[1], shape[0])
+    if done.corners_px:
+        matrix, size = rectifying(np.array(done.corners_px), done.size_px), done.size_px
+    if done.skew_deg:
+        matrix = _turning(size, done.skew_deg) @ matrix
+        size = _turned_size(size[::-1], done.skew_deg)
+    return matrix, size
+
+
+def straightened(rgb: ByteArray, done: Straightening, shape: tuple[int, ...]) -> ByteArray:
+    """A picture as it was read. rgb: the user's, of a shape (H, W), or that scaled down."""
+    matrix, (width, height) = straightening_matrix(done, shape)
+    shrink = rgb.shape[0] / shape[0]
+    to_own, from_own = np.diag([shrink, shrink, 1.0]), np.diag([1 / shrink, 1 / shrink, 1.0])
+    return _warped(rgb, to_own @ matrix @ from_own, (round(width * shrink), round(height * shrink)))
+
+
+def _warped(rgb: ByteArray, matrix: FloatArray, size: tuple[int, int]) -> ByteArray:
+    """matrix: (3, 3) between continuous pixels; the canvas is as paper."""
+    paper = np.median(rgb.reshape(-1, 3)[:: max(1, rgb.size // 300_000)], axis=0).tolist()
+    # cv2 puts pixel centres at whole numbers.
+    half, back = np.eye(3), np.eye(3)
+    half[:2, 2], back[:2, 2] = 0.5, -0.5
+    own = back @ matrix @ half
+    return np.asarray(
+        cv2.warpPerspective(rgb, own, size, flags=cv2.INTER_LINEAR, borderValue=paper), np.uint8
+    )
 
 
 def _scaled(rgb: ByteArray, side_px: int) -> ByteArray:
@@ -77,17 +112,17 @@ def _scaled(rgb: ByteArray, side_px: int) -> ByteArray:
 
 def turned(rgb: ByteArray, skew_deg: float) -> ByteArray:
     """The picture with a clockwise turn taken out, on a canvas that holds all of it."""
-    width, height = _turned_size(rgb.shape, skew_deg)
-    center = rgb.shape[1] / 2, rgb.shape[0] / 2
-    matrix: FloatArray = np.array(cv2.getRotationMatrix2D(center, skew_deg, 1.0), np.float64)
-    matrix[:, 2] += np.array([width - rgb.shape[1], height - rgb.shape[0]]) / 2
-    paper = np.median(rgb.reshape(-1, 3)[:: max(1, rgb.size // 300_000)], axis=0).tolist()
-    return np.asarray(
-        cv2.warpAffine(
-            rgb, matrix, (width, height), flags=cv2.INTER_LINEAR, borderValue=paper
-        ),
-        np.uint8,
-    )  # fmt: skip
+    size = rgb.shape[1], rgb.shape[0]
+    return _warped(rgb, _turning(size, skew_deg), _turned_size(rgb.shape, skew_deg))
+
+
+def _turning(size: tuple[int, int], skew_deg: float) -> FloatArray:
+    """(3, 3) about the middle of a picture (W, H), on the canvas that holds all of it."""
+    width, height = _turned_size(size[::-1], skew_deg)
+    matrix = np.eye(3)
+    matrix[:2] = cv2.getRotationMatrix2D((size[0] / 2, size[1] / 2), skew_deg, 1.0)
+    matrix[:2, 2] += np.array([width - size[0], height - size[1]]) / 2
+    return matrix
 
 
 def _turned_size(shape: tuple[int, ...], skew_deg: float) -> tuple[int, int]:

@@ -38,8 +38,10 @@ _ELONGATED = 4.0
 _THINNEST_WALL = 0.35
 """Inner walls are at least this share of the usual wall's thickness."""
 
-_THINNEST_IN_BLUR = 0.5
-_BLUR_PX = 4
+_THINNEST_IN_BLUR, _BLUR_PX = 0.5, 4
+_THINNEST_IF_SOFT, _SOFT_PX = 0.6, 6
+"""Where walls are but a few pixels thick, blur makes lines half as thick: share of the wall's
+thickness, and pixels."""
 
 _SHORTEST_WALL = 2.5
 """Loose pieces shorter than so many thicknesses are symbols or letters, unless they are piers."""
@@ -58,12 +60,24 @@ _FRAME_MARGIN = 0.08
 """A frame is a bare rectangle near the sheet's edge, round what measures such a share of it; the
 outer face of a hollow wall lies closer to the inner one."""
 
+_TALLEST_TEXT = 0.08
+"""Taller lines of text, as a share of the picture, are walls that look like letters."""
+
+_SOFT = 0.75
+"""In a blurred picture neighbouring pixels at the edges of walls differ by less of the contrast."""
+
+_LINE_SHARE = 0.75
+"""Walls drawn as single lines are all about as bold as the usual one."""
+
+_LONGEST_LETTERS = 2.0
+"""Letters that touch are no longer than so many wall thicknesses; a door's leaf is."""
+
 _LETTER_SHARE = 0.3
 """A piece of which less than this lies outside of lines of text is a letter."""
 
 _SHORTEST_PIER = 0.75
-_PIER_FILL = 0.7
-"""What is left of a wall between two openings fills its bounds, even at a corner."""
+_PIER_FILL = 0.8
+"""What is left of a wall between two openings fills its bounds; a basin does not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,15 +91,30 @@ class Strokes:
     thickness_px: float
     """Of the usual wall."""
 
-    are_lines: bool = False
-    """Walls are drawn as single lines, as in a sketch; wall and thickness are as if they were
-    drawn to scale in a usual dwelling."""
+    letters: BoolArray
+    """What lies in a line of text."""
+    lines: BoolArray | None = None
+    """Walls that are drawn as single lines, as in a sketch, as they are; wall and thickness are as
+    if they were drawn to scale in a usual dwelling."""
+
+    @property
+    def are_lines(self) -> bool:
+        """Whether walls are drawn as single lines."""
+        return self.lines is not None
 
     @property
     def thin(self) -> BoolArray:
-        """Ink that is no wall: door leaves, window panes, furniture, text."""
+        """Ink that is no wall: door leaves, window panes, furniture."""
         near_wall = cv2.dilate(self.wall.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        return self.ink & ~near_wall
+        thin = self.ink & ~near_wall
+        # A door's leaf may run through a name; letters end where the name ends.
+        count, labels, stats, _ = cv2.connectedComponentsWithStats(
+            thin.astype(np.uint8), connectivity=8
+        )
+        within = np.bincount(labels[self.letters], minlength=count)
+        is_letter = within > (1.0 - _LETTER_SHARE) * stats[:, cv2.CC_STAT_AREA]
+        is_letter &= stats[:, 2:4].max(axis=1) < _LONGEST_LETTERS * self.thickness_px
+        return thin & ~np.asarray(is_letter)[labels]
 
 
 def find_strokes(rgb: ByteArray, texts_px: Sequence[FloatArray] = ()) -> Iterator[Strokes]:
@@ -101,8 +130,9 @@ def find_strokes(rgb: ByteArray, texts_px: Sequence[FloatArray] = ()) -> Iterato
     brightness[_frames(ink)] = 1.0
     ink = brightness < _FAINTEST_INK
     letters = _boxes(ink.shape, texts_px)
+    soft = _is_soft(brightness)
     for share in _DARKNESS:
-        yield from _strokes_of(brightness < share, ink, letters)
+        yield from _strokes_of(brightness < share, ink, letters, soft=soft)
     for colored in _flat_colors(rgb):
         yield from _strokes_of(colored, ink, letters)
     for bodies in filled_bodies(ink):
@@ -120,9 +150,12 @@ def _flat_colors(rgb: ByteArray) -> Iterator[BoolArray]:
 
 
 def _boxes(shape: tuple[int, ...], corners_px: Sequence[FloatArray]) -> BoolArray:
-    """(H, W) what lies in one of these boxes."""
+    """(H, W) what lies in one of these boxes, but for the tallest."""
     canvas = np.zeros(shape, np.uint8)
     for corners in corners_px:
+        edges = np.roll(corners, -1, axis=0)[:2] - corners[:2]
+        if np.hypot(edges[:, 0], edges[:, 1]).min() > _TALLEST_TEXT * max(shape):
+            continue
         cv2.fillConvexPoly(canvas, np.rint(corners - 0.5).astype(np.int32), (1.0,))
     return canvas > 0
 
@@ -151,20 +184,49 @@ def _frames(ink: BoolArray) -> BoolArray:
     return frames
 
 
-def _strokes_of(dark: BoolArray, ink: BoolArray, letters: BoolArray) -> Iterator[Strokes]:
+def _strokes_of(
+    dark: BoolArray, ink: BoolArray, letters: BoolArray, *, soft: bool = False
+) -> Iterator[Strokes]:
     """The thick strokes among dark pixels, if there are any."""
     thickness_px = _wall_thickness(dark)
-    if thickness_px is not None:
-        wall = _thick_parts(dark, thickness_px)
-        sides_px = _extent(wall)
-        are_lines = thickness_px < min(_BOLDEST_LINE_PX, _FINEST_LINE * max(sides_px))
-        if are_lines:
-            thickness_px = max(thickness_px, _WALL_SHARE * math.sqrt(sides_px[0] * sides_px[1]))
+    if thickness_px is None:
+        return
+    wall = _thick_parts(dark, thickness_px, soft=soft)
+    sides_px = _extent(wall)
+    lines = None
+    if thickness_px < min(_BOLDEST_LINE_PX, _FINEST_LINE * max(sides_px)):
+        lines = _bold_lines(dark, thickness_px)
+        thickness_px = max(thickness_px, _WALL_SHARE * math.sqrt(sides_px[0] * sides_px[1]))
+        lines = _without_specks(lines, letters, thickness_px / 2)
+        wall = _thickened(lines, thickness_px)
+    else:
         wall = _without_specks(wall, letters, thickness_px)
-        if are_lines:
-            wall = _thickened(wall, thickness_px)
-        if wall.any():
-            yield Strokes(ink, wall, thickness_px, are_lines)
+    if wall.any():
+        yield Strokes(ink, wall, thickness_px, letters, lines)
+
+
+def _bold_lines(dark: BoolArray, thickness_px: float) -> BoolArray:
+    """Lines about this bold, in any direction."""
+    side = max(math.ceil(_LINE_SHARE * thickness_px - 0.25), _LEAST_WALL_PX)
+    shapes = [
+        cv2.getStructuringElement(how, (side, side)) for how in (cv2.MORPH_RECT, cv2.MORPH_CROSS)
+    ]
+    image = dark.astype(np.uint8)
+    return np.any([cv2.morphologyEx(image, cv2.MORPH_OPEN, shape) > 0 for shape in shapes], axis=0)
+
+
+def _is_soft(brightness: FloatArray) -> bool:
+    """Whether the edges of what is dark are blurred, as in a photograph."""
+    grey = brightness.astype(np.float32)
+    steps = cv2.dilate(grey, np.ones((3, 3), np.uint8)) - cv2.erode(grey, np.ones((3, 3), np.uint8))
+    # Lines are thinner than their own blur: the steps at the thickest ink tell.
+    dark = grey < _DARKNESS[0]
+    core = cv2.erode(dark.astype(np.uint8), np.ones((3, 3), np.uint8))
+    rim = dark & (cv2.dilate(core, np.ones((5, 5), np.uint8)) > 0) & (core == 0)
+    if not rim.any() or not core.any():
+        return False
+    contrast = 1.0 - float(np.median(grey[core > 0]))
+    return float(np.median(steps[rim])) < _SOFT * contrast
 
 
 def _on_white(rgb: ByteArray) -> ByteArray:
@@ -210,10 +272,10 @@ def _wall_thickness(ink: BoolArray) -> float | None:
     return float(np.average(near, weights=counts[near] + 1e-9))
 
 
-def _thick_parts(ink: BoolArray, thickness_px: float) -> BoolArray:
+def _thick_parts(ink: BoolArray, thickness_px: float, *, soft: bool) -> BoolArray:
     """Ink at least as thick as an inner wall."""
-    # Where walls are but a few pixels thick, the blur of a photograph makes lines half as thick.
-    blurred = min(round(_THINNEST_IN_BLUR * thickness_px), _BLUR_PX)
+    share, most_px = (_THINNEST_IF_SOFT, _SOFT_PX) if soft else (_THINNEST_IN_BLUR, _BLUR_PX)
+    blurred = min(round(share * thickness_px), most_px)
     side = max(round(_THINNEST_WALL * thickness_px), blurred, _LEAST_WALL_PX)
     square = np.ones((side, side), np.uint8)
     return cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, square) > 0

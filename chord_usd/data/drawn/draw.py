@@ -12,6 +12,7 @@ from shapely.geometry import Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
+from chord_usd.data.drawn.fixtures import SYMBOLS
 from chord_usd.data.drawn.lettering import draw_dimensions, middle_of, write_names
 from chord_usd.data.drawn.paper import soil
 from chord_usd.data.drawn.styles import RGB, Style
@@ -66,6 +67,8 @@ class Drawing:
     frame: PixelFrame
     """Where the upright drawing lies."""
     style: Style
+    to_picture: FloatArray
+    """(3, 3) from the upright drawing's continuous pixels to those of rgb."""
 
 
 def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing:
@@ -74,10 +77,12 @@ def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing
     frame = _frame(truth, style.m_per_px)
     corners = np.concatenate([room.polygon_m for room in truth.rooms])
     width = math.ceil((np.ptp(corners[:, 0]) + 2 * _MARGIN_M) / style.m_per_px)
-    canvas = np.full((frame.height_px, width, 3), 255, np.uint8)
+    canvas = np.full((frame.height_px, width, 3), style.paper_rgb, np.uint8)
     _fill_floors(canvas, plan, frame, style)
     if style.has_furniture:
         _draw_furniture(canvas, truth, frame, style, rng)
+    if style.has_symbols:
+        _draw_symbols(canvas, truth, frame, style, rng)
     _draw_walls(canvas, truth, frame, style)
     for opening in truth.openings:
         _draw_opening(canvas, opening, frame, style)
@@ -88,7 +93,8 @@ def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing
         inset = 6
         far = canvas.shape[1] - inset, canvas.shape[0] - inset
         cv2.rectangle(canvas, (inset, inset), far, style.line_rgb, 2)
-    return Drawing(soil(canvas, style, rng), truth, frame, style)
+    rgb, to_picture = soil(canvas, style, rng)
+    return Drawing(rgb, truth, frame, style, to_picture)
 
 
 def without_seams(plan: Plan) -> Plan:
@@ -165,13 +171,16 @@ def _draw_walls(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) 
     if style.wall == "solid":
         _fill(canvas, walls, frame, style.wall_rgb)
         return
-    _fill(canvas, walls, frame, (255, 255, 255))
-    if style.wall == "hatched":
+    _fill(canvas, walls, frame, style.body_rgb or style.paper_rgb)
+    if style.wall in ("hatched", "crossed"):
         mask = np.zeros((*canvas.shape[:2], 3), np.uint8)
         _fill(mask, walls, frame, (1, 1, 1))
         rows, columns = np.indices(canvas.shape[:2])
         step = max(5, round(0.07 / frame.m_per_px))
-        canvas[(mask[..., 0] > 0) & ((rows + columns) % step < 1)] = style.wall_rgb
+        is_hatch = (rows + columns) % step < 1
+        if style.wall == "crossed":
+            is_hatch |= (rows - columns) % step < 1
+        canvas[(mask[..., 0] > 0) & is_hatch] = style.wall_rgb
     for part in polygons_of(walls):
         for ring in (part.exterior, *part.interiors):
             _line(canvas, np.array(ring.coords), frame, style.wall_rgb, style.line_px)
@@ -213,12 +222,15 @@ def _draw_opening(canvas: ByteArray, opening: Opening, frame: PixelFrame, style:
     rgb, width = style.line_rgb, 1 if style.wall == "line" else style.line_px
     if opening.kind == "window":
         if style.window == "filled":
-            _fill(canvas, Polygon(corners), frame, (200, 215, 235))
+            _fill(canvas, Polygon(corners), frame, style.window_rgb)
         _line(canvas, corners[[0, 1, 2, 3, 0]], frame, rgb, width)
         ends = (corners[0] + corners[1]) / 2, (corners[2] + corners[3]) / 2
         # A window that is no more than a hollow piece of wall could not be told from one.
         if style.window == "panes" or (style.wall == "hollow" and style.window == "double"):
             _line(canvas, np.array(ends), frame, rgb, width)
+    elif opening.kind == "door" and style.door == "filled":
+        _fill(canvas, Polygon(corners), frame, style.door_rgb)
+        _line(canvas, corners[[0, 1, 2, 3, 0]], frame, rgb, width)
     elif opening.kind == "door" and style.door == "gap" and _is_double(opening):
         _draw_sliding(canvas, corners, frame, style)
     elif opening.kind == "door" and style.door != "gap":
@@ -290,6 +302,38 @@ def _draw_furniture(
             else:
                 round_ = piece.centroid.buffer(0.3 * float(size.min()))
                 _line(canvas, np.array(round_.exterior.coords), frame, style.line_rgb, 1)
+
+
+_BACK_M = 0.02
+"""Between a fixture and the wall behind it."""
+
+
+def _draw_symbols(
+    canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style, rng: np.random.Generator
+) -> None:
+    """Fixtures with their backs to walls, clear of doors, sizes and one another."""
+    taken = [_swept(opening) for opening in plan.openings if opening.kind != "window"]
+    for room in plan.rooms:
+        taken.append(Point(middle_of(room)).buffer(2 * style.letters_m))
+        floor = room_polygon(room).buffer(1e-6)
+        edges = list(zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True))
+        for symbol in SYMBOLS.get(room.kind, ()):
+            for index in rng.permutation(len(edges)):
+                start, stop = edges[index]
+                along = (stop - start) / np.hypot(*(stop - start))
+                # Counter-clockwise: the room lies to the left.
+                turn = np.stack([along, [-along[1], along[0]]], axis=1)
+                shift = rng.uniform(0.05, max(0.1, np.hypot(*(stop - start)) - symbol.size_m[0]))
+                place = start + turn @ np.array([shift, _BACK_M])
+                piece = Polygon(
+                    np.array(shapely.box(0, 0, *symbol.size_m).exterior.coords) @ turn.T + place
+                )
+                if not floor.contains(piece) or any(piece.intersects(t) for t in taken):
+                    continue
+                taken.append(piece)
+                for line in symbol.lines(turn, place):
+                    _line(canvas, line, frame, style.line_rgb, 1)
+                break
 
 
 def _swept(opening: Opening) -> Polygon:

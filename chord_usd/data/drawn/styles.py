@@ -13,6 +13,11 @@ FAMILIES = ("agent", "cad", "hatched", "coloured", "line", "scan", "photo")
 """Estate agent's; hollow double lines; hatched walls; filled floors; single lines; a scanned
 print, askew; a photo with shadow and noise."""
 
+HELD_OUT = ("blueprint", "crossed", "grey", "chart", "symbols", "sheet")
+"""What the reader was not made on: white on blue; cross-hatched walls; grey walls between thin
+faces; walls, doors and windows each in a colour; symbols of fixtures in place of names; a photo of
+a sheet on a table, in perspective."""
+
 _DARK: tuple[RGB, ...] = ((0, 0, 0), (30, 30, 30), (60, 60, 70), (20, 40, 80), (80, 20, 20))
 
 
@@ -22,20 +27,27 @@ class Style:
 
     family: str
     m_per_px: float = 0.015
-    wall: Literal["solid", "hollow", "hatched", "line"] = "solid"
+    paper_rgb: RGB = (255, 255, 255)
+    wall: Literal["solid", "hollow", "hatched", "crossed", "line"] = "solid"
     wall_rgb: RGB = (0, 0, 0)
+    body_rgb: RGB | None = None
+    """Between the faces of walls that are not solid; None for paper."""
     wall_m: float = 0.24
     """Drawn thickness; the true one stays 0.24, about the same middle."""
     line_px: int = 1
     line_rgb: RGB = (0, 0, 0)
-    door: Literal["arc", "leaf", "gap"] = "arc"
+    door: Literal["arc", "leaf", "gap", "filled"] = "arc"
+    door_rgb: RGB = (230, 140, 195)
     window: Literal["panes", "double", "filled"] = "panes"
+    window_rgb: RGB = (200, 215, 235)
     floors: Literal["white", "coloured", "tinted"] = "white"
     language: str = "en"
     sizes: Literal["none", "area", "metres", "centimetres", "feet"] = "area"
     has_names: bool = True
     has_dimensions: bool = False
     has_furniture: bool = True
+    has_symbols: bool = False
+    """Fixtures are drawn so that they tell what a room is."""
     has_frame: bool = False
     skew_deg: float = 0.0
     noise: float = 0.0
@@ -45,6 +57,8 @@ class Style:
     """Quality; 0 for none."""
     shadow: float = 0.0
     """How much darker the darkest corner is, [0, 1]."""
+    tilt: float = 0.0
+    """How far the corners of the sheet are displaced in a photo, as a share of its sides."""
     letters_m: float = 0.22
     """Height of letters, as on the ground."""
 
@@ -83,6 +97,22 @@ def _of_family(rng: np.random.Generator, family: str) -> dict[str, Any]:
         "photo": {
             "shadow": float(rng.uniform(0.2, 0.5)), "noise": 5.0, "blur_px": 1.0, "jpeg": 75,
             "skew_deg": float(rng.uniform(-2.0, 2.0)),
+        },
+        "blueprint": {
+            "paper_rgb": (25, 55, 120), "wall_rgb": (240, 245, 250), "line_rgb": (240, 245, 250),
+            "window": str(rng.choice(["panes", "double"])),
+        },
+        "crossed": {"wall": "crossed", "wall_rgb": (grey,) * 3, "line_px": 1},
+        "grey": {"wall": "hollow", "wall_rgb": (40, 40, 40), "body_rgb": (190, 190, 190)},
+        "chart": {
+            "wall": "hollow", "wall_rgb": (60, 60, 60), "body_rgb": (255, 217, 47), "line_px": 1,
+            "door": "filled", "window": "filled", "window_rgb": (166, 216, 84),
+            "floors": "coloured", "has_furniture": False, "line_rgb": (60, 60, 60),
+        },
+        "symbols": {"has_names": False, "has_furniture": False, "has_symbols": True},
+        "sheet": {
+            "tilt": float(rng.uniform(0.03, 0.09)), "shadow": float(rng.uniform(0.1, 0.3)),
+            "noise": 4.0, "blur_px": 0.7, "jpeg": 80,
         },
     }  # fmt: skip
     return changes[family]
