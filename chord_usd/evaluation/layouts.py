@@ -75,8 +75,7 @@ def sampled(
     halved.
     """
     jobs = [
-        (_plan_image(case, sampling), sampling.seed + index)
-        for index, case in enumerate(cases)
+        (_plan_image(case, sampling), sampling.seed + index) for index, case in enumerate(cases)
     ]
 
     def work(part: Sequence[tuple[PlanImage, int]]) -> list[LayoutImage]:
