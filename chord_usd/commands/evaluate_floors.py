@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import Outcome, Parser, Verbs, add_verb, stopwatch, whole_number
@@ -20,13 +19,12 @@ if TYPE_CHECKING:
     from chord_usd.metrics.scores import Score
     from chord_usd.planner import Planned
     from chord_usd.planning.choose import Candidate
-    from chord_usd.types import Plan
 
     Judged = tuple[FloorCase, Candidate]
 
-SHEET_ROWS = 3
-SEEDS = 8
-"""Floors of one wish, on the sheet and for diversity."""
+SHEET_ROWS = 6
+SEEDS = 4
+"""Floors of one wish, of as many seeds, on the sheet and for diversity."""
 
 
 def add(group: Verbs) -> None:
@@ -59,9 +57,8 @@ def run_text(options: argparse.Namespace) -> Outcome:
     encoder = default_encoder()
     settings = Settings(seed=options.seed, steps=options.steps)
 
-    def planned(case: FloorCase, seed: int) -> Planned:
-        own = replace(settings, seed=options.seed + seed)
-        return carry_out(commission_of_text(case.text, encoder), model, own)
+    def planned(case: FloorCase) -> Planned:
+        return carry_out(commission_of_text(case.text, encoder), model, settings)
 
     return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
 
@@ -75,16 +72,15 @@ def run_outlines(options: argparse.Namespace) -> Outcome:
     model = load_layout_model(options, OUTLINE_CHECKPOINT)
     settings = Settings(seed=options.seed, steps=options.steps)
 
-    def planned(case: FloorCase, seed: int) -> Planned:
-        own = replace(settings, seed=options.seed + seed)
-        return carry_out(commission_in_shell(case.shell), model, own)
+    def planned(case: FloorCase) -> Planned:
+        return carry_out(commission_in_shell(case.shell), model, settings)
 
     return _run(options, planned, floors.shell_scores, "Floors in open plans", aligned=False)
 
 
 def _run(
     options: argparse.Namespace,
-    planned: Callable[[FloorCase, int], Planned],
+    planned: Callable[[FloorCase], Planned],
     scores_of: Callable[[list[Judged]], dict[str, Score]],
     title: str,
     aligned: bool,
@@ -93,7 +89,7 @@ def _run(
     from chord_usd.evaluation.report import picture_png
 
     def planner(case: FloorCase) -> tuple[tuple[Candidate, ...], Candidate]:
-        found = planned(case, 0)
+        found = planned(case)
         return found.tried, found.chosen
 
     watch = stopwatch(options)
@@ -104,10 +100,7 @@ def _run(
         "chosen": scores_of([(result.case, result.chosen) for result in results]),
         "first alone": scores_of([(result.case, result.tried[0]) for result in results]),
     }
-    with watch.step("diversity"):
-        rows: list[list[Plan]] = [
-            [planned(case, 1 + seed).plan for seed in range(SEEDS)] for case in cases[:SHEET_ROWS]
-        ]
+    rows = [[floor.plan for floor in result.tried[:SEEDS]] for result in results[:SHEET_ROWS]]
     different = [floors.diversity(row) for row in rows]
     notes = [
         f"split {floors.split_of(cases)}, {len(cases)} cases; {floors.tried_text(results)}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -32,7 +33,7 @@ def test_every_option_of_the_readme_exists() -> None:
     lines = re.findall(r"^chord-usd .+$", text, re.MULTILINE)
     assert len(lines) > 5
     for line in lines:
-        build_parser().parse_args(line.split()[1:])
+        build_parser().parse_args(shlex.split(line)[1:])
 
 
 def test_the_parser_imports_nothing_heavy() -> None:
