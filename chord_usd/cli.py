@@ -50,19 +50,30 @@ DONE, NOT_HELD, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
 TERMINATED = 143
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C.
+
+    CPython 3.11 dies of SIGINT in place of returning our exit code when a KeyboardInterrupt, of
+    that very type, once left an `exec` of source text: the way every dataclass is made.
+    """
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; returns the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in words
-    # Ends by way of the exception handlers, so that a killed job leaves no half-written output.
+    # Both end by way of the exception handlers, so that a stopped job leaves no half-written
+    # output. Who started us with Ctrl-C ignored keeps it ignored.
     signal.signal(signal.SIGTERM, _terminate)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
     try:
         options = build_parser().parse_args(words)
         outcome = _run(options)
         _tell(outcome, as_json=options.json)
         return DONE if outcome.holds else NOT_HELD
     except KeyboardInterrupt as error:
-        sys.stderr.write(f"error: interrupted, {error or 'nothing was written'}\n")
+        sys.stderr.write(f"error: interrupted, {str(error) or 'nothing was written'}\n")
         return INTERRUPTED
     except BrokenPipeError:
         # Whoever read stdout has seen enough; keep the interpreter from flushing into the pipe.
@@ -125,6 +136,10 @@ def _sentence(error: Exception) -> str:
 
 def _terminate(signum: int, frame: object) -> NoReturn:
     raise SystemExit(TERMINATED)
+
+
+def _interrupt(signum: int, frame: object) -> NoReturn:
+    raise Interrupted
 
 
 if __name__ == "__main__":

@@ -34,16 +34,27 @@ COARSE_FROM_M2 = 130.0
 MARGIN_PX = 5
 """Free border of a label map."""
 
+_ROOM_PX = CANVAS_PX - 2 * MARGIN_PX
+
+LARGEST_M = _ROOM_PX * SCALES_M[-1]
+"""Extent of the largest house that can be drawn."""
+
 
 def label_of(kind: str) -> int:
     """The label of a kind of room, of "wall", "door", "window" or "passage"."""
     return LABEL_NAMES.index(kind)
 
 
-def fitting_scale(extent_m: float) -> float | None:
-    """The finest of SCALES_M at which a house of this extent, walls included, fits; None: none."""
-    room_px = CANVAS_PX - 2 * MARGIN_PX
-    return next((scale for scale in SCALES_M if extent_m <= room_px * scale), None)
+def extent_m(plan: Plan) -> float:
+    """The longer side of a house, walls included."""
+    points = np.concatenate([room.polygon_m for room in plan.rooms])
+    return float(np.ptp(points, axis=0).max()) + 2 * WALL_THICKNESS_M
+
+
+def fitting_scale(plan: Plan) -> float | None:
+    """The finest of SCALES_M at which a house fits; None where none does."""
+    needed_m = extent_m(plan)
+    return next((scale for scale in SCALES_M if needed_m <= _ROOM_PX * scale), None)
 
 
 def scale_for_area(area_m2: float) -> float:
@@ -53,15 +64,13 @@ def scale_for_area(area_m2: float) -> float:
 
 def sheet_frame(m_per_px: float) -> PixelFrame:
     """The frame of a label map whose middle is the origin."""
-    return PixelFrame(m_per_px, (-m_per_px * CANVAS_PX / 2,) * 2, CANVAS_PX)
+    return raster.centred(np.zeros(2), m_per_px, CANVAS_PX)
 
 
 def label_frame(plan: Plan, m_per_px: float) -> PixelFrame:
     """The frame in which a plan lies in the middle of its label map, on whole pixels."""
     points = np.concatenate([room.polygon_m for room in plan.rooms])
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    origin = middle - m_per_px * CANVAS_PX / 2
-    return PixelFrame(m_per_px, (float(origin[0]), float(origin[1])), CANVAS_PX)
+    return raster.centred((points.min(axis=0) + points.max(axis=0)) / 2, m_per_px, CANVAS_PX)
 
 
 def label_plan(plan: Plan, frame: PixelFrame) -> ByteArray:

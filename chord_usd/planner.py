@@ -6,6 +6,7 @@ floors are planned at once and the best of them is taken (planning.choose).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -88,10 +89,8 @@ def load_planner(name: str, settings: Settings) -> LayoutModel:
 def plan_from_text(text: str, settings: Settings, progress: Progress | None = None) -> Planned:
     """A floor plan that a text asks for. Raises ChordError for a text that asks for none."""
     from chord_usd.planning.encoder import default_encoder
-    from chord_usd.planning.wording import read_wish
 
-    read_wish(text)  # before seconds are spent on loading a language model
-    commission = commission_of_text(text, default_encoder())
+    commission = commission_of_text(text, default_encoder)
     return carry_out(commission, load_planner(TEXT_CHECKPOINT, settings), settings, progress)
 
 
@@ -109,8 +108,11 @@ def plan_from_outline(
     return carry_out(commission, load_planner(OUTLINE_CHECKPOINT, settings), settings, progress)
 
 
-def commission_of_text(text: str, encoder: TextEncoder) -> Commission:
-    """What a text asks for. Raises ChordError for a text that asks for nothing that can be had."""
+def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Commission:
+    """What a text asks for. Raises ChordError for a text that asks for nothing that can be had.
+
+    The encoder is loaded, which takes seconds, once the text is known to be usable.
+    """
     from chord_usd import plan_labels
     from chord_usd.planning.sheet import blank_sheet
     from chord_usd.planning.wording import read_wish
@@ -119,7 +121,7 @@ def commission_of_text(text: str, encoder: TextEncoder) -> Commission:
     found = read_wish(text)
     wish = found.wish
     said = text if found.english else wish.sentence
-    words = condition_words(wish, encoder.encode([said])[0])
+    words = condition_words(wish, load_encoder().encode([said])[0])
     scale = plan_labels.SCALES_M[wish.rooms > MANY_ROOMS]
     if wish.area_m2 is not None:
         scale = plan_labels.scale_for_area(wish.area_m2)

@@ -83,7 +83,7 @@ def fit_frame(plan: Plan, size_px: int = CANVAS_PX, margin_px: int = 6) -> Pixel
     """
     low, high = _extent_m(plan)
     m_per_px = float((high - low).max()) / (size_px - 2 * margin_px)
-    return _centred((low + high) / 2, m_per_px, size_px)
+    return centred((low + high) / 2, m_per_px, size_px)
 
 
 def house_frame(plan: Plan, margin_px: int = 6) -> PixelFrame:
@@ -113,7 +113,7 @@ def frame_at(plan: Plan, m_per_px: float, margin_px: int = 6) -> PixelFrame:
             expected=f"at most {LARGEST_CANVAS_PX * m_per_px:.0f} m",
             try_="--scale M_PER_PX, if that is not what it is",
         )
-    return _centred((low + high) / 2, m_per_px, size_px)
+    return centred((low + high) / 2, m_per_px, size_px)
 
 
 def _extent_m(plan: Plan) -> tuple[FloatArray, FloatArray]:
@@ -124,7 +124,8 @@ def _extent_m(plan: Plan) -> tuple[FloatArray, FloatArray]:
     return points_m.min(axis=0), points_m.max(axis=0)
 
 
-def _centred(middle_m: FloatArray, m_per_px: float, size_px: int) -> PixelFrame:
+def centred(middle_m: FloatArray, m_per_px: float, size_px: int) -> PixelFrame:
+    """The frame of a square canvas whose middle lies at middle_m (2,)."""
     origin = middle_m - m_per_px * size_px / 2
     return PixelFrame(m_per_px, (float(origin[0]), float(origin[1])), size_px)
 

@@ -8,6 +8,7 @@ centre of pixel (row 0, column 0) at (0.5, 0.5).
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,14 @@ def wrap_deg(angle_deg: float) -> float:
     if wrapped > 180.0:
         return wrapped - 360.0
     return wrapped + 360.0 if wrapped <= -180.0 else wrapped
+
+
+Angle = TypeVar("Angle", float, FloatArray)
+
+
+def fold_deg(angle_deg: Angle) -> Angle:
+    """The same pair of perpendicular directions, in [-45, 45)."""
+    return (angle_deg + 45.0) % 90.0 - 45.0
 
 
 def rotation_2d(yaw_deg: float) -> FloatArray:

@@ -15,6 +15,7 @@ from chord_usd.commands.common import (
     add_device,
     add_output,
     add_seed,
+    add_steps,
     add_verb,
     positive,
     stopwatch,
@@ -57,9 +58,7 @@ def _add_houses(parser: Parser) -> None:
         "--synth", type=whole_number(1), default=0, metavar="N",
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
-    group.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(group)
     group.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
     )

@@ -89,6 +89,13 @@ def add_seed(parser: Options) -> None:
     )
 
 
+def add_steps(parser: Options) -> None:
+    """The option --steps."""
+    parser.add_argument(
+        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
+    )
+
+
 def add_device(parser: Options) -> None:
     """The option --device."""
     parser.add_argument(

@@ -12,6 +12,7 @@ from chord_usd.commands.common import (
     UsageError,
     Verbs,
     add_device,
+    add_steps,
     add_verb,
     existing_file,
     stopwatch,
@@ -53,9 +54,7 @@ def add(group: Verbs) -> None:
         metavar="PNG",
         help="layout rasters of yours; their colours are taken for the truth",
     )
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     parser.add_argument(
         "--items", type=Path, metavar="DIR", help="instead of the shipped detector_items"
     )

@@ -6,7 +6,15 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from chord_usd.commands.common import Outcome, Parser, Verbs, add_verb, stopwatch, whole_number
+from chord_usd.commands.common import (
+    Outcome,
+    Parser,
+    Verbs,
+    add_steps,
+    add_verb,
+    stopwatch,
+    whole_number,
+)
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
     add_report,
@@ -40,9 +48,7 @@ def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
         "--n", dest="cases", type=whole_number(1), default=500, metavar="N", help=f"{what} (500)"
     )
     add_checkpoint(parser, checkpoint)
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     add_report(parser)
 
 
@@ -58,7 +64,7 @@ def run_text(options: argparse.Namespace) -> Outcome:
     settings = Settings(seed=options.seed, steps=options.steps)
 
     def planned(case: FloorCase) -> Planned:
-        return carry_out(commission_of_text(case.text, encoder), model, settings)
+        return carry_out(commission_of_text(case.text, lambda: encoder), model, settings)
 
     return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
 
@@ -94,6 +100,7 @@ def _run(
 
     watch = stopwatch(options)
     cases = floors.held_out_cases(options.cases, aligned)
+    split = floors.split_of(cases)
     with watch.step("plan") as progress:
         results = floors.plan_all(cases, planner, progress)
     columns = {
@@ -103,12 +110,12 @@ def _run(
     rows = [[floor.plan for floor in result.tried[:SEEDS]] for result in results[:SHEET_ROWS]]
     different = [floors.diversity(row) for row in rows]
     notes = [
-        f"split {floors.split_of(cases)}, {len(cases)} cases; {floors.tried_text(results)}",
+        f"split {split}, {len(cases)} cases; {floors.tried_text(results)}",
         f"diversity over {SEEDS} seeds of {len(rows)} wishes: "
         + ", ".join(f"{value:.2f}" for value in different),
     ]
     data = {
-        "split": floors.split_of(cases),
+        "split": split,
         "n": len(cases),
         "scores": floors.as_data(columns),
         "diversity": different,

@@ -14,6 +14,7 @@ from chord_usd.commands.common import (
     UsageError,
     add_device,
     add_seed,
+    add_steps,
     existing_file,
     whole_number,
 )
@@ -54,9 +55,7 @@ def add_checkpoint(parser: Parser, name: str = "plan2layout") -> None:
 
 def add_sampling(parser: Parser) -> None:
     """Options that say how the model is sampled."""
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     parser.add_argument("--sampler", choices=SAMPLERS, default="ddim", help="(ddim)")
 
 

@@ -14,10 +14,10 @@ from chord_usd.commands.common import (
     add_output,
     add_part,
     add_seed,
+    add_steps,
     add_verb,
     positive,
     stopwatch,
-    whole_number,
 )
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
 from chord_usd.files import deliver
@@ -36,9 +36,7 @@ def add(verbs: Verbs) -> None:
     add_sources(parser)
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     parser.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )

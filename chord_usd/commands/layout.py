@@ -12,11 +12,11 @@ from chord_usd.commands.common import (
     add_device,
     add_output,
     add_seed,
+    add_steps,
     add_verb,
     existing_file,
     positive,
     stopwatch,
-    whole_number,
 )
 from chord_usd.files import deliver
 
@@ -29,9 +29,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
     add_output(parser, "the layout raster, layout.png")
     add_seed(parser)
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     parser.add_argument(
         "--sampler", choices=SAMPLERS, default="ddim",
         help="ddim, dpm (DPM-Solver++) or ddpm, the paper's, for --steps 1000 (ddim)",

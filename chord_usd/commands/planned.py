@@ -17,11 +17,11 @@ from chord_usd.commands.common import (
     add_device,
     add_output,
     add_seed,
+    add_steps,
     add_verb,
     existing_file,
     positive,
     stopwatch,
-    whole_number,
 )
 from chord_usd.files import deliver
 
@@ -36,6 +36,7 @@ def add(group: Verbs) -> None:
     text = add_verb(group, "from-text", run_from_text, "plan the floor that a text asks for")
     text.add_argument("text", metavar="TEXT", help='such as "a two-bed flat of about 70 m²"')
     _add_options(text)
+    text.set_defaults(scale=None)
     outline = add_verb(
         group, "from-outline", run_from_outline, "divide an open plan, outer walls only, into rooms"
     )
@@ -53,9 +54,7 @@ def add(group: Verbs) -> None:
 def _add_options(parser: Parser) -> None:
     add_output(parser, "the plan: plan.png, the raster, or plan.json, the vectors (CHOrD JSON)")
     add_seed(parser)
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     add_device(parser)
 
 
@@ -95,7 +94,7 @@ def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
         seed=options.seed,
         steps=options.steps,
         device=options.device,
-        m_per_px=getattr(options, "scale", None),
+        m_per_px=options.scale,
     )
     watch = stopwatch(options)
     with deliver() as delivery:

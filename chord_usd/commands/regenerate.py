@@ -10,6 +10,7 @@ from chord_usd.commands.common import (
     Verbs,
     add_assets,
     add_device,
+    add_steps,
     add_verb,
     existing_file,
     stopwatch,
@@ -41,9 +42,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--seed", type=whole_number(0), metavar="N", help="(one more than the room's last)"
     )
-    parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+    add_steps(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )

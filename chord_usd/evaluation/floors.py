@@ -9,6 +9,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from chord_usd import plan_labels
@@ -16,14 +17,15 @@ from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, split_hash
 from chord_usd.data.statistics import total_variation
-from chord_usd.evaluation.report import enlarged, framed, markdown_table, score_text
+from chord_usd.evaluation.report import framed, markdown_table, score_text
 from chord_usd.geometry import is_axis_aligned, room_polygon, wall_area
 from chord_usd.metrics.scores import Score, mean_of, share_of
+from chord_usd.palette import BACKGROUND_RGB
 from chord_usd.planning.choose import Candidate
 from chord_usd.planning.outline import open_shell
 from chord_usd.progress import Progress
 from chord_usd.raster import draw_plan
-from chord_usd.types import ByteArray, Plan, RoomKind
+from chord_usd.types import CANVAS_PX, ByteArray, Plan, Room, RoomKind
 from chord_usd.wish import WISHED_KINDS, Wish
 
 DARK_KINDS: tuple[RoomKind, ...] = ("corridor", "store", "bathroom")
@@ -68,9 +70,7 @@ def held_out_cases(count: int, aligned: bool) -> list[FloorCase]:
     while len(cases) < count:
         rng = np.random.default_rng(seed)
         plan = random_plan(rng)
-        points = np.concatenate([room.polygon_m for room in plan.rooms])
-        extent_m = float(np.ptp(points, axis=0).max()) + 2 * plan_labels.WALL_THICKNESS_M
-        if plan_labels.fitting_scale(extent_m) and (is_axis_aligned(plan) or not aligned):
+        if plan_labels.fitting_scale(plan) and (is_axis_aligned(plan) or not aligned):
             said = describe(plan, rng)
             cases.append(FloorCase(f"house{seed}", said.text, said.wish, plan))
         seed += 1
@@ -128,8 +128,8 @@ def sound_scores(floors: Sequence[Candidate]) -> dict[str, Score]:
 def shell_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Score]:
     """How well open plans were divided."""
     pairs = list(pairs)
-    lit = [room_id for case, found in pairs for room_id in _lit(case, found.plan)]
-    kept = [_kept(case, found.plan) for case, found in pairs]
+    lit = [kind for _, found in pairs for kind in _lit(found.plan)]
+    kept = [_kept(case.shell, found.plan) for case, found in pairs]
     counts = Counter(len(found.plan.rooms) for _, found in pairs)
     true_counts = Counter(len(case.plan.rooms) for case, _ in pairs)
     return {
@@ -143,8 +143,8 @@ def shell_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Scor
     }
 
 
-def _lit(case: FloorCase, plan: Plan) -> list[RoomKind]:
-    """Kinds of the rooms behind the shell's windows; "unknown" for a wall."""
+def _lit(plan: Plan) -> list[RoomKind]:
+    """Kinds of the rooms behind the windows of outer walls; "unknown" for a wall."""
     return [
         plan.room(opening.room_ids[0]).kind if opening.room_ids else "unknown"
         for opening in plan.openings
@@ -152,17 +152,17 @@ def _lit(case: FloorCase, plan: Plan) -> list[RoomKind]:
     ]
 
 
-def _kept(case: FloorCase, plan: Plan) -> tuple[float, float]:
+def _kept(shell: Plan, plan: Plan) -> tuple[float, float]:
     """IoU of the house with its walls, and the share of the shell's openings that are there."""
-    before, after = (_whole(rooms) for rooms in (case.shell.rooms, plan.rooms))
+    before, after = (_whole(rooms) for rooms in (shell.rooms, plan.rooms))
     iou = before.intersection(after).area / before.union(after).area if plan.rooms else 0.0
     boxes = {opening.box for opening in plan.openings}
-    openings = case.shell.openings
-    kept = sum(opening.box in boxes for opening in openings)
-    return float(iou), kept / len(openings) if openings else 1.0
+    kept = sum(opening.box in boxes for opening in shell.openings)
+    return float(iou), kept / len(shell.openings) if shell.openings else 1.0
 
 
-def _whole(rooms: Sequence[Any]) -> Any:
+def _whole(rooms: Sequence[Room]) -> BaseGeometry:
+    """Floors and walls, the seams between them closed."""
     floors = [room_polygon(room) for room in rooms]
     return wall_area(rooms).union(unary_union(floors)).buffer(0.01).buffer(-0.01)
 
@@ -208,16 +208,12 @@ def as_data(columns: dict[str, dict[str, Score]]) -> dict[str, Any]:
 
 def sheet(rows: Sequence[Sequence[Plan]]) -> ByteArray:
     """A picture of plans, a row for each wish."""
-    blank = np.full((plan_labels.CANVAS_PX,) * 2 + (3,), 255, np.uint8)
-    drawn = [
-        [framed(draw_plan(plan).rgb) if plan.rooms else framed(enlarged(blank, 1)) for plan in row]
-        for row in rows
-    ]
-    side = max(picture.shape[0] for row in drawn for picture in row)
-    padded = [[_square(picture, side) for picture in row] for row in drawn]
-    return np.concatenate([np.concatenate(row, axis=1) for row in padded])
-
-
-def _square(picture: ByteArray, side: int) -> ByteArray:
-    missing = side - np.array(picture.shape[:2])
-    return np.pad(picture, ((0, missing[0]), (0, missing[1]), (0, 0)), constant_values=255)
+    blank = np.full((CANVAS_PX, CANVAS_PX, 3), BACKGROUND_RGB, np.uint8)
+    return np.concatenate(
+        [
+            np.concatenate(
+                [framed(draw_plan(plan).rgb if plan.rooms else blank) for plan in row], axis=1
+            )
+            for row in rows
+        ]
+    )

@@ -15,7 +15,7 @@ import numpy as np
 
 from chord_usd.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH
 from chord_usd.types import BoolArray, FloatArray
-from chord_usd.units import rotation_2d
+from chord_usd.units import fold_deg, rotation_2d
 
 FRONT_EDGES = ("v0", "u1", "v1", "u0")
 """Edge that is the front after 0, 1, 2, 3 counter-clockwise quarter turns."""
@@ -192,11 +192,6 @@ def fit_free(evidence: Evidence) -> Rectangle:
         costs = [evidence.cost(fit_at_angle(evidence, float(a), rounds=2)) for a in angles]
         angle = float(angles[np.flatnonzero(np.array(costs) <= min(costs) + 1e-9)].mean())
     return fit_at_angle(evidence, fold_deg(angle))
-
-
-def fold_deg(angle_deg: float) -> float:
-    """The same pair of perpendicular directions, in [-45, 45)."""
-    return (angle_deg + 45.0) % 90.0 - 45.0
 
 
 def covered_share(inner: Rectangle, outer: Rectangle) -> float:

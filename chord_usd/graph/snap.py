@@ -22,14 +22,11 @@ from chord_usd.graph.detect import LEAST_SIDE_PX
 from chord_usd.graph.directions import Directions, raster_directions
 from chord_usd.graph.facing import facing
 from chord_usd.graph.joining import Piece
-from chord_usd.graph.rectangles import (
-    Rectangle,
-    covered_share,
-    fold_deg,
-)
+from chord_usd.graph.rectangles import Rectangle, covered_share
 from chord_usd.graph.regions import MARGIN_PX, Patch, UsualSize, cut_patch, explain, uncovered
 from chord_usd.palette import HOUSE_CATEGORIES, Category
 from chord_usd.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
+from chord_usd.units import fold_deg
 
 LEAST_SHARE = 0.35
 """Patches smaller than this share of the smallest usual piece of their category are specks..."""

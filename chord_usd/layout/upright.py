@@ -21,14 +21,13 @@ from chord_usd.progress import Progress
 from chord_usd.types import (
     BoolArray,
     ByteArray,
-    FloatArray,
     LayoutImage,
     Plan,
     PlanImage,
     Room,
     frozen_array,
 )
-from chord_usd.units import m_from_px, px_from_m
+from chord_usd.units import fold_deg, m_from_px, px_from_m
 
 SAME_DEG = 2.0
 """Walls that differ by less run in one direction."""
@@ -117,7 +116,7 @@ def rooms_by_direction(rooms: Sequence[Room]) -> dict[float, list[Room]]:
     groups: dict[float, list[Room]] = {}
     for room in rooms:
         yaw_deg = direction_of(room)
-        near = (one for one in groups if abs((one - yaw_deg + 45.0) % 90.0 - 45.0) < SAME_DEG)
+        near = (one for one in groups if abs(fold_deg(one - yaw_deg)) < SAME_DEG)
         groups.setdefault(next(near, yaw_deg), []).append(room)
     return groups
 
@@ -130,17 +129,12 @@ def direction_of(room: Room) -> float:
     """
     sides = np.roll(room.polygon_m, -1, axis=0) - room.polygon_m
     lengths = np.hypot(*sides.T)
-    angles = _folded(np.degrees(np.arctan2(sides[:, 1], sides[:, 0])))
-    near = np.abs(_folded(angles[:, None] - angles[None])) < SAME_DEG
+    angles = fold_deg(np.degrees(np.arctan2(sides[:, 1], sides[:, 0])))
+    near = np.abs(fold_deg(angles[:, None] - angles[None])) < SAME_DEG
     totals = near @ lengths
     best = totals >= (1.0 - 1e-6) * totals.max()
     index = int(np.where(best, np.abs(angles), np.inf).argmin())
     if totals[index] < LEAST_SHARE * lengths.sum() or abs(angles[index]) < SAME_DEG:
         return 0.0
-    mean = np.average(_folded(angles[near[index]] - angles[index]), weights=lengths[near[index]])
+    mean = np.average(fold_deg(angles[near[index]] - angles[index]), weights=lengths[near[index]])
     return round(float(angles[index] + mean), 6)
-
-
-def _folded(angles_deg: FloatArray) -> FloatArray:
-    """Directions modulo quarter turns, in [-45, 45)."""
-    return (angles_deg + 45.0) % 90.0 - 45.0

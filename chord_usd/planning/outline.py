@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd import plan_labels
@@ -30,8 +31,7 @@ def shell_of(plan: Plan, where: str) -> Plan:
         )
     room = plan.rooms[0]
     area_m2 = room_polygon(room).area
-    extent_m = float(np.ptp(room.polygon_m, axis=0).max()) + 2 * WALL_THICKNESS_M
-    most_m = (plan_labels.CANVAS_PX - 2 * plan_labels.MARGIN_PX) * plan_labels.SCALES_M[-1]
+    extent_m, most_m = plan_labels.extent_m(plan), plan_labels.LARGEST_M
     if area_m2 < LEAST_AREA_M2 or extent_m > most_m:
         raise PlanError(
             f"encloses {area_m2:.1f} m², {extent_m:.1f} m across",
@@ -48,8 +48,7 @@ def shell_of(plan: Plan, where: str) -> Plan:
 
 def shell_labels(shell: Plan) -> tuple[ByteArray, PixelFrame]:
     """(H, W) labels of a shell (plan_labels.open_plan), and where they lie."""
-    extent_m = float(np.ptp(shell.rooms[0].polygon_m, axis=0).max()) + 2 * WALL_THICKNESS_M
-    scale = plan_labels.fitting_scale(extent_m) or plan_labels.SCALES_M[-1]
+    scale = plan_labels.fitting_scale(shell) or plan_labels.SCALES_M[-1]
     frame = plan_labels.label_frame(shell, scale)
     return plan_labels.open_plan(plan_labels.label_plan(shell, frame), scale), frame
 
@@ -59,7 +58,7 @@ def open_shell(plan: Plan) -> Plan:
     floors = unary_union([room_polygon(room) for room in plan.rooms])
     closed = floors.buffer(WALL_THICKNESS_M, join_style="mitre")
     whole = closed.buffer(-WALL_THICKNESS_M, join_style="mitre")
-    floor = max(polygons_of(whole), key=lambda part: part.area)
+    floor = orient(max(polygons_of(whole), key=lambda part: part.area))
     room = replace(
         plan.rooms[0],
         id="room1",

@@ -34,6 +34,8 @@ class FloorStreamConfig(SeededConfig):
     """Chance that the words of a text are seen, beside the programme that they stand for."""
     wish_chance: float = 0.5
     """Chance that a programme is given with an open plan."""
+    silent_chance: float = 0.1
+    """Chance that a sheet comes without a word: what classifier-free guidance leads away from."""
 
 
 class FloorStream(BatchStream):
@@ -97,9 +99,7 @@ class FloorStream(BatchStream):
         return Drawn(sheet, labels, np.zeros(labels.shape, bool), self._words(plan, rng))
 
     def _scale(self, plan: Plan) -> float | None:
-        points = np.concatenate([room.polygon_m for room in plan.rooms])
-        extent_m = float(np.ptp(points, axis=0).max()) + 2 * plan_labels.WALL_THICKNESS_M
-        finest = plan_labels.fitting_scale(extent_m)
+        finest = plan_labels.fitting_scale(plan)
         if self.config.condition == "outline" or finest is None:
             return finest
         scale = plan_labels.scale_for_area(floor_area_m2(plan))
@@ -111,6 +111,8 @@ class FloorStream(BatchStream):
             # Its walls say how large it is.
             wish = replace(said.wish, area_m2=None)
             return condition_words(wish if rng.random() < self.config.wish_chance else Wish())
+        if rng.random() < self.config.silent_chance:
+            return condition_words(Wish())
         if rng.random() >= self.config.text_chance:
             return condition_words(said.wish)
         self._encoder = self._encoder or default_encoder()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import cv2
@@ -284,9 +285,7 @@ def _draw_furniture(
     canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style, rng: np.random.Generator
 ) -> None:
     """Outlines of pieces in the corners of rooms, clear of doors, names and one another."""
-    taken = [_swept(opening) for opening in plan.openings if opening.kind != "window"]
-    for room in plan.rooms:
-        taken.append(Point(middle_of(room)).buffer(2 * style.letters_m))
+    for room, taken in _rooms_and_taken(plan, style):
         low, high = room.polygon_m.min(axis=0), room.polygon_m.max(axis=0)
         for index, (length, width) in enumerate(_SYMBOLS[room.kind]):
             size = np.array([length, width] if rng.random() < 0.5 else [width, length])
@@ -312,9 +311,7 @@ def _draw_symbols(
     canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style, rng: np.random.Generator
 ) -> None:
     """Fixtures with their backs to walls, clear of doors, sizes and one another."""
-    taken = [_swept(opening) for opening in plan.openings if opening.kind != "window"]
-    for room in plan.rooms:
-        taken.append(Point(middle_of(room)).buffer(2 * style.letters_m))
+    for room, taken in _rooms_and_taken(plan, style):
         floor = room_polygon(room).buffer(1e-6)
         edges = list(zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True))
         for symbol in SYMBOLS.get(room.kind, ()):
@@ -334,6 +331,14 @@ def _draw_symbols(
                 for line in symbol.lines(turn, place):
                     _line(canvas, line, frame, style.line_rgb, 1)
                 break
+
+
+def _rooms_and_taken(plan: Plan, style: Style) -> Iterator[tuple[Room, list[Polygon]]]:
+    """Each room, and where nothing may stand: before doors, on names, and what is added to it."""
+    taken = [_swept(opening) for opening in plan.openings if opening.kind != "window"]
+    for room in plan.rooms:
+        taken.append(Point(middle_of(room)).buffer(2 * style.letters_m))
+        yield room, taken
 
 
 def _swept(opening: Opening) -> Polygon:
