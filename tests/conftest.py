@@ -76,7 +76,8 @@ def run_in_blender(
         folder = tmp_path_factory.mktemp("blender user")
         command = [sys.executable, path, folder, extension, sys.executable, *arguments]
         done = subprocess.run(
-            command, capture_output=True, text=True, timeout=2 * TIMEOUT_S, check=False
+            # What a script removes by a relative path must not be in the checkout.
+            command, cwd=folder, capture_output=True, text=True, timeout=2 * TIMEOUT_S, check=False
         )
         lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
         assert lines, done.stdout[-2000:] + done.stderr[-2000:]

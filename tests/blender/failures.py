@@ -64,7 +64,10 @@ claims.release()
 plan.rename(plan.with_name("away.png"))
 told["plan_gone"] = s.press("generate")
 plan.with_name("away.png").rename(plan)
-shutil.rmtree(Path(own.house).parent)
+made = Path(own.house).parent
+unsaved = s.part("jobs").unsaved_folder()
+assert own.house and made.is_relative_to(unsaved) and made != unsaved, own.house
+shutil.rmtree(made)
 told["house_gone"] = s.press("check_house")
 own.assets = str(s.folder / "no meshes")
 told["assets_gone"] = s.press("generate")
