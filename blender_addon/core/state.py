@@ -19,6 +19,7 @@ STEP_NAMES = {
     "layout": "Drawing the layout",
     "graph": "Finding the furniture",
     "stage": "Building the house",
+    "redraw": "Drawing some rooms again",
     "outliers": "Judging the layout",
     "tabletop": "Laying the tables",
     "read": "Reading the house",
