@@ -121,7 +121,7 @@ def _blender_rows(house: Path) -> Iterator[tuple[str, str]]:
         [sys.executable, str(script), str(house)], check=True, capture_output=True, text=True
     )
     told = json.loads(run.stdout.split("RESULT")[1])
-    bounds, count = _mesh_bounds(house)
+    bounds, count = mesh_bounds(house)
     off_mm = 1000.0 * np.abs(np.array([told["low_m"], told["high_m"]]) - bounds).max()
     yield (
         "Blender imports it in",
@@ -134,7 +134,7 @@ def _blender_rows(house: Path) -> Iterator[tuple[str, str]]:
     )
 
 
-def _mesh_bounds(house: Path) -> tuple[np.ndarray, int]:
+def mesh_bounds(house: Path) -> tuple[np.ndarray, int]:
     """(2, 3) bounds of all meshes as UsdGeom has them, without hints, and their number."""
     stage = Usd.Stage.Open(str(house))
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default", "render"])
@@ -160,7 +160,7 @@ def _package_rows(graph: SceneGraph, house: Path, seed: int) -> Iterator[tuple[s
 
 def _loaded(target: Path, house: Path) -> str:
     """What a reader finds in a package."""
-    bounds, count = _mesh_bounds(house)
+    bounds, count = mesh_bounds(house)
     if target.suffix == ".glb":
         scene = trimesh.load(target)
         low, high = scene.bounds
@@ -168,7 +168,7 @@ def _loaded(target: Path, house: Path) -> str:
         # glTF has y up: x, z, -y
         theirs = np.array([[low[0], -high[2], low[1]], [high[0], -low[2], high[1]]])
     else:
-        theirs, found = _mesh_bounds(target)
+        theirs, found = mesh_bounds(target)
     off_mm = 1000.0 * np.abs(theirs - bounds).max()
     return f"{found} meshes of {count}, bounds off by {off_mm:.2f} mm"
 

@@ -19,6 +19,7 @@ from pxr import Gf, Usd, UsdGeom
 from chord_usd.geometry import polygons_of
 from chord_usd.stage.check_contact import Body, Solid
 from chord_usd.stage.check_rules import NODE_ID
+from chord_usd.stage.mesh import fans
 from chord_usd.types import (
     OOD,
     ROOM_KINDS,
@@ -192,16 +193,7 @@ def _trimesh(prim: Usd.Prim, matrix: FloatArray) -> trimesh.Trimesh:
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
     corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int64)
     world = points @ matrix[:3, :3].T + matrix[:3, 3]
-    return trimesh.Trimesh(world, _fans(counts, corners), process=False)
-
-
-def _fans(counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(T, 3) triangles of convex faces: a fan from the first corner of each."""
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
-    faces = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
-    first = starts[faces]
-    step = np.arange(len(faces)) - np.searchsorted(faces, faces) + 1
-    return np.stack([corners[first], corners[first + step], corners[first + step + 1]], axis=1)
+    return trimesh.Trimesh(world, corners[fans(counts)], process=False)
 
 
 def _outline(floors: list[Body]) -> FloatArray | None:

@@ -11,9 +11,17 @@ from PIL import Image
 from pxr import Ar, Usd, UsdGeom, UsdShade
 from trimesh.visual.material import PBRMaterial
 
-from chord_usd.stage.mesh import corner_normals
+from chord_usd.stage.mesh import corner_normals, fans
+from chord_usd.stage.textures import (
+    as_it_is,
+    bound_material,
+    placed,
+    placement_of,
+    source_of,
+    st_of,
+    value_of,
+)
 from chord_usd.types import FloatArray
-from chord_usd.units import rotation_2d
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
@@ -64,17 +72,16 @@ class _Reader:
         normals = _per_corner(mesh.GetNormalsAttr().Get(), mesh.GetNormalsInterpolation(), corners)
         if normals is None:
             normals = corner_normals(points, counts)
-        st = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
+        st = st_of(prim)
         uvs = _per_corner(st.Get(), st.GetInterpolation(), corners) if st else None
         if uvs is None:
             uvs = np.zeros((len(corners), 2))
         material, placement = self._material(prim)
-        uvs = np.column_stack([uvs, np.ones(len(uvs))]) @ placement.T
-        rows = np.round(np.hstack([points, normals, uvs]), _DECIMALS)
+        rows = np.round(np.hstack([points, normals, placed(uvs, placement)]), _DECIMALS)
         unique, index = np.unique(rows, axis=0, return_inverse=True)
         return trimesh.Trimesh(
             unique[:, :3],
-            index.reshape(-1)[_fans(counts)],
+            index.reshape(-1)[fans(counts)],
             vertex_normals=unique[:, 3:6],
             visual=trimesh.visual.TextureVisuals(uv=unique[:, 6:8], material=material),
             process=False,
@@ -82,10 +89,10 @@ class _Reader:
 
     def _material(self, prim: Usd.Prim) -> tuple[PBRMaterial, FloatArray]:
         """The material a prim wears, and (2, 3) what it does to texture coordinates."""
-        bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        bound = bound_material(prim)
         key = str(bound.GetPath()) if bound else ""
         if key not in self._materials:
-            self._materials[key] = _read_material(bound) if bound else (PBRMaterial(), _plain())
+            self._materials[key] = _read_material(bound) if bound else (PBRMaterial(), as_it_is())
         return self._materials[key]
 
 
@@ -97,51 +104,22 @@ def _per_corner(values: Any, interpolation: str, corners: np.ndarray) -> FloatAr
     return array if interpolation == UsdGeom.Tokens.faceVarying else array[corners]
 
 
-def _fans(counts: np.ndarray) -> np.ndarray:
-    """(T, 3) corners of the triangles of convex faces, fanned from the first corner of each."""
-    starts = np.cumsum(counts) - counts
-    faces = np.repeat(np.arange(len(counts)), counts - 2)
-    step = np.arange(len(faces)) - np.searchsorted(faces, faces) + 1
-    first = starts[faces]
-    return np.stack([first, first + step, first + step + 1], axis=1)
-
-
-def _plain() -> FloatArray:
-    return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-
-
 def _read_material(material: UsdShade.Material) -> tuple[PBRMaterial, FloatArray]:
     shader = material.ComputeSurfaceSource()[0]
     if not shader:
-        return PBRMaterial(), _plain()
-    opacity = float(_value(shader, "opacity", 1.0))
-    texture = _source(shader, "diffuseColor")
-    colour = (1.0, 1.0, 1.0) if texture else tuple(_value(shader, "diffuseColor", (0.18,) * 3))
+        return PBRMaterial(), as_it_is()
+    opacity = float(value_of(shader, "opacity", 1.0))
+    texture = source_of(shader, "diffuseColor")
+    colour = (1.0, 1.0, 1.0) if texture else tuple(value_of(shader, "diffuseColor", (0.18,) * 3))
     pbr = PBRMaterial(
         name=str(material.GetPath()).strip("/").replace("/", "_"),
         baseColorFactor=[*map(float, colour), opacity],
         baseColorTexture=_image(texture) if texture else None,
-        roughnessFactor=float(_value(shader, "roughness", 0.5)),
-        metallicFactor=float(_value(shader, "metallic", 0.0)),
+        roughnessFactor=float(value_of(shader, "roughness", 0.5)),
+        metallicFactor=float(value_of(shader, "metallic", 0.0)),
         alphaMode="BLEND" if opacity < 1.0 else "OPAQUE",
     )
-    return pbr, _placement(texture) if texture else _plain()
-
-
-def _value(shader: UsdShade.Shader, name: str, default: Any) -> Any:
-    """An input that is a constant; the default where it is a texture or absent."""
-    attributes = (
-        shader.GetInput(name).GetValueProducingAttributes() if shader.GetInput(name) else []
-    )
-    value = attributes[0].Get() if attributes else None
-    return default if value is None else value
-
-
-def _source(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
-    """The shader that an input is connected to."""
-    wire = shader.GetInput(name)
-    sources = wire.GetConnectedSources()[0] if wire else []
-    return UsdShade.Shader(sources[0].source.GetPrim()) if sources else None
+    return pbr, placement_of(texture) if texture else as_it_is()
 
 
 def _image(texture: UsdShade.Shader) -> Image.Image:
@@ -151,14 +129,3 @@ def _image(texture: UsdShade.Shader) -> Image.Image:
     picture = Image.open(io.BytesIO(bytes(asset.GetBuffer())))
     picture.load()
     return picture
-
-
-def _placement(texture: UsdShade.Shader) -> FloatArray:
-    """(2, 3) of the UsdTransform2d before a texture: scale, then turn, then shift."""
-    place = _source(texture, "st")
-    if place is None or place.GetIdAttr().Get() != "UsdTransform2d":
-        return _plain()
-    scale = np.diag(np.array(_value(place, "scale", (1.0, 1.0)), dtype=np.float64))
-    turn = rotation_2d(float(_value(place, "rotation", 0.0)))
-    shift = np.array(_value(place, "translation", (0.0, 0.0)), dtype=np.float64)
-    return np.column_stack([turn @ scale, shift])

@@ -69,6 +69,19 @@ def mesh_of(faces: Sequence[Face]) -> Mesh:
     )
 
 
+def fans(counts: npt.NDArray[np.integer]) -> npt.NDArray[np.int64]:
+    """(T, 3) corners of the triangles of convex faces, fanned from the first corner of each.
+
+    counts: (F,) corners of each face; corners are numbered through all faces.
+    """
+    starts = np.cumsum(counts) - counts
+    cuts = np.maximum(counts - 2, 0)
+    faces = np.repeat(np.arange(len(counts)), cuts)
+    step = np.arange(len(faces)) - (np.cumsum(cuts) - cuts)[faces] + 1
+    first = starts[faces]
+    return np.stack([first, first + step, first + step + 1], axis=1)
+
+
 def upright(
     start_m: FloatArray, end_m: FloatArray, low_m: float, high_m: float, *, along_m: float = 0.0
 ) -> Face:

@@ -78,6 +78,28 @@ def test_a_web_package_is_flat_and_whole(staged_house: Path, tmp_path: Path) -> 
             assert material.ComputeSurfaceSource()[0]
 
 
+def test_pictures_lie_in_a_web_package_as_they_do_in_a_glb(
+    staged_house: Path, glb: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "house.usdz"
+    export_stage(staged_house, path, "web")
+    stage = Usd.Stage.Open(str(path))
+    assert not any(
+        UsdShade.Shader(prim).GetIdAttr().Get() == "UsdTransform2d"
+        for prim in stage.Traverse()
+        if prim.IsA(UsdShade.Shader)
+    )
+    meshes = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    assert all(set(mesh.GetFaceVertexCountsAttr().Get()) == {3} for mesh in meshes)
+    scene = trimesh.load_scene(glb)
+    for prim in stage.Traverse():
+        if prim.GetName() in ("Floor", "Wall_0"):
+            mesh = scene.geometry[scene.graph[str(prim.GetPath()).strip("/")][1]]
+            uvs = np.array(UsdGeom.PrimvarsAPI(prim).GetPrimvar("st").Get())
+            for pick in (np.min, np.max):
+                assert np.allclose(pick(uvs, axis=0), pick(mesh.visual.uv, axis=0), atol=1e-4)
+
+
 def test_the_suffix_belongs_to_the_package(staged_house: Path, tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"house\.glb"):
         export_stage(staged_house, tmp_path / "house.usdz", "gltf")

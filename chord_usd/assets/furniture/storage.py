@@ -319,9 +319,11 @@ _SHOES = (
     Style("Shoe_Cabinet_Flaps", shoe_cabinet, _HALL, 1.1),
     Style("Shoe_Cabinet_Louvres", partial(shoe_cabinet, kind="louvres"), _HALL, 1.0),
 )
+_LOW_SHOES = Style("Shoe_Cabinet_Low", shoe_cabinet, _HALL, 0.85)
 _SHOE_BENCH = Style("Shoe_Cabinet_Bench", partial(shoe_cabinet, kind="bench"), _HALL, 2.1)
 
-# Shallow cabinets are low, so that they may stand under windows; deep ones are wardrobes.
+# Shallow cabinets are low, so that they may stand under windows; deep ones are wardrobes. Most shoe
+# cabinets are higher than a sill, so there are low ones of every length.
 DESIGNS = (
     *editions("cabinet", _LOW, steps(0.65, 2.75), (0.41,)),
     *editions("cabinet", (_BOOKCASE,), (0.8, 1.2, 1.6, 2.0), (0.48,)),
@@ -329,4 +331,5 @@ DESIGNS = (
     *editions("cabinet", (_WARDROBES[0], _SLIDING, _WARDROBES[1]), steps(1.45, 2.75), (0.55, 0.63)),
     *editions("shoe_cabinet", _SHOES, steps(0.65, 1.15), (0.29, 0.37)),
     *editions("shoe_cabinet", (*_SHOES, _SHOE_BENCH), steps(1.25, 1.55), (0.29, 0.38)),
+    *editions("shoe_cabinet", (_LOW_SHOES,), steps(0.65, 1.55), (0.34,)),
 )

@@ -1,0 +1,65 @@
+"""What a material's network says: constants, textures, and how pictures are laid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdShade
+
+from chord_usd.types import FloatArray
+from chord_usd.units import rotation_2d
+
+
+def value_of(shader: UsdShade.Shader, name: str, default: Any) -> Any:
+    """An input that is a constant; the default where it is a texture or absent."""
+    wire = shader.GetInput(name)
+    attributes = wire.GetValueProducingAttributes() if wire else []
+    value = attributes[0].Get() if attributes else None
+    return default if value is None else value
+
+
+def source_of(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
+    """The shader that an input is connected to."""
+    wire = shader.GetInput(name)
+    sources = wire.GetConnectedSources()[0] if wire else []
+    return UsdShade.Shader(sources[0].source.GetPrim()) if sources else None
+
+
+def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
+    """The material that a prim wears."""
+    return UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0] or None
+
+
+def as_it_is() -> FloatArray:
+    """(2, 3) of a picture that lies where the coordinates say."""
+    return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+
+
+def placement_of(texture: UsdShade.Shader) -> FloatArray:
+    """(2, 3) of the UsdTransform2d before a texture: scale, then turn, then shift."""
+    place = place_of(texture)
+    if place is None:
+        return as_it_is()
+    scale = np.diag(np.array(value_of(place, "scale", (1.0, 1.0)), dtype=np.float64))
+    turn = rotation_2d(float(value_of(place, "rotation", 0.0)))
+    shift = np.array(value_of(place, "translation", (0.0, 0.0)), dtype=np.float64)
+    return np.column_stack([turn @ scale, shift])
+
+
+def place_of(texture: UsdShade.Shader) -> UsdShade.Shader | None:
+    """The UsdTransform2d before a texture, if there is one."""
+    place = source_of(texture, "st")
+    return place if place and place.GetIdAttr().Get() == "UsdTransform2d" else None
+
+
+def placed(uvs: FloatArray, placement: FloatArray) -> FloatArray:
+    """(N, 2) texture coordinates after a placement."""
+    moved: FloatArray = np.column_stack([uvs, np.ones(len(uvs))]) @ placement.T
+    return moved
+
+
+def st_of(prim: Usd.Prim) -> UsdGeom.Primvar | None:
+    """The texture coordinates of a mesh, if it has any."""
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
+    return primvar if primvar and primvar.HasAuthoredValue() else None

@@ -1,0 +1,129 @@
+"""A stage as one flat .usdz for web viewers.
+
+They (three.js, tinyusdz) load no payloads, know no instances, and each has its own idea of faces
+with four corners and of UsdTransform2d. So the stage is written out plainly: triangles, pictures
+that lie where the coordinates say, and nothing that is not seen.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
+
+from chord_usd.stage.author import ARCHIVE_TIME_S
+from chord_usd.stage.mesh import fans
+from chord_usd.stage.textures import (
+    bound_material,
+    place_of,
+    placed,
+    placement_of,
+    source_of,
+    st_of,
+)
+
+_UNSEEN = ("PhysicsScene", "PhysicsRevoluteJoint", "DomeLight", "RenderSettings", "RenderProduct")
+
+
+def write_web(stage: Usd.Stage, target: Path) -> None:
+    """Write what is seen of the stage to target, a .usdz. The stage's session layer is changed."""
+    stage.SetEditTarget(stage.GetSessionLayer())
+    for prim in list(stage.Traverse()):
+        if prim.IsInstanceable():
+            prim.SetInstanceable(False)
+    for prim in list(stage.Traverse()):
+        if prim.IsValid() and _is_unseen(prim):
+            prim.SetActive(False)
+    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+        layer = stage.Flatten(addSourceFileComment=False)
+        _drop_inactive(layer)
+        _plain_meshes(Usd.Stage.Open(layer))
+        flat = Path(folder) / f"{target.stem}.usdc"
+        layer.Export(str(flat))
+        for file in Path(folder).iterdir():  # the archive notes their times
+            os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
+        # While it renames textures, USD complains that their new names are not there yet.
+        quiet = UsdUtils.CoalescingDiagnosticDelegate()
+        UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(flat)), str(target))
+        quiet.TakeUncoalescedDiagnostics()
+
+
+def _plain_meshes(stage: Usd.Stage) -> None:
+    """Triangles only; and what UsdTransform2d does becomes part of the coordinates."""
+    places = set()
+    for prim in stage.Traverse():
+        if not prim.IsA(UsdGeom.Mesh):
+            continue
+        _cut_faces(UsdGeom.Mesh(prim))
+        material, st = bound_material(prim), st_of(prim)
+        shader = material.ComputeSurfaceSource()[0] if material and st else None
+        texture = source_of(shader, "diffuseColor") if shader else None
+        place = place_of(texture) if texture else None
+        if st and texture and place:
+            laid = placed(np.array(st.Get(), dtype=np.float64), placement_of(texture))
+            st.Set(Vt.Vec2fArray.FromNumpy(laid.astype(np.float32)))
+            places.add(place.GetPath())
+    for path in places:
+        _take_out(stage, path)
+
+
+def _cut_faces(mesh: UsdGeom.Mesh) -> None:
+    """Cut faces into triangles, with all that is given for faces and for their corners."""
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
+    if (counts == 3).all():
+        return
+    corners = fans(counts).reshape(-1)
+    faces = np.repeat(np.arange(len(counts)), counts - 2)
+    chosen = {UsdGeom.Tokens.faceVarying: corners, UsdGeom.Tokens.uniform: faces}
+    primvars = UsdGeom.PrimvarsAPI(mesh).GetPrimvarsWithAuthoredValues()
+    for attribute, interpolation in (
+        (mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()),
+        *(
+            (one.GetIndicesAttr() if one.IsIndexed() else one.GetAttr(), one.GetInterpolation())
+            for one in primvars
+        ),
+    ):
+        values = attribute.Get()
+        if values is not None and interpolation in chosen:
+            rows = np.array(values)[chosen[interpolation]]
+            attribute.Set(type(values).FromNumpy(np.ascontiguousarray(rows)))
+    indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int32)[corners]
+    mesh.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(indices))
+    mesh.GetFaceVertexCountsAttr().Set(Vt.IntArray([3] * len(faces)))
+
+
+def _take_out(stage: Usd.Stage, path: Sdf.Path) -> None:
+    """Remove a UsdTransform2d; what came after it comes after what was before it."""
+    place = UsdShade.Shader.Get(stage, path)
+    before = place.GetInput("in").GetAttr().GetConnections()
+    for shader in place.GetPrim().GetParent().GetChildren():
+        st = UsdShade.Shader(shader).GetInput("st")
+        if st and any(one.GetPrimPath() == path for one in st.GetAttr().GetConnections()):
+            st.GetAttr().SetConnections(before)
+    stage.RemovePrim(path)
+
+
+def _is_unseen(prim: Usd.Prim) -> bool:
+    """Colliders, hinges, skies and render settings, and the scopes of colliders."""
+    guide = UsdGeom.Imageable(prim).GetPurposeAttr().Get() == UsdGeom.Tokens.guide
+    return prim.GetTypeName() in _UNSEEN or prim.GetName() == "Colliders" or guide
+
+
+def _drop_inactive(layer: Sdf.Layer) -> None:
+    """Remove what is switched off, and the classes that nothing inherits any more."""
+    found: list[Sdf.Path] = []
+
+    def note(path: Sdf.Path) -> None:
+        prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
+        if prim and (not prim.active or path == "/__class__"):
+            found.append(path)
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, note)
+    edit = Sdf.BatchNamespaceEdit()
+    for path in found:
+        if not any(path != other and path.HasPrefix(other) for other in found):
+            edit.Add(path, Sdf.Path.emptyPath)
+    layer.Apply(edit)
