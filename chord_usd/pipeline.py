@@ -5,9 +5,8 @@ plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,19 +14,16 @@ from chord_usd.errors import PlanError
 from chord_usd.files import hash_file
 from chord_usd.locations import checkpoint_folder
 from chord_usd.progress import Progress, Stopwatch
+from chord_usd.redraw import Draw, mend_rooms, redraw_rooms, with_furniture
 from chord_usd.types import (
     OOD,
-    BoolArray,
-    ByteArray,
     Item,
     LayoutImage,
-    PixelFrame,
     Plan,
     PlanImage,
     Room,
     SceneGraph,
     StageFile,
-    frozen_array,
 )
 
 if TYPE_CHECKING:
@@ -39,9 +35,6 @@ if TYPE_CHECKING:
 LAYOUT_CHECKPOINT = "plan2layout"
 TABLE_CHECKPOINT = "table"
 DETECTOR_CHECKPOINT = "detector_items"
-
-_TOUCH_M2 = 1e-4
-"""Footprints that share less only touch."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +57,13 @@ class Settings:
     """Folders of further meshes, tried beside the shipped ones."""
     tabletop: bool = True
     """Whether tables, desks and worktops are laid."""
+    redraws: int = 2
+    """So often a room with faults is drawn again; 0 leaves the first draw as it is."""
+
+    @property
+    def draw(self) -> Draw:
+        """How layouts are sampled."""
+        return Draw(self.seed, self.steps, self.sampler)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +77,8 @@ class House:
     """With the tabletop items, where they were asked for."""
     stage: StageFile
     tabletops: Tabletops | None = None
+    redrawn: tuple[str, ...] = ()
+    """Ids of the rooms whose furniture is that of a later draw."""
 
 
 def generate(
@@ -89,8 +91,8 @@ def generate(
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
     models: those of earlier houses with the same settings, but for the seed; by default they are
-    loaded. The stopwatch times plan, load, layout, graph, outliers, tabletop and stage. Raises
-    ChordError.
+    loaded. The stopwatch times plan, load, layout, graph, redraw, outliers, tabletop and stage.
+    Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -106,6 +108,12 @@ def generate(
         layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, progress)
     with watch.step("graph"):
         graph = models.reader.read(layout, plan)
+    with watch.step("redraw") as progress:
+        mended = mend_rooms(
+            graph, layout, plan_image, models.layout, models.reader.read, settings.draw,
+            times=settings.redraws, progress=progress,
+        )  # fmt: skip
+        graph, layout = mended.graph, mended.layout
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
@@ -116,7 +124,7 @@ def generate(
             graph = tabletops.graph
     with watch.step("stage"):
         stage = write_stage(graph, stage_path, settings)
-    return House(plan, plan_image, layout, graph, stage, tabletops)
+    return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms)
 
 
 def read_plan(plan_file: Path, settings: Settings) -> Plan:
@@ -337,14 +345,16 @@ def regenerate(
         models = load_models(settings)
     with watch.step("layout") as progress:
         own = replace(settings, seed=seed)
-        drawn = redraw_room(house.graph, room, models.layout, own, progress, kept_ids)
+        plan_image = draw_plan(house.graph.plan)
+        drawn = redraw_rooms(
+            house.graph, [room], plan_image, models.layout, own.draw, progress, kept_ids
+        )
     with watch.step("graph"):
         found = models.reader.read(drawn.alone, house.graph.plan)
-        stay = [i for i in house.graph.items if i.room_id != room.id or i.id in kept_ids]
-        items = (*stay, *_beside(found.items_of(room.id), stay, kept_ids))
-        graph = replace(house.graph, items=items, provenance=drawn.layout.provenance)
+        graph = with_furniture(house.graph, room, found.items_of(room.id), kept_ids)
+        graph = replace(graph, provenance=drawn.layout.provenance)
     with watch.step("outliers"):
-        graph = score_outliers(graph, draw_plan(house.graph.plan), models.layout)
+        graph = score_outliers(graph, plan_image, models.layout)
     if models.table:
         with watch.step("tabletop") as progress:
             database, rooms = models.reader.database, (room.id,)
@@ -362,83 +372,6 @@ def write_regenerated(made: Regenerated, target: Path) -> StageFile:
     openings = made.graph.openings
     new = NewFurniture(made.room_name, made.room, items, made.graph.provenance, openings, made.kept)
     return refurnish(made.source, target, new)
-
-
-@dataclass(frozen=True, eq=False)
-class RedrawnRoom:
-    """Layout rasters of a house of which one room was sampled anew."""
-
-    before: LayoutImage
-    layout: LayoutImage
-    alone: LayoutImage
-    """The new furniture without that of other rooms, which would run into it where rooms touch."""
-
-
-def redraw_room(
-    graph: SceneGraph,
-    room: Room,
-    model: LayoutModel,
-    settings: Settings,
-    progress: Progress | None = None,
-    kept_ids: Collection[str] = (),
-) -> RedrawnRoom:
-    """Sample the floor of one room anew, given what stands in the others.
-
-    kept_ids: items of the room that stay; what is sampled ends a pixel short of them.
-    """
-    from chord_usd import raster
-    from chord_usd.layout.upright import direction_of, upright_sheet
-    from chord_usd.pose import posed
-
-    plan_image = draw_plan(graph.plan)
-    sheet = upright_sheet(graph.plan, [room], direction_of(room), plan_image)
-    stay = [item for item in graph.items if item.room_id != room.id or item.id in kept_ids]
-    around = posed(replace(graph, items=tuple(stay)), sheet.pose)
-    labels, front = raster.draw_items(around.items, sheet.image.frame)
-
-    def free_floor(house: SceneGraph, frame: PixelFrame) -> BoolArray:
-        kept = [item for item in house.items if item.id in kept_ids]
-        own = raster.room_pixels(house.plan.room(room.id), frame)
-        return own & ~raster.taken_pixels(kept, frame)
-
-    layout = model.resample(
-        sheet.image, labels, front, free_floor(around, sheet.image.frame),
-        seed=settings.seed, steps=settings.steps, sampler=settings.sampler, progress=progress,
-    )  # fmt: skip
-    region = free_floor(replace(graph, items=tuple(stay)), plan_image.frame)
-    before = raster.layout_image(plan_image, graph.items)
-
-    def in_room_else(drawn: ByteArray) -> LayoutImage:
-        rgb = sheet.turned_back(layout.rgb, drawn, plan_image, region)
-        return replace(layout, rgb=frozen_array(rgb, rgb.dtype), frame=plan_image.frame)
-
-    return RedrawnRoom(before, in_room_else(before.rgb), in_room_else(plan_image.rgb))
-
-
-def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]) -> Iterator[Item]:
-    """New items of a room under ids of their own, without those that would stand in kept ones.
-
-    Nothing is sampled where something is kept, but what is pulled to a wall may come in its way.
-    """
-    from chord_usd.geometry import footprint_polygon
-    from chord_usd.palette import category
-
-    kept = [
-        (category(item.category).mount, footprint_polygon(item.box))
-        for item in stay
-        if item.id in kept_ids
-    ]
-    ids = {item.id for item in stay}
-    for item in new:
-        mount, shape = category(item.category).mount, footprint_polygon(item.box)
-        if any(
-            mount is other and shape.intersection(taken).area > _TOUCH_M2 for other, taken in kept
-        ):
-            continue
-        stem, number = item.id.rsplit("_", 1)
-        own = next(i for n in count(int(number)) if (i := f"{stem}_{n}") not in ids)
-        ids.add(own)
-        yield replace(item, id=own)
 
 
 def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:

@@ -14,6 +14,7 @@ from chord_usd.commands.common import (
     add_assets,
     add_device,
     add_output,
+    add_redraws,
     add_seed,
     add_steps,
     add_verb,
@@ -59,6 +60,7 @@ def _add_houses(parser: Parser) -> None:
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
     add_steps(group)
+    add_redraws(group)
     group.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
     )
@@ -139,6 +141,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         device=options.device,
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         tabletop=not options.no_tabletop,
+        redraws=options.redraws,
     )
 
 

@@ -96,6 +96,14 @@ def add_steps(parser: Options) -> None:
     )
 
 
+def add_redraws(parser: Options, count: int = 2) -> None:
+    """The option --redraws."""
+    parser.add_argument(
+        "--redraws", type=whole_number(0), default=count, metavar="N",
+        help=f"draw rooms that came out bare or blocked again, so often ({count})",
+    )  # fmt: skip
+
+
 def add_device(parser: Options) -> None:
     """The option --device."""
     parser.add_argument(

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch
+from chord_usd.commands.common import Outcome, Verbs, add_redraws, add_verb, stopwatch
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
     add_fid,
@@ -35,6 +35,7 @@ def add(group: Verbs) -> None:
     add_plans(parser, count=100)
     add_checkpoint(parser)
     add_sampling(parser)
+    add_redraws(parser, count=0)
     parser.add_argument(
         "--furnisher", action="store_true", help="score the training data's furnisher instead"
     )

@@ -130,7 +130,13 @@ def sampling_of(options: argparse.Namespace) -> Sampling:
     """How to sample, as the options say."""
     from chord_usd.evaluation.layouts import Sampling
 
-    return Sampling(options.seed, options.steps, options.sampler, not options.unshaded)
+    return Sampling(
+        options.seed,
+        options.steps,
+        options.sampler,
+        not options.unshaded,
+        getattr(options, "redraws", 0),
+    )
 
 
 def told(

@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     add_device,
     add_output,
     add_part,
+    add_redraws,
     add_seed,
     add_steps,
     add_verb,
@@ -37,6 +38,7 @@ def add(verbs: Verbs) -> None:
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     add_steps(parser)
+    add_redraws(parser)
     parser.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
@@ -65,6 +67,7 @@ def run(options: argparse.Namespace) -> Outcome:
         device=options.device,
         asset_folders=tuple(options.assets),
         tabletop=not options.no_tabletop,
+        redraws=options.redraws,
     )
     watch = stopwatch(options)
     with plan_source(options, settings, watch) as (plan_file, planned), deliver() as delivery:
@@ -119,6 +122,7 @@ def _summary(
         "items": furniture + tabletop,
         "tabletop": _tabletop(house, tabletop),
         "openings": len(house.graph.openings),
+        "redrawn": list(house.redrawn),
         "seconds": seconds,
         "m_per_px": house.plan_image.frame.m_per_px,
         "scale": house.plan.extra.get("scale"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish
 from chord_usd.metrics.scores import Score, rooms_of_kind, score_scenes
 from chord_usd.progress import Progress, Warn
+from chord_usd.redraw import Draw, mend_rooms
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
@@ -36,6 +37,8 @@ class Sampling:
     sampler: str = "ddim"
     shaded: bool = True
     """Whether the plan tells the kind of its rooms."""
+    redraws: int = 0
+    """So often rooms with faults are drawn again, as generate does; 0 scores the raw layouts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +63,8 @@ class LayoutScores:
     """Hash of the checkpoint, or who else made the layouts."""
     steps: int
     sampler: str
+    redraws: int = 0
+    """So often rooms with faults were drawn again; 0 for raw layouts."""
 
 
 def sampled(
@@ -85,7 +90,11 @@ def sampled(
         )
 
     for index, image in enumerate(in_batches(work, jobs, BATCH, warn)):
-        yield read_back(cases[index], image)
+        case, (plan_image, seed) = cases[index], jobs[index]
+        one = read_back(case, image)
+        if sampling.redraws:
+            one = _mended(one, plan_image, model, seed, sampling)
+        yield one
         if progress:
             progress(index + 1, len(cases))
 
@@ -102,6 +111,17 @@ def read_back(case: Case, image: LayoutImage) -> Furnished:
     except SceneError:
         plan = None
     return Furnished(case, image, scene, plan)
+
+
+def _mended(
+    one: Furnished, plan_image: PlanImage, model: LayoutModel, seed: int, sampling: Sampling
+) -> Furnished:
+    """With those rooms drawn again that have faults."""
+    mended = mend_rooms(
+        one.scene, one.image, plan_image, model, extract_graph,
+        Draw(seed, sampling.steps, sampling.sampler), times=sampling.redraws,
+    )  # fmt: skip
+    return replace(one, image=mended.layout, scene=mended.graph)
 
 
 def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
@@ -137,6 +157,7 @@ def score_layouts(
         made_by=made_by,
         steps=steps,
         sampler=sampling.sampler,
+        redraws=sampling.redraws,
     )
 
 

@@ -136,7 +136,7 @@ def test_the_certificate_is_that_of_check(made: Made, run_cli: RunCli) -> None:
 def test_progress_is_json_and_ends_every_step(made: Made) -> None:
     lines = [json.loads(line) for line in made.progress.splitlines()]
     last = {line["step"]: line for line in lines}
-    steps = ["plan", "load", "layout", "graph", "outliers", "tabletop", "stage", "check"]
+    steps = ["plan", "load", "layout", "graph", "redraw", "outliers", "tabletop", "stage", "check"]
     assert list(last) == steps
     assert all(line["done"] == line["total"] for line in last.values())
     assert last["layout"]["total"] == STEPS

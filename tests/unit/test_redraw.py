@@ -1,0 +1,105 @@
+"""Rooms with faults are drawn again, and only what got better is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+
+from chord_usd import raster
+from chord_usd.redraw import Draw, Mended, faults_by_room, mend_rooms
+from chord_usd.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
+
+
+class Painter:
+    """A model that paints, call by call, these furnitures; and the eye that reads them."""
+
+    def __init__(self, *draws: Sequence[Item]) -> None:
+        self.draws = list(draws)
+        self.seeds: list[int] = []
+
+    def resample(self, plan_image: PlanImage, *_: object, seed: int, **__: object) -> LayoutImage:
+        self.seeds.append(seed)
+        return raster.layout_image(plan_image, self.draws[len(self.seeds) - 1])
+
+    def read(self, layout: LayoutImage, plan: Plan) -> SceneGraph:
+        return SceneGraph(plan.rooms, plan.openings, tuple(self.draws[len(self.seeds) - 1]))
+
+
+def mended(graph: SceneGraph, painter: Painter, times: int = 2) -> Mended:
+    plan_image = raster.draw_plan(graph.plan, raster.house_frame(graph.plan))
+    layout = replace(raster.layout_image(plan_image, graph.items), provenance=Provenance())
+    draw = Draw(seed=7)
+    return mend_rooms(graph, layout, plan_image, painter, painter.read, draw, times=times)
+
+
+@pytest.fixture
+def bare(furnished_house: SceneGraph) -> tuple[SceneGraph, str, tuple[Item, ...]]:
+    """A house with a bedroom that stands empty, its id, and what stood in it."""
+    room = next(room for room in furnished_house.rooms if room.kind == "bedroom")
+    others = tuple(item for item in furnished_house.items if item.room_id != room.id)
+    items = tuple(furnished_house.items_of(room.id))
+    return replace(furnished_house, items=others), room.id, items
+
+
+def test_a_sound_house_stays_as_it_is(furnished_house: SceneGraph) -> None:
+    painter = Painter()
+    assert not faults_by_room(furnished_house)
+    found = mended(furnished_house, painter)
+    assert (found.graph, found.rooms, painter.seeds) == (furnished_house, (), [])
+
+
+def test_a_bare_room_is_furnished_by_the_next_draw(bare) -> None:
+    graph, room_id, items = bare
+    assert set(faults_by_room(graph)) == {room_id}
+    painter = Painter(items)
+    found = mended(graph, painter)
+    assert found.rooms == (room_id,)
+    assert not faults_by_room(found.graph)
+    assert [i.box for i in found.graph.items_of(room_id)] == [i.box for i in items]
+    assert painter.seeds != [7], "the seed that left it bare"
+
+
+def test_the_picture_changes_in_the_room_alone(bare) -> None:
+    graph, room_id, items = bare
+    found = mended(graph, Painter(items))
+    frame = found.layout.frame
+    before = raster.layout_image(raster.draw_plan(graph.plan, frame), graph.items)
+    changed = (found.layout.rgb != before.rgb).any(axis=-1)
+    assert changed.any()
+    assert not (changed & ~raster.room_pixels(graph.plan.room(room_id), frame)).any()
+
+
+def test_a_draw_that_is_no_better_is_left(bare) -> None:
+    graph, room_id, items = bare
+    painter = Painter((), items)
+    assert mended(graph, painter).rooms == (room_id,)
+    assert len(set(painter.seeds)) == 2
+    still = mended(graph, Painter((), ()))
+    assert (still.graph.items, still.rooms) == (graph.items, ())
+
+
+@pytest.mark.parametrize("times", [0, 1, 2])
+def test_rooms_are_drawn_so_often_at_most(bare, times: int) -> None:
+    painter = Painter((), (), ())
+    mended(bare[0], painter, times)
+    assert len(painter.seeds) == times
+
+
+def test_pieces_in_the_way_are_faults_of_their_rooms(furnished_house: SceneGraph) -> None:
+    door = next(o for o in furnished_house.openings if o.kind == "door" and o.room_ids)
+    room_id = door.room_ids[0]
+    piece = next(i for i in furnished_house.items_of(room_id) if i.box.size_m[2] > 0.3)
+    x_m, y_m = door.box.center_m[:2]
+    at_the_door = replace(piece.box, center_m=(x_m, y_m, piece.box.center_m[2]))
+    moved = tuple(
+        replace(item, box=at_the_door) if item is piece else item for item in furnished_house.items
+    )
+    assert faults_by_room(replace(furnished_house, items=moved))[room_id]
+
+
+def test_a_piece_in_another_is_a_fault(furnished_house: SceneGraph) -> None:
+    bed = next(item for item in furnished_house.items if item.category == "bed")
+    twice = replace(furnished_house, items=(*furnished_house.items, replace(bed, id="bed_99")))
+    assert faults_by_room(twice)[bed.room_id] >= 1
