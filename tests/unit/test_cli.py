@@ -117,6 +117,23 @@ class TestOutcomes:
         assert run_verb(interrupted) == cli.INTERRUPTED
         assert "Traceback" not in capsys.readouterr().err
 
+    def test_an_interrupt_while_a_dataclass_is_made(self, tmp_path: Path) -> None:
+        """The process ends with our code, not of the signal, wherever Ctrl-C finds it."""
+        (tmp_path / "job.py").write_text(
+            "import os, signal, sys\n"
+            "from chord_usd import cli\n"
+            "def run(options):\n"
+            "    exec('os.kill(os.getpid(), signal.SIGINT)\\nsignal.pause()')\n"
+            "cli.describe.run = run\n"
+            "sys.exit(cli.main(['describe', 'house.usda']))\n"
+        )
+        done = subprocess.run(
+            [sys.executable, "-m", "job"],
+            cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False,
+        )  # fmt: skip
+        assert (done.returncode, done.stdout) == (cli.INTERRUPTED, "")
+        assert done.stderr == "error: interrupted, nothing was written\n"
+
     @pytest.mark.parametrize(
         "error",
         [

@@ -16,10 +16,9 @@ from chord_usd.graph.rectangles import (
     Rectangle,
     fit_at_angle,
     fit_free,
-    fold_deg,
 )
 from chord_usd.types import Box, PixelFrame, Room, frozen_array
-from chord_usd.units import px_from_m
+from chord_usd.units import fold_deg, px_from_m
 
 GRID = np.stack(np.meshgrid(np.arange(64) + 0.5, -np.arange(64) - 0.5), axis=-1).reshape(-1, 2)
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])

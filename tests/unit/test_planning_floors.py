@@ -24,8 +24,7 @@ def fitting_plans(count: int, aligned: bool = True) -> list[tuple[Plan, float]]:
     found, seed = [], 0
     while len(found) < count:
         plan = random_plan(np.random.default_rng(seed))
-        points = np.concatenate([room.polygon_m for room in plan.rooms])
-        scale = plan_labels.fitting_scale(float(np.ptp(points, axis=0).max()) + 0.48)
+        scale = plan_labels.fitting_scale(plan)
         if scale and (is_axis_aligned(plan) or not aligned):
             found.append((plan, scale))
         seed += 1
