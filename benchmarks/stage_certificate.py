@@ -4,7 +4,7 @@
 
 Each house is drawn as a layout raster, read back by the detector, given meshes and tabletop items,
 written as a stage and checked. By default the raster shows the furniture of the procedural house,
-so what is found is the doing of the steps behind it; with --drawn the layout model paints it.
+so what is found is the doing of the steps behind it; with --drawn the whole line runs on the plan.
 Houses already in the folder are not made again: run it in pieces.
 """
 
@@ -21,12 +21,21 @@ import numpy as np
 from results import write_section
 
 from chord_usd import raster
+from chord_usd.chord_json import write_plan
 from chord_usd.data.floorplans.programme import spread_room_count
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.pipeline import Models, Settings, lay_tables, load_models, write_stage
+from chord_usd.pipeline import (
+    Models,
+    Settings,
+    draw_out_chairs,
+    generate,
+    lay_tables,
+    load_models,
+    write_stage,
+)
 from chord_usd.stage.check import certificate, check_stage
-from chord_usd.types import LayoutImage, Plan, SceneGraph
+from chord_usd.types import Item, Plan, SceneGraph
 
 FAULTS = (
     "errors",
@@ -76,23 +85,27 @@ def furnish_and_check(seed: int, models: Models, folder: Path, *, is_drawn: bool
     settings = Settings(seed=seed)
     rng = np.random.default_rng(seed)
     plan = random_plan(rng, spread_room_count(seed))
-    layout = _painted(plan, models, settings) if is_drawn else _true_layout(plan, rng)
-    graph = models.reader.read(layout, plan)
-    if models.table:
-        graph = lay_tables(graph, models.table, models.reader.database, settings).graph
-    stage = write_stage(graph, folder / f"house_{seed:06d}.usda", settings)
-    report = check_stage(stage.path)
+    stage = folder / f"house_{seed:06d}.usda"
+    if is_drawn:
+        plan_file = folder / f"plan_{seed:06d}.json"
+        write_plan(plan, plan_file)
+        graph = generate(plan_file, stage, settings, models=models).graph
+    else:
+        graph = _read_back(plan, furnish(plan, rng).items, models, settings)
+        write_stage(graph, stage, settings)
+    report = check_stage(stage)
     return {**certificate(report), "holds": report.holds, **_counts(graph)}
 
 
-def _true_layout(plan: Plan, rng: np.random.Generator) -> LayoutImage:
-    return raster.layout_image(raster.draw_plan(plan), furnish(plan, rng).items)
-
-
-def _painted(plan: Plan, models: Models, settings: Settings) -> LayoutImage:
-    return models.layout.sample(
-        raster.draw_plan(plan), seed=settings.seed, steps=settings.steps, sampler=settings.sampler
-    )
+def _read_back(
+    plan: Plan, items: tuple[Item, ...], models: Models, settings: Settings
+) -> SceneGraph:
+    """The house as it is read from its own raster, with things on its tables."""
+    layout = raster.layout_image(raster.draw_plan(plan), items)
+    graph = models.reader.read(layout, plan)
+    assert models.table is not None
+    graph = lay_tables(graph, models.table, models.reader.database, settings).graph
+    return draw_out_chairs(graph)
 
 
 def _counts(graph: SceneGraph) -> dict[str, Any]:

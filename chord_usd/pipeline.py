@@ -123,6 +123,7 @@ def generate(
             tabletops = lay_tables(graph, models.table, database, settings, progress)
             graph = tabletops.graph
     with watch.step("stage"):
+        graph = draw_out_chairs(graph)
         stage = write_stage(graph, stage_path, settings)
     return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms)
 
@@ -283,6 +284,15 @@ def lay_tables(
     return with_items(graph, views, lay_pieces(views, draw, database, relief_of))
 
 
+def draw_out_chairs(
+    graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
+) -> SceneGraph:
+    """The graph with chairs that ran into their table drawn out from under it."""
+    from chord_usd.stage import seats
+
+    return seats.draw_out_chairs(graph, rooms, but)
+
+
 def load_usd() -> None:
     """Import what writes stages, so that the time of the step is its own."""
     import chord_usd.stage.author  # noqa: F401
@@ -359,6 +369,7 @@ def regenerate(
         with watch.step("tabletop") as progress:
             database, rooms = models.reader.database, (room.id,)
             graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
+    graph = draw_out_chairs(graph, (room.id,), kept_ids)
     return Regenerated(
         source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
     )

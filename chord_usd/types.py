@@ -49,6 +49,9 @@ OOD = "ood"
 """Key of Item.extra: how far from the layout model's expectation the item is, from 0; about 1 for
 one that it would not have put there (layout.outlier)."""
 
+DRAWN_OUT = "drawn_out_m"
+"""Key of Item.extra: how far a chair was moved off the table that it ran into (stage.seats)."""
+
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
     """A copy of values that cannot be written to."""

@@ -144,15 +144,23 @@ class _Reader:
         )
 
     def _matrix(self, prim: Usd.Prim) -> FloatArray:
-        """(4, 4) local to world, column vectors."""
-        return np.array(self._transforms.GetLocalToWorldTransform(prim)).T
+        return _to_world(prim, self._transforms)
 
     def _body(self, prim: Usd.Prim, parent: str = "") -> Body:
-        solids = tuple(
-            Solid(str(mesh.GetPath()), _trimesh(mesh, self._matrix(mesh)))
-            for mesh in _shown_meshes(prim)
-        )
-        return Body(str(prim.GetPath()), solids, parent)
+        return Body(str(prim.GetPath()), solids_of(prim, self._transforms), parent)
+
+
+def solids_of(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> tuple[Solid, ...]:
+    """What is seen at and below a prim, in the world."""
+    return tuple(
+        Solid(str(mesh.GetPath()), _trimesh(mesh, _to_world(mesh, transforms)))
+        for mesh in _shown_meshes(prim)
+    )
+
+
+def _to_world(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> FloatArray:
+    """(4, 4) local to world, column vectors."""
+    return np.array(transforms.GetLocalToWorldTransform(prim)).T
 
 
 def _children(prim: Usd.Prim, name: str) -> list[Usd.Prim]:

@@ -35,7 +35,7 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.types import OOD, Asset, Box, FloatArray, Item, Room
+from chord_usd.types import DRAWN_OUT, OOD, Asset, Box, FloatArray, Item, Room
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
@@ -116,13 +116,15 @@ def _refer(
 
 
 def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
-    """Where in the layout raster it was seen, and how far its mesh missed its size."""
+    """Where in the layout raster it was seen, and how far mesh and place are from that."""
     if "source_px" in item.extra:
         note(prim, source_px=np.array(item.extra["source_px"], dtype=np.float64).reshape(-1, 2))
     if item.asset is not None:
         missed_m = np.subtract(item.asset.size_m[:2], item.box.size_m[:2])
         distance_m = item.extra.get("asset_distance_m", round(float(np.hypot(*missed_m)), 6))
         note(prim, asset_distance_m=float(distance_m))
+    if DRAWN_OUT in item.extra:
+        note(prim, drawn_out_m=float(item.extra[DRAWN_OUT]))
 
 
 def _placeholder(scratch: Path) -> Asset:

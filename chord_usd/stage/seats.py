@@ -1,0 +1,152 @@
+"""Chairs at their tables: drawn out until nothing of them runs into the table.
+
+A layout tells how far a chair is pushed under a table, seen from above; whether its back passes
+over the top and its legs stand between the table's is told by the meshes alone. So a chair that
+runs into its table moves, by the least that sets it free, away from where it faces or sideways. It
+never moves into something else, out of its room or before a door.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import shapely
+import trimesh
+from pxr import UsdGeom
+
+from chord_usd.geometry import footprint_polygon, room_polygon, to_world
+from chord_usd.metrics.footprints import is_underfoot
+from chord_usd.metrics.openings import clearances
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2, NATURAL_PAIRS
+from chord_usd.stage.check_contact import Body, Solid, collisions
+from chord_usd.stage.check_scene import solids_of
+from chord_usd.stage.read import open_stage
+from chord_usd.types import DRAWN_OUT, Box, Item, SceneGraph
+from chord_usd.units import rotation_2d
+
+SEAT = "chair"
+FARTHEST_M = 0.5
+"""A chair is about as deep; drawn out this far it stands before its table."""
+
+_STEP_M = 0.02
+_IN_ROOM_M = 1e-3
+
+_TABLES = frozenset(name for pair in NATURAL_PAIRS if SEAT in pair for name in pair - {SEAT})
+_WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)])
+"""In the chair's own frame: back, left, right. Ties go to the first."""
+
+
+def draw_out_chairs(
+    graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
+) -> SceneGraph:
+    """The house with every chair clear of its table, where there is room for that.
+
+    rooms: ids of the rooms whose chairs may move, by default all. but: ids of chairs that stay.
+    Items whose mesh is not there stay, too. Raises StageError for one that cannot be opened.
+    """
+    items = {item.id: item for item in graph.items}
+    for chair in graph.items:
+        if _may_move(chair, rooms, but):
+            tables = [one for one in graph.items if _is_near(one, chair)]
+            if _runs_into(chair.box, chair, tables):
+                items[chair.id] = _drawn_out(chair, tables, graph, [*items.values()])
+    return replace(graph, items=tuple(items.values()))
+
+
+def _may_move(item: Item, rooms: Collection[str], but: Collection[str]) -> bool:
+    is_asked = (not rooms or item.room_id in rooms) and item.id not in but
+    return item.category == SEAT and is_asked and _has_mesh(item)
+
+
+def _has_mesh(item: Item) -> bool:
+    return item.asset is not None and item.asset.usd_path.is_file()
+
+
+def _is_near(table: Item, chair: Item) -> bool:
+    """Whether an item is a table that a chair could come to stand under."""
+    if table.category not in _TABLES or not _has_mesh(table):
+        return False
+    gap_m = footprint_polygon(table.box).distance(footprint_polygon(chair.box))
+    return bool(gap_m < FARTHEST_M)
+
+
+def _drawn_out(chair: Item, tables: Sequence[Item], graph: SceneGraph, items: list[Item]) -> Item:
+    """The chair at the nearest free place; where it is, if there is none."""
+    free = _FreePlaces(chair, graph, items)
+    for distance_m, box in _places(chair.box):
+        if free.has(box) and not _runs_into(box, chair, tables):
+            extra = {**chair.extra, DRAWN_OUT: distance_m}
+            return replace(chair, box=box, extra=extra)
+    return chair
+
+
+def _places(box: Box) -> Iterator[tuple[float, Box]]:
+    """Where a chair may go, and how far that is, from near to far."""
+    for step in range(1, round(FARTHEST_M / _STEP_M) + 1):
+        distance_m = round(step * _STEP_M, 3)
+        for way in _WAYS:
+            x_m, y_m = to_world(box, way * distance_m)
+            center_m = (round(float(x_m), 6), round(float(y_m), 6), box.center_m[2])
+            yield distance_m, replace(box, center_m=center_m)
+
+
+class _FreePlaces:
+    """Floor of a chair's room on which nothing else stands and that no opening keeps free."""
+
+    def __init__(self, chair: Item, graph: SceneGraph, items: Sequence[Item]) -> None:
+        others = [
+            footprint_polygon(item.box)
+            for item in items
+            if item.id != chair.id and item.category not in _TABLES and not is_underfoot(item)
+        ]
+        kept = [floor for _, floor in clearances(graph.rooms, graph.openings)]
+        room = next((room for room in graph.rooms if room.id == chair.room_id), None)
+        self._floor = room_polygon(room).buffer(_IN_ROOM_M) if room else None
+        # What it stands on already is no worse for its moving on.
+        own = footprint_polygon(chair.box)
+        self._taken = shapely.union_all([*others, *kept]).difference(own)
+
+    def has(self, box: Box) -> bool:
+        """Whether the chair may stand here; tables are not asked."""
+        shape = footprint_polygon(box)
+        if self._floor is not None and not self._floor.covers(shape):
+            return False
+        return bool(self._taken.intersection(shape).area <= MIN_OVERLAP_M2)
+
+
+def _runs_into(box: Box, chair: Item, tables: Sequence[Item]) -> bool:
+    """Whether a chair in this box collides with one of the tables, mesh against mesh."""
+    seat, shape = _body(replace(chair, box=box)), footprint_polygon(box)
+    over = [one for one in tables if footprint_polygon(one.box).intersects(shape)]
+    return any(collisions([seat], [_body(table)]) for table in over)
+
+
+def _body(item: Item) -> Body:
+    """An item's meshes in the world, without what stands on it."""
+    assert item.asset is not None
+    scale = np.array(item.box.size_m) / np.array(item.asset.size_m)
+    turn = np.eye(3)
+    turn[:2, :2] = rotation_2d(item.box.yaw_deg)
+    solids = tuple(
+        Solid(
+            solid.path,
+            trimesh.Trimesh(
+                (solid.mesh.vertices * scale) @ turn.T + item.box.center_m,
+                solid.mesh.faces,
+                process=False,
+            ),
+        )
+        for solid in _meshes(item.asset.usd_path)
+    )
+    return Body(item.id, solids)
+
+
+@lru_cache(maxsize=64)
+def _meshes(path: Path) -> tuple[Solid, ...]:
+    """The meshes of an asset in its own frame."""
+    stage = open_stage(path)
+    return solids_of(stage.GetDefaultPrim(), UsdGeom.XformCache())
