@@ -9,9 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd import palette
 from chord_usd.data.drawn.draw import Drawing, draw_in_style
-from chord_usd.data.drawn.fixtures import SYMBOLS
 from chord_usd.data.drawn.styles import FAMILIES, random_style
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
@@ -56,7 +54,7 @@ class PlanScore:
     room_iou: float = 0.0
     kinds_right: int = 0
     kinds: int = 0
-    """Rooms with a name in the drawing, or of a kind that has symbols of its own."""
+    """Rooms with a name or a symbol in the drawing."""
     scale_error: float = 0.0
     """|metres per pixel / truth - 1|."""
     warned: bool = False
@@ -85,10 +83,7 @@ def measure_reading(
 
 def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
     """Read one drawing and compare; positions are compared on the paper, not by the read scale."""
-    named = sum(room.kind != "unknown" for room in drawing.truth.rooms)
-    kinds = named if drawing.style.has_names else 0
-    if drawing.style.has_symbols:
-        kinds = sum(room.kind in SYMBOLS for room in drawing.truth.rooms)
+    kinds = len(drawing.told)
     try:
         plan = reader.read(drawing.rgb)
     except PlanError:
@@ -104,7 +99,7 @@ def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
     return PlanScore(
         drawing.style.family, refused=False, walls=fidelity.walls.value,
         openings=right / total if total else 1.0, room_iou=room_iou(placed, drawing.truth),
-        kinds_right=_kinds_right(placed, drawing) if kinds else 0, kinds=kinds,
+        kinds_right=_kinds_right(placed, drawing), kinds=kinds,
         scale_error=abs(frame.m_per_px / drawing.frame.m_per_px - 1.0),
         warned=bool(plan.extra.get("warnings")),
     )  # fmt: skip
@@ -137,11 +132,10 @@ def _moved_box(box: Box, moved: Callable[[np.ndarray], np.ndarray]) -> Box:  # t
 
 
 def _kinds_right(plan: Plan, drawing: Drawing) -> int:
-    told = SYMBOLS if drawing.style.has_symbols else palette.ROOM_SHADES
     return sum(
         any(found.kind == room.kind and _iou(found, room) > _SAME_ROOM_IOU for found in plan.rooms)
         for room in drawing.truth.rooms
-        if room.kind != "unknown" and room.kind in told
+        if room.id in drawing.told
     )
 
 

@@ -34,12 +34,15 @@ _SLIM, _STOUT = 0.4, 1.7
 _PANE = 0.72
 """Two strips side by side, each narrower than this share of the usual wall, are a window."""
 
-_CRUMB_WIDTH, _CRUMB_LENGTH = 0.015, 0.1
+_CRUMB_WIDTH, _CRUMB_LENGTH = 0.015, 0.16
 """A hatched wall's crumbs are narrower and shorter than these shares of the drawing."""
 
 _LEAST_CRUMBS = 150
 _FEWEST_CRUMBS = 4.0
 """In a drawing, and in a piece of wall; a basin is a crumb of its own."""
+
+_PANE_SHAPE, _PANE_CRUMBS = 1.5, 2.5
+"""What is so many times as long as wide and as most crumbs are is a pane, not a crumb."""
 
 _BLOCK_FILL = 0.85
 _BLOCK_SLACK = 0.25
@@ -84,11 +87,15 @@ def filled_bodies(ink: BoolArray) -> Iterator[BoolArray]:
         & (depths <= np.where(long > _LONG, _UNEVEN_LONG, _UNEVEN) * widths)
         & (long >= _ELONGATED)
     )
-    if is_crumb.sum() >= _LEAST_CRUMBS:
-        yield _hatching(ink, labels, areas, is_crumb)
-        is_strip &= ~is_crumb
     bounds = stats[:, cv2.CC_STAT_WIDTH] * stats[:, cv2.CC_STAT_HEIGHT]
-    is_block = (areas >= _BLOCK_FILL * bounds) & ~is_strip
+    is_full = areas >= _BLOCK_FILL * bounds
+    if is_crumb.sum() >= _LEAST_CRUMBS:
+        sides = np.sort(stats[:, 2:4], axis=1)
+        is_pane = is_full & (sides[:, 1] > _PANE_SHAPE * sides[:, 0])
+        is_pane &= sides[:, 1] > _PANE_CRUMBS * np.median(sides[is_crumb, 1])
+        yield _hatching(ink, labels, areas, is_crumb & ~is_pane)
+        is_strip &= ~is_crumb
+    is_block = is_full & ~is_strip
     if is_strip.any():
         yield from _hollow(ink, labels, areas, widths, is_strip, np.where(is_block, depths, 0.0))
 

@@ -15,6 +15,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.doubts import doubts, refuse_nonsense
+from chord_usd.plan.fixtures import kind_by_fixtures
 from chord_usd.plan.gaps import Gap, find_gaps
 from chord_usd.plan.labels import label_rooms
 from chord_usd.plan.openings import CONFIDENCE, Bar, read_openings
@@ -137,7 +138,8 @@ class _Reading:
     def weight(self) -> float:
         """Floor that walls with openings enclose; single lines count for less."""
         floor = sum(outline.walled * Polygon(outline.polygon_px).area for outline in self.outlines)
-        shut = 1.0 if self.bars else _SHUT_WEIGHT
+        entered = self.entered / max(len(self.outlines), 1)
+        shut = _SHUT_WEIGHT + (1.0 - _SHUT_WEIGHT) * entered
         return floor * shut * (_LINES_WEIGHT if self.strokes.are_lines else 1.0)
 
 
@@ -205,6 +207,11 @@ def _plan(reading: _Reading, texts: Sequence[Text]) -> Plan:
     thickness_px = WALL_THICKNESS_M / frame.m_per_px
     drawn = [outline.polygon_px for outline in reading.outlines]
     polygons = even_out(drawn, thickness_px, _FARTHEST_MOVE * thickness_px)
+    strokes = reading.strokes
+    fitted = [
+        kind_by_fixtures(polygon, strokes.fine, strokes.letters, frame.m_per_px)
+        for polygon in drawn
+    ]
     rooms = label_rooms(
         [
             Room("", "unknown", frozen_array(m_from_px(polygon, frame)), extra=_sure(outline))
@@ -212,6 +219,7 @@ def _plan(reading: _Reading, texts: Sequence[Text]) -> Plan:
         ],
         texts,
         frame,
+        fitted,
     )
     room_ids = [room.id for room in rooms]
     openings = read_openings(reading.bars, polygons, room_ids, thickness_px, frame)

@@ -1,4 +1,4 @@
-"""Names and kinds of rooms, from what is printed in them."""
+"""Names and kinds of rooms, from what is printed in them and from what is fitted there."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from chord_usd.types import PixelFrame, Room, RoomKind
 from chord_usd.units import m_from_px
 
 KIND_CONFIDENCE = "kindConfidence"
-"""Key of Room.extra: how well its name was legible, [0, 1]."""
+"""Key of Room.extra: how well its name was legible, or fixtures tell its kind, [0, 1]."""
+
+_BY_FIXTURES = 0.7
 
 _LEADING: tuple[RoomKind, ...] = (
     "living", "bedroom", "kitchen", "bathroom", "dining", "study", "balcony", "store", "corridor",
@@ -24,13 +26,17 @@ _LEADING: tuple[RoomKind, ...] = (
 
 
 def label_rooms(
-    rooms: Sequence[Room], texts: Sequence[Text], frame: PixelFrame
+    rooms: Sequence[Room], texts: Sequence[Text], frame: PixelFrame, fitted: Sequence[RoomKind] = ()
 ) -> tuple[Room, ...]:
     """The rooms with their kinds and names. texts: of the picture that lies in frame.
 
-    Ids are by kind where a kind was read (bedroom1), as those of a plan raster are.
+    fitted: each room's kind by what stands in it, which counts where no name is printed. Ids are by
+    kind where a kind was read (bedroom1), as those of a plan raster are.
     """
-    labelled = [_labelled(room, texts_in(room, texts, frame)) for room in rooms]
+    labelled = [
+        _fitted(_labelled(room, texts_in(room, texts, frame)), kind)
+        for room, kind in zip(rooms, fitted or ["unknown"] * len(rooms), strict=True)
+    ]
     counts: dict[RoomKind, int] = {}
     named = []
     for room in labelled:
@@ -64,6 +70,12 @@ def _labelled(room: Room, texts: Sequence[Text]) -> Room:
     spoken = [name for name, said in kinds.items() if said != "unknown"]
     extra = {**room.extra, KIND_CONFIDENCE: round(score, 2)}
     return replace(room, kind=kind, name=", ".join(spoken), extra=extra)
+
+
+def _fitted(room: Room, kind: RoomKind) -> Room:
+    if room.kind == "unknown" and kind != "unknown":
+        return replace(room, kind=kind, extra={**room.extra, KIND_CONFIDENCE: _BY_FIXTURES})
+    return room
 
 
 def _is_measure_alone(text: str) -> bool:

@@ -24,7 +24,20 @@ _FLAT_COLORS = 6
 _COLOR_STEP = 16
 _LEAST_COLOR_SHARE = 0.004
 _LEAST_CHROMA = 60
-"""Walls may have one flat colour: vivid, and one of the most frequent in the picture."""
+"""Walls may have one flat colour: vivid, and one of the most frequent of these in the picture."""
+
+_SAME_COLOR = 28
+"""Levels by which JPEG changes a flat colour."""
+
+_RIM_PX = (0, 1, 2)
+"""By so much thicker than at the first threshold fine lines are at each."""
+
+_WIDEST_LINE = 0.008
+_LEAST_WINDOW_PX = 9
+"""Lines are thinner than both, as a share of the picture and in pixels."""
+
+_LEAST_FILLED = 0.01
+"""Share of the picture from which floors and walls are filled with something light."""
 
 _EDGE = 0.006
 """Share of the picture's shorter side that is passed over along its edges."""
@@ -86,6 +99,8 @@ class Strokes:
 
     ink: BoolArray
     """Everything drawn."""
+    fine: BoolArray
+    """Lines alone: darker than the paper or the coloured floor that they are drawn on."""
     wall: BoolArray
     """Thick strokes only."""
     thickness_px: float
@@ -106,7 +121,7 @@ class Strokes:
     def thin(self) -> BoolArray:
         """Ink that is no wall: door leaves, window panes, furniture."""
         near_wall = cv2.dilate(self.wall.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        thin = self.ink & ~near_wall
+        thin = self.fine & ~near_wall
         # A door's leaf may run through a name; letters end where the name ends.
         count, labels, stats, _ = cv2.connectedComponentsWithStats(
             thin.astype(np.uint8), connectivity=8
@@ -129,24 +144,53 @@ def find_strokes(rgb: ByteArray, texts_px: Sequence[FloatArray] = ()) -> Iterato
     ink = brightness < _FAINTEST_INK
     brightness[_frames(ink)] = 1.0
     ink = brightness < _FAINTEST_INK
-    letters = _boxes(ink.shape, texts_px)
+    drawn = _Drawn(ink, ink & _fine_lines(brightness), _boxes(ink.shape, texts_px))
     soft = _is_soft(brightness)
-    for share in _DARKNESS:
-        yield from _strokes_of(brightness < share, ink, letters, soft=soft)
+    for share, rim_px in zip(_DARKNESS, _RIM_PX, strict=True):
+        yield from _strokes_of(brightness < share, drawn, soft=soft, rim_px=rim_px)
     for colored in _flat_colors(rgb):
-        yield from _strokes_of(colored, ink, letters)
-    for bodies in filled_bodies(ink):
-        yield from _strokes_of(bodies, ink, letters)
+        # With the dark lines that such a wall is drawn between.
+        faces = drawn.fine & (cv2.dilate(colored, np.ones((3, 3), np.uint8)) > 0)
+        yield from _strokes_of((colored > 0) | faces, drawn)
+    outlined = drawn.fine | (brightness < _DARKNESS[0])
+    for faces in [ink, outlined] if (ink & ~outlined).mean() > _LEAST_FILLED else [ink]:
+        for bodies in filled_bodies(faces):
+            yield from _strokes_of(bodies, drawn)
 
 
-def _flat_colors(rgb: ByteArray) -> Iterator[BoolArray]:
-    """(H, W) where each of the picture's vivid flat colours is."""
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """What every way to tell walls needs. Arrays (H, W), see Strokes."""
+
+    ink: BoolArray
+    fine: BoolArray
+    letters: BoolArray
+
+
+def _fine_lines(brightness: FloatArray) -> BoolArray:
+    """(H, W) what is darker than all that lies round it, as lines are on a floor of any colour."""
+    side = max(round(_WIDEST_LINE * max(brightness.shape)) | 1, _LEAST_WINDOW_PX)
+    grey = brightness.astype(np.float32)
+    ground = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
+    return np.asarray(grey < _FAINTEST_INK * ground)
+
+
+def _flat_colors(rgb: ByteArray) -> Iterator[ByteArray]:
+    """(H, W) not 0 where each of the picture's vivid flat colours is."""
     codes = (rgb // _COLOR_STEP).astype(np.int32) @ np.array([256, 16, 1])
     counts = np.bincount(codes.ravel(), minlength=4096)
-    for code in np.argsort(-counts)[:_FLAT_COLORS]:
-        color = np.array([code // 256, code // 16 % 16, code % 16]) * _COLOR_STEP
-        if counts[code] > _LEAST_COLOR_SHARE * codes.size and np.ptp(color) >= _LEAST_CHROMA:
-            yield np.asarray(codes == code)
+    order = np.argsort(-counts)
+    often = order[counts[order] > _LEAST_COLOR_SHARE * codes.size]
+    colors = np.stack([often // 256, often // 16 % 16, often % 16], axis=1) * _COLOR_STEP
+    found: list[FloatArray] = []
+    for code in often[np.ptp(colors, axis=1) >= _LEAST_CHROMA]:
+        color = rgb[codes == code].mean(axis=0)
+        if all(np.abs(color - other).max() > _SAME_COLOR for other in found):
+            found.append(color)
+            low, high = color - _SAME_COLOR, color + _SAME_COLOR
+            yield np.asarray(cv2.inRange(rgb, low, high), np.uint8)
+        if len(found) == _FLAT_COLORS:
+            return
 
 
 def _boxes(shape: tuple[int, ...], corners_px: Sequence[FloatArray]) -> BoolArray:
@@ -185,13 +229,14 @@ def _frames(ink: BoolArray) -> BoolArray:
 
 
 def _strokes_of(
-    dark: BoolArray, ink: BoolArray, letters: BoolArray, *, soft: bool = False
+    dark: BoolArray, drawn: _Drawn, *, soft: bool = False, rim_px: int = 0
 ) -> Iterator[Strokes]:
     """The thick strokes among dark pixels, if there are any."""
     thickness_px = _wall_thickness(dark)
     if thickness_px is None:
         return
-    wall = _thick_parts(dark, thickness_px, soft=soft)
+    letters = drawn.letters
+    wall = _thick_parts(dark, thickness_px, soft=soft, rim_px=rim_px)
     sides_px = _extent(wall)
     lines = None
     if thickness_px < min(_BOLDEST_LINE_PX, _FINEST_LINE * max(sides_px)):
@@ -202,7 +247,7 @@ def _strokes_of(
     else:
         wall = _without_specks(wall, letters, thickness_px)
     if wall.any():
-        yield Strokes(ink, wall, thickness_px, letters, lines)
+        yield Strokes(drawn.ink, drawn.fine, wall, thickness_px, letters, lines)
 
 
 def _bold_lines(dark: BoolArray, thickness_px: float) -> BoolArray:
@@ -272,11 +317,14 @@ def _wall_thickness(ink: BoolArray) -> float | None:
     return float(np.average(near, weights=counts[near] + 1e-9))
 
 
-def _thick_parts(ink: BoolArray, thickness_px: float, *, soft: bool) -> BoolArray:
+def _thick_parts(
+    ink: BoolArray, thickness_px: float, *, soft: bool, rim_px: int = 0
+) -> BoolArray:  # fmt: skip
     """Ink at least as thick as an inner wall."""
     share, most_px = (_THINNEST_IF_SOFT, _SOFT_PX) if soft else (_THINNEST_IN_BLUR, _BLUR_PX)
     blurred = min(round(share * thickness_px), most_px)
-    side = max(round(_THINNEST_WALL * thickness_px), blurred, _LEAST_WALL_PX)
+    thinnest = round(_THINNEST_WALL * thickness_px) + rim_px
+    side = max(min(thinnest, round(thickness_px / 2)), blurred, _LEAST_WALL_PX)
     square = np.ones((side, side), np.uint8)
     return cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, square) > 0
 

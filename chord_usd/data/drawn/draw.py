@@ -70,6 +70,8 @@ class Drawing:
     style: Style
     to_picture: FloatArray
     """(3, 3) from the upright drawing's continuous pixels to those of rgb."""
+    told: frozenset[str]
+    """Rooms of the truth whose kind is shown, by a name or by a symbol."""
 
 
 def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing:
@@ -82,12 +84,11 @@ def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing
     _fill_floors(canvas, plan, frame, style)
     if style.has_furniture:
         _draw_furniture(canvas, truth, frame, style, rng)
-    if style.has_symbols:
-        _draw_symbols(canvas, truth, frame, style, rng)
+    told = _draw_symbols(canvas, truth, frame, style, rng) if style.has_symbols else set()
     _draw_walls(canvas, truth, frame, style)
     for opening in truth.openings:
         _draw_opening(canvas, opening, frame, style)
-    write_names(canvas, truth, frame, style)
+    told |= write_names(canvas, truth, frame, style)
     if style.has_dimensions:
         draw_dimensions(canvas, truth, frame, style)
     if style.has_frame:
@@ -95,7 +96,7 @@ def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing
         far = canvas.shape[1] - inset, canvas.shape[0] - inset
         cv2.rectangle(canvas, (inset, inset), far, style.line_rgb, 2)
     rgb, to_picture = soil(canvas, style, rng)
-    return Drawing(rgb, truth, frame, style, to_picture)
+    return Drawing(rgb, truth, frame, style, to_picture, frozenset(told))
 
 
 def without_seams(plan: Plan) -> Plan:
@@ -309,8 +310,12 @@ _BACK_M = 0.02
 
 def _draw_symbols(
     canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style, rng: np.random.Generator
-) -> None:
-    """Fixtures with their backs to walls, clear of doors, sizes and one another."""
+) -> set[str]:
+    """Fixtures with their backs to walls, clear of doors, sizes and one another.
+
+    Returns the rooms in which there was place for any.
+    """
+    fitted = set()
     for room, taken in _rooms_and_taken(plan, style):
         floor = room_polygon(room).buffer(1e-6)
         edges = list(zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True))
@@ -328,9 +333,11 @@ def _draw_symbols(
                 if not floor.contains(piece) or any(piece.intersects(t) for t in taken):
                     continue
                 taken.append(piece)
+                fitted.add(room.id)
                 for line in symbol.lines(turn, place):
                     _line(canvas, line, frame, style.line_rgb, 1)
                 break
+    return fitted
 
 
 def _rooms_and_taken(plan: Plan, style: Style) -> Iterator[tuple[Room, list[Polygon]]]:

@@ -57,9 +57,13 @@ _INCHES_PER_M = 39.37
 _SMALLEST_LETTERS_PX = 8
 
 
-def write_names(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) -> None:
-    """Write each room's name and size in its middle, one below the other."""
+def write_names(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) -> set[str]:
+    """Write each room's name and size in its middle, one below the other.
+
+    Returns the rooms whose names had place.
+    """
     letters_px = max(9, round(style.letters_m / frame.m_per_px))
+    named = set()
     for room in plan.rooms:
         lines = []
         if style.has_names and room.kind != "unknown":
@@ -75,6 +79,8 @@ def write_names(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) 
         own_px = round(letters_px * min(1.0, 0.9 * (tall if upright else wide) / max(needed, 1.0)))
         if own_px < _SMALLEST_LETTERS_PX:
             continue
+        if style.has_names and room.kind != "unknown":
+            named.add(room.id)
         # Kept within the bounds of a room whose widest part lies at one end.
         bounds = px_from_m(np.array([low, high]), frame)
         axis, half = int(upright), min(needed * own_px / letters_px, wide if not upright else tall)
@@ -86,6 +92,7 @@ def write_names(canvas: ByteArray, plan: Plan, frame: PixelFrame, style: Style) 
             offset = (index - (len(lines) - 1) / 2) * 1.3 * own_px
             place = (x + offset, y) if upright else (x, y + offset)
             write(canvas, line, place, own_px, style.line_rgb, upright=upright)
+    return named
 
 
 def _width(line: str, letters_px: int) -> float:
