@@ -76,7 +76,7 @@ class Tabletops:
     @property
     def left_out(self) -> int:
         """How many were read and found no place to stand."""
-        return sum(len(laid.seen) - len(laid.children) for laid in self.laid.values())
+        return sum(laid.left_out for laid in self.laid.values())
 
 
 def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()) -> list[View]:
@@ -103,8 +103,8 @@ def lay_pieces(
 ) -> dict[str, Laid]:
     """What comes to stand on each piece that is not too small, by the id of the piece.
 
-    Pieces that stay bare are drawn again, all of them together, until something stands on them or
-    tries is reached.
+    Pieces that stay bare, or on which something finds no place, are drawn again, all of them
+    together, until all stands or tries is reached; the first draw with the fewest faults stays.
     """
     waiting = [view for view in views if not view.is_too_small]
     laid: dict[str, Laid] = {}
@@ -113,8 +113,10 @@ def lay_pieces(
             break
         layouts = draw(waiting, attempt)
         for view, layout in zip(waiting, layouts, strict=True):
-            laid[view.item.id] = view.laid(layout, database, reliefs)
-        waiting = [view for view in waiting if not laid[view.item.id].children]
+            drawn, before = view.laid(layout, database, reliefs), laid.get(view.item.id)
+            if before is None or drawn.faults < before.faults:
+                laid[view.item.id] = drawn
+        waiting = [view for view in waiting if laid[view.item.id].faults]
     return laid
 
 

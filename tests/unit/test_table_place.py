@@ -276,6 +276,22 @@ class TestHouse:
         assert all(one.children for one in laid.values())
         assert len({views[0].seed(3, attempt) for attempt in range(TRIES)}) == TRIES
 
+    def test_the_draw_on_which_most_finds_a_place_stays(self) -> None:
+        desk = table()
+        views = table_views(self.house(desk), flat_of)
+        laptop = thing("laptop", 0.0, 0.0, (0.34, 0.28, 0.2))
+        in_it = thing("coffee_cup", 0.16, 0.0, (0.13, 0.13, 0.08))
+        draws = [(laptop, in_it), (), (in_it,)]
+
+        def draw(pieces, attempt: int) -> list[LayoutImage]:
+            return [picture(view.item, *draws[attempt]) for view in pieces]
+
+        laid = lay_pieces(views, draw, Sizes(), flat_of)
+        assert [child.category for child in laid[desk.id].children] == ["coffee_cup"]
+        two = lay_pieces(views, draw, Sizes(), flat_of, tries=2)
+        assert [child.category for child in two[desk.id].children] == ["laptop"]
+        assert two[desk.id].left_out == 1
+
     def test_what_stays_bare_after_all_tries_is_told(self) -> None:
         desk = table()
         views = table_views(self.house(desk), flat_of)
