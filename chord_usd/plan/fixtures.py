@@ -7,6 +7,7 @@ round corners in a box, a bed by pillows at the head of a blanket.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -31,6 +32,7 @@ _RING_M, _RING_RATIO, _RING_FILL = (0.1, 0.3), 1.35, (0.68, 0.95)
 _RINGS_APART_M = (0.14, 0.45)
 _OVAL_M, _OVAL_RATIO = ((0.36, 0.64), (0.24, 0.48)), (1.12, 1.8)
 _SHOWER_M = (0.65, 1.15)
+
 _BATH_M = (1.35, 1.95), (0.58, 0.9)
 _RIM_M = 0.2
 _BLANKET_M = (0.95, 1.75), (0.7, 2.15)
@@ -119,8 +121,9 @@ def _patch(own: BoolArray, place: tuple[int, int], m_per_px: float) -> _Patch:
     sides = np.array(size) + 1.0
     corners = cv2.boxPoints((center, (float(sides[0]), float(sides[1])), turn))
     inset = np.asarray(corners) * 0.92 + np.array(center) * 0.08
-    cells = np.rint(inset).astype(int).clip(0, np.array(own.shape[::-1]) - 1)
-    within = own[cells[:, 1], cells[:, 0]]
+    # Beyond its bounds there is none of it.
+    cells = np.rint(inset).astype(int).clip(-1, np.array(own.shape[::-1])) + 1
+    within = np.pad(own, 1)[cells[:, 1], cells[:, 0]]
     middle = (np.array(center) + np.array(place)) * m_per_px
     area = float(own.sum()) * m_per_px**2
     placed = (corners + np.array(place)) * m_per_px
@@ -169,12 +172,17 @@ def _is_oval(patch: _Patch) -> bool:
 def _has_shower(patches: Sequence[_Patch]) -> bool:
     quarters = [
         p for p in patches
-        if _between(p.fill, _TRIANGLE_FILL) and _between(p.long_m, _SHOWER_M)
+        if _between(p.fill, _TRIANGLE_FILL) and _between(_base_m(p), _SHOWER_M)
     ]  # fmt: skip
     return any(
-        _are_alike(four) and max(_spread(four)) < _SHOWER_M[1]
+        _are_alike(four) and max(_spread(four)) < _base_m(four[0])
         for four in combinations(quarters[:8], 4)
     )
+
+
+def _base_m(triangle: _Patch) -> float:
+    """The long side of half a square; the least rectangle round it lies along that or its legs."""
+    return triangle.long_m * (1.0 if triangle.ratio > math.sqrt(2.0) else math.sqrt(2.0))
 
 
 def _has_bath(patches: Sequence[_Patch]) -> bool:

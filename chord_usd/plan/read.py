@@ -119,9 +119,10 @@ def is_plan_raster(rgb: ByteArray) -> bool:
     step = max(1, round((rgb.size / 3 / _SAMPLES) ** 0.5))
     sample = rgb[::step, ::step].reshape(-1, 1, 3).astype(np.int16)
     known = np.abs(sample - colors).max(axis=2).min(axis=1) <= _COLOR_SLACK
+    if known.mean() < _PALETTE_SHARE:
+        return False
     openings = [palette.category(name).rgb for name in ("door", "window")]
-    has_openings = any((rgb == np.array(color)).all(axis=2).any() for color in openings)
-    return has_openings and bool(known.mean() >= _PALETTE_SHARE)
+    return any((rgb == np.array(color)).all(axis=2).any() for color in openings)
 
 
 def _told(plan: Plan) -> list[str]:

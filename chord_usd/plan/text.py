@@ -81,5 +81,7 @@ def _engine() -> Any:
             "Global.log_level": "critical",
             f"{engine}.intra_op_num_threads": min(threads, 4),
             f"{engine}.inter_op_num_threads": 1,
+            # Without one every layer of a large picture asks the system for fresh memory.
+            f"{engine}.enable_cpu_mem_arena": True,
         }
     )

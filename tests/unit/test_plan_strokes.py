@@ -69,6 +69,41 @@ def test_walls_are_found_however_they_are_drawn(name: str) -> None:
     assert max(shares) > 0.85
 
 
+def test_coloured_walls_are_found_among_many_coloured_floors() -> None:
+    """Eight floors cover more paper than the walls between them."""
+    wall = true_wall()
+    drawing = np.full((SIDE, SIDE, 3), 255, np.uint8)
+    for index in range(8):
+        top = 74 + 80 * index
+        drawing[top : top + 80, 74:727] = (200, 235 - 12 * index, 180 + 9 * index)
+    drawing[wall] = (255, 215, 45)
+    inner = cv2.erode(wall.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    drawing[wall & ~inner] = 60
+    shares = [area(s.wall & wall) / area(s.wall | wall) for s in find_strokes(drawing)]
+    assert max(shares) > 0.9
+
+
+def test_a_coloured_floor_is_no_line_but_what_is_drawn_on_it_is() -> None:
+    drawing = painted(true_wall(), (0, 0, 0))
+    drawing[74:727, 74:393] = (102, 194, 165)
+    cv2.circle(drawing, (74, 727), 90, (40, 40, 40), 1)
+    thin = next(find_strokes(drawing)).thin
+    assert not thin[300:500, 100:300].any()
+    assert thin[727 - 90 - 1 : 727 - 90 + 2, 78].any()
+
+
+def test_panes_are_left_open_in_hatched_walls() -> None:
+    wall = true_wall()
+    drawing = hatched(wall)
+    drawing[60:74, 200:300] = 255
+    cv2.rectangle(drawing, (200, 60), (300, 73), (0, 0, 0), 1)
+    cv2.line(drawing, (200, 66), (300, 66), (0, 0, 0), 1)
+    # Crumbs there would be wall without a gap.
+    found = [s.wall for s in find_strokes(drawing) if area(s.wall & wall) > 0.8 * area(wall)]
+    assert found
+    assert not any(mask[66, 220:280].all() for mask in found)
+
+
 def test_lines_become_walls_that_are_no_longer_than_the_lines() -> None:
     drawing = np.full((SIDE, SIDE, 3), 255, np.uint8)
     cv2.rectangle(drawing, (60, 60), (740, 740), (0, 0, 0), 2)
