@@ -33,9 +33,10 @@ def label_rooms(
     fitted: each room's kind by what stands in it, which counts where no name is printed. Ids are by
     kind where a kind was read (bedroom1), as those of a plan raster are.
     """
+    kinds: Sequence[RoomKind] = fitted or ["unknown"] * len(rooms)
     labelled = [
         _fitted(_labelled(room, texts_in(room, texts, frame)), kind)
-        for room, kind in zip(rooms, fitted or ["unknown"] * len(rooms), strict=True)
+        for room, kind in zip(rooms, kinds, strict=True)
     ]
     counts: dict[RoomKind, int] = {}
     named = []
