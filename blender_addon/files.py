@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 from bpy.app.handlers import persistent
 
+from .core.claim import LOCK
 from .core.commands import house_folder
 from .jobs import unsaved_folder
 from .preferences import preferences
@@ -30,9 +31,20 @@ def _before_save(path: str = "", *_: object) -> None:
         house = Path(own.house)
         if own.house and house.is_file() and house.is_relative_to(unsaved_folder()):
             wanted = house_folder(path, house.parent.name, unsaved_folder())
-            folder = session.claims.free_folder(wanted)
-            shutil.copytree(house.parent, folder, dirs_exist_ok=True)
-            own.house = str(folder / house.name)
+            folder = session.claims.take_new(wanted)
+            try:
+                _copy(house.parent, folder)
+            except OSError as error:
+                session.claims.drop_empty()
+                own.error = f"The house stays in a temporary folder: {error}"
+            else:
+                own.house = str(folder / house.name)
+
+
+def _copy(house_folder: Path, folder: Path) -> None:
+    """All of a house but its lock, which the new one has already."""
+    ignored = shutil.ignore_patterns(LOCK)
+    shutil.copytree(house_folder, folder, ignore=ignored, dirs_exist_ok=True)
 
 
 def _ask_program() -> None:

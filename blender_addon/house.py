@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 import bpy
+from mathutils import Matrix as WorldMatrix
 
-from .core.edits import Changes, Matrix, moves, told, understood
-from .core.tree import is_light, is_piece, is_placed, room_of
-from .properties import PATH_KEY, chosen_room, fields
-
-PLACED_KEY = "chord_usd_placed"
-"""Custom property of the house's collection: where the house itself has its pieces, as JSON.
-
-A removed object remembers nothing. Custom properties have short names: a dictionary by path of its
-own would not do."""
-
-CHANGES_KEY = "chord_usd_changes"
-"""Custom property of the house's collection: the changes it came in with, as JSON."""
+from .core.edits import Changes, Matrix, moves, placements_of_house, told, understood
+from .core.revisions import revision
+from .core.tree import CAMERAS, is_ceiling, is_light, is_piece, is_placed, room_of
+from .properties import PART_KEY, chosen_room, fields
 
 LOCKED_KEY = "chord_usd_locked"
 """Custom property of pieces that stay when their room is furnished anew."""
@@ -35,30 +29,24 @@ CATEGORY_KEY, SIZE_KEY = "chord:category", "chord:size_m"
 Objects = dict[str, bpy.types.Object]
 
 
-def house_collection(context: bpy.types.Context) -> bpy.types.Collection | None:
-    """The house of this scene."""
-    for collection in context.scene.collection.children:
-        if PLACED_KEY in collection:
-            return collection
-    return None
-
-
-def room_collection(context: bpy.types.Context, room: str) -> bpy.types.Collection | None:
-    """The collection of a room of the house at hand."""
-    house = house_collection(context)
-    for collection in house.children if house else ():
-        if collection.get(PATH_KEY) == room:
-            return collection
-    return None
-
-
 def own_objects(context: bpy.types.Context) -> Objects:
-    """The house's objects by USD path. Of copies that an artist made, only the first counts."""
-    found: Objects = {}
-    for item in sorted(context.scene.objects, key=lambda one: one.name):
-        if PATH_KEY in item:
-            found.setdefault(str(item[PATH_KEY]), item)
-    return found
+    """The house's objects by USD path, as far as they are in this scene; no copies of them."""
+    there = set(context.scene.objects)
+    return {line.path: line.object for line in fields(context).objects if line.object in there}
+
+
+def is_shown(context: bpy.types.Context) -> bool:
+    """Whether there is a house in this scene, or what an artist has left of it."""
+    return bool(own_objects(context))
+
+
+def adopt(context: bpy.types.Context, objects: Objects) -> None:
+    """Keep which objects the house has, so that no copy and no new name is taken for another."""
+    lines = fields(context).objects
+    lines.clear()
+    for path, item in objects.items():
+        line = lines.add()
+        line.path, line.object = path, item
 
 
 def objects_at(context: bpy.types.Context, paths: Iterable[str]) -> list[bpy.types.Object]:
@@ -85,35 +73,49 @@ def component(objects: Objects, piece: str) -> str:
     return piece
 
 
-def matrix_of(item: bpy.types.Object) -> Matrix:
-    """An object's placement in its parent."""
-    return tuple(tuple(row) for row in item.matrix_local)
+def placement(objects: Objects, path: str) -> Matrix:
+    """Where an object stands in what is above it in the stage, wherever an artist has hung it."""
+    item, above = objects[path], objects.get(path.rpartition("/")[0])
+    if item.parent == above:
+        placed = item.matrix_local
+    else:
+        frame = above.matrix_world if above else WorldMatrix.Identity(4)
+        placed = frame.inverted_safe() @ item.matrix_world
+    return tuple(tuple(row) for row in placed)
 
 
 def placements(objects: Objects) -> dict[str, Matrix]:
     """Where everything stands that can be moved."""
-    return {path: matrix_of(item) for path, item in objects.items() if is_placed(path)}
+    return {path: placement(objects, path) for path in objects if is_placed(path)}
 
 
-def remember(house: bpy.types.Collection, was: dict[str, Matrix], changes: Changes) -> None:
-    """Keep with the house how it was, so that undo undoes that, too."""
-    house[PLACED_KEY] = json.dumps(was)
-    house[CHANGES_KEY] = json.dumps(told(changes))
+def remember(context: bpy.types.Context, house: Path, changes: Changes) -> None:
+    """Keep with the scene how the house was that came in, so that undo undoes that, too.
+
+    changes: those it came in with. Raises OSError.
+    """
+    own, objects = fields(context), own_objects(context)
+    own.placed = json.dumps(placements_of_house(placements(objects), changes))
+    own.came_with = json.dumps(told(changes))
+    own.revision = revision(house)
+    for path, item in objects.items():
+        if is_light(path) and item.type == "LIGHT":
+            item[LAMP_KEY] = _brightness(item) / changes.lights.get(path, 1.0)
+        if path in changes.locked:
+            item[LOCKED_KEY] = True
 
 
 def house_placements(context: bpy.types.Context) -> dict[str, Matrix]:
     """Where the house itself has its pieces."""
-    house = house_collection(context)
-    placed = json.loads(house[PLACED_KEY]) if house else {}
+    placed = json.loads(fields(context).placed or "{}")
     return {path: tuple(map(tuple, rows)) for path, rows in placed.items()}
 
 
 def changes_of(context: bpy.types.Context) -> Changes:
     """What is changed in the house of this scene, against the house itself."""
-    house = house_collection(context)
-    if house is None:
+    if not is_shown(context):
         return Changes()
-    came_with = understood(json.loads(house[CHANGES_KEY]))
+    came_with = understood(json.loads(fields(context).came_with))
     context.view_layer.update()
     objects = own_objects(context)
     return Changes(
@@ -122,13 +124,6 @@ def changes_of(context: bpy.types.Context) -> Changes:
         lights={p: s for p, s in _strengths(objects).items() if abs(s - 1.0) > LEAST_LIGHT},
         locked=tuple(sorted(path for path, item in objects.items() if item.get(LOCKED_KEY))),
     )
-
-
-def remember_lamps(objects: Objects, changes: Changes) -> None:
-    """Keep with each lamp how bright the house itself has it."""
-    for path, item in objects.items():
-        if is_light(path) and item.type == "LIGHT":
-            item[LAMP_KEY] = _brightness(item) / changes.lights.get(path, 1.0)
 
 
 def set_light(context: bpy.types.Context, room: str, strength: float) -> None:
@@ -145,14 +140,21 @@ def light_of(objects: Objects, room: str) -> float:
 
 def show_rooms(context: bpy.types.Context) -> None:
     """Show the chosen room alone, or all of them, as the field says."""
-    house = house_collection(context)
-    if house is None:
-        return
-    chosen = chosen_room(context) if fields(context).solo else ""
-    layers = context.view_layer.layer_collection.children[house.name].children
-    for layer in layers:
-        name = layer.collection.get(PATH_KEY, "")
-        layer.hide_viewport = bool(chosen) and name != chosen
+    own = fields(context)
+    chosen = chosen_room(context) if own.solo else ""
+    parts = {CAMERAS, *(room.name for room in own.rooms)}
+    for layer in _layers(context.view_layer.layer_collection):
+        part = layer.collection.get(PART_KEY)
+        if part in parts:
+            layer.hide_viewport = bool(chosen) and part != chosen
+
+
+def show_ceilings(context: bpy.types.Context) -> None:
+    """Bring the ceilings' visibility in line with the field."""
+    hidden = fields(context).hide_ceilings
+    for path, item in own_objects(context).items():
+        if is_ceiling(path):
+            item.hide_set(hidden)
 
 
 def select(context: bpy.types.Context, items: Iterable[bpy.types.Object]) -> None:
@@ -169,6 +171,13 @@ def select(context: bpy.types.Context, items: Iterable[bpy.types.Object]) -> Non
             region = next(region for region in area.regions if region.type == "WINDOW")
             with context.temp_override(area=area, region=region):
                 bpy.ops.view3d.view_selected()
+
+
+def _layers(top: bpy.types.LayerCollection) -> Iterator[bpy.types.LayerCollection]:
+    """All collections of a view layer, wherever an artist has put them."""
+    for layer in top.children:
+        yield layer
+        yield from _layers(layer)
 
 
 def _strengths(objects: Objects) -> dict[str, float]:

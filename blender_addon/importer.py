@@ -2,81 +2,92 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import bpy
 
-from .core.edits import placements_of_house
 from .core.layer import opened_file, read_changes
 from .core.tree import Branch, collection_tree, room_names, usd_paths
 from .house import (
-    LOCKED_KEY,
+    Objects,
+    adopt,
     light_of,
     own_objects,
-    placements,
     remember,
-    remember_lamps,
+    show_ceilings,
     show_rooms,
 )
-from .properties import PATH_KEY, fields, show_ceilings
+from .properties import PART_KEY, fields
 
 WORLD = "CHOrD sky"
 
-PROTOTYPES = "prototypes"
-"""The importer's collection of what is instanced, left out of the view layer."""
+PROTOTYPE = ""
+"""The part of the house that its instances show."""
 
 
-def import_house(context: bpy.types.Context, house: Path) -> list[str]:
-    """Import the stage in place of the house that was there; returns the rooms' names.
+def import_house(context: bpy.types.Context, house: Path) -> None:
+    """Import the stage in place of the house that was there.
 
     Changes that were saved for it come in with it. What the artist put beside it stays.
     """
     remove_house(context)
-    if context.scene.world is None:  # without one, the importer drops the stage's sky
-        context.scene.world = bpy.data.worlds.get(WORLD) or bpy.data.worlds.new(WORLD)
-    before = set(bpy.data.objects)
-    bpy.ops.wm.usd_import(filepath=str(opened_file(house)), support_scene_instancing=True)
-    _own_prototypes(context)
-    linked = {item for item in context.scene.collection.objects if item not in before}
-    paths = usd_paths({item.name: item.parent.name if item.parent else None for item in linked})
-    for item in linked:
-        item[PATH_KEY] = paths[item.name]
-    ordered = dict(sorted(paths.items(), key=lambda pair: pair[1]))
-    root = _collection(collection_tree(ordered))
+    objects = _import_stage(context, opened_file(house))
+    adopt(context, objects)
+    root = _collection(collection_tree({item.name: path for path, item in objects.items()}))
     context.scene.collection.children.link(root)
-    for item in linked:
+    for item in objects.values():
         context.scene.collection.objects.unlink(item)
-    rooms = room_names(ordered.values())
-    _recall_changes(context, root, house)
-    _fill_rooms(context, rooms)
-    _choose_camera(context, linked)
+    context.view_layer.update()
+    remember(context, house, read_changes(house))
+    _fill_rooms(context, room_names(objects))
+    _choose_camera(context, objects.values())
     show_ceilings(context)
     show_rooms(context)
-    return rooms
 
 
 def remove_house(context: bpy.types.Context) -> None:
-    """Take the house of this scene out of the file, and what only it used."""
-    own = set(own_objects(context).values())
-    theirs = [item for item in context.scene.objects if item not in own]
-    used = {item.instance_collection for item in theirs if item.instance_collection}
-    # What the artist put into the house's collections does not go with them.
+    """Take the house of this scene out of the file, and what only it used.
+
+    What the artist made stays, also where it lies in the collections of the house.
+    """
+    parts = [one for one in context.scene.collection.children_recursive if PART_KEY in one]
+    prototypes = [one for one in parts if one[PART_KEY] == PROTOTYPE]
+    own = {line.object for line in fields(context).objects} - {None}
+    shown = {item for one in prototypes for item in one.objects}
+    theirs = [item for item in context.scene.objects if item not in own | shown]
+    used, unused = _used_prototypes(theirs), _unused()
     for item in theirs:
-        _leave_house(context, item)
-    for collection in list(context.scene.collection.children):
-        if PATH_KEY in collection:
-            _remove(collection, used)
-    bpy.data.orphans_purge(do_recursive=True)
+        _leave_house(context, item, own)
+    for item in own | {item for item in shown if used.isdisjoint(item.users_collection)}:
+        bpy.data.objects.remove(item, do_unlink=True)
+    for part in parts:
+        _remove_collection(context, part, is_used=part in used)
+    fields(context).objects.clear()
+    _purge(unused)
 
 
-def _recall_changes(context: bpy.types.Context, root: bpy.types.Collection, house: Path) -> None:
-    context.view_layer.update()
-    objects, changes = own_objects(context), read_changes(house)
-    remember(root, placements_of_house(placements(objects), changes), changes)
-    remember_lamps(objects, changes)
-    for path in changes.locked:
-        if path in objects:
-            objects[path][LOCKED_KEY] = True
+def _import_stage(context: bpy.types.Context, stage: Path) -> Objects:
+    """What the stage holds, by USD path in its order; as yet in the scene's own collection."""
+    if context.scene.world is None:  # without one, the importer drops the stage's sky
+        context.scene.world = bpy.data.worlds.get(WORLD) or bpy.data.worlds.new(WORLD)
+    before, collections = set(bpy.data.objects), set(bpy.data.collections)
+    bpy.ops.wm.usd_import(filepath=str(stage), support_scene_instancing=True)
+    _hide_prototypes(context, set(bpy.data.collections) - collections)
+    linked = [item for item in context.scene.collection.objects if item not in before]
+    paths = usd_paths({item.name: item.parent.name if item.parent else None for item in linked})
+    return dict(sorted(((paths[item.name], item) for item in linked), key=lambda pair: pair[0]))
+
+
+def _hide_prototypes(
+    context: bpy.types.Context, collections: Iterable[bpy.types.Collection]
+) -> None:
+    """What instances show lies at the origin, all in one heap; it goes with the house."""
+    for collection in collections:
+        collection[PART_KEY] = PROTOTYPE
+        layer = context.view_layer.layer_collection.children.get(collection.name)
+        if layer:
+            layer.exclude = True
 
 
 def _fill_rooms(context: bpy.types.Context, rooms: list[str]) -> None:
@@ -92,18 +103,9 @@ def _fill_rooms(context: bpy.types.Context, rooms: list[str]) -> None:
     own.room_index = min(chosen, max(0, len(rooms) - 1))
 
 
-def _own_prototypes(context: bpy.types.Context) -> None:
-    """What instances are made of goes with the house when that is replaced."""
-    for collection in context.scene.collection.children:
-        if collection.name.startswith(PROTOTYPES) and PATH_KEY not in collection:
-            collection[PATH_KEY] = ""
-            # They lie at the origin, all in one heap.
-            context.view_layer.layer_collection.children[collection.name].exclude = True
-
-
 def _collection(branch: Branch) -> bpy.types.Collection:
     collection = bpy.data.collections.new(branch.name)
-    collection[PATH_KEY] = branch.name
+    collection[PART_KEY] = branch.name
     for name in branch.objects:
         collection.objects.link(bpy.data.objects[name])
     for part in branch.branches.values():
@@ -111,34 +113,72 @@ def _collection(branch: Branch) -> bpy.types.Collection:
     return collection
 
 
-def _choose_camera(context: bpy.types.Context, linked: set[bpy.types.Object]) -> None:
+def _choose_camera(context: bpy.types.Context, items: Iterable[bpy.types.Object]) -> None:
     """The importer brings cameras but makes none of them the scene's."""
-    cameras = sorted((item for item in linked if item.type == "CAMERA"), key=lambda c: c.name)
+    cameras = sorted((item for item in items if item.type == "CAMERA"), key=lambda c: c.name)
     if cameras:
         context.scene.camera = cameras[0]
 
 
-def _leave_house(context: bpy.types.Context, item: bpy.types.Object) -> None:
+def _used_prototypes(items: Iterable[bpy.types.Object]) -> set[bpy.types.Collection]:
+    """The collections that these objects show, and those that are shown in them."""
+    found: set[bpy.types.Collection] = set()
+    waiting = [item.instance_collection for item in items if item.instance_collection]
+    while waiting:
+        collection = waiting.pop()
+        if collection not in found:
+            found.add(collection)
+            waiting += [*collection.children]
+            waiting += [i.instance_collection for i in collection.objects if i.instance_collection]
+    return found
+
+
+def _leave_house(
+    context: bpy.types.Context, item: bpy.types.Object, own: set[bpy.types.Object]
+) -> None:
     """Move an artist's own object out of the collections of the house, where it is in some."""
-    homes = [c for c in item.users_collection if PATH_KEY in c]
-    if item.parent and PATH_KEY in item.parent:
+    homes = [one for one in item.users_collection if PART_KEY in one]
+    if item.parent in own:
         world = item.matrix_world.copy()
         item.parent = None
         item.matrix_world = world
-    item.pop(PATH_KEY, None)
     for home in homes:
         home.objects.unlink(item)
     if homes and not item.users_collection:
         context.scene.collection.objects.link(item)
 
 
-def _remove(collection: bpy.types.Collection, used: set[bpy.types.Collection]) -> None:
-    """Remove a collection and all in it, except what copies still show."""
-    for part in list(collection.children):
-        if part in used:
-            collection.children.unlink(part)
-        else:
-            _remove(part, used)
-    for item in list(collection.objects):
-        bpy.data.objects.remove(item, do_unlink=True)
-    bpy.data.collections.remove(collection)
+def _remove_collection(
+    context: bpy.types.Context, collection: bpy.types.Collection, *, is_used: bool
+) -> None:
+    """Remove a collection of the house; an artist's own in it move to the top.
+
+    is_used: what copies still show stays in the file, and is the artist's from now on.
+    """
+    for child in collection.children:
+        if PART_KEY not in child and child.name not in context.scene.collection.children:
+            context.scene.collection.children.link(child)
+    if not is_used:
+        bpy.data.collections.remove(collection)
+        return
+    del collection[PART_KEY]
+    for above in (context.scene.collection, *context.scene.collection.children_recursive):
+        if collection.name in above.children:
+            above.children.unlink(collection)
+
+
+def _unused() -> list[bpy.types.ID]:
+    """What nothing in the file uses."""
+    kinds = [one.identifier for one in bpy.data.bl_rna.properties if one.type == "COLLECTION"]
+    blocks = (block for kind in kinds for block in getattr(bpy.data, kind))
+    return [one for one in blocks if isinstance(one, bpy.types.ID) and not one.users]
+
+
+def _purge(spared: Iterable[bpy.types.ID]) -> None:
+    """Take out of the file what nothing uses, but for what nothing used before."""
+    kept = [one for one in spared if one.is_editable]
+    for one in kept:
+        one.use_fake_user = True
+    bpy.data.orphans_purge(do_recursive=True)
+    for one in kept:
+        one.use_fake_user = False

@@ -11,11 +11,13 @@ from typing import Any
 import bpy
 
 from .core import report
-from .core.commands import InputError, describe, found_house
+from .core.commands import describe, found_house
 from .core.edits import Changes, carried_over, without_room
+from .core.errors import InputError
 from .core.layer import read_changes, write_changes
 from .core.program import ProgramError
-from .house import changes_of, house_collection
+from .core.revisions import keep, put_back
+from .house import changes_of, is_shown
 from .importer import import_house
 from .properties import fields
 from .session import Finish, session
@@ -34,6 +36,7 @@ class JobOperator:
             arguments, finish = self.job(context)
             session.start(context, arguments, finish)
         except (InputError, ProgramError, OSError) as error:
+            session.claims.drop_empty()
             own.error = str(error)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -63,13 +66,15 @@ def claim(house: Path) -> None:
 def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
     """Write the layer of changes, so that the program sees what the artist sees.
 
-    Raises InputError where another Blender has the house, OSError.
+    After undo the scene shows an earlier state of the house; that is put back first. Raises
+    InputError where another Blender has the house or something else has changed it, OSError.
     """
     house = house_path(context)
     claim(house)
-    if house_collection(context) is None:
+    if not is_shown(context):
         return house, read_changes(house)
     changes = changes_of(context)
+    put_back(house, fields(context).revision)
     write_changes(house, changes)
     return house, changes
 
@@ -98,17 +103,16 @@ def rebuild(house: Path, before: Changes, after: Changes) -> tuple[list[str], Fi
 
 
 def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
-    """A new house: changes to the one that was there before do not apply to it."""
-    house = Path(str(data["stage"]))
-    write_changes(house, Changes())
-    session.start(context, *bring_in(house, data))
+    """A new house, in a folder of its own: changes to the one before stay with that."""
+    session.start(context, *bring_in(Path(str(data["stage"])), data))
 
 
 def show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A room was furnished anew: there, only locked pieces keep what was changed."""
     house = Path(str(data["stage"]))
+    keep(house)
     # As it is now: the artist may have gone on in other rooms.
-    before = changes_of(context) if house_collection(context) else read_changes(house)
+    before = changes_of(context) if is_shown(context) else read_changes(house)
     room = str(data["room"])
     write_changes(house, without_room(before, room))
     session.start(context, *bring_in(house, data, before, room))
@@ -145,7 +149,7 @@ def _show_house(
     context: bpy.types.Context,
     contents: dict[str, Any],
 ) -> None:
-    if before and house_collection(context):
+    if before is not None and is_shown(context):
         merged = carried_over(read_changes(house), before, changes_of(context))
         write_changes(house, without_room(merged, new_room) if new_room else merged)
     import_house(context, house)

@@ -23,7 +23,7 @@ class ChordBuildLibrary(JobOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line that draws the models; a second Blender then makes assets of them."""
         chosen = bpy.path.abspath(fields(context).library_folder)
-        folder = Path(chosen) if chosen else Path.home() / library.NAME
+        folder = library.library_folder(Path(chosen) if chosen else Path.home() / library.NAME)
         folder.mkdir(parents=True, exist_ok=True)
 
         def make_assets(told_in: bpy.types.Context, _data: dict[str, Any]) -> None:

@@ -9,7 +9,9 @@ import bpy
 
 from .core import commands
 from .core.edits import as_it_was
+from .core.errors import InputError
 from .core.layer import house_of
+from .core.revisions import keep
 from .core.tree import is_piece, room_of
 from .jobs import (
     JobOperator,
@@ -43,21 +45,17 @@ class ChordGenerate(JobOperator, bpy.types.Operator):
             source=own.source,
             plan=bpy.path.abspath(plan),
             text=own.text,
-            seed=own.seed,
-            steps=own.steps,
-            assets=bpy.path.abspath(own.assets),
-            style=own.style,
-            tabletop=own.tabletop,
+            furnish=_furnish_settings(context, own.seed),
+            scale_m_per_px=own.scale,
+            part=own.part,
         )
         name = commands.house_name(settings)
         wanted = commands.house_folder(bpy.data.filepath, name, unsaved_folder())
         arguments = commands.generate(settings, wanted / commands.HOUSE)
         session.program(preferences(context).program).check_can(arguments)
         # Only now: what makes no job must not claim anything.
-        folder = session.claims.free_folder(wanted)
-        if folder != wanted:
-            arguments = commands.generate(settings, folder / commands.HOUSE)
-        return arguments, show_new_house
+        folder = session.claims.take_new(wanted)
+        return commands.generate(settings, folder / commands.HOUSE), show_new_house
 
 
 class ChordOpenHouse(JobOperator, bpy.types.Operator):
@@ -95,8 +93,8 @@ class ChordRegenerate(JobOperator, bpy.types.Operator):
         house, changes = save_changes(context)
         locked = [p.split("/")[-1] for p in changes.locked if is_piece(p) and room_of(p) == name]
         seed = random.randrange(MAX_SEED)
-        assets = bpy.path.abspath(own.assets)
-        arguments = commands.regenerate(house, name, seed, assets, locked)
+        arguments = commands.regenerate(house, name, _furnish_settings(context, seed), locked)
+        keep(house)
         own.rooms[own.room_index].seed = seed
         return arguments, show_room
 
@@ -176,12 +174,18 @@ class ChordDice(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _furnish_settings(context: bpy.types.Context, seed: int) -> commands.FurnishSettings:
+    own = fields(context)
+    assets = bpy.path.abspath(own.assets)
+    return commands.FurnishSettings(seed, own.steps, assets, own.tabletop)
+
+
 def _output_folder(field: str) -> Path:
     """A folder beside the Blender file, as its field says. Raises InputError."""
     if not field.strip():
-        raise commands.InputError("Choose a folder for the result.")
+        raise InputError("Choose a folder for the result.")
     if field.startswith("//") and not bpy.data.filepath:
-        raise commands.InputError(
+        raise InputError(
             "Save the Blender file first, or choose a folder that does not begin with //."
         )
     return Path(bpy.path.abspath(field))
@@ -189,7 +193,9 @@ def _output_folder(field: str) -> Path:
 
 def _render_settings(context: bpy.types.Context) -> commands.RenderSettings:
     own, size = fields(context), context.scene.render
-    room = "" if own.all_rooms else chosen_room(context)
+    room = "" if own.all_rooms else own.render_room
+    if not own.all_rooms and room not in own.rooms:
+        raise InputError("Choose the room to render, or all cameras.")
     share = size.resolution_percentage / 100
     return commands.RenderSettings(
         cameras=(room,) if room else (),

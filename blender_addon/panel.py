@@ -159,6 +159,8 @@ class ChordRenderPanel(_HousePart, bpy.types.Panel):
         """Which pictures, and where they are made."""
         own = fields(context)
         self.layout.prop(own, "all_rooms")
+        if not own.all_rooms:
+            self.layout.prop_search(own, "render_room", own, "rooms", icon="CAMERA_DATA")
         self.layout.prop(own, "samples")
         self.layout.prop(own, "passes")
         self.layout.prop(own, "render_folder")
@@ -212,8 +214,9 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
     row.prop(own, "seed")
     row.operator("chord.dice", text="", icon="FILE_REFRESH")
     column.prop(own, "steps")
-    if "--style" in abilities:
-        column.prop(own, "style")
+    if own.source != "TEXT":
+        column.prop(own, "scale")
+        column.prop(own, "part")
     column.prop(own, "tabletop")
     column.prop(own, "assets")
 

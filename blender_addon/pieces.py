@@ -12,6 +12,7 @@ import bpy
 
 from .core import commands, report, swaps
 from .core.edits import Changes, Edit, Size, Swap, size_of, with_look
+from .core.errors import InputError
 from .core.layer import edits_file
 from .house import (
     CATEGORY_KEY,
@@ -20,10 +21,9 @@ from .house import (
     Objects,
     component,
     house_placements,
-    matrix_of,
     objects_at,
     own_objects,
-    room_collection,
+    placement,
     select,
 )
 from .jobs import JobOperator, rebuild, save_changes
@@ -42,7 +42,7 @@ class ChordSaveEdits(bpy.types.Operator):
         """Writes the layer beside the house."""
         try:
             house, changes = save_changes(context)
-        except (commands.InputError, OSError) as error:
+        except (InputError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         count = len(changes.pieces) + len(changes.looks) + len(changes.lights)
@@ -120,7 +120,7 @@ class ChordFindModels(JobOperator, bpy.types.Operator):
         objects = own_objects(context)
         path = component(objects, self.path)
         if path not in objects or CATEGORY_KEY not in objects[path]:
-            raise commands.InputError("This piece is not in the scene any more.")
+            raise InputError("This piece is not in the scene any more.")
         _, changes = save_changes(context)
         category = str(objects[path][CATEGORY_KEY])
         slot = _slot(objects[path], changes, path)
@@ -144,7 +144,7 @@ class ChordSwap(JobOperator, bpy.types.Operator):
         offered = swaps.candidates(parsed(own.swap_models))
         objects = own_objects(context)
         if own.swap_path not in objects or not 0 <= self.index < len(offered):
-            raise commands.InputError("This piece is not in the scene any more.")
+            raise InputError("This piece is not in the scene any more.")
         house, changes = save_changes(context)
         chosen = offered[self.index]
         usd = swaps.bring_model(chosen.usd, house)
@@ -197,11 +197,11 @@ class ChordFrameRoom(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Selects, and frames where there is a 3-D view."""
-        collection = room_collection(context, chosen_room(context))
-        if collection is None:
+        found = objects_at(context, [f"/House/Rooms/{chosen_room(context)}"])
+        if not found:
             self.report({"ERROR"}, "The room is not in this scene any more.")
             return {"CANCELLED"}
-        select(context, list(collection.all_objects))
+        select(context, found)
         return {"FINISHED"}
 
 
@@ -249,13 +249,13 @@ def _with_swap(context: bpy.types.Context, changes: Changes, swap: Swap, own_m: 
     """The changes with a swap; what stands on the piece is raised or lowered with its top."""
     path, objects = fields(context).swap_path, own_objects(context)
     was = house_placements(context)
-    here = matrix_of(objects[path])
+    here = placement(objects, path)
     stands = swaps.placed(here, changes.swaps.get(path), swap, own_m)
     pieces = {**changes.pieces, path: Edit(was[path], stands, swap)}
     carried = f"{path.rpartition('/')[0]}/Items"
     if carried in objects:
         by_m = swap.size_m[2] - float(objects[path][SIZE_KEY][2])
-        raised = swaps.raised(matrix_of(objects[carried]), by_m)
+        raised = swaps.raised(placement(objects, carried), by_m)
         pieces[carried] = Edit(was[carried], raised)
     # Its own colour is told with the swap.
     looks = {key: chosen for key, chosen in changes.looks.items() if key != path}

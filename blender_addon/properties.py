@@ -9,13 +9,14 @@ from typing import Any
 import bpy
 
 from .core.commands import MAX_STEPS, PASSES
-from .core.tree import is_ceiling
 
 SCENE_KEY = "chord_usd"
 """The scene's property that holds the panel's fields."""
 
-PATH_KEY = "chord_usd_path"
-"""Custom property of objects and collections: their USD path."""
+PART_KEY = "chord_usd_part"
+"""Custom property of the house's collections: the part of it that they hold, such as a room.
+
+Empty for what only instances show."""
 
 MAX_SEED = 2**31 - 1
 
@@ -32,7 +33,14 @@ def _show_solo(_own: ChordScene, context: bpy.types.Context) -> None:
     show_rooms(context)
 
 
+def _choose_room(own: ChordScene, context: bpy.types.Context) -> None:
+    own.render_room = chosen_room(context)
+    _show_solo(own, context)
+
+
 def _show_ceilings(_own: ChordScene, context: bpy.types.Context) -> None:
+    from .house import show_ceilings
+
     show_ceilings(context)
 
 
@@ -51,6 +59,14 @@ class ChordRoom(bpy.types.PropertyGroup):
         soft_max=4.0,
         update=_show_light,
     )
+
+
+class ChordObject(bpy.types.PropertyGroup):
+    """An object of the house. It is known by a pointer: names change, and copies look the same."""
+
+    path: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """Its USD path."""
+    object: bpy.props.PointerProperty(type=bpy.types.Object)  # type: ignore[valid-type]
 
 
 class ChordFinding(bpy.types.PropertyGroup):
@@ -84,7 +100,20 @@ class ChordScene(bpy.types.PropertyGroup):
         description="Rooms and floor area, such as: a two-bedroom flat with an open kitchen, "
         "about 70 m²",
     )
-    style: bpy.props.StringProperty(name="Style")  # type: ignore[valid-type]
+    scale: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Metres per pixel",
+        description="Scale of a plan picture; 0: its dimensions and walls tell",
+        min=0.0,
+        max=1.0,
+        precision=4,
+        step=0.01,
+    )
+    part: bpy.props.IntProperty(  # type: ignore[valid-type]
+        name="Plan or storey",
+        description="Which plan of a sheet, or storey of a file, by floor area; 1: the largest",
+        default=1,
+        min=1,
+    )
     seed: bpy.props.IntProperty(name="Seed", min=0, max=MAX_SEED)  # type: ignore[valid-type]
     steps: bpy.props.IntProperty(  # type: ignore[valid-type]
         name="Steps",
@@ -101,6 +130,14 @@ class ChordScene(bpy.types.PropertyGroup):
     house: bpy.props.StringProperty(name="House", subtype="FILE_PATH")  # type: ignore[valid-type]
     contents: bpy.props.StringProperty()  # type: ignore[valid-type]
     """What the program says that the house holds, as JSON."""
+    objects: bpy.props.CollectionProperty(type=ChordObject)  # type: ignore[valid-type]
+    """What came in with the house, wherever it was put since."""
+    placed: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """Where the house itself has its pieces, as JSON: a removed object remembers nothing."""
+    came_with: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """The changes that the house came in with, as JSON."""
+    revision: bpy.props.StringProperty()  # type: ignore[valid-type]
+    """Which state of the house is shown. It is undone with the scene."""
     error: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     note: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     """What the last job has to say."""
@@ -110,7 +147,7 @@ class ChordScene(bpy.types.PropertyGroup):
     """What the program warned of when it made the house, one a line."""
     certificate: bpy.props.StringProperty()  # type: ignore[valid-type]
     rooms: bpy.props.CollectionProperty(type=ChordRoom)  # type: ignore[valid-type]
-    room_index: bpy.props.IntProperty(update=_show_solo)  # type: ignore[valid-type]
+    room_index: bpy.props.IntProperty(update=_choose_room)  # type: ignore[valid-type]
     findings: bpy.props.CollectionProperty(type=ChordFinding)  # type: ignore[valid-type]
     finding_index: bpy.props.IntProperty()  # type: ignore[valid-type]
     hide_ceilings: bpy.props.BoolProperty(  # type: ignore[valid-type]
@@ -124,7 +161,10 @@ class ChordScene(bpy.types.PropertyGroup):
     swap_models: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     """Those models, as JSON."""
     all_rooms: bpy.props.BoolProperty(  # type: ignore[valid-type]
-        name="All cameras", description="Else only that of the chosen room"
+        name="All cameras", description="Else only that of one room"
+    )
+    render_room: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Room", description="The room to render"
     )
     samples: bpy.props.IntProperty(name="Samples", default=128, min=1)  # type: ignore[valid-type]
     passes: bpy.props.EnumProperty(  # type: ignore[valid-type]
@@ -163,15 +203,9 @@ def chosen_room(context: bpy.types.Context) -> str:
     return own.rooms[own.room_index].name if 0 <= own.room_index < len(own.rooms) else ""
 
 
-def show_ceilings(context: bpy.types.Context) -> None:
-    """Bring the ceilings' visibility in line with the field."""
-    hidden = fields(context).hide_ceilings
-    for item in context.scene.objects:
-        if is_ceiling(str(item.get(PATH_KEY, ""))):
-            item.hide_set(hidden)
-
-
-_register, _unregister = bpy.utils.register_classes_factory((ChordRoom, ChordFinding, ChordScene))
+_register, _unregister = bpy.utils.register_classes_factory(
+    (ChordRoom, ChordObject, ChordFinding, ChordScene)
+)
 
 
 def register() -> None:

@@ -10,7 +10,8 @@ from typing import Any
 import bpy
 
 from .core.claim import Claims
-from .core.job import Job, Outcome
+from .core.errors import InputError
+from .core.job import CANCEL_GRACE_S, Job, Outcome
 from .core.program import Program, ProgramError, find_program
 from .preferences import preferences
 from .properties import fields
@@ -78,14 +79,16 @@ class Session:
             bpy.app.timers.register(self._tick, first_interval=POLL_EVERY_S, persistent=True)
 
     def step(self, context: bpy.types.Context) -> bool:
-        """Look after the job once; True while it, or one that follows it, runs."""
+        """Look after the job once; True until it, and one that follows it, is dealt with."""
         if self.job is None:
             return False
         if not self.job.poll() and self._finish is not None:
             finish, self._finish = self._finish, None
             assert self.job.outcome is not None
+            if self.job.outcome.data is None:
+                self.claims.drop_empty()
             self._end(context, self.job.outcome, finish)
-        return self.is_running
+        return self._finish is not None
 
     def cancel(self) -> None:
         """Stop the running job."""
@@ -94,10 +97,16 @@ class Session:
 
     def leave_file(self) -> None:
         """Another file is opened: what runs is not for that."""
-        self.cancel()
-        self._finish = None
-        self.job = None
-        self.claims.release()
+        job = self.job
+        self.job = self._finish = None
+        if job is None or job.outcome is not None:
+            self.claims.release()
+            return
+        job.cancel()
+        left, self.claims = self.claims, Claims()
+        left.release(but_empty=True)
+        # The program may take a while to clean up; what was made for it goes after that.
+        threading.Thread(target=_tidy, args=(job, left)).start()
 
     def _tick(self) -> float | None:
         running = self.step(bpy.context)
@@ -123,10 +132,21 @@ class Session:
                 return
             try:
                 finish(bpy.context, outcome.data)
-            except (OSError, RuntimeError, KeyError, ProgramError) as error:
+            except (InputError, ProgramError) as error:
+                fields(bpy.context).error = str(error)
+                return
+            except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
                 fields(bpy.context).error = f"the answer could not be used: {error}"
                 return
-            bpy.ops.ed.undo_push(message="CHOrD")
+            if self._finish is None:  # the last of its jobs: all of them are one step to undo
+                bpy.ops.ed.undo_push(message="CHOrD")
+
+
+def _tidy(job: Job, claims: Claims) -> None:
+    """Wait for a cancelled job, and leave nothing of what was made for it."""
+    with suppress(TimeoutError):
+        job.wait(2 * CANCEL_GRACE_S)
+    claims.release()
 
 
 session = Session()

@@ -81,6 +81,11 @@ class Scenario:
             p: [list(r) for r in o.matrix_world] for p, o in self.objects().items() if is_placed(p)
         }
 
+    def houses(self) -> list[str]:
+        """What lies where houses of a file without a name go."""
+        folder = self.part("jobs").unsaved_folder() / "chord-usd"
+        return sorted(one.name for one in folder.iterdir()) if folder.is_dir() else []
+
     def choose_room(self, name: str) -> None:
         """Choose it in the list."""
         self.own.room_index = [room.name for room in self.own.rooms].index(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
@@ -14,6 +15,7 @@ class Claims:
 
     def __init__(self) -> None:
         self._held: dict[Path, IO[str]] = {}
+        self._made: dict[Path, list[Path]] = {}
 
     def take(self, folder: Path) -> bool:
         """Claim a house's folder, made where it is not there; False where another has it.
@@ -23,6 +25,7 @@ class Claims:
         folder = folder.absolute()
         if folder in self._held:
             return True
+        missing = [one for one in (folder, *folder.parents) if not one.exists()]
         try:
             folder.mkdir(parents=True, exist_ok=True)
             file = (folder / LOCK).open("a", encoding="utf-8")
@@ -32,22 +35,54 @@ class Claims:
             file.close()
             return False
         self._held[folder] = file
+        self._made[folder] = missing
         return True
 
-    def free_folder(self, wanted: Path) -> Path:
-        """Claim this folder, or the first free one of its name with a number."""
+    def take_new(self, wanted: Path) -> Path:
+        """Claim this folder, or the first one of its name with a number that holds nothing yet.
+
+        A house that is there already keeps its place, with all that was changed in it.
+        """
         number = 1
         folder = wanted
-        while not self.take(folder):
+        while not (_holds_nothing(folder) and self.take(folder)):
             number += 1
             folder = wanted.with_name(f"{wanted.name} {number}")
         return folder
 
-    def release(self) -> None:
-        """Let go of all of them."""
-        for file in self._held.values():
-            file.close()
-        self._held.clear()
+    def drop_empty(self) -> None:
+        """Let go of folders that nothing came into: of those that were claimed nothing is left.
+
+        Takes away the lock, and folders that were made for it and are empty.
+        """
+        for folder in filter(_holds_nothing, list(self._held)):
+            with suppress(OSError):
+                (folder / LOCK).unlink()  # before it is free, so that nobody locks what is gone
+            self._held.pop(folder).close()
+            with suppress(OSError):
+                for one in self._made.pop(folder):  # rmdir removes no folder that holds anything
+                    one.rmdir()
+
+    def release(self, *, but_empty: bool = False) -> None:
+        """Let go of all of them. but_empty: not of those that a job may be writing yet."""
+        if not but_empty:
+            self.drop_empty()
+        for folder in [one for one in self._held if not _holds_nothing(one)]:
+            self._held.pop(folder).close()
+            self._made.pop(folder)
+
+
+def _holds_nothing(folder: Path) -> bool:
+    """Whether a folder is not there, or is empty but for a lock.
+
+    A folder that cannot be read counts as empty: the program says why it cannot write there.
+    """
+    try:
+        return all(one.name == LOCK for one in folder.iterdir())
+    except NotADirectoryError:
+        return not folder.parent.is_dir()
+    except OSError:
+        return True
 
 
 def _lock(file: IO[str]) -> bool:

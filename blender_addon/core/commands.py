@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from .edits import Size
+from .errors import InputError
 from .layer import edits_file, opened_file
 from .swaps import size_text
 
@@ -46,8 +47,17 @@ FARM_TILE_PX = 540
 _REPORT = ("--json", "--progress", "json")
 
 
-class InputError(Exception):
-    """The panel's fields do not make a job yet; the text says what is missing, for people."""
+@dataclass(frozen=True)
+class FurnishSettings:
+    """The panel's fields for furniture, of a house or of one room."""
+
+    seed: int
+    steps: int = 0
+    """0 for the model's own number."""
+    assets: str = ""
+    """Folder of further meshes, or empty."""
+    tabletop: bool = True
+    """Whether tables, desks and worktops are laid."""
 
 
 @dataclass(frozen=True)
@@ -59,14 +69,11 @@ class GenerateSettings:
     """Path of the plan, or of the open plan that is to be divided into rooms."""
     text: str
     """What is wanted, in words; an open plan does without."""
-    seed: int
-    steps: int
-    """0 for the model's own number."""
-    assets: str
-    """Folder of further meshes, or empty."""
-    style: str = ""
-    tabletop: bool = True
-    """Whether tables, desks and worktops are laid."""
+    furnish: FurnishSettings
+    scale_m_per_px: float = 0.0
+    """Of a plan picture; 0 where its walls tell."""
+    part: int = 1
+    """Which plan of a sheet, or storey of a file, by floor area."""
 
 
 @dataclass(frozen=True)
@@ -87,18 +94,14 @@ def generate(settings: GenerateSettings, house: Path) -> list[str]:
         *_source(settings),
         "-o",
         str(house),
-        "--seed",
-        str(settings.seed),
-        *_steps(settings.steps),
-        *(["--style", settings.style.strip()] if settings.style.strip() else []),
-        *([] if settings.tabletop else ["--no-tabletop"]),
-        *_assets(settings.assets),
+        *_reading(settings),
+        *_furnish(settings.furnish),
         *_REPORT,
     ]
 
 
 def regenerate(
-    house: Path, room: str, seed: int, assets: str = "", keep: Sequence[str] = ()
+    house: Path, room: str, settings: FurnishSettings, keep: Sequence[str] = ()
 ) -> list[str]:
     """Arguments that furnish one room of the house anew, around the pieces that are kept.
 
@@ -114,11 +117,9 @@ def regenerate(
         str(house),
         "--room",
         room,
-        "--seed",
-        str(seed),
         *kept,
         *seen,
-        *_assets(assets),
+        *_furnish(settings),
         *_REPORT,
     ]
 
@@ -231,8 +232,26 @@ def _source(settings: GenerateSettings) -> list[str]:
     return ["--outline", str(path), *text] if settings.source == "OUTLINE" else [str(path)]
 
 
-def _steps(steps: int) -> list[str]:
-    return ["--steps", str(min(steps, MAX_STEPS))] if steps > 0 else []
+def _reading(settings: GenerateSettings) -> list[str]:
+    """How a file is read; a text has nothing to read."""
+    if settings.source == "TEXT":
+        return []
+    scale, part = settings.scale_m_per_px, settings.part
+    return [
+        *(["--scale", f"{scale:g}"] if scale > 0 else []),
+        *(["--part", str(part)] if part > 1 else []),
+    ]
+
+
+def _furnish(settings: FurnishSettings) -> list[str]:
+    steps = min(settings.steps, MAX_STEPS)
+    return [
+        "--seed",
+        str(settings.seed),
+        *(["--steps", str(steps)] if steps > 0 else []),
+        *([] if settings.tabletop else ["--no-tabletop"]),
+        *_assets(settings.assets),
+    ]
 
 
 def _assets(folder: str) -> list[str]:

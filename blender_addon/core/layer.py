@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .edits import Changes, Edit, Looks, Matrix, Swap, told, understood
+from .errors import InputError
 
 SUFFIX = ".edits.usda"
 
@@ -54,17 +55,20 @@ def house_of(opened: Path) -> Path:
 
 def read_changes(house: Path) -> Changes:
     """The changes saved for this house; none where there is no such layer, or one of others."""
-    try:
-        text = edits_file(house).read_text(encoding="utf-8")
-        first = text.index(_MARK) + len(_MARK)
-        return understood(json.loads(text[first : text.index(_END, first)]))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, IndexError):
-        return Changes()
+    return _read(edits_file(house)) or Changes()
 
 
 def write_changes(house: Path, changes: Changes) -> Path | None:
-    """Write the layer, whole or not at all; without changes it is taken away. Returns its path."""
+    """Write the layer, whole or not at all; without changes it is taken away. Returns its path.
+
+    Raises InputError rather than replacing a layer that somebody else wrote, OSError.
+    """
     file = edits_file(house)
+    if file.exists() and _read(file) is None:
+        raise InputError(
+            f"{file.name} was not written by this panel, or by a newer one, and is left alone. "
+            "Give it another name, then save again."
+        )
     if changes.is_nothing:
         file.unlink(missing_ok=True)
         return None
@@ -72,6 +76,16 @@ def write_changes(house: Path, changes: Changes) -> Path | None:
     partial.write_text(layer_text(house.name, changes), encoding="utf-8")
     partial.replace(file)
     return file
+
+
+def _read(file: Path) -> Changes | None:
+    """The changes that a layer holds; None for a file that is not there, or not ours."""
+    try:
+        text = file.read_text(encoding="utf-8")
+        first = text.index(_MARK) + len(_MARK)
+        return understood(json.loads(text[first : text.index(_END, first)]))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, IndexError):
+        return None
 
 
 @dataclass

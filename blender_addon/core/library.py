@@ -8,11 +8,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from .errors import InputError
+
 NAME = "CHOrD furniture"
 """As Blender's preferences list it."""
 
 MODELS = "models"
 """The folder in the library that `assets build` fills."""
+
+INDEX = "index.json"
+"""What `assets build` lists the models in."""
 
 CATALOGS = "blender_assets.cats.txt"
 """Where Blender looks for catalogs."""
@@ -27,6 +32,28 @@ _HEAD = (
     "# Asset catalogs of the furniture that chord-usd draws.\nVERSION 1\n"
     "# UUID:path/of/catalog:simple name\n"
 )
+
+
+def library_folder(chosen: Path) -> Path:
+    """Where the library goes: the folder that was chosen, or one in it where that is in use.
+
+    Building replaces the models of a library: they must be none but ours. Raises InputError.
+    """
+    for folder in (chosen, chosen / NAME):
+        if _is_free_or_ours(folder):
+            return folder
+    raise InputError(f"{chosen / NAME} holds other files. Choose another folder for the library.")
+
+
+def _is_free_or_ours(folder: Path) -> bool:
+    if not folder.exists():
+        return True
+    if not folder.is_dir():
+        return False
+    held = list(folder.iterdir())
+    others = [one for one in held if one.name not in (MODELS, CATALOGS)]
+    is_built = (folder / MODELS / INDEX).is_file()
+    return not held or (is_built and all(one.suffix.startswith(".blend") for one in others))
 
 
 @dataclass(frozen=True)
@@ -49,7 +76,7 @@ class Model:
 def models(folder: Path) -> dict[str, list[Model]]:
     """The models in a library's folder by category. Raises OSError, ValueError or KeyError."""
     home = folder / MODELS
-    entries = json.loads((home / "index.json").read_text(encoding="utf-8"))["assets"]
+    entries = json.loads((home / INDEX).read_text(encoding="utf-8"))["assets"]
     found: dict[str, list[Model]] = {}
     for entry in entries:
         found.setdefault(entry["category"], []).append(

@@ -22,7 +22,7 @@ HOW_TO_GET = (
 OPTIONAL = {
     "--text": "plan a home from a text",
     "--outline": "divide an open plan into rooms",
-    "--style": "furnish in a style",
+    "--part": "take another plan of a sheet, or another storey",
 }
 """Options of `generate` that not every version has, and what each is there to do."""
 

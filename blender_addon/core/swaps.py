@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
 import shutil
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,15 +98,18 @@ def raised(matrix: Matrix, by_m: float) -> Matrix:
 def bring_model(usd: Path, house: Path) -> str:
     """Copy a model's folder beside the house, unless it is there; returns its relative path.
 
-    Raises OSError.
+    What is in a folder of that name stays. Raises OSError.
     """
     source, target = usd.parent, house.parent / ASSETS / usd.parent.name
     if not (target / usd.name).is_file():
-        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-        shutil.rmtree(partial, ignore_errors=True)
-        shutil.copytree(source, partial, copy_function=shutil.copyfile)
-        shutil.rmtree(target, ignore_errors=True)
-        partial.rename(target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".", dir=target.parent) as partial:
+            whole = Path(partial) / target.name
+            shutil.copytree(source, whole, copy_function=shutil.copyfile)
+            if target.exists():
+                shutil.copytree(whole, target, copy_function=shutil.copyfile, dirs_exist_ok=True)
+            else:
+                whole.rename(target)
     return f"{ASSETS}/{target.name}/{usd.name}"
 
 

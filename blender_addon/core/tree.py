@@ -9,12 +9,13 @@ from dataclasses import dataclass, field
 _COPY_NUMBER = re.compile(r"\.\d{3,}$")
 """Blender numbers objects of one name; a prim's name holds no dot."""
 
-ROOMS, FURNITURE, ARCHITECTURE, LIGHTS, CAMERAS = (
+ROOMS, FURNITURE, ARCHITECTURE, LIGHTS, CAMERAS, ITEMS = (
     "Rooms",
     "Furniture",
     "Architecture",
     "Lights",
     "Cameras",
+    "Items",
 )
 
 
@@ -50,14 +51,18 @@ def usd_paths(parents: Mapping[str, str | None]) -> dict[str, str]:
 def collection_tree(paths: Mapping[str, str]) -> Branch:
     """House > rooms > furniture, architecture and lights; cameras beside the rooms.
 
-    paths: object name to USD path. Objects that are not below a room or the cameras lie in the
-    house's own collection.
+    A piece with things on it is a collection of its own in the furniture. paths: object name to USD
+    path. Objects that are not below a room or the cameras lie in the house's own collection.
     """
     names = [path.split("/")[1] for path in paths.values()]
     house = Branch(names[0] if names else "House")
+    laid = {piece_of(path) for path in paths.values() if f"/{ITEMS}/" in path}
     for name, path in paths.items():
-        parts = path.split("/")[1:]
-        _place(house, parts).objects.append(name)
+        branch = _place(house, path.split("/")[1:])
+        if piece_of(path) in laid:
+            piece = piece_of(path).rpartition("/")[-1]
+            branch = branch.branch(piece, f"{room_of(path)} {piece}")
+        branch.objects.append(name)
     return house
 
 

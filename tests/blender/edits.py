@@ -14,6 +14,10 @@ told["empty"] = s.drawn()
 told["open"] = s.press("open_house", filepath=str(house))
 told["tree"] = s.tree(bpy.context.scene.collection)
 told["rooms"] = [room.name for room in own.rooms]
+laid = {p.split("/Items/")[0] for p in s.objects() if "/Items/" in p}
+told["laid"] = {
+    room: sorted(p.split("/")[-1] for p in laid if f"/{room}/" in p) for room in told["rooms"]
+}
 told["camera"] = bpy.context.scene.camera.name
 told["done"] = s.drawn()
 told["untouched"] = s.start("save_edits") or sorted(p.name for p in house.parent.glob("*.edits.*"))
@@ -80,7 +84,7 @@ told["back"] = others[0] in s.objects()
 
 # An artist's own things outlive the house.
 lamp = bpy.data.objects.new("My lamp", None)
-s.part("house").room_collection(bpy.context, room).objects.link(lamp)
+bpy.data.collections[room].objects.link(lamp)
 ceilings = [one for path, one in s.objects().items() if s.part("core.tree").is_ceiling(path)]
 told["ceilings_hidden"] = [one.hide_get() for one in ceilings]
 own.hide_ceilings = False
@@ -93,7 +97,8 @@ piece.matrix_local = s.objects()[cabinet].matrix_local.copy()
 told["check"] = s.press("check_house")
 told["headline"], told["findings"] = own.certificate, len(own.findings)
 s.start("show_finding", index=0)
-told["selected"] = [o["chord_usd_path"] for o in bpy.context.selected_objects]
+paths = {item: path for path, item in s.objects().items()}
+told["selected"] = [paths[item] for item in bpy.context.selected_objects]
 told["culprits"] = own.findings[0].paths.splitlines() if own.findings else []
 told["reopen"] = s.press("open_house", filepath=str(house))
 told["lamp"] = "My lamp" in bpy.context.scene.objects

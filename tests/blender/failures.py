@@ -1,9 +1,9 @@
 """Everything that can be wrong: said in plain words, and nothing broken afterwards."""
 
 import os
-import shutil
 import signal
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -43,6 +43,7 @@ told["killed"] = s.wait()
 s.start("generate")
 bpy.ops.chord.cancel()
 told["cancelled"] = s.wait()
+told["left_by_failures"] = s.houses()
 told["still"] = [room.name for room in own.rooms]
 told["after_failures"] = s.press("generate")
 
@@ -61,28 +62,39 @@ told["folders"] = [house.parent.name, Path(own.house).parent.name]
 claims.release()
 
 # What lay on disk is gone.
-plan.rename(plan.with_name("away.png"))
+before, away = s.houses(), plan.with_name("away.png")
+s.use(str(s.program))
+s.start("generate")
+plan.rename(away)
+told["plan_gone_meanwhile"] = s.wait()
+s.use(str(programs / "good"))
 told["plan_gone"] = s.press("generate")
-plan.with_name("away.png").rename(plan)
+told["left_by_gone_plan"] = sorted({*s.houses()} - {*before})
+away.rename(plan)
 made = Path(own.house).parent
-unsaved = s.part("jobs").unsaved_folder()
-assert own.house
-assert unsaved in made.parents
-shutil.rmtree(made)
+made.rename(made.with_name("taken away"))
 told["house_gone"] = s.press("check_house")
 own.assets = str(s.folder / "no meshes")
 told["assets_gone"] = s.press("generate")
 own.assets = ""
 
 # A file is opened while a job runs.
+before = s.houses()
 s.start("generate")
 bpy.ops.wm.read_homefile(use_empty=True)
 own = s.own
+for thread in threading.enumerate():
+    if thread is not threading.main_thread() and not thread.daemon:
+        thread.join(20.0)
+told["left_by_file"] = sorted({*s.houses()} - {*before})
 told["left_running"] = session.is_running
 told["fresh"] = s.wait()
 
-# The furniture becomes a library.
-own.library_folder = str(s.folder / "Möbel")
+# The furniture becomes a library, and takes nobody's place.
+taken = s.folder / "Möbel"
+(taken / "models").mkdir(parents=True)
+(taken / "models" / "mine.txt").write_text("mine", encoding="utf-8")
+own.library_folder = str(taken)
 told["library"] = s.press("build_library")
 told["library_note"] = own.note
 libraries = bpy.context.preferences.filepaths.asset_libraries
@@ -90,7 +102,8 @@ told["libraries"] = [[one.name, one.path] for one in libraries]
 told["again"] = s.press("build_library")
 told["once"] = sum(one.name == "CHOrD furniture" for one in libraries)
 told["assets"] = {}
-for file in sorted((s.folder / "Möbel").glob("*.blend")):
+told["mine"] = (taken / "models" / "mine.txt").is_file()
+for file in sorted(taken.glob("*/*.blend")):
     with bpy.data.libraries.load(str(file), assets_only=True) as (found, wanted):
         wanted.collections = found.collections
     for collection in wanted.collections:

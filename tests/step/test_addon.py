@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,9 @@ from chord_usd.stage.check import check_stage
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "tests" / "fixtures" / "furnished_house.json"
 ROOM = "/House/Rooms/Bedroom_0"
+BED, CABINET, TABLE = (
+    f"{ROOM}/Furniture/{name}" for name in ("Bed_0", "Cabinet_0", "BedsideTable_0")
+)
 
 Told = dict[str, Any]
 RunInBlender = Callable[..., Told]
@@ -35,6 +39,12 @@ if "--help" in sys.argv:
 words = dict(zip(sys.argv, sys.argv[1:]))
 if sys.argv[1] == "describe":
     os.execv({python!r}, [{python!r}, "-m", "chord_usd", *sys.argv[1:]])
+if sys.argv[1] == "regenerate":
+    from pxr import Usd
+    stage = Usd.Stage.Open(sys.argv[2])
+    stage.GetPrimAtPath("/House/Rooms/Bedroom_0/Furniture/Cabinet_0").SetActive(False)
+    stage.Save()
+    print(json.dumps({{"stage": sys.argv[2], "room": words["--room"]}}))
 if sys.argv[1] == "assets":
     shutil.copytree({models!r}, words["-o"], dirs_exist_ok=True)
     print(json.dumps({{"assets": 3}}))
@@ -56,15 +66,27 @@ if sys.argv[1] == "generate":
 
 
 @pytest.fixture(scope="module")
-def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A stage in a folder whose name has a space and letters that are not ASCII."""
-    stage = tmp_path_factory.mktemp("addon") / "häuser 1" / "house.usda"
+def untouched(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A stage that nobody writes to."""
+    stage = tmp_path_factory.mktemp("untouched") / "house.usda"
     assert main(["stage", str(SCENE), "-o", str(stage)]) == 0
     return stage
 
 
+def copied(stage: Path, folder: Path) -> Path:
+    """A house of its own."""
+    shutil.copytree(stage.parent, folder)
+    return folder / stage.name
+
+
 @pytest.fixture(scope="module")
-def programs(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def house(untouched: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A stage in a folder whose name has a space and letters that are not ASCII."""
+    return copied(untouched, tmp_path_factory.mktemp("addon") / "häuser 1")
+
+
+@pytest.fixture(scope="module")
+def programs(untouched: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Good and bad answers to the question for chord-usd."""
     folder = tmp_path_factory.mktemp("programs é")
     models = folder / "models"
@@ -86,7 +108,7 @@ def programs(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
             code=code,
             can=can,
             models=str(models),
-            house=str(house.parent),
+            house=str(untouched.parent),
         )
         (folder / name).write_text(text, encoding="utf-8")
         (folder / name).chmod(0o755)
@@ -97,6 +119,41 @@ def programs(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def edits(run_in_blender: RunInBlender, house: Path) -> Told:
     """What happened to a house that was changed."""
     return run_in_blender("edits.py", house)
+
+
+@pytest.fixture(scope="module")
+def artist(
+    run_in_blender: RunInBlender, untouched: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Told:
+    """What an artist did to the collections of a house."""
+    own = copied(untouched, tmp_path_factory.mktemp("artist") / "house")
+    return run_in_blender("artist.py", own)
+
+
+@pytest.fixture(scope="module")
+def undo(run_in_blender: RunInBlender, programs: Path) -> Told:
+    """What was taken back."""
+    return run_in_blender("undo.py", ROOT / "examples" / "two_bedrooms.png", programs)
+
+
+@pytest.fixture(scope="module")
+def together(
+    run_in_blender: RunInBlender, house: Path, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Told, Told]:
+    """What two Blenders tell that wanted one house."""
+    meeting = tmp_path_factory.mktemp("meeting")
+
+    def first() -> Told:
+        told = run_in_blender("together.py", "first", house, meeting)
+        (meeting / "ended").touch()
+        return told
+
+    with ThreadPoolExecutor() as both:
+        one, other = (
+            both.submit(first),
+            both.submit(run_in_blender, "together.py", "second", house, meeting),
+        )
+        return one.result(), other.result()
 
 
 @pytest.fixture(scope="module")
@@ -137,6 +194,13 @@ def test_the_house_comes_in_as_a_collection_tree(edits: Told) -> None:
     for room in edits["rooms"]:
         assert f"{room} Architecture" in house[room]
     assert edits["camera"]
+
+
+def test_a_piece_with_things_on_it_is_a_collection_of_its_own(edits: Told) -> None:
+    for room in edits["rooms"]:
+        furniture = edits["tree"]["House"][room].get(f"{room} Furniture", {})
+        assert sorted(furniture) == [f"{room} {piece}" for piece in edits["laid"].get(room, [])]
+    assert edits["laid"]
 
 
 def test_an_untouched_house_has_no_edits(edits: Told) -> None:
@@ -232,6 +296,7 @@ def test_what_an_artist_added_outlives_the_house(edits: Told) -> None:
         ("none", "No chord-usd was found"),
         ("killed", "killed"),
         ("plan_gone", "not there"),
+        ("plan_gone_meanwhile", "plän 1.png"),
         ("house_gone", "Generate it again"),
         ("assets_gone", "assets folder"),
         ("second_job", "A job is running"),
@@ -246,12 +311,86 @@ def test_a_job_that_fails_leaves_the_house(failures: Told) -> None:
     assert failures["still"]
 
 
-def test_two_blenders_do_not_write_one_house(failures: Told) -> None:
+def test_a_job_that_fails_leaves_no_folder(failures: Told) -> None:
+    assert failures["left_by_failures"] == ["plän 1"]
+    assert failures["left_by_gone_plan"] == failures["left_by_file"] == []
+
+
+def test_a_house_is_not_written_while_another_has_it(failures: Told) -> None:
     assert failures["claimed"]
     assert all("Another Blender" in one for one in failures["two"])
     assert failures["other_folder"] == ""
-    first, second = failures["folders"]
-    assert second == f"{first} 2"
+    assert failures["folders"] == ["plän 1 2", "plän 1 3"]
+
+
+def test_two_blenders_do_not_work_on_one_house(together: tuple[Told, Told]) -> None:
+    first, second = together
+    assert first["open"] == first["save"] == ""
+    assert "Another Blender" in second["refused"]
+    assert second["empty"]
+    assert second["open"] == "", "the first has ended"
+
+
+def test_a_copy_does_not_count_as_its_original(artist: Told) -> None:
+    assert artist["open"] == ""
+    assert artist["copied"] == []
+    assert artist["renamed"] == [BED]
+    assert artist["again"][0] == pytest.approx(artist["bed_x"], abs=1e-5)
+    assert artist["copy_shows"], "also when the house is brought in again"
+
+
+def test_edits_are_found_wherever_the_house_is_put(artist: Told) -> None:
+    assert artist["elsewhere"] == [BED, CABINET]
+    assert artist["solo"] == ["Bedroom_0"]
+
+
+def test_a_piece_is_where_it_is_seen_whatever_it_hangs_on(artist: Told) -> None:
+    assert artist["hung"] == [BED, CABINET]
+    assert artist["pulled"] == [BED, TABLE, CABINET]
+    assert np.allclose(artist["again"][1], artist["table"], atol=1e-5)
+
+
+def test_a_house_goes_as_a_whole_and_takes_nothing_along(artist: Told) -> None:
+    assert artist["reopen"] == ""
+    assert artist["after"] == artist["objects"]
+    assert artist["all"] == artist["cabinets"], "a piece in another collection is gone"
+    assert len(artist["stays"]) == 3
+    assert artist["varnish"]
+    assert artist["collections"] == [True, True]
+
+
+def test_a_layer_of_somebody_else_is_not_replaced(artist: Told) -> None:
+    assert "was not written by this panel" in artist["foreign"]
+    assert artist["foreign_kept"] == "#usda 1.0"
+
+
+def test_one_step_takes_a_new_house_back(undo: Told) -> None:
+    assert undo["first"] == undo["second"] == ""
+    assert undo["none"] == ["", 0, False]
+    assert undo["redone"]
+    assert undo["first_again"]
+
+
+def test_a_second_house_of_a_plan_has_its_own_folder(undo: Told) -> None:
+    assert undo["folders"] == ["two_bedrooms", "two_bedrooms 2"]
+    assert undo["first_edits"] == [BED]
+    assert undo["saved"] == undo["saved_again"] == ""
+    assert undo["second_edits"] == []
+
+
+def test_a_room_that_is_taken_back_is_taken_back_on_disk(undo: Told) -> None:
+    assert undo["regenerated"] == undo["saved_back"] == ""
+    assert undo["furnished_anew"]
+    assert undo["back_in_scene"]
+    assert undo["back_on_disk"]
+    assert undo["edits_back"] == [BED, CABINET]
+
+
+def test_a_house_that_was_changed_outside_is_not_mixed(undo: Told) -> None:
+    for said in undo["changed_outside"]:
+        assert "changed outside" in said
+    assert undo["not_touched"]
+    assert undo["brought_in"] == ""
 
 
 def test_another_file_ends_the_job_of_this_one(failures: Told) -> None:
@@ -344,9 +483,12 @@ def test_the_furniture_becomes_an_asset_library(failures: Told) -> None:
         assert min(asset["preview"]) > 0
         assert asset["meshes"] > 0
     assert failures["once"] == 1
+    assert failures["mine"], "what lay in the folder that was chosen"
 
 
-def test_nothing_is_left_when_it_is_disabled(edits: Told, failures: Told, wishes: Told) -> None:
-    for told in (edits, failures, wishes):
+def test_nothing_is_left_when_it_is_disabled(
+    edits: Told, failures: Told, wishes: Told, artist: Told, undo: Told
+) -> None:
+    for told in (edits, failures, wishes, artist, undo):
         assert told["left"] == told["handlers_left"] == []
         assert not told["field_left"]

@@ -12,6 +12,7 @@ import pytest
 
 from blender_addon.core import commands, edits, layer, library, report, swaps
 from blender_addon.core.claim import Claims
+from blender_addon.core.errors import InputError
 from blender_addon.core.job import Job, Outcome, last_report, plain_error
 from blender_addon.core.program import ProgramError, clean_environment, command_of, find_program
 from blender_addon.core.state import panel_state, wrapped
@@ -28,7 +29,8 @@ from blender_addon.core.tree import (
 
 ROOT = Path(__file__).parents[2]
 
-SETTINGS = commands.GenerateSettings("PLAN", "", "", seed=3, steps=0, assets="")
+FURNISH = commands.FurnishSettings(seed=3)
+SETTINGS = commands.GenerateSettings("PLAN", "", "", FURNISH)
 
 
 def test_core_does_without_blender() -> None:
@@ -128,18 +130,18 @@ def test_the_last_error_line_counts() -> None:
 
 
 def test_missing_fields_are_named(tmp_path: Path) -> None:
-    with pytest.raises(commands.InputError, match="Choose a floor plan"):
+    with pytest.raises(InputError, match="Choose a floor plan"):
         commands.generate(SETTINGS, tmp_path / "house.usda")
-    gone = commands.GenerateSettings("PLAN", str(tmp_path / "gone.png"), "", 3, 0, "")
-    with pytest.raises(commands.InputError, match="not there"):
+    gone = commands.GenerateSettings("PLAN", str(tmp_path / "gone.png"), "", FURNISH)
+    with pytest.raises(InputError, match="not there"):
         commands.generate(gone, tmp_path / "house.usda")
-    wordless = commands.GenerateSettings("TEXT", "", "  ", 3, 0, "")
-    with pytest.raises(commands.InputError, match="Describe"):
+    wordless = commands.GenerateSettings("TEXT", "", "  ", FURNISH)
+    with pytest.raises(InputError, match="Describe"):
         commands.generate(wordless, tmp_path / "house.usda")
-    shapeless = commands.GenerateSettings("OUTLINE", "", "two bedrooms", 3, 0, "")
-    with pytest.raises(commands.InputError, match="Choose an open plan"):
+    shapeless = commands.GenerateSettings("OUTLINE", "", "two bedrooms", FURNISH)
+    with pytest.raises(InputError, match="Choose an open plan"):
         commands.generate(shapeless, tmp_path / "house.usda")
-    with pytest.raises(commands.InputError, match="Generate it again"):
+    with pytest.raises(InputError, match="Generate it again"):
         commands.check(tmp_path / "house.usda")
 
 
@@ -149,12 +151,13 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
     plan, house = tmp_path / "plän 1.png", tmp_path / "house.usda"
     plan.touch()
     house.touch()
-    settings = commands.GenerateSettings("PLAN", str(plan), "", 3, 8, str(tmp_path), tabletop=False)
+    furnish = commands.FurnishSettings(3, 8, str(tmp_path), tabletop=False)
+    settings = commands.GenerateSettings("PLAN", str(plan), "", furnish, 0.0125, part=2)
     pictures = commands.RenderSettings(("Bedroom_0",), 16, (640, 2160), ("rgb", "depth"))
     layer.write_changes(house, edits.Changes(locked=(BED,)))
     for arguments in (
         commands.generate(settings, house),
-        commands.regenerate(house, "Bedroom_0", 5, keep=["Bed_0"]),
+        commands.regenerate(house, "Bedroom_0", furnish, keep=["Bed_0"]),
         commands.check(house),
         commands.describe(house),
         commands.nearest("bed", (1.6, 2.0, 0.9), tmp_path, str(tmp_path)),
@@ -168,9 +171,9 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
 def test_what_the_program_is_told_is_the_edited_house(tmp_path: Path) -> None:
     house = tmp_path / "house.usda"
     house.touch()
-    assert "--edits" not in commands.regenerate(house, "Bedroom_0", 5)
+    assert "--edits" not in commands.regenerate(house, "Bedroom_0", FURNISH)
     file = layer.write_changes(house, edits.Changes(locked=(BED,)))
-    words = commands.regenerate(house, "Bedroom_0", 5)
+    words = commands.regenerate(house, "Bedroom_0", FURNISH)
     assert words[1] == str(house), "the house itself is written"
     assert words[words.index("--edits") + 1] == str(file)
     assert commands.check(house)[1] == str(file)
@@ -196,9 +199,9 @@ def test_a_house_that_moved_with_its_blender_file_is_found(tmp_path: Path) -> No
     house.touch()
     stored = str(tmp_path / "old" / "chord-usd" / "flat" / "house.usda")
     assert commands.found_house(stored, str(tmp_path / "new" / "flat.blend")) == house
-    with pytest.raises(commands.InputError, match="not there"):
+    with pytest.raises(InputError, match="not there"):
         commands.found_house(stored, "")
-    with pytest.raises(commands.InputError, match="Generate or open"):
+    with pytest.raises(InputError, match="Generate or open"):
         commands.found_house("", "")
 
 
@@ -207,10 +210,11 @@ def test_one_blender_at_a_time_has_a_house(tmp_path: Path) -> None:
     assert mine.take(tmp_path / "flat")
     assert mine.take(tmp_path / "flat"), "again by the same"
     assert not theirs.take(tmp_path / "flat")
-    assert theirs.free_folder(tmp_path / "flat") == tmp_path / "flat 2"
+    assert theirs.take_new(tmp_path / "flat") == tmp_path / "flat 2"
     mine.release()
     assert theirs.take(tmp_path / "flat")
     theirs.release()
+    assert not list(tmp_path.iterdir()), "nothing came into them"
 
 
 def test_houses_lie_beside_the_blender_file() -> None:
@@ -254,7 +258,10 @@ def test_collections_mirror_the_stage() -> None:
     assert list(house.branches) == ["Bedroom_0", "Bedroom_1", "Cameras"]
     furniture = house.branches["Bedroom_1"].branches["Furniture"]
     assert furniture.name == "Bedroom_1 Furniture"
-    assert "Bed_0.001" in furniture.objects
+    assert furniture.objects == ["Furniture.001", "Bed_0.001"]
+    (desk,) = furniture.branches.values()
+    assert desk.name == "Bedroom_1 Desk_0"
+    assert desk.objects == ["Desk_0", "Items", "Laptop_0"]
     assert "Bedroom_0.001" in house.branches["Cameras"].objects
 
 
