@@ -23,6 +23,7 @@ from chord_usd.errors import AssetError
 from chord_usd.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
 
 ALL = designs()
+LEAST_TRIANGLES = 500
 MOST_TRIANGLES = 8000
 
 
@@ -115,7 +116,8 @@ def test_parts_fill_the_nominal_size(design: Design) -> None:
 @every_design
 def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
     parts = parts_of(design)
-    assert sum(len(part.solid.faces) for part in parts) <= MOST_TRIANGLES
+    triangles = sum(len(part.solid.faces) for part in parts)
+    assert LEAST_TRIANGLES <= triangles <= MOST_TRIANGLES
     assert len({part.name for part in parts}) == len(parts)
     for part in parts:
         mesh = trimesh.Trimesh(part.solid.points_m, part.solid.faces, process=False)
@@ -123,6 +125,8 @@ def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
         assert mesh.is_winding_consistent, part.name
         assert mesh.volume > 0.0, part.name
         assert mesh.area_faces.min() > 0.0, part.name
+        written = part.solid.points_m.astype(np.float32)
+        assert len(np.unique(written, axis=0)) == len(written), f"{part.name}: points coincide"
 
 
 @every_design

@@ -55,7 +55,7 @@ def _headboard(
         count = max(round(length / 0.2), 4)
         wide = length / count
         pads = [
-            rounded_slab((wide, thick, rise), 0.045, 0.015, 3).moved(
+            rounded_slab((wide - 0.001, thick, rise), 0.045, 0.015, 3).moved(
                 -length / 2 + wide * (i + 0.5), y, 0.1
             )
             for i in range(count)

@@ -16,6 +16,7 @@ from chord_usd.assets.solids import (
     block,
     box,
     cylinder,
+    extruded,
     joined,
     lathe,
     mirrored_pair,
@@ -37,6 +38,24 @@ def _book(length: float, width: float, thick: float) -> tuple[Solid, Solid]:
     return cover, pages.moved(x=-0.002, z=board - 0.0002)
 
 
+def _hardback(length: float, width: float, thick: float) -> tuple[Solid, Solid]:
+    """(cover, pages) of a book to be seen from near: round corners and spine, pages hollowed."""
+    board = min(0.003, thick / 4)
+    inner = thick - 2 * board
+    plate = rounded_slab((length - 0.003, width, board), 0.0025, 0.0008, 5).moved(x=0.0015)
+    angles = np.linspace(-math.pi / 2, math.pi / 2, 11)
+    bow = np.stack([-0.006 * np.cos(angles), inner / 2 * np.sin(angles)], axis=-1)
+    outline = np.concatenate([bow, bow[::-1] * [0.5, 0.9] + [0.0006, 0.0]])
+    outline[:, 0] += 0.006
+    spine = extruded(outline[::-1], width - 0.001).turned("x", 90)
+    spine = spine.moved(-length / 2, (width - 0.001) / 2, board + inner / 2)
+    fore = bow * [0.5, 1.0] + [length / 2 - 0.003, 0.0]
+    back = [[-length / 2 + 0.006, inner / 2], [-length / 2 + 0.006, -inner / 2]]
+    leaves = extruded(np.concatenate([fore, back]), width - 0.008).turned("x", 90)
+    pages = leaves.moved(0.0, (width - 0.008) / 2, board + inner / 2)
+    return joined([plate, plate.moved(z=thick - board), spine]), pages
+
+
 def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
     """One book, or a pile of them turned a little against each other."""
     length, width, height = size_m
@@ -50,7 +69,7 @@ def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
             (width - inset * length) * shrink,
             height / count,
         )
-        cover, block_of_pages = _book(*size)
+        cover, block_of_pages = _hardback(*size)
         z = height / count * index
         parts.append(
             Part(
@@ -103,17 +122,32 @@ def _stood_up(book: Solid, thick: float) -> Solid:
 
 
 def magazine(size_m: Size) -> tuple[Part, ...]:
-    """A thin magazine with a picture and a title on its cover."""
+    """A thin magazine with a picture, a title, lines of text and a bar code on its cover."""
     length, width, height = size_m
     paper = max(height - 0.0006, height * 0.8)
     picture = box((length * 0.82, width * 0.5, height * 0.1)).moved(y=-width * 0.1, z=paper - 1e-4)
     title = box((length * 0.7, width * 0.12, height - paper + 1e-4)).moved(
         y=width * 0.36, z=paper - 1e-4
     )
+    ink = height * 0.1
+    lines = [
+        box((length * share, width * 0.012, ink)).moved(
+            -length * (0.41 - share / 2), -width * (0.37 + 0.015 * row), paper - 1e-4
+        )
+        for row, share in enumerate((0.5, 0.46, 0.5, 0.3, 0.0, 0.5, 0.44, 0.2))
+        if share
+    ]
+    bars = [
+        box((length * (0.004 + 0.004 * (index % 3)), width * 0.06, ink)).moved(
+            length * (0.2 + 0.015 * index), -width * 0.42, paper - 1e-4
+        )
+        for index in range(15)
+    ]
     return (
-        Part("Sheets", block((length, width, paper), 0.0005), "paper"),
+        Part("Sheets", rounded_slab((length, width, paper), 0.002, 0.0005, 6), "paper"),
         Part("Picture", picture, "cover_a", collider=None),
         Part("Title", title, "cover_b", collider=None),
+        Part("Text", joined([*lines, *bars]), "metal", collider=None),
     )
 
 
@@ -189,8 +223,8 @@ def _hinged(solid: Solid, height: float, lean_deg: float, at: dict[str, float]) 
 def mouse_pad(size_m: Size) -> tuple[Part, ...]:
     """A desk mat with a stitched rim."""
     length, width, height = size_m
-    mat = rounded_slab((length - 0.006, width - 0.006, height * 0.94), 0.02, 0.001, 5)
-    rim = tube(_rim(length, width, height), height / 2, 6)
+    mat = rounded_slab((length - 0.006, width - 0.006, height * 0.94), 0.02, 0.001, 6)
+    rim = tube(_rim(length, width, height), height / 2, 8)
     return Part("Mat", mat, "cloth"), Part("Rim", rim, "rim", collider=None)
 
 
@@ -254,7 +288,7 @@ def pen_holder(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     cup_h = height * 0.55
     cup = lathe(
-        [(0.5, 0), (0.5, cup_h), (0.46, cup_h), (0.46, 0.008), (0.0, 0.008)], 28
+        [(0.5, 0), (0.5, cup_h), (0.46, cup_h), (0.46, 0.008), (0.0, 0.008)], 36
     ).scaled(length, width, 1.0)  # fmt: skip
     pens = []
     spread = min(length, width) * 0.36
@@ -263,7 +297,7 @@ def pen_holder(size_m: Size) -> tuple[Part, ...]:
         foot = [-0.6 * spread * math.cos(turn), -0.6 * spread * math.sin(turn), 0.01]
         top = [1.15 * spread * math.cos(turn), 1.15 * spread * math.sin(turn),
                height * (1.0, 0.93, 0.97, 0.9)[index] - 0.002]  # fmt: skip
-        pens.append(tube([foot, top], 0.004, 8))
+        pens.append(tube([foot, top], 0.004, 14))
     return (
         Part("Cup", cup, "cup"),
         Part("Pens_A", pens[0] + pens[2], "cover_a", collider=None),
@@ -277,8 +311,8 @@ def electronic(
     """A phone, a round loudspeaker or an alarm clock."""
     length, width, height = size_m
     if kind == "phone":
-        case = rounded_slab((length, width, height * 0.94), 0.012, 0.002, 5, 2)
-        face = rounded_slab((length - 0.005, width - 0.005, height * 0.2), 0.01, 0.0004, 5)
+        case = rounded_slab((length, width, height * 0.94), 0.012, 0.002, 6, 2)
+        face = rounded_slab((length - 0.005, width - 0.005, height * 0.2), 0.01, 0.0004, 6)
         return (
             Part("Case", case, "body"),
             Part("Screen", face.moved(z=height * 0.8), "screen", collider=None),
@@ -290,7 +324,8 @@ def electronic(
             Part("Speaker", body.scaled(length * 0.98, width * 0.98, height), "cloth"),
             Part("Base", base.scaled(length * 0.99, width * 0.99, height), "metal", None),
         )  # fmt: skip
-    case = block((length, width - 0.003, height), 0.006).moved(y=0.0015)
+    case = block((length, width - 0.003, height - 0.003), 0.006).moved(y=0.0015)
+    snooze = rounded_slab((length * 0.4, width * 0.3, 0.006), 0.008, 0.002, 5)
     y = -width / 2 + 0.003
     face = box((length * 0.86, 0.004, height * 0.72)).moved(y=y, z=height * 0.14)
     digits = [
@@ -299,6 +334,7 @@ def electronic(
     ]
     return (
         Part("Case", case, "body"),
+        Part("Snooze_Bar", snooze.moved(z=height - 0.006), "metal"),
         Part("Face", face, "face", collider=None),
         Part("Digits", joined(digits), "digits", collider=None),
     )
@@ -307,7 +343,7 @@ def electronic(
 def _digit(length: float, height: float) -> Solid:
     """An eight of seven bars, one left dark."""
     bar = 0.16 * length
-    across = box((length - 2 * bar, 0.001, bar))
+    across = box((length - 2.1 * bar, 0.001, bar))
     upright = box((bar, 0.001, height / 2 - bar))
     side = (length - bar) / 2
     lit = [across.moved(z=z) for z in (0.0, (height - bar) / 2, height - bar)]
@@ -328,6 +364,7 @@ def photo_frame(size_m: Size) -> tuple[Part, ...]:
     bar = block((length - 2 * rail + 0.002, deep - 0.002, rail), 0.002)
     at = (length - rail) / 2
     frame = joined([mirrored_pair(stile.moved(at)), bar, bar.moved(z=tall - rail)])
+    slip = _slip(length - 2 * rail, tall - 2 * rail).moved(y=-0.003, z=rail)
     mat = box((length - rail, 0.004, tall - rail)).moved(y=0.002, z=rail / 2)
     inner_l, inner_h = length - 2 * rail - 0.03, tall - 2 * rail - 0.03
     sky = box((inner_l, 0.002, inner_h)).moved(y=-0.001, z=rail + 0.015)
@@ -337,15 +374,25 @@ def photo_frame(size_m: Size) -> tuple[Part, ...]:
     rest = [0.0, back + slope * tall * 0.55 + 0.008, tall * 0.55]
     prop = tube([rest, [0.0, width / 2 - 0.004, 0.004]], 0.004, 8)
     tilted = [
-        solid.turned("x", -lean_deg).moved(y=back + 0.001) for solid in (frame, mat, sky, hill)
+        solid.turned("x", -lean_deg).moved(y=back + 0.001)
+        for solid in (frame, mat, sky, hill, slip)
     ]
     return (
         Part("Frame", tilted[0], "wood"),
         Part("Mat", tilted[1], "paper", collider=None),
         Part("Sky", tilted[2], "sky", collider=None),
         Part("Hill", tilted[3], "land", collider=None),
+        Part("Slip", tilted[4], "paper", collider=None),
         Part("Prop", prop, "wood"),
     )  # fmt: skip
+
+
+def _slip(length: float, height: float) -> Solid:
+    """The thin inner frame that holds a picture under its glass."""
+    thin = 0.005
+    stile = block((thin, 0.006, height), 0.001).moved((length - thin) / 2)
+    bar = block((length - 2 * thin + 0.001, 0.005, thin), 0.001)
+    return joined([mirrored_pair(stile), bar, bar.moved(z=height - thin)])
 
 
 _PRINT = {

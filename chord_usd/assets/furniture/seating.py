@@ -278,7 +278,7 @@ def office_chair(size_m: Size) -> tuple[Part, ...]:
     spine = bent_path(
         [[0, 0.06, 0.39], [0, width / 2 - 0.03, 0.39], [0, width / 2 - 0.01, 0.7]], 0.08
     )
-    arm = [[0, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.63]]
+    arm = [[0.02, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.41], [length / 2 - 0.025, 0.1, 0.63]]
     rest = rounded_slab((0.05, 0.24, 0.025), 0.025, 0.008).moved(length / 2 - 0.025, 0.02, 0.63)
     return (
         Part("Foot", joined(spokes), "metal"),

@@ -77,7 +77,7 @@ def sliding_wardrobe(size_m: Size) -> tuple[Part, ...]:
         panels["glass" if index % 2 else "front"].append(leaf)
     edges = [
         block((0.018, 0.026, height - 2 * rail)).moved(
-            -(length - 0.05) / 2 + wide * (index + 0.5 + side * 0.49), y - 0.03, rail
+            -(length - 0.05) / 2 + wide * (index + 0.5 + side * 0.4885), y - 0.03, rail
         )
         for index in range(leaves)
         for side in (-1, 1)

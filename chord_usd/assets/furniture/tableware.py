@@ -155,9 +155,9 @@ def plant(size_m: Size, *, leaves: int = 18, kind: str = "broad") -> tuple[Part,
 
 
 def _blade(out: float, rise: float, z: float, wide: float) -> Solid:
-    """A leaf that rises from the centre, arches over and ends in a point."""
+    """A leaf that rises near the centre, arches over and ends in a point."""
     rings = []
-    for share in np.linspace(0.0, 1.0, 8):
+    for share in np.linspace(0.03, 1.0, 8):
         x = out * share**1.15
         height = z + rise * math.sin(math.pi * 0.62 * share) / math.sin(math.pi * 0.62)
         half = wide * (0.12 + 0.88 * math.sin(math.pi * share**0.9)) * (share < 1.0) / 2
@@ -251,17 +251,23 @@ def bread_board(size_m: Size) -> tuple[Part, ...]:
     board = rounded_slab((length, width, 0.016), 0.03, 0.004, 5)
     rise = height - 0.015
     deep = min(width * 0.6, rise * 1.5)
-    angles = np.linspace(-0.15 * np.pi, 1.15 * np.pi, 15)
+    angles = np.linspace(-0.15 * np.pi, 1.15 * np.pi, 17)
     arch = np.stack([0.5 * deep * np.cos(angles), 0.55 * rise + 0.45 * rise * np.sin(angles)], -1)
     arch = np.concatenate([[[-deep * 0.4, 0.0], [deep * 0.4, 0.0]], arch])
     loaf_l = length * 0.52
     rings = [
         np.column_stack([np.full(len(arch), x), arch * s + [0, rise * (1 - s) * 0.4]])
-        for x, s in ((0, 0.7), (loaf_l * 0.1, 0.95), (loaf_l * 0.2, 1), (loaf_l, 1))
+        for x, s in (
+            (0, 0.7),
+            (loaf_l * 0.05, 0.87),
+            (loaf_l * 0.1, 0.95),
+            (loaf_l * 0.2, 1),
+            (loaf_l, 1),
+        )
     ]
     loaf = loft(rings).moved(-length / 2 + 0.02, 0, 0.015)
     slices = [
-        loft([rings[2] * [0, 1, 0.97], rings[2] * [0, 1, 0.97] + [0.014, 0, 0]]).moved(
+        loft([rings[3] * [0, 1, 0.97], rings[3] * [0, 1, 0.97] + [0.014, 0, 0]]).moved(
             -length / 2 + 0.05 + loaf_l + step, 0, 0.015
         )
         for step in (0.0, 0.035)
