@@ -34,7 +34,7 @@ from chord_usd.plan.regions import (
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.settle import even_out
 from chord_usd.plan.sheet import Sheet, prepare
-from chord_usd.plan.strokes import Strokes, find_strokes
+from chord_usd.plan.strokes import Strokes, find_strokes, on_white
 from chord_usd.plan.text import Text, read_texts
 from chord_usd.types import (
     WALL_THICKNESS_M,
@@ -114,7 +114,7 @@ def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
         return tuple(replace(t, corners_px=t.corners_px * sheet.shrink) for t in known.texts)
     return tuple(
         replace(text, corners_px=text.corners_px / sheet.fine_per_px)
-        for text in read_texts(sheet.fine)
+        for text in read_texts(on_white(sheet.fine))
     )
 
 

@@ -137,7 +137,7 @@ def find_strokes(rgb: ByteArray, texts_px: Sequence[FloatArray] = ()) -> Iterato
 
     texts_px: (4, 2) corners of each line of text: what lies in one is no wall.
     """
-    brightness = _brightness(_on_white(rgb))
+    brightness = _brightness(on_white(rgb))
     # A frame along the picture's edge is no part of the plan.
     edge = max(3, round(_EDGE * min(brightness.shape)))
     brightness = np.pad(brightness[edge:-edge, edge:-edge], edge, constant_values=1.0)
@@ -274,8 +274,8 @@ def _is_soft(brightness: FloatArray) -> bool:
     return float(np.median(steps[rim])) < _SOFT * contrast
 
 
-def _on_white(rgb: ByteArray) -> ByteArray:
-    """The drawing on light paper: one on a black screen has its colours turned round."""
+def on_white(rgb: ByteArray) -> ByteArray:
+    """A drawing (H, W, 3) on light paper: one on a black screen has its colours turned round."""
     dark = np.median(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)[::4, ::4]) < _BLACK_SCREEN
     return np.asarray(255 - rgb, np.uint8) if dark else rgb
 
