@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,17 @@ def claim(house: Path) -> None:
         raise InputError("Another Blender works on this house. Close it there first.")
 
 
-def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
+@dataclass(frozen=True)
+class Seen:
+    """The house of a scene, as it was when a job began."""
+
+    house: Path
+    revision: str
+    """Empty where the scene did not show it."""
+    changes: Changes
+
+
+def save_changes(context: bpy.types.Context) -> Seen:
     """Write the layer of changes, so that the program sees what the artist sees.
 
     After undo the scene shows an earlier state of the house; that is put back first. Raises
@@ -72,34 +83,36 @@ def save_changes(context: bpy.types.Context) -> tuple[Path, Changes]:
     house = house_path(context)
     claim(house)
     if not is_shown(context):
-        return house, read_changes(house)
-    changes = changes_of(context)
-    put_back(house, fields(context).revision)
-    write_changes(house, changes)
-    return house, changes
+        return Seen(house, "", read_changes(house))
+    seen = Seen(house, fields(context).revision, changes_of(context))
+    put_back(house, seen.revision)
+    write_changes(house, seen.changes)
+    return seen
 
 
 def bring_in(
     house: Path,
     made: dict[str, Any] | None = None,
-    before: Changes | None = None,
+    before: Seen | None = None,
     new_room: str = "",
 ) -> tuple[list[str], Finish]:
     """The job that lists what a house holds, and the import that follows it.
 
     made: the report of the program that made it, or furnished a room of it anew.
-    before: the changes in the scene now, where it shows this house; what the artist does in the
+    before: the house as it is in the scene now, where it is this one; what the artist does in the
     meantime is carried over, except in a room that is new. Raises InputError where there is no
     such file.
     """
     return describe(house), partial(_show_house, house, made or {}, before, new_room)
 
 
-def rebuild(house: Path, before: Changes, after: Changes) -> tuple[list[str], Finish]:
-    """The same with other changes, which are saved; before: those in the scene, as save_changes
-    returns them. Raises InputError, OSError."""
-    write_changes(house, after)
-    return bring_in(house, before=before)
+def rebuild(before: Seen, after: Changes) -> tuple[list[str], Finish]:
+    """The same with other changes, which are saved; before: as save_changes returns it.
+
+    Raises InputError, OSError.
+    """
+    write_changes(before.house, after)
+    return bring_in(before.house, before=before)
 
 
 def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -107,15 +120,14 @@ def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
     session.start(context, *bring_in(Path(str(data["stage"])), data))
 
 
-def show_room(context: bpy.types.Context, data: dict[str, Any]) -> None:
+def show_room(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A room was furnished anew: there, only locked pieces keep what was changed."""
-    house = Path(str(data["stage"]))
-    keep(house)
-    # As it is now: the artist may have gone on in other rooms.
-    before = changes_of(context) if is_shown(context) else read_changes(house)
+    keep(seen.house)
+    # The artist may have gone on in other rooms.
+    before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
     room = str(data["room"])
-    write_changes(house, without_room(before, room))
-    session.start(context, *bring_in(house, data, before, room))
+    write_changes(seen.house, without_room(before.changes, room))
+    session.start(context, *bring_in(seen.house, data, before, room))
 
 
 def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -144,13 +156,14 @@ def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
 def _show_house(
     house: Path,
     made: dict[str, Any],
-    before: Changes | None,
+    before: Seen | None,
     new_room: str,
     context: bpy.types.Context,
     contents: dict[str, Any],
 ) -> None:
-    if before is not None and is_shown(context):
-        merged = carried_over(read_changes(house), before, changes_of(context))
+    now = _changes_now(context, before) if before else None
+    if before and now is not None:
+        merged = carried_over(read_changes(house), before.changes, now)
         write_changes(house, without_room(merged, new_room) if new_room else merged)
     import_house(context, house)
     own = fields(context)
@@ -161,3 +174,9 @@ def _show_house(
         own.warnings = "\n".join(report.warnings(made))
     if made.get("certificate"):
         show_certificate(context, made["certificate"])
+
+
+def _changes_now(context: bpy.types.Context, seen: Seen) -> Changes | None:
+    """The changes in the scene; None where that has come to show something else, as after undo."""
+    is_same = is_shown(context) and fields(context).revision == seen.revision
+    return changes_of(context) if is_same else None

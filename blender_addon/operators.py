@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -90,13 +91,14 @@ class ChordRegenerate(JobOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
         own, name = fields(context), chosen_room(context)
-        house, changes = save_changes(context)
-        locked = [p.split("/")[-1] for p in changes.locked if is_piece(p) and room_of(p) == name]
+        seen = save_changes(context)
+        locked = [one for one in seen.changes.locked if is_piece(one) and room_of(one) == name]
+        names = [one.split("/")[-1] for one in locked]
         seed = random.randrange(MAX_SEED)
-        arguments = commands.regenerate(house, name, _furnish_settings(context, seed), locked)
-        keep(house)
+        arguments = commands.regenerate(seen.house, name, _furnish_settings(context, seed), names)
+        keep(seen.house)
         own.rooms[own.room_index].seed = seed
-        return arguments, show_room
+        return arguments, partial(show_room, seen)
 
 
 class ChordCheckHouse(JobOperator, bpy.types.Operator):
@@ -107,8 +109,7 @@ class ChordCheckHouse(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the list that follows it."""
-        house, _ = save_changes(context)
-        return commands.check(house), show_certificate
+        return commands.check(save_changes(context).house), show_certificate
 
 
 class ChordRender(JobOperator, bpy.types.Operator):
@@ -119,7 +120,7 @@ class ChordRender(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line; the pictures are the result."""
-        house, _ = save_changes(context)
+        house = save_changes(context).house
         folder = _output_folder(fields(context).render_folder)
         return commands.render(house, folder, _render_settings(context)), show_pictures
 
@@ -132,7 +133,7 @@ class ChordWriteFarmJob(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line; the bundle is the result."""
-        house, _ = save_changes(context)
+        house = save_changes(context).house
         folder = _output_folder(fields(context).farm_folder)
         return commands.farm(house, folder, _render_settings(context)), show_farm_job
 
@@ -145,8 +146,8 @@ class ChordDiscardEdits(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves what is left, and brings the house in again."""
-        house, changes = save_changes(context)
-        return rebuild(house, changes, as_it_was(changes, chosen_room(context)))
+        seen = save_changes(context)
+        return rebuild(seen, as_it_was(seen.changes, chosen_room(context)))
 
 
 class ChordCancel(bpy.types.Operator):

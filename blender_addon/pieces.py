@@ -41,12 +41,13 @@ class ChordSaveEdits(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Writes the layer beside the house."""
         try:
-            house, changes = save_changes(context)
+            seen = save_changes(context)
         except (InputError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        changes = seen.changes
         count = len(changes.pieces) + len(changes.looks) + len(changes.lights)
-        fields(context).note = f"{count} changes kept in {edits_file(house).name}"
+        fields(context).note = f"{count} changes kept in {edits_file(seen.house).name}"
         self.report({"INFO"}, fields(context).note)
         return {"FINISHED"}
 
@@ -121,7 +122,7 @@ class ChordFindModels(JobOperator, bpy.types.Operator):
         path = component(objects, self.path)
         if path not in objects or CATEGORY_KEY not in objects[path]:
             raise InputError("This piece is not in the scene any more.")
-        _, changes = save_changes(context)
+        changes = save_changes(context).changes
         category = str(objects[path][CATEGORY_KEY])
         slot = _slot(objects[path], changes, path)
         assets = bpy.path.abspath(fields(context).assets)
@@ -145,12 +146,12 @@ class ChordSwap(JobOperator, bpy.types.Operator):
         objects = own_objects(context)
         if own.swap_path not in objects or not 0 <= self.index < len(offered):
             raise InputError("This piece is not in the scene any more.")
-        house, changes = save_changes(context)
+        seen = save_changes(context)
         chosen = offered[self.index]
-        usd = swaps.bring_model(chosen.usd, house)
-        slot = _slot(objects[own.swap_path], changes, own.swap_path)
+        usd = swaps.bring_model(chosen.usd, seen.house)
+        slot = _slot(objects[own.swap_path], seen.changes, own.swap_path)
         swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path))
-        return rebuild(house, changes, _with_swap(context, changes, swap, chosen.size_m))
+        return rebuild(seen, _with_swap(context, seen.changes, swap, chosen.size_m))
 
 
 class ChordChooseLook(JobOperator, bpy.types.Operator):
@@ -165,9 +166,9 @@ class ChordChooseLook(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the choice, and brings the house in again."""
-        house, changes = save_changes(context)
-        after = with_look(changes, self.path, self.variant_set, self.variant)
-        return rebuild(house, changes, after)
+        seen = save_changes(context)
+        after = with_look(seen.changes, self.path, self.variant_set, self.variant)
+        return rebuild(seen, after)
 
 
 class ChordShuffleLooks(JobOperator, bpy.types.Operator):
@@ -179,13 +180,13 @@ class ChordShuffleLooks(JobOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the choices, and brings the house in again."""
         room = f"/House/Rooms/{chosen_room(context)}"
-        house, before = save_changes(context)
-        after = before
+        seen = save_changes(context)
+        after = seen.changes
         for look in report.looks(parsed(fields(context).contents)):
             if look.path == room:
                 others = [variant for variant in look.offered if variant != look.chosen]
                 after = with_look(after, room, look.variant_set, random.choice(others))
-        return rebuild(house, before, after)
+        return rebuild(seen, after)
 
 
 class ChordFrameRoom(bpy.types.Operator):

@@ -65,5 +65,17 @@ with first.open("a", encoding="utf-8") as file:
 told["changed_outside"] = [s.start("save_edits"), s.press("check_house")]
 told["not_touched"] = first.read_text(encoding="utf-8").endswith("# by hand\n")
 told["brought_in"] = s.press("open_house", filepath=str(first)) or s.start("save_edits")
+
+# Taken back while a room is furnished: what was saved for the house stays with it.
+moved(0.5)
+told["saved_before"] = s.start("save_edits")
+kept = read_changes(first).pieces[bed].matrix
+bpy.ops.ed.undo_push(message="Before")
+s.start("regenerate")
+for _ in range(3):
+    bpy.ops.ed.undo()
+told["shows_another"] = s.objects()[bed].matrix_local[0][3] != kept[0][3]
+told["meanwhile"] = s.wait()
+told["kept"] = kept, s.part("house").placements(s.objects())[bed]
 s.disable()
 s.tell()

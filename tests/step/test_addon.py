@@ -386,6 +386,13 @@ def test_a_room_that_is_taken_back_is_taken_back_on_disk(undo: Told) -> None:
     assert undo["edits_back"] == [BED, CABINET]
 
 
+def test_undo_while_a_job_runs_takes_no_saved_edits_back(undo: Told) -> None:
+    assert undo["saved_before"] == undo["meanwhile"] == ""
+    assert undo["shows_another"]
+    saved, stands = undo["kept"]
+    assert np.allclose(saved, stands, atol=1e-5)
+
+
 def test_a_house_that_was_changed_outside_is_not_mixed(undo: Told) -> None:
     for said in undo["changed_outside"]:
         assert "changed outside" in said
