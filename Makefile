@@ -13,7 +13,7 @@ BLENDER_LIBRARIES := libegl1 libgl1 libgomp1 libice6 libopengl0 libsm6 libx11-6 
 	libxfixes3 libxi6 libxkbcommon0 libxrender1 libxt6 libxxf86vm1
 
 # Blender's own tool, out of the bpy wheel.
-BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/5.0/scripts/addons_core/bl_pkg/cli/blender_ext.py
+BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py
 
 .PHONY: setup house test lint wheel extension clean
 

@@ -74,10 +74,17 @@ def run_in_blender(
     def run(script: str, *arguments: Path) -> dict[str, Any]:
         path = Path(__file__).parent / "blender" / script
         folder = tmp_path_factory.mktemp("blender user")
-        command = [sys.executable, path, folder, extension, sys.executable, *arguments]
+        # Another Blender than the one of the environment, such as the oldest supported.
+        blender = os.environ.get("BLENDER_PYTHON", sys.executable)
+        command = [blender, path, folder, extension, sys.executable, *arguments]
         done = subprocess.run(
             # What a script removes by a relative path must not be in the checkout.
-            command, cwd=folder, capture_output=True, text=True, timeout=2 * TIMEOUT_S, check=False
+            command,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=2 * TIMEOUT_S,
+            check=False,
         )
         lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
         assert lines, done.stdout[-2000:] + done.stderr[-2000:]
