@@ -1,19 +1,25 @@
 """What programs that nobody here wrote say of stages: NVIDIA's validator, a physics engine.
 
-    python benchmarks/stage_outside.py HOUSE.usda ... --validator .../bin/nvidia_usd_validate
-    python benchmarks/stage_outside.py HOUSE.usda ... --still .../bin/python simcheck.py
+    python benchmarks/stage_outside.py HOUSE.usda ... --validator ENVIRONMENT/bin/python
+    python benchmarks/stage_outside.py HOUSE.usda ... --still ENVIRONMENT/bin/python simcheck.py
 
 Both want environments of their own: `pip install 'usd-validation-nvidia[usd]'`, and
 `pip install 'newton[importers,sim]'` for a script that exits 0 if every body of a stage stays where
-it is for two seconds.
+it is for two seconds. `--told FILE` keeps what was told, so that a run can be resumed.
+
+The validator's own command is run for every stage and every set of rules, all in one process, since
+most of its time goes into starting. It looks at a stage once for every variant of every prim, which
+for a house of a hundred pieces are over a thousand times; houses are asked about as they stand, and
+the variants at the assets.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from results import write_section
@@ -24,6 +30,19 @@ RULES = {
 }
 """What the validator is asked, by the name of the row."""
 
+_VALIDATE = """
+import json, sys
+from usd_validation_nvidia import cli_main
+rules, stages = json.loads(sys.argv[1])
+for stage in stages:
+    sys.argv = ["nvidia_usd_validate", *rules, stage]
+    try:
+        code = cli_main() or 0
+    except SystemExit as error:
+        code = error.code or 0
+    print("\\nTOLD " + json.dumps([stage, code]), flush=True)
+"""
+
 _LINES_SHOWN = 12
 
 
@@ -31,40 +50,100 @@ def main() -> None:
     """Asks, and writes benchmarks/RESULTS.md."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("stages", type=Path, nargs="+")
-    parser.add_argument("--validator", type=Path, metavar="PROGRAM")
+    parser.add_argument("--validator", type=Path, metavar="PYTHON")
     parser.add_argument("--still", type=Path, nargs=2, metavar=("PYTHON", "SCRIPT"))
     parser.add_argument("--kind", default="houses", help="what the stages are (houses)")
+    parser.add_argument("--as-they-stand", action="store_true", help="do not try every variant")
+    parser.add_argument("--told", type=Path, metavar="FILE", help="resume from here")
     options = parser.parse_args()
-    rows = []
     if options.validator:
+        rows = []
         for name, rules in RULES.items():
-            rows.append((name, told(options.stages, [options.validator, *rules])))
+            asked = [*rules, *(["--no-variants"] if options.as_they_stand else [])]
+            log = _Log(options.told, name)
+            log.extend(_validated(options.validator, asked, log.missing(options.stages)))
+            rows.append((name, log.row(options.stages)))
         title = f"stages: NVIDIA's validator, {options.kind}"
-        sys.stdout.write(write_section(title, rows, _note(options.stages)))
+        sys.stdout.write(write_section(title, rows, _note(options)))
     if options.still:
-        rows = [("stand still for two seconds", told(options.stages, options.still))]
+        log = _Log(options.told, "still")
+        log.extend(_stood(options.still, log.missing(options.stages)))
+        rows = [("stand still for two seconds", log.row(options.stages))]
         title = f"stages: physics, {options.kind}"
-        sys.stdout.write(write_section(title, rows, _note(options.stages)))
+        sys.stdout.write(write_section(title, rows, _note(options)))
 
 
-def told(stages: Sequence[Path], command: Sequence[Path | str]) -> str:
-    """Runs the command on every stage; how many it passes."""
-    passed = 0
+class _Log:
+    """Exit codes by question and stage, kept in a file of JSON lines if there is one."""
+
+    def __init__(self, file: Path | None, question: str) -> None:
+        self._file, self._question = file, question
+        self._codes: dict[str, int] = {}
+        if file and file.exists():
+            for line in file.read_text().splitlines():
+                asked, stage, code = json.loads(line)
+                if asked == question:
+                    self._codes[stage] = code
+
+    def missing(self, stages: Sequence[Path]) -> list[Path]:
+        """Those of the stages that were not asked about yet."""
+        return [stage for stage in stages if str(stage) not in self._codes]
+
+    def extend(self, told: Iterator[tuple[str, int, str]]) -> None:
+        """Note (stage, exit code, text) one by one."""
+        for stage, code, text in told:
+            self._codes[stage] = code
+            if self._file:
+                with self._file.open("a") as file:
+                    file.write(json.dumps([self._question, stage, code]) + "\n")
+            sys.stderr.write(f"{self._question}, {stage}: {code}\n")
+            if code:
+                sys.stderr.write("\n".join(text.strip().splitlines()[-_LINES_SHOWN:]) + "\n")
+            sys.stderr.flush()
+
+    def row(self, stages: Sequence[Path]) -> str:
+        """How many of the stages pass."""
+        passed = sum(self._codes.get(str(stage)) == 0 for stage in stages)
+        return f"{passed} of {len(stages)} pass"
+
+
+def _validated(
+    python: Path, rules: Sequence[str], stages: Sequence[Path]
+) -> Iterator[tuple[str, int, str]]:
+    """What the validator says of each stage."""
+    if not stages:
+        return
+    asked = json.dumps([list(rules), [str(stage) for stage in stages]])
+    run = subprocess.Popen(
+        [str(python), "-c", _VALIDATE, asked],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    assert run.stdout is not None
+    said = ""
+    for line in run.stdout:
+        if line.startswith("TOLD "):
+            yield (*json.loads(line.removeprefix("TOLD ")), said)
+            said = ""
+        else:
+            said += line
+    if run.wait():
+        raise RuntimeError(f"the validator ended with {run.returncode}")
+
+
+def _stood(command: Sequence[Path], stages: Sequence[Path]) -> Iterator[tuple[str, int, str]]:
+    """What the script about standing still says of each stage."""
     for stage in stages:
         run = subprocess.run(
             [*map(str, command), str(stage)], capture_output=True, text=True, check=False
         )
-        passed += run.returncode == 0
-        lines = (run.stdout + run.stderr).strip().splitlines()
-        sys.stderr.write(f"{stage}: {run.returncode}\n")
-        if run.returncode:
-            sys.stderr.write("\n".join(lines[-_LINES_SHOWN:]) + "\n")
-        sys.stderr.flush()
-    return f"{passed} of {len(stages)} pass"
+        yield str(stage), run.returncode, run.stdout + run.stderr
 
 
-def _note(stages: Sequence[Path]) -> str:
-    return f"{stages[0].name} to {stages[-1].name}."
+def _note(options: argparse.Namespace) -> str:
+    stages = options.stages
+    return f"{stages[0].name} to {stages[-1].name}{', as they stand' * options.as_they_stand}."
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
+from chord_usd.stage.railings import railing_box, railing_faces
 from chord_usd.stage.walls import Tunnel, lining_faces, sill_faces
 from chord_usd.types import Box
 from chord_usd.units import rotation_2d
@@ -121,6 +122,19 @@ def fixed_parts(tunnel: Tunnel, *, inside: int) -> list[Part]:
     elif tunnel.opening.kind == "window":
         parts += _window(span, None if tunnel.low_m < _BOARD_FROM_M else inside)
     return parts
+
+
+def railing_parts(tunnel: Tunnel) -> list[Part]:
+    """Linings of a gap in a balcony's wall, and its railing, in the gap's own frame."""
+    span = span_of(tunnel)
+    bars = railing_faces(span.left, span.right, (span.front + span.back) / 2)
+    return [*_linings(tunnel), Part("Bars", bars, "Metal")]
+
+
+def railing_guard(tunnel: Tunnel) -> Box:
+    """The box of a railing, in the gap's own frame."""
+    span = span_of(tunnel)
+    return railing_box(span.left, span.right, (span.front + span.back) / 2)
 
 
 @lru_cache(maxsize=64)

@@ -30,6 +30,8 @@ from chord_usd.stage.openings import (
     leaf_box,
     leaf_parts,
     leaves_of,
+    railing_guard,
+    railing_parts,
     side_of,
 )
 from chord_usd.stage.physics import DOOR_OPENS_DEG, hang_leaf, write_collider
@@ -138,6 +140,10 @@ class _Component:
         for index, box in enumerate(boxes):
             write_collider(self._layer, scope.path.AppendChild(f"Box_{index}"), box)
 
+    def guard(self, parent: Sdf.PrimSpec, box: Box) -> None:
+        """The collider of a part that is drawn in bars."""
+        write_collider(self._layer, parent.path.AppendChild("Collider"), box)
+
     def hang(self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf, side: int) -> None:
         """Let a leaf swing towards +y of its opening where side is 1, towards -y where it is -1."""
         turn_deg = DOOR_OPENS_DEG * (-side if drawn.hung_right else side)
@@ -195,6 +201,9 @@ def _draw_room(
             component.mesh("Skirting", skirting, "Trim")
     for opening in room.openings:
         _draw_opening(component, opening, room, walls, rooms)
+    railings = [tunnel for index, tunnel in walls.railings if index == room.index]
+    for number, tunnel in enumerate(railings):
+        _draw_railing(component, f"Railing_{number}", tunnel, room)
     component.block([_slab(floor), *wall_boxes(lines)])
     component.save()
     return _refer(layer, f"/House/Rooms/{room.name}/Architecture", component)
@@ -242,6 +251,18 @@ def _draw_opening(
         for part in leaf_parts(leaf, glazed=_is_glazed(opening, rooms)):
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
         component.hang(drawn, hinge_m, leaf, _opens_to(tunnel, walls, inside))
+
+
+def _draw_railing(component: _Component, name: str, tunnel: Tunnel, room: NamedRoom) -> None:
+    """A gap in a balcony's wall, with a railing on the kerb."""
+    opening = tunnel.opening
+    frame = _Frame(opening.box.yaw_deg, (*opening.box.center_m[:2], tunnel.low_m))
+    group = component.group(name)
+    place(group, at_m=frame.origin_m, yaw_deg=frame.yaw_deg)
+    label(group, "category", "railing")
+    for part in railing_parts(tunnel):
+        _draw_part(component, name, part, room, frame)
+    component.guard(group, railing_guard(tunnel))
 
 
 def _opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:

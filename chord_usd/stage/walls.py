@@ -21,6 +21,7 @@ from shapely.ops import unary_union
 
 from chord_usd.geometry import polygons_of, room_polygon, wall_area
 from chord_usd.stage.mesh import Face, flat, upright
+from chord_usd.stage.railings import gaps_for_railings
 from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Plan, Room
 from chord_usd.units import rotation_2d
 
@@ -113,6 +114,12 @@ class Walls:
     lines: tuple[WallLine, ...]
     tunnels: dict[str, Tunnel]
     """By opening id; openings that meet no wall are absent."""
+    railings: tuple[tuple[int, Tunnel], ...] = ()
+    """Index of a balcony, and a gap in its outer wall that a railing closes."""
+
+    def cuts(self) -> list[Tunnel]:
+        """Everything that is cut through the walls."""
+        return [*self.tunnels.values(), *(tunnel for _, tunnel in self.railings)]
 
 
 def build_walls(plan: Plan) -> Walls:
@@ -127,8 +134,14 @@ def build_walls(plan: Plan) -> Walls:
         tunnel = _tunnel(opening, solid)
         if tunnel is not None:
             tunnels[opening.id] = tunnel
-    lines = _with_holes(_lines(rooms, solid), tunnels.values())
-    return Walls(rooms, tuple(_floors(rooms)), solid, tuple(lines), tunnels)
+    gaps = [
+        (index, tunnel)
+        for index, gap in gaps_for_railings(rooms, plan.openings, ROOM_HEIGHT_M - LINTEL_M)
+        if (tunnel := _tunnel(gap, solid)) is not None
+    ]
+    cut = [*tunnels.values(), *(tunnel for _, tunnel in gaps)]
+    lines = tuple(_with_holes(_lines(rooms, solid), cut))
+    return Walls(rooms, tuple(_floors(rooms)), solid, lines, tunnels, tuple(gaps))
 
 
 def wall_faces(lines: Sequence[WallLine]) -> list[Face]:

@@ -36,7 +36,7 @@ def upright_faces(walls: Walls) -> list[Face]:
 
 def all_faces(walls: Walls) -> list[Face]:
     faces = upright_faces(walls) + top_faces(walls)
-    for tunnel in walls.tunnels.values():
+    for tunnel in walls.cuts():
         faces += lining_faces(tunnel) + sill_faces(tunnel)
     return faces
 
@@ -67,7 +67,7 @@ def crossings(faces: list[Face], start: np.ndarray, end: np.ndarray) -> int:
 @pytest.mark.parametrize("seed", range(20))
 def test_faces_enclose_the_walls_less_their_holes_exactly_once(seed: int) -> None:
     walls = build_walls(random_plan(np.random.default_rng(seed)))
-    holes = sum(t.area_m.area * (t.high_m - t.low_m) for t in walls.tunnels.values())
+    holes = sum(t.area_m.area * (t.high_m - t.low_m) for t in walls.cuts())
     expected = walls.solid_m.area * ROOM_HEIGHT_M - holes
     assert enclosed_m3(all_faces(walls)) == pytest.approx(expected, abs=2e-3)
 
