@@ -16,6 +16,7 @@
     CHORD014  node ids are unique
     CHORD015  the house has a room with a floor (looked for by check.py)
     CHORD016  what moves collides as boxes and hulls, not as its triangles
+    CHORD017  a mesh has the texture coordinates that the pictures of its material are laid by
 
 Each has a broken stage in tests/fixtures/broken that trips it. Paths inside an instance are given
 through the first instance that shows them.
@@ -30,6 +31,8 @@ from pathlib import Path
 
 import numpy as np
 from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
+
+from chord_usd.stage.textures import bound_material, coordinates_read
 
 NODE_ID = "chord:node_id"
 """Attribute of an item's prim: id of its node in the scene graph."""
@@ -301,6 +304,16 @@ def _bare_mesh(prim: Usd.Prim) -> Iterator[str]:
         yield "has no material"
 
 
+def _missing_coordinates(prim: Usd.Prim) -> Iterator[str]:
+    material = bound_material(prim) if prim.IsA(UsdGeom.Mesh) else None
+    surface = material.ComputeSurfaceSource()[0] if material else None
+    if material and surface:
+        primvars = UsdGeom.PrimvarsAPI(prim)
+        for name in coordinates_read(surface):
+            if not primvars.FindPrimvarWithInheritance(name).HasValue():
+                yield f"has no '{name}', by which a picture of {material.GetPath().name} is laid"
+
+
 # --- meshes -------------------------------------------------------------------------------------
 
 
@@ -351,6 +364,7 @@ _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
     "CHORD012": _extents_hint,
     "CHORD013": _bare_mesh,
     "CHORD016": _hollow_body,
+    "CHORD017": _missing_coordinates,
 }
 
 RULES = tuple(sorted((*_STAGE_RULES, *_PRIM_RULES)))

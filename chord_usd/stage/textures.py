@@ -31,6 +31,19 @@ def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
     return UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0] or None
 
 
+def coordinates_read(surface: UsdShade.Shader) -> list[str]:
+    """Names of the primvars by which the pictures of a surface are laid, each once."""
+    names = {}
+    for wire in surface.GetInputs():
+        texture = source_of(surface, wire.GetBaseName())
+        if texture and texture.GetIdAttr().Get() == "UsdUVTexture":
+            place = place_of(texture)
+            reader = source_of(place, "in") if place else source_of(texture, "st")
+            if reader and reader.GetIdAttr().Get() == "UsdPrimvarReader_float2":
+                names[str(value_of(reader, "varname", "st"))] = True
+    return list(names)
+
+
 def as_it_is() -> FloatArray:
     """(2, 3) of a picture that lies where the coordinates say."""
     return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
