@@ -122,7 +122,7 @@ class ChordRender(JobOperator, bpy.types.Operator):
         """The command line; the pictures are the result."""
         house = save_changes(context).house
         folder = _output_folder(fields(context).render_folder)
-        return commands.render(house, folder, _render_settings(context)), show_pictures
+        return commands.render(house, folder, render_settings(context)), show_pictures
 
 
 class ChordWriteFarmJob(JobOperator, bpy.types.Operator):
@@ -135,7 +135,7 @@ class ChordWriteFarmJob(JobOperator, bpy.types.Operator):
         """The command line; the bundle is the result."""
         house = save_changes(context).house
         folder = _output_folder(fields(context).farm_folder)
-        return commands.farm(house, folder, _render_settings(context)), show_farm_job
+        return commands.farm(house, folder, render_settings(context)), show_farm_job
 
 
 class ChordDiscardEdits(JobOperator, bpy.types.Operator):
@@ -192,7 +192,8 @@ def _output_folder(field: str) -> Path:
     return Path(bpy.path.abspath(field))
 
 
-def _render_settings(context: bpy.types.Context) -> commands.RenderSettings:
+def render_settings(context: bpy.types.Context) -> commands.RenderSettings:
+    """What the fields say of pictures. Raises InputError."""
     own, size = fields(context), context.scene.render
     room = "" if own.all_rooms else own.render_room
     if not own.all_rooms and room not in own.rooms:

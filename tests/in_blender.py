@@ -49,6 +49,10 @@ class Scenario:
         """Set the preference."""
         self.bpy.context.preferences.addons[MODULE].preferences.program = program
 
+    def answer(self) -> str:
+        """What a check of the program said."""
+        return str(self.bpy.context.preferences.addons[MODULE].preferences.answer)
+
     def start(self, name: str, **options: Any) -> str:
         """Press a button; returns what is wrong with that."""
         try:

@@ -35,9 +35,20 @@ def reach(path: str) -> list[float]:
     ]
 
 
-# Moved, turned, deleted; and moved back.
+# Which pictures: of the chosen room, of another, of all.
 room = "Bedroom_0"
 s.choose_room(room)
+settings = s.part("operators").render_settings
+told["pictures"] = [settings(bpy.context).cameras]
+own.render_room = told["rooms"][0]
+told["pictures"].append(settings(bpy.context).cameras)
+own.render_room, own.render_folder = "", str(s.folder / "pictures")
+told["no_room"] = s.start("render")
+own.all_rooms = True
+told["pictures"].append(settings(bpy.context).cameras)
+own.all_rooms = False
+
+# Moved, turned, deleted; and moved back.
 bed, cabinet = (f"/House/Rooms/{room}/Furniture/{name}" for name in ("Bed_0", "Cabinet_0"))
 others = [f"/House/Rooms/{room}/Furniture/BedsideTable_0"]
 pieces = s.objects()

@@ -21,6 +21,8 @@ for name in ("nowhere", "old", "wrong", "broken"):
     s.use(str(programs / name))
     told[name] = s.press("generate")
     told[f"{name}_drawn"] = s.drawn()
+s.start("check_program")
+told["checked_broken"] = s.answer()
 path, os.environ["PATH"] = os.environ["PATH"], ""
 os.environ["HOME"] = str(s.folder)
 s.use("")
@@ -28,7 +30,7 @@ told["none"] = s.press("generate")
 os.environ["PATH"] = path
 
 s.use(str(programs / "good"))
-told["check_program"] = list(bpy.ops.chord.check_program())
+told["check_program"] = [*bpy.ops.chord.check_program(), s.answer()]
 told["offered"] = s.drawn()
 told["error"] = s.press("generate")
 told["running"] = []

@@ -262,6 +262,12 @@ def test_edits_of_a_room_can_be_discarded(edits: Told) -> None:
     assert edits["back"]
 
 
+def test_pictures_are_of_the_room_that_is_picked(edits: Told) -> None:
+    assert edits["pictures"] == [["Bedroom_0"], [edits["rooms"][0]], []]
+    assert edits["rooms"][0] != "Bedroom_0"
+    assert "Choose the room to render" in edits["no_room"]
+
+
 def test_one_room_can_be_shown_alone(edits: Told) -> None:
     assert edits["solo"] == ["Bedroom_0"]
 
@@ -304,6 +310,14 @@ def test_what_an_artist_added_outlives_the_house(edits: Told) -> None:
 )
 def test_what_is_wrong_is_said_in_plain_words(failures: Told, case: str, words: str) -> None:
     assert words in failures[case]
+
+
+def test_a_check_says_what_was_found_and_what_is_missing(failures: Told) -> None:
+    state, answer = failures["check_program"]
+    assert state == "FINISHED"
+    assert answer.startswith("Found chord-usd 9.0.0")
+    assert "is not chord-usd" in failures["checked_broken"]
+    assert "Install chord-usd" in failures["checked_broken"]
 
 
 def test_a_job_that_fails_leaves_the_house(failures: Told) -> None:

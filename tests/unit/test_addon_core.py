@@ -69,6 +69,21 @@ def test_a_wrong_program_is_refused_with_what_to_do(tmp_path: Path, body: str, w
         find_program(str(script(tmp_path, body)))
 
 
+def test_the_program_is_found_where_it_usually_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("HOME", "PATH", "VIRTUAL_ENV"):
+        monkeypatch.setenv(name, str(tmp_path / "nowhere"))
+    with pytest.raises(ProgramError, match=r"No chord-usd was found\. Install chord-usd"):
+        find_program("")
+    folder = tmp_path / ".venv" / "bin"
+    folder.mkdir(parents=True)
+    script(tmp_path, "print('chord-usd 1.2.3')").rename(folder / "chord-usd")
+    monkeypatch.setenv("VIRTUAL_ENV", str(tmp_path / ".venv"))
+    assert find_program("").version == (1, 2, 3)
+    assert find_program(str(tmp_path / ".venv")).version == (1, 2, 3)
+
+
 def test_a_missing_program_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ProgramError, match="There is no file"):
         find_program(str(tmp_path / "nowhere"))
