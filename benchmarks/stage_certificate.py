@@ -28,10 +28,10 @@ from chord_usd.data.houses import random_plan
 from chord_usd.pipeline import (
     Models,
     Settings,
-    draw_out_chairs,
     generate,
     lay_tables,
     load_models,
+    settle,
     write_stage,
 )
 from chord_usd.stage.check import certificate, check_stage
@@ -105,7 +105,7 @@ def _read_back(
     graph = models.reader.read(layout, plan)
     assert models.table is not None
     graph = lay_tables(graph, models.table, models.reader.database, settings).graph
-    return draw_out_chairs(graph)
+    return settle(graph)
 
 
 def _counts(graph: SceneGraph) -> dict[str, Any]:

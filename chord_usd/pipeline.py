@@ -123,7 +123,7 @@ def generate(
             tabletops = lay_tables(graph, models.table, database, settings, progress)
             graph = tabletops.graph
     with watch.step("stage"):
-        graph = draw_out_chairs(graph)
+        graph = settle(graph)
         stage = write_stage(graph, stage_path, settings)
     return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms)
 
@@ -284,13 +284,15 @@ def lay_tables(
     return with_items(graph, views, lay_pieces(views, draw, database, relief_of))
 
 
-def draw_out_chairs(
-    graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
-) -> SceneGraph:
-    """The graph with chairs that ran into their table drawn out from under it."""
-    from chord_usd.stage import seats
+def settle(graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()) -> SceneGraph:
+    """The graph with panels on their walls, and chairs out of the tables that they ran into.
 
-    return seats.draw_out_chairs(graph, rooms, but)
+    rooms: ids of the rooms that are settled, by default all. but: ids of items that stay.
+    """
+    from chord_usd.stage.hanging import hang_on_walls
+    from chord_usd.stage.seats import draw_out_chairs
+
+    return draw_out_chairs(hang_on_walls(graph, rooms, but), rooms, but)
 
 
 def load_usd() -> None:
@@ -369,7 +371,7 @@ def regenerate(
         with watch.step("tabletop") as progress:
             database, rooms = models.reader.database, (room.id,)
             graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
-    graph = draw_out_chairs(graph, (room.id,), kept_ids)
+    graph = settle(graph, (room.id,), kept_ids)
     return Regenerated(
         source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
     )

@@ -49,8 +49,9 @@ OOD = "ood"
 """Key of Item.extra: how far from the layout model's expectation the item is, from 0; about 1 for
 one that it would not have put there (layout.outlier)."""
 
-DRAWN_OUT = "drawn_out_m"
-"""Key of Item.extra: how far a chair was moved off the table that it ran into (stage.seats)."""
+MOVED = "moved_m"
+"""Key of Item.extra: how far an item was moved from where the raster has it: chairs off the table
+that they run into (stage.seats), panels onto their wall (stage.hanging)."""
 
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:

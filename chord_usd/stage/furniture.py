@@ -35,7 +35,7 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.types import DRAWN_OUT, OOD, Asset, Box, FloatArray, Item, Room
+from chord_usd.types import MOVED, OOD, Asset, Box, FloatArray, Item, Room
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
@@ -123,8 +123,8 @@ def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
         missed_m = np.subtract(item.asset.size_m[:2], item.box.size_m[:2])
         distance_m = item.extra.get("asset_distance_m", round(float(np.hypot(*missed_m)), 6))
         note(prim, asset_distance_m=float(distance_m))
-    if DRAWN_OUT in item.extra:
-        note(prim, drawn_out_m=float(item.extra[DRAWN_OUT]))
+    if MOVED in item.extra:
+        note(prim, moved_m=float(item.extra[MOVED]))
 
 
 def _placeholder(scratch: Path) -> Asset:

@@ -25,7 +25,7 @@ from chord_usd.metrics.overlap import MIN_OVERLAP_M2, NATURAL_PAIRS
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
 from chord_usd.stage.read import open_stage
-from chord_usd.types import DRAWN_OUT, Box, Item, SceneGraph
+from chord_usd.types import MOVED, Box, Item, SceneGraph
 from chord_usd.units import rotation_2d
 
 SEAT = "chair"
@@ -79,7 +79,7 @@ def _drawn_out(chair: Item, tables: Sequence[Item], graph: SceneGraph, items: li
     free = _FreePlaces(chair, graph, items)
     for distance_m, box in _places(chair.box):
         if free.has(box) and not _runs_into(box, chair, tables):
-            extra = {**chair.extra, DRAWN_OUT: distance_m}
+            extra = {**chair.extra, MOVED: distance_m}
             return replace(chair, box=box, extra=extra)
     return chair
 

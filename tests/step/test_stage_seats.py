@@ -15,7 +15,7 @@ from chord_usd.metrics.openings import blocked_openings
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.seats import FARTHEST_M, draw_out_chairs
-from chord_usd.types import DRAWN_OUT, Box, Item, Opening, Room, SceneGraph
+from chord_usd.types import MOVED, Box, Item, Opening, Room, SceneGraph
 
 ROOM = Room("r", "dining", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.4, 0.85, 0.75), 0.0), "r")
@@ -49,7 +49,7 @@ def test_a_chair_ends_up_clear_of_its_table(x_m: float, y_m: float) -> None:
     far_m = moved_m(before, after)
     assert far_m <= FARTHEST_M + 1e-6
     chair = after.items[1]
-    assert np.isclose(chair.extra.get(DRAWN_OUT, 0.0), far_m, atol=1e-5)
+    assert np.isclose(chair.extra.get(MOVED, 0.0), far_m, atol=1e-5)
 
 
 def test_the_certificate_sees_no_collision_any_more(tmp_path: Path) -> None:

@@ -1,0 +1,59 @@
+"""Panels on their walls: the last centimetres between what hangs and what it hangs on.
+
+Where a panel is drawn behind a bed or a sofa, only a strip of it is seen, and its back may end a
+little before the wall. It cannot hang there, so it is moved back onto the wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from chord_usd.geometry import footprint, front_direction, room_polygon
+from chord_usd.palette import Mount, category
+from chord_usd.types import MOVED, Item, SceneGraph
+
+REACH_M = 0.05
+"""A panel that ends farther from a wall was meant to stand elsewhere."""
+
+_ASKEW_M = 0.01
+"""The two ends of a back that lies along its wall are equally far from it within this."""
+
+_THERE_M = 1e-4
+
+
+def hang_on_walls(
+    graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
+) -> SceneGraph:
+    """The house with what hangs on walls touching them, where it was within REACH_M of one.
+
+    rooms: ids of the rooms whose panels may move, by default all. but: ids of items that stay.
+    """
+    floors = {room.id: room_polygon(room) for room in graph.rooms if not rooms or room.id in rooms}
+    items = tuple(
+        _hung(item, floors[item.room_id])
+        if category(item.category).mount is Mount.WALL
+        and item.room_id in floors
+        and item.id not in but
+        else item
+        for item in graph.items
+    )
+    return replace(graph, items=items)
+
+
+def _hung(item: Item, floor: shapely.Polygon) -> Item:
+    back = -front_direction(item.box.yaw_deg)
+    ends = footprint(item.box)[[0, 3]]
+    rays = shapely.linestrings(np.stack([ends, ends + back * REACH_M], axis=1))
+    hits = shapely.intersection(rays, floor.exterior)
+    if shapely.is_empty(hits).any():
+        return item
+    near_m, far_m = sorted(shapely.distance(shapely.points(ends), hits))
+    if far_m - near_m > _ASKEW_M or near_m < _THERE_M:
+        return item
+    x_m, y_m = np.array(item.box.center_m[:2]) + back * near_m
+    box = replace(item.box, center_m=(float(x_m), float(y_m), item.box.center_m[2]))
+    return replace(item, box=box, extra={**item.extra, MOVED: round(float(near_m), 6)})
