@@ -73,6 +73,7 @@ s.use(str(programs / "good"))
 told["plan_gone"] = s.press("generate")
 told["left_by_gone_plan"] = sorted({*s.houses()} - {*before})
 away.rename(plan)
+assert own.house, "else this were the folder that we are in"
 made = Path(own.house).parent
 made.rename(made.with_name("taken away"))
 told["house_gone"] = s.press("check_house")
