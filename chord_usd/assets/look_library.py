@@ -177,6 +177,22 @@ def _brick(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) 
     return draw.brickwork(rng, boards, (122, 62, 46), (176, 102, 74), (196, 187, 174))
 
 
+def _concrete(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
+    boards = _grid(rng, shape, tile_m, 2, 1)
+    return draw.concrete(rng, boards, (138, 137, 133), (186, 185, 180))
+
+
+def _panel(dark: draw.Rgb, light: draw.Rgb) -> Callable[..., Maps]:
+    def make(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
+        lying = draw.running_boards(rng, shape, (tile_m[1], tile_m[0]), 10, 1)
+        return draw.wood_floor(
+            rng, draw.stood_up(lying), dark, light, variation=0.05, gap_m=0.004, bevel_m=0.003,
+            roughness=0.5,
+        )  # fmt: skip
+
+    return make
+
+
 def _plaster(tone: draw.Rgb) -> Callable[..., Maps]:
     return lambda rng, shape, tile_m: draw.plaster(rng, shape, tone)
 
@@ -204,6 +220,9 @@ RECIPES: tuple[Recipe, ...] = (
            _planks((128, 118, 106), (182, 172, 158), variation=0.07)),
     Recipe("OakHerringbone", "Oak herringbone", "floor", _DRY, (1.8, 1.8),
            _herringbone((146, 104, 64), (200, 158, 110)), rotation_deg=45.0),
+    Recipe("BeigeLaminate", "Beige three-strip laminate", "floor", _ALL, (1.8, 1.54),
+           _planks((176, 148, 112), (214, 190, 156), rows=22, per_row=3, variation=0.06,
+                   gap_m=0.0009, roughness=0.34)),
     Recipe("DeckPlank", "Larch decking", "floor", ("balcony",), (2.0, 1.96),
            _planks((122, 86, 58), (170, 128, 92), rows=14, per_row=1, variation=0.1, gap_m=0.004,
                    roughness=0.7, bevel_m=0.003)),
@@ -230,6 +249,10 @@ RECIPES: tuple[Recipe, ...] = (
            (1.06, 1.06), _stripes),
     Recipe("LeafPaper", "Leaf wallpaper", "wall", ("bedroom", "living"), (0.64, 0.64), _leaves),
     Recipe("RedBrick", "Red brick", "wall", ("balcony", "living", "study"), (1.25, 1.2), _brick),
+    Recipe("Concrete", "Fair-faced concrete", "both", ("balcony", "corridor", "study", "store"),
+           (2.4, 2.4), _concrete),
+    Recipe("OakPanel", "Oak panelling", "wall", ("living", "study", "dining"), (1.5, 2.7),
+           _panel((158, 116, 74), (202, 162, 114))),
     Recipe("MetroTile", "White metro tile", "wall", _WET, (1.2, 1.2),
            _glazed((240, 240, 237), (172, 170, 166), rows=16, columns=8, offset=0.5,
                    variation=0.012, waviness_m=0.00004)),

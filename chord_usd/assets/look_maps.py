@@ -99,6 +99,11 @@ def running_boards(
     return Boards(index, np.minimum(edge_x, edge_y), np.zeros(shape, dtype=bool))
 
 
+def stood_up(boards: Boards) -> Boards:
+    """Boards that run along y, of boards of a square raster that run along x."""
+    return Boards(boards.index.T, boards.edge_m.T, ~boards.upright.T)
+
+
 def herringbone(shape: Shape, tile_m: tuple[float, float], ratio: int, periods: int) -> Boards:
     """Blocks ratio times as long as wide, laid in a herringbone along both axes."""
     number = 2 * ratio * periods
@@ -269,6 +274,19 @@ def plaster(
     base = np.broadcast_to(np.array(tone, dtype=np.float64), (*shape, 3))
     rgb = lit(base, 1.0 + 0.006 * cloud + 0.004 * stipple)
     return Maps(rgb, np.full(shape, 0.86), relief_m * stipple)
+
+
+def concrete(rng: np.random.Generator, boards: Boards, dark: Rgb, light: Rgb) -> Maps:
+    """Fair-faced concrete: clouds, pores, and the joints of its formwork."""
+    shape = boards.shape
+    cloud = spectral_noise(rng, shape, slope=1.9, lowest=1, highest=24)
+    sand = spectral_noise(rng, shape, slope=0.4, lowest=60)
+    pores = np.clip(spectral_noise(rng, shape, slope=0.8, lowest=30, highest=160) - 2.7, 0.0, 1.0)
+    joint = np.exp(-((boards.edge_m / 0.0025) ** 2))
+    rgb = mixed(dark, light, 0.5 + 0.13 * cloud + 0.05 * sand)
+    rgb = lit(rgb, 1.0 - 0.3 * pores - 0.22 * joint + _tones(rng, boards, 0.012))
+    height = 6e-5 * sand - 0.0006 * pores - 0.0009 * joint
+    return Maps(rgb, np.clip(0.72 + 0.05 * cloud + 0.1 * pores, 0.0, 1.0), height)
 
 
 def striped_paper(

@@ -52,7 +52,7 @@ def test_kinds_that_no_look_suits_are_served_as_unknown() -> None:
 
 
 def test_shipped_looks_say_whose_they_are() -> None:
-    assert len(SHIPPED) >= 12
+    assert len(SHIPPED) >= 24
     for shipped in SHIPPED:
         assert shipped.licence == "CC0-1.0"
         assert shipped.author
