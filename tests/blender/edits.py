@@ -13,6 +13,8 @@ house = Path(sys.argv[4])
 told["empty"] = s.drawn()
 told["open"] = s.press("open_house", filepath=str(house))
 told["tree"] = s.tree(bpy.context.scene.collection)
+layers = bpy.context.view_layer.layer_collection.children
+told["shown"] = [layer.name for layer in layers if not layer.exclude]
 told["rooms"] = [room.name for room in own.rooms]
 laid = {p.split("/Items/")[0] for p in s.objects() if "/Items/" in p}
 told["laid"] = {

@@ -194,6 +194,7 @@ def test_the_house_comes_in_as_a_collection_tree(edits: Told) -> None:
     for room in edits["rooms"]:
         assert f"{room} Architecture" in house[room]
     assert edits["camera"]
+    assert edits["shown"] == ["House"], "not the heap of what instances show"
 
 
 def test_a_piece_with_things_on_it_is_a_collection_of_its_own(edits: Told) -> None:
