@@ -178,7 +178,7 @@ def _brick(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) 
 
 
 def _concrete(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-    boards = _grid(rng, shape, tile_m, 2, 1)
+    boards = _grid(rng, shape, tile_m, 2, 2)
     return draw.concrete(rng, boards, (138, 137, 133), (186, 185, 180))
 
 
