@@ -6,16 +6,21 @@ Each way of rendering is tried with rising sample counts and compared, as a fini
 one of many samples by Blender's default settings. The seconds at 35 dB lie between two tries, on
 a straight line of PSNR over the logarithm of seconds. Processor time, since a shared machine's
 clock says little; the import of the stage is counted apart, it is paid once for all cameras.
+
+References and tries are kept in --keep: what was there when a run ended is not made again. A
+reference is the mean of denoised pictures of --block samples, each with noise of its own.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import resource
+import shutil
 import sys
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,40 +28,50 @@ import numpy as np
 from PIL import Image
 from results import write_section
 
+from chord_usd.files import hash_file
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import read_views
-from chord_usd.image.job import PICTURE_FILE, Job, Quality
-from chord_usd.image.marks import marked_stage, read_marks
+from chord_usd.image.exr import read_exr, write_exr
+from chord_usd.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Quality
+from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES
 
 GOAL_DB = 35.0
-SAMPLES = (8, 16, 32, 64)
+SAMPLES = (4, 8, 16, 32)
 
 BLENDER = Quality(
     noise=0.01,
     bounces=12,
     diffuse_bounces=4,
     glossy_bounces=4,
-    clamp=False,
+    transmission_bounces=12,
     caustics=True,
+    light_tree_lamps=0,
+    own_lamps=False,
+    sample_glow=True,
+    matte_bounces=False,
     keep_scene=False,
 )
-"""Blender's own settings, its denoiser on."""
+"""Blender's own settings, its denoiser on; at the exposures of rooms its clamp is near ours."""
 
 OURS = QUALITIES["good"]
 
 WAYS: dict[str, Quality] = {
     "Blender's defaults, denoised": BLENDER,
     "ours": OURS,
+    "ours, all lamps": replace(OURS, own_lamps=False),
+    "ours, light tree": replace(OURS, light_tree_lamps=0),
+    "ours, shadow rays to sky and screens": replace(OURS, sample_glow=True),
+    "ours, bounces off whole materials": replace(OURS, matte_bounces=False),
     "ours, 12 bounces": replace(OURS, bounces=12),
+    "ours, 4 bounces": replace(OURS, bounces=4, diffuse_bounces=3),
     "ours, caustics": replace(OURS, caustics=True),
     "ours, fireflies not clamped": replace(OURS, clamp=False),
-    "ours, no light tree": replace(OURS, light_tree=False),
-    "ours, rooms out of sight hidden": replace(OURS, hide_rooms=True),
     "ours, path guiding": replace(OURS, guiding=True),
-    "ours, fast prefilter": replace(OURS, prefilter="FAST"),
+    "ours, fast prefilter (draft)": replace(OURS, prefilter="FAST"),
     "ours, no prefilter": replace(OURS, prefilter="NONE"),
-    "ours, 4 bounces (draft)": replace(OURS, bounces=4, diffuse_bounces=3),
+    "ours, textures of 512 pixels": replace(OURS, texture_px=512),
+    "ours, nothing kept between pictures": replace(OURS, keep_scene=False),
     "ours, not denoised": replace(OURS, denoise=False),
 }
 
@@ -74,69 +89,118 @@ class Try:
 
 def main() -> None:
     """Measures and writes benchmarks/RESULTS.md."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("stage", type=Path)
-    parser.add_argument("--camera", action="append", default=[])
-    parser.add_argument("--size", default="192x108")
-    parser.add_argument("--reference", type=int, default=1024)
-    parser.add_argument("--log", type=Path, help="a line of JSON for each try, as it is made")
-    options = parser.parse_args()
+    options = _options()
     width, height = map(int, options.size.split("x"))
-    marks = read_marks(options.stage)
     views = read_views(options.stage)
-    chosen = tuple(c for c in views.cameras if not options.camera or c.name in options.camera)
-    with marked_stage(options.stage, marks) as stage:
-        job = Job(
-            folder="",
-            stage=str(stage),
-            cameras=chosen,
-            width_px=width,
-            height_px=height,
-            has_dome=views.has_dome,
-            rooms=marks.room_of_numbers(),
-            neighbours=marks.neighbours,
-        )
-        exposed = replace(job, exposure_ev=_exposure_ev(job))
-        best = replace(BLENDER, samples=options.reference, noise=0.0)
-        _, reference = _pictures(replace(exposed, quality=best))
-        rows = []
-        for name, quality in WAYS.items():
-            tries = []
-            for samples in SAMPLES:
-                one = replace(exposed, quality=replace(quality, samples=samples))
-                tries.append(_judge(samples, *_pictures(one), reference))
-                if options.log:
-                    with options.log.open("a") as log:
-                        log.write(json.dumps({"way": name, **vars(tries[-1])}) + "\n")
-            rows.append((name, _row(tries)))
+    chosen = tuple(c for c in views.cameras if c.room in (options.camera or views.rooms))
+    job = Job(
+        folder="",
+        stage=str(options.stage.absolute()),
+        cameras=chosen,
+        width_px=width,
+        height_px=height,
+        has_dome=views.has_dome,
+        rooms=views.rooms,
+        joined=joined_rooms(options.stage),
+    )
+    options.keep.mkdir(parents=True, exist_ok=True)
+    shelf = Shelf(options.keep, hash_file(options.stage))
+    exposed = replace(job, exposure_ev=shelf.exposure_ev(job))
+    wanted = [shelf.reference(exposed, camera, options) for camera in chosen]
+    rows = []
+    for name in options.way or WAYS:
+        tries = []
+        for samples in options.samples:
+            one = replace(exposed, quality=replace(WAYS[name], samples=samples))
+            cpu_s, found = shelf.pictures(one)
+            tries.append(_judge(samples, cpu_s, found, wanted))
+            sys.stderr.write(f"{name}: {tries[-1]}\n")
+        rows.append((name, _row(tries)))
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     note = (
-        f"Processor seconds a picture to {GOAL_DB:.0f} dB, and the PSNR at {SAMPLES} samples; "
+        f"Processor seconds a picture to {GOAL_DB:.0f} dB, and the PSNR at "
+        f"{', '.join(map(str, options.samples))} samples; "
         f"means of {len(chosen)} rooms at {options.size} against {options.reference} samples by "
-        f"Blender's defaults. Largest process {peak:.0f} MiB. Small pictures: the denoiser and "
-        "the loading of the scene weigh more than at 1280x720."
+        f"Blender's defaults. Largest process of this run {peak:.0f} MiB."
     )
     sys.stdout.write(write_section("render", rows, note))
 
 
-def _exposure_ev(job: Job) -> float:
-    """One exposure for all pictures, so that they can be compared: what the first room asks for."""
-    messages, _ = _run(replace(job, cameras=job.cameras[:1], quality=replace(OURS, samples=1)))
-    return next(float(m["exposure_ev"]) for m in messages if "taken" in m)
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("stage", type=Path)
+    parser.add_argument("--camera", action="append", default=[], help="of this room; all rooms")
+    parser.add_argument("--size", default="640x360")
+    parser.add_argument("--reference", type=int, default=4096, help="samples (4096)")
+    parser.add_argument("--block", type=int, default=256, help="samples rendered at once (256)")
+    parser.add_argument("--samples", type=int, nargs="+", default=SAMPLES)
+    parser.add_argument("--way", action="append", choices=WAYS, default=[])
+    parser.add_argument("--keep", type=Path, default=Path("runs/reference"))
+    return parser.parse_args()
 
 
-def _pictures(job: Job) -> tuple[float, list[np.ndarray]]:
-    """Mean processor seconds of a picture, and the pictures, (H, W, 3) each."""
-    messages, pictures = _run(job)
-    return float(np.mean([m["cpu_s"] for m in messages if "taken" in m])), pictures
+@dataclass(frozen=True)
+class Shelf:
+    """Pictures kept from run to run, by what they are pictures of."""
+
+    folder: Path
+    stage_hash: str
+
+    def exposure_ev(self, job: Job) -> float:
+        """One exposure for all pictures, so that they can be compared: what the first room asks."""
+        file = self.folder / f"{self._key(job)}.json"
+        if not file.exists():
+            first = replace(job, cameras=job.cameras[:1], quality=replace(OURS, samples=1))
+            with tempfile.TemporaryDirectory() as folder:
+                file.write_text(json.dumps(_run(replace(first, folder=folder))))
+        return next(float(m["exposure_ev"]) for m in json.loads(file.read_text()) if "taken" in m)
+
+    def reference(self, job: Job, camera: Any, options: argparse.Namespace) -> np.ndarray:
+        """The picture of one camera by Blender's defaults, (H, W, 3) in 0 to 255."""
+        best = replace(BLENDER, samples=options.block, noise=0.0)
+        light = []
+        for block in range(max(1, options.reference // options.block)):
+            one = replace(job, cameras=(camera,), quality=best, seed=1000 + block)
+            channels, _ = read_exr(self._taken(one) / COLOUR_FILE.format(camera.name))
+            light.append(np.stack([channels[name] for name in "RGB"], axis=-1))
+        with tempfile.TemporaryDirectory() as folder:
+            linear, picture = Path(folder, "mean.exr"), Path(folder, "mean.png")
+            mean = np.mean(light, axis=0)
+            write_exr(linear, {name: mean[..., at] for at, name in enumerate("RGB")})
+            negative = Negative(str(linear), str(picture), float(job.exposure_ev or 0.0))
+            run_blender(Job(folder=folder, negatives=(negative,)), lambda message: None)
+            return _read(picture)
+
+    def pictures(self, job: Job) -> tuple[float, list[np.ndarray]]:
+        """Mean processor seconds of a picture, and the pictures, (H, W, 3) each."""
+        folder = self._taken(job)
+        taken = [m for m in json.loads((folder / "messages.json").read_text()) if "taken" in m]
+        files = [folder / PICTURE_FILE.format(camera.name) for camera in job.cameras]
+        return float(np.mean([m["cpu_s"] for m in taken])), [_read(file) for file in files]
+
+    def _taken(self, job: Job) -> Path:
+        """The folder with all files of a job, rendered now if it was not before."""
+        folder = self.folder / self._key(job)
+        if not (folder / "messages.json").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            messages = _run(replace(job, folder=str(folder)))
+            (folder / "messages.json").write_text(json.dumps(messages))
+        return folder
+
+    def _key(self, job: Job) -> str:
+        what = json.dumps([self.stage_hash, asdict(job)], sort_keys=True)
+        return hashlib.sha256(what.encode()).hexdigest()[:16]
 
 
-def _run(job: Job) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
+def _run(job: Job) -> list[dict[str, Any]]:
     messages: list[dict[str, Any]] = []
-    with tempfile.TemporaryDirectory() as folder:
-        run_blender(replace(job, folder=folder), messages.append)
-        files = [Path(folder) / PICTURE_FILE.format(camera.name) for camera in job.cameras]
-        return messages, [np.asarray(Image.open(file)).astype(float) for file in files]
+    run_blender(job, messages.append)
+    return [message for message in messages if "progress" not in message]
+
+
+def _read(picture: Path) -> np.ndarray:
+    return np.asarray(Image.open(picture).convert("RGB")).astype(float)
 
 
 def _judge(samples: int, cpu_s: float, found: list[np.ndarray], wanted: list[np.ndarray]) -> Try:

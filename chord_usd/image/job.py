@@ -30,8 +30,17 @@ class Quality:
     glossy_bounces: int = 4
     caustics: bool = False
     """Light that mirrors and glass throw on other things: dear, and mostly fireflies."""
-    light_tree: bool = True
-    """Choose lamps by how much they can give to a point."""
+    transmission_bounces: int = 6
+    light_tree_lamps: int = 8
+    """From so many lamps on, choose among them by how much they can give to a point: with fewer,
+    finding out costs more than it gives."""
+    own_lamps: bool = True
+    """In a room, let only the lamps shine whose light can come in: those of rooms that a passage or
+    glass joins to it."""
+    sample_glow: bool = False
+    """In houses, send shadow rays to screens and an even sky, too. Few arrive."""
+    matte_bounces: bool = True
+    """Take surfaces for matte and plain where scattered light meets them."""
     guiding: bool = False
     """Learn where light comes from while rendering."""
     clamp: bool = True
@@ -39,9 +48,6 @@ class Quality:
     denoise: bool = True
     prefilter: str = "ACCURATE"
     """How the denoiser's guides are cleaned: NONE, FAST or ACCURATE."""
-    hide_rooms: bool = False
-    """Leave out furniture and lamps of rooms that neither are seen nor open into a seen one.
-    Finding them costs a look around; in houses of a few rooms that is more than it gives."""
     keep_scene: bool = True
     """Keep what Cycles built for one picture for the next one."""
     texture_px: int = 0
@@ -95,9 +101,9 @@ class Job:
     data: bool = False
     """Render depth, normals and which thing each pixel shows."""
     rooms: tuple[str, ...] = ()
-    """Room of each thing, by the number its objects carry; empty for none."""
-    neighbours: tuple[tuple[str, str], ...] = ()
-    """Rooms that open into each other."""
+    """Names of the rooms of the house; empty for a stage that is none."""
+    joined: tuple[tuple[str, str], ...] = ()
+    """Rooms between which light goes."""
     has_dome: bool = False
     """Whether the stage brings its own sky."""
     exposure_ev: float | None = None
@@ -120,7 +126,7 @@ def read_job(text: str) -> Job:
         "quality": Quality(**fields["quality"]),
         "part": part and Part(tuple(part["tile"]), tuple(part["block"])),
         "rooms": tuple(fields["rooms"]),
-        "neighbours": tuple(tuple(pair) for pair in fields["neighbours"]),
+        "joined": tuple(tuple(pair) for pair in fields["joined"]),
         "negatives": tuple(Negative(**negative) for negative in fields["negatives"]),
     }
     return Job(**fields)

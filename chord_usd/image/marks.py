@@ -15,15 +15,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import Matrix, open_stage, rigid, room_prims
+from chord_usd.image.cameras import Matrix, open_stage, rigid
 from chord_usd.image.lighting import layer_over
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
 NUMBER_MARK = "chord_number"
-ROOM_MARK = "chord_room"
-"""Blender's names of the marks; in USD they lie in the namespace userProperties."""
+"""Blender's name of the mark; in USD it lies in the namespace userProperties."""
 
 MOST_THINGS = 65535
 """Masks have 16 bits."""
@@ -56,14 +55,6 @@ class Marks:
     things: tuple[Thing, ...]
     numbers: tuple[tuple[str, int], ...]
     """(prim path, number of its thing) of shapes and instances."""
-    rooms: tuple[tuple[str, str], ...]
-    """(prim path, room) of furniture and lamps: what can be hidden with their room."""
-    neighbours: tuple[tuple[str, str], ...]
-    """Names of rooms that open into each other."""
-
-    def room_of_numbers(self) -> tuple[str, ...]:
-        """Room of each number, from 0, which is no thing."""
-        return ("", *(thing.room for thing in self.things))
 
 
 def read_marks(path: Path) -> Marks:
@@ -73,24 +64,18 @@ def read_marks(path: Path) -> Marks:
     stage = open_stage(path)
     stage.Load()
     owners: dict[str, int] = {}
-    numbers, rooms = [], []
+    numbers = []
     for prim in Usd.PrimRange(stage.GetPseudoRoot()):
-        room = _room_of(prim)
-        if _is_light(prim) and room:
-            # Blender's lamps lose their attributes; the empty above keeps them.
-            rooms.append((str(prim.GetPath().GetParentPath()), room))
         if not _is_shown(prim):
             continue
         owner = str(_owner(prim).GetPath())
         numbers.append((str(prim.GetPath()), owners.setdefault(owner, len(owners) + 1)))
-        if room and "Furniture" in prim.GetPath().pathString.split("/"):
-            rooms.append((str(prim.GetPath()), room))
     if len(owners) > MOST_THINGS:
         raise RenderError(
             f"holds {len(owners)} things", where=str(path), expected=f"at most {MOST_THINGS}"
         )
     things = tuple(_thing(stage.GetPrimAtPath(path), number) for path, number in owners.items())
-    return Marks(things, tuple(numbers), tuple(dict.fromkeys(rooms)), tuple(_neighbours(stage)))
+    return Marks(things, tuple(numbers))
 
 
 @contextmanager
@@ -101,23 +86,23 @@ def marked_stage(path: Path, marks: Marks) -> Iterator[Path]:
     with layer_over(path) as (layer, file):
         with Sdf.ChangeBlock():
             for prim_path, number in marks.numbers:
-                _write_mark(layer, prim_path, NUMBER_MARK, Sdf.ValueTypeNames.Int, number)
-            for prim_path, room in marks.rooms:
-                _write_mark(layer, prim_path, ROOM_MARK, Sdf.ValueTypeNames.String, room)
+                _write_mark(layer, prim_path, number)
         layer.Save()
         yield file
 
 
-def _write_mark(
-    layer: Sdf.Layer, prim_path: str, name: str, kind: Sdf.ValueTypeName, value: int | str
-) -> None:
+def _write_mark(layer: Sdf.Layer, prim_path: str, number: int) -> None:
     from pxr import Sdf
 
     prim = layer.GetPrimAtPath(prim_path) or Sdf.CreatePrimInLayer(layer, prim_path)
     spec = Sdf.AttributeSpec(
-        prim, f"userProperties:{name}", kind, Sdf.VariabilityVarying, declaresCustom=True
+        prim,
+        f"userProperties:{NUMBER_MARK}",
+        Sdf.ValueTypeNames.Int,
+        Sdf.VariabilityVarying,
+        declaresCustom=True,
     )
-    spec.default = value
+    spec.default = number
 
 
 def _is_shown(prim: Usd.Prim) -> bool:
@@ -133,12 +118,6 @@ def _is_shown(prim: Usd.Prim) -> bool:
         and shape.ComputePurpose() in purposes
         and shape.ComputeVisibility() != UsdGeom.Tokens.invisible
     )
-
-
-def _is_light(prim: Usd.Prim) -> bool:
-    from pxr import UsdLux
-
-    return bool(prim.HasAPI(UsdLux.LightAPI))
 
 
 def _owner(prim: Usd.Prim) -> Usd.Prim:
@@ -183,22 +162,3 @@ def _thing(prim: Usd.Prim, number: int) -> Thing:
 def _room_of(prim: Usd.Prim) -> str:
     parts = prim.GetPath().pathString.split("/")
     return parts[3] if len(parts) > 3 and parts[2] == "Rooms" else ""
-
-
-def _neighbours(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
-    """Pairs of rooms with a door, a window or a passage between them."""
-    from pxr import Usd
-
-    names = {_text(room, "chord:node_id"): room.GetName() for room in room_prims(stage)}
-    for room in room_prims(stage):
-        for prim in Usd.PrimRange(room):
-            joined = (
-                prim.GetAttribute("chord:rooms").Get() if prim.HasAttribute("chord:rooms") else ()
-            )
-            known = sorted({names[node] for node in joined or () if node in names})
-            if len(known) == 2:
-                yield known[0], known[1]
-
-
-def _text(prim: Usd.Prim, name: str) -> str:
-    return str(prim.GetAttribute(name).Get()) if prim.HasAttribute(name) else ""

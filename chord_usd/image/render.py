@@ -27,6 +27,7 @@ from chord_usd.image.cameras import (
 )
 from chord_usd.image.exr import colour_channels, write_exr
 from chord_usd.image.job import PICTURE_FILE, Job, Negative
+from chord_usd.image.joined import joined_rooms
 from chord_usd.image.lighting import lit_stage
 from chord_usd.image.marks import Marks, marked_stage, read_marks
 from chord_usd.image.options import RenderOptions
@@ -35,7 +36,7 @@ from chord_usd.image.products import are_finished, product_files, write_coco, wr
 from chord_usd.image.takes import Take, read_take
 from chord_usd.progress import Progress
 
-_NO_MARKS = Marks((), (), (), ())
+_NO_MARKS = Marks((), ())
 
 
 @dataclass(frozen=True)
@@ -140,8 +141,7 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
     options = run.options
     first_block = options.part is None or options.part.block[0] == 0
     data, colour = options.data and first_block, "rgb" in options.passes
-    hides = colour and options.quality.hide_rooms and bool(run.views.rooms)
-    marks = read_marks(run.lit) if data or hides else _NO_MARKS
+    marks = read_marks(run.lit) if data else _NO_MARKS
     with (
         tempfile.TemporaryDirectory(prefix="chord-usd-render-") as raw,
         marked_stage(run.lit, marks) if marks.numbers else nullcontext(run.lit) as seen,
@@ -158,8 +158,8 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
             part=options.part,
             colour=colour,
             data=data,
-            rooms=marks.room_of_numbers(),
-            neighbours=marks.neighbours if hides else (),
+            rooms=run.views.rooms,
+            joined=joined_rooms(run.lit) if colour else (),
             has_dome=run.views.has_dome,
             exposure_ev=options.exposure_ev,
         )

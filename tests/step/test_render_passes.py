@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
+from chord_usd.image.cameras import read_views
 from chord_usd.image.exr import read_exr
-from chord_usd.image.marks import read_marks
+from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES, RenderOptions
 from chord_usd.image.products import read_mask
 from chord_usd.image.render import Rendered, render_stage
@@ -194,24 +196,47 @@ def test_coco_lists_every_thing_that_is_seen(folder: Path, sidecar: dict) -> Non
     assert {a["category_id"] for a in data["annotations"]} == {c["id"] for c in data["categories"]}
 
 
-def test_rooms_out_of_sight_are_left_out_and_nobody_sees_it(
-    staged_house: Path, tmp_path: Path
+def _light(stage: Path, folder: Path, **quality: Any) -> np.ndarray:
+    options = RenderOptions(
+        cameras=(CAMERA,),
+        resolution_px=(32, 18),
+        quality=replace(QUALITIES["draft"], **quality),
+        exposure_ev=0.0,
+        device="cpu",
+    )
+    made = render_stage(stage, folder, options)
+    channels, _ = read_exr(made.pictures[0].with_suffix(".exr"))
+    return np.stack([channels[name] for name in "RGB"])
+
+
+def test_rooms_are_joined_by_what_light_passes(staged_house: Path) -> None:
+    """Not by doors with a leaf: each pair has a passage, or glass, in the room of either."""
+    rooms = set(read_views(staged_house).rooms)
+    joined = joined_rooms(staged_house)
+    assert all(a in rooms and b in rooms and a != b for a, b in joined)
+    stage = Usd.Stage.Open(str(staged_house))
+    prims = [prim for prim in stage.Traverse() if prim.HasAttribute("chord:rooms")]
+    between = [prim for prim in prims if len(prim.GetAttribute("chord:rooms").Get()) == 2]
+    shut = [
+        p for p in between if p.GetChild("Leaf_0") and not p.GetChild("Leaf_0").GetChild("Glass")
+    ]
+    assert len(between) - len(shut) >= len(joined)
+    assert shut
+
+
+@pytest.mark.parametrize("lever", [{"own_lamps": False}, {"sample_glow": True}])
+def test_what_shadow_rays_are_sent_to_leaves_the_light_as_it_is(
+    staged_house: Path, tmp_path: Path, lever: dict
 ) -> None:
-    marks = read_marks(staged_house)
-    lamps = [path for path, _ in marks.rooms if path.endswith("Lights")]
-    assert len(lamps) == len(set(marks.room_of_numbers()) - {""})
-    assert marks.neighbours
-    light = []
-    for hide in (True, False):
-        options = RenderOptions(
-            cameras=(CAMERA,),
-            resolution_px=(32, 18),
-            quality=replace(QUALITIES["draft"], hide_rooms=hide),
-            exposure_ev=0.0,
-            device="cpu",
-        )
-        made = render_stage(staged_house, tmp_path / str(hide), options)
-        channels, _ = read_exr(made.pictures[0].with_suffix(".exr"))
-        light.append(np.stack([channels[name] for name in "RGB"]))
-    assert not np.array_equal(*light)
-    assert np.abs(light[0] - light[1]).mean() < 0.1 * light[1].mean()
+    ours, other = (
+        _light(staged_house, tmp_path / str(n), matte_bounces=False, **kind)
+        for n, kind in enumerate(({}, lever))
+    )
+    assert not np.array_equal(ours, other)
+    assert abs(ours.mean() - other.mean()) < 0.1 * other.mean()
+
+
+def test_matte_bounces_are_nearly_as_bright(staged_house: Path, tmp_path: Path) -> None:
+    ours, other = (_light(staged_house, tmp_path / str(on), matte_bounces=on) for on in (1, 0))
+    assert not np.array_equal(ours, other)
+    assert abs(ours.mean() - other.mean()) < 0.1 * other.mean()

@@ -53,7 +53,7 @@ def test_the_lens_in_pixels() -> None:
 def test_a_job_crosses_as_json() -> None:
     job = Job(
         "f", "s", (VIEW,), 4, 3, Quality(samples=5), 1, part=Part((0, 2), (1, 4)),
-        rooms=("", "A"), neighbours=(("A", "B"),), negatives=(Negative("a", "b", 1.0),),
+        rooms=("A", "B"), joined=(("A", "B"),), negatives=(Negative("a", "b", 1.0),),
     )  # fmt: skip
     assert read_job(write_job(job)) == job
 

@@ -7,21 +7,15 @@ paints each with the number that its instance carries, and sends one ray through
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
 import bpy
-import numpy as np
-import OpenEXR
 
 from chord_usd.image.job import Job
 
 NUMBER_MARK = "chord_number"
 """Property of objects: the number of the thing they belong to (see marks.py)."""
-
-LOOK_WIDTH_PX = 160
-"""Width of the picture that tells which rooms are seen."""
 
 _NARROWEST_PX = 0.01
 """The narrowest filter Cycles has: every ray passes the centre of its pixel."""
@@ -73,22 +67,3 @@ def render_data(data: Any, path: Path) -> None:
     data.render.filepath = str(path)
     bpy.ops.render.render(write_still=True, scene=data.name)
     lens.dof.use_dof = blurred
-
-
-def rooms_to_show(data: Any, job: Job) -> set[str] | None:
-    """Rooms the camera sees and those that open into them; None for all.
-
-    A seen room is lit by the next one, through the door between them.
-    """
-    if not job.neighbours:
-        return None
-    render = data.render
-    render.use_border = False
-    render.resolution_percentage = max(1, math.ceil(100 * LOOK_WIDTH_PX / job.width_px))
-    path = Path(job.folder) / "look.exr"
-    render_data(data, path)
-    render.resolution_percentage = 100
-    channels = OpenEXR.File(str(path), separate_channels=True).channels()
-    numbers = np.unique(channels["ViewLayer.Combined.R"].pixels).astype(int)
-    seen = {job.rooms[number] for number in numbers if 0 <= number < len(job.rooms)} - {""}
-    return seen | {b for pair in job.neighbours for a, b in (pair, pair[::-1]) if a in seen}

@@ -26,18 +26,17 @@ light out of a stage whose lamps are given in large numbers."""
 
 
 def set_quality(scene: Any, job: Job) -> None:
-    """Settings for interiors: few bounces, no caustics, light tree, denoised."""
+    """Settings for interiors: few bounces, no caustics, denoised."""
     cycles, render, quality = scene.cycles, scene.render, job.quality
     cycles.seed = job.seed
     cycles.max_bounces = quality.bounces
     cycles.diffuse_bounces = quality.diffuse_bounces
     cycles.glossy_bounces = quality.glossy_bounces
-    cycles.transmission_bounces = 6
+    cycles.transmission_bounces = quality.transmission_bounces
     cycles.transparent_max_bounces = 8
     cycles.volume_bounces = 0
     cycles.caustics_reflective = cycles.caustics_refractive = quality.caustics
     cycles.blur_glossy = 1.0
-    cycles.use_light_tree = quality.light_tree
     cycles.use_guiding = quality.guiding
     # A part must equal the same pixels of the whole picture, and these three look around.
     whole = job.part is None

@@ -29,9 +29,6 @@ SKY_STOPS = (
 """Linear colours from straight down (0) over the horizon (0.5) to straight up (1): soft daylight
 over pale ground, so that one does not look into a void through a window."""
 
-ROOM_MARK = "chord_room"
-"""Property of furniture and lamps: the room they are in (see marks.py)."""
-
 
 def import_stage(job: Job) -> Any:
     """A new scene with the stage and a camera in it."""
@@ -122,22 +119,3 @@ def open_roof(scene: Any, is_open: bool) -> None:
         if thing.type == "MESH" and thing.name.startswith(CEILING):
             thing.visible_camera = not is_open
     scene.render.film_transparent = is_open
-
-
-def show_rooms(shown: set[str] | None) -> None:
-    """Hide furniture and lamps of all rooms but these; None shows everything.
-
-    Walls stay: daylight must not fall through a room that is not seen.
-    """
-    for thing in bpy.data.objects:
-        room = _room_of(thing)
-        if room:
-            thing.hide_render = shown is not None and room not in shown
-
-
-def _room_of(thing: Any) -> str:
-    """The room a mark names: instances carry it, shapes in their data, lamps in their parent."""
-    for carrier in (thing, thing.data, thing.parent):
-        if carrier is not None and ROOM_MARK in carrier:
-            return str(carrier[ROOM_MARK])
-    return ""

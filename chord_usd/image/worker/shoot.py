@@ -12,10 +12,12 @@ import bpy
 
 from chord_usd.image.cameras import StageCamera
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
-from chord_usd.image.worker.data import data_scene, render_data, rooms_to_show
+from chord_usd.image.worker.bounces import make_bounces_matte
+from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor
+from chord_usd.image.worker.lamps import aim_at_lamps, switch_lamps
 from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
-from chord_usd.image.worker.scene import aim, import_stage, open_roof, show_rooms
+from chord_usd.image.worker.scene import aim, import_stage, open_roof
 
 Report = Callable[[dict[str, Any]], None]
 
@@ -30,16 +32,17 @@ def shoot(job: Job, report: Report) -> None:
     share_processor(scene)
     set_quality(scene, job)
     # Made when all objects are in place: a copy of a scene lists those it had.
-    data = data_scene(scene, job) if job.data or job.quality.hide_rooms else None
+    data = data_scene(scene, job) if job.data else None
+    aim_at_lamps(scene, job)
+    if job.quality.matte_bounces:
+        make_bounces_matte()
     for view in job.cameras:
         started = time.process_time()
         aim(scene.camera, view)
         open_roof(scene, view.from_above)
-        show_rooms(None)
-        if data is not None and job.quality.hide_rooms and job.colour:
-            show_rooms(rooms_to_show(data, job))
+        switch_lamps(scene, job, view.room)
         exposure_ev = _take_light(scene, job, view, report) if job.colour else 0.0
-        if data is not None and job.data:
+        if data is not None:
             _frame_part(data, job)
             render_data(data, Path(job.folder) / DATA_FILE.format(view.name))
         cpu_s = time.process_time() - started

@@ -1,0 +1,54 @@
+"""Which rooms share their light: those joined by a hole without a leaf, or with glass in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chord_usd.image.cameras import open_stage, room_prims
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+_LEAF = "Leaf"
+_GLASS = "Glass"
+"""How the names of the parts begin that close an opening, and that let light through."""
+
+
+def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
+    """Pairs of names of rooms between which light goes; none on a stage that is not a house.
+
+    Loads the walls, not the furniture. Raises StageError.
+    """
+    stage = open_stage(path)
+    rooms = room_prims(stage)
+    for room in rooms:
+        walls = room.GetChild("Architecture")
+        if walls:
+            walls.Load()
+    names = {_node_id(room): room.GetName() for room in rooms}
+    return tuple(sorted({pair for room in rooms for pair in _pairs(room, names)}))
+
+
+def _pairs(room: Usd.Prim, names: dict[str, str]) -> Iterator[tuple[str, str]]:
+    from pxr import Usd
+
+    for prim in Usd.PrimRange(room):
+        joined = prim.GetAttribute("chord:rooms").Get() if prim.HasAttribute("chord:rooms") else ()
+        known = sorted({names[node] for node in joined or () if node in names})
+        if len(known) == 2 and _lets_light_through(prim):
+            yield known[0], known[1]
+
+
+def _lets_light_through(opening: Usd.Prim) -> bool:
+    from pxr import Usd
+
+    parts = [part.GetName() for part in Usd.PrimRange(opening)]
+    has_leaf = any(part.startswith(_LEAF) for part in parts)
+    return not has_leaf or any(part.startswith(_GLASS) for part in parts)
+
+
+def _node_id(prim: Usd.Prim) -> str:
+    name = "chord:node_id"
+    return str(prim.GetAttribute(name).Get()) if prim.HasAttribute(name) else ""
