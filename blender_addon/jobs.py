@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -165,6 +166,8 @@ def _show_house(
     if before and now is not None:
         merged = carried_over(read_changes(house), before.changes, now)
         write_changes(house, without_room(merged, new_room) if new_room else merged)
+    if before is None:
+        _save_last(context, house)
     import_house(context, house)
     own = fields(context)
     own.house, own.contents = str(house), json.dumps(contents)
@@ -174,6 +177,13 @@ def _show_house(
         own.warnings = "\n".join(report.warnings(made))
     if made.get("certificate"):
         show_certificate(context, made["certificate"])
+
+
+def _save_last(context: bpy.types.Context, house: Path) -> None:
+    """Save the edits of the house that makes room for another, where they can be."""
+    with suppress(InputError, OSError):
+        if is_shown(context) and house_path(context) != house:
+            save_changes(context)
 
 
 def _changes_now(context: bpy.types.Context, seen: Seen) -> Changes | None:

@@ -12,7 +12,8 @@ plan, programs = Path(sys.argv[4]), Path(sys.argv[5])
 s.use(str(programs / "good"))
 s.own.plan = str(plan)
 read_changes = s.part("core.layer").read_changes
-bed, cabinet = (f"/House/Rooms/Bedroom_0/Furniture/{name}" for name in ("Bed_0", "Cabinet_0"))
+room = "/House/Rooms/Bedroom_0/Furniture"
+bed, cabinet, table = (f"{room}/{name}" for name in ("Bed_0", "Cabinet_0", "BedsideTable_0"))
 
 
 def moved(by_m: float) -> None:
@@ -33,6 +34,7 @@ told["redone"] = s.own.house == str(first) and bool(s.objects())
 # A second house of the same plan is a second house; the edits of the first are there.
 moved(0.25)
 told["saved"] = s.start("save_edits")
+s.objects()[table].location.x += 0.25  # not saved, nor a step to undo
 told["second"] = s.press("generate")
 second = Path(s.own.house)
 told["folders"] = [first.parent.name, second.parent.name]

@@ -388,7 +388,7 @@ def test_one_step_takes_a_new_house_back(undo: Told) -> None:
 
 def test_a_second_house_of_a_plan_has_its_own_folder(undo: Told) -> None:
     assert undo["folders"] == ["two_bedrooms", "two_bedrooms 2"]
-    assert undo["first_edits"] == [BED]
+    assert undo["first_edits"] == [BED, TABLE], "also those that were not saved yet"
     assert undo["saved"] == undo["saved_again"] == ""
     assert undo["second_edits"] == []
 
