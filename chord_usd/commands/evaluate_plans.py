@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch, whole_number
 from chord_usd.commands.evaluate_options import add_report, told
@@ -20,6 +21,10 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--unseen", action="store_true", help="the styles that the reader was not made on"
     )
+    parser.add_argument(
+        "--records", type=Path, metavar="FILE",
+        help="keep every score here (JSON lines), and go on from those that are there",
+    )  # fmt: skip
     add_report(parser)
 
 
@@ -27,10 +32,13 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.data.drawn.styles import FAMILIES, HELD_OUT
     from chord_usd.evaluation.plans import Reader, as_markdown, measure_reading, summaries
+    from chord_usd.evaluation.plans_records import Records
     from chord_usd.plan.drawing import read_drawing
     from chord_usd.plan.placement import frame_of, straightening_of
     from chord_usd.plan.sheet import straightening_matrix
 
+    families = HELD_OUT if options.unseen else FAMILIES
+    records = Records(options.records, options.seed, families)
     watch = stopwatch(options)
     with watch.step("plans") as progress:
         reader = Reader(
@@ -38,7 +46,8 @@ def run(options: argparse.Namespace) -> Outcome:
             frame_of,
             lambda plan, shape: straightening_matrix(straightening_of(plan), shape)[0],
         )
-        families = HELD_OUT if options.unseen else FAMILIES
-        scores = measure_reading(reader, options.count, progress, families, options.seed)
+        scores = measure_reading(
+            reader, options.count, progress, families, options.seed, records.scores, records.keep
+        )
     data = {"styles": summaries(scores), "seed": options.seed, "seconds": watch.seconds}
     return told(options, as_markdown(scores), data, {}, [])

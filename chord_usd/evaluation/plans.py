@@ -68,15 +68,26 @@ class PlanScore:
 def measure_reading(
     reader: Reader, count: int, progress: Progress,
     families: Sequence[str] = FAMILIES, seed: int = 0,
+    known: Mapping[int, PlanScore] | None = None,
+    keep: Callable[[int, PlanScore], None] | None = None,
 ) -> list[PlanScore]:  # fmt: skip
-    """Draw count plans of every family and read them. Same seed, same drawings."""
+    """Draw count plans of every family and read them. Same seed, same drawings.
+
+    known: scores by the drawing's number, which are not read again; keep: told of every new one.
+    """
     scores = []
     total = count * len(families)
     for number in range(total):
-        family = families[number % len(families)]
-        rng = np.random.default_rng([_FIRST_SEED + seed, number])
-        drawing = draw_in_style(random_plan(rng), random_style(rng, family), rng)
-        scores.append(score_reading(drawing, reader))
+        score = (known or {}).get(number)
+        if score is None:
+            rng = np.random.default_rng([_FIRST_SEED + seed, number])
+            plan = random_plan(rng)
+            style = random_style(rng, families[number % len(families)])
+            drawing = draw_in_style(plan, style, rng)
+            score = score_reading(drawing, reader)
+            if keep:
+                keep(number, score)
+        scores.append(score)
         progress(number + 1, total)
     return scores
 

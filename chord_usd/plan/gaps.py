@@ -196,16 +196,19 @@ class _End:
 def _wall_ends(wall: BoolArray, thickness_px: float) -> list[_End]:
     """Short edges of the walls' outlines between two convex corners; [] for a scrawl."""
     contours, _ = cv2.findContours(wall.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
-    ends: list[_End] = []
+    ends: dict[tuple[float, ...], _End] = {}
+    found = 0
     # A fine outline has the shortest stubs of walls, a rough one the ends that blur has rounded.
     for share in _CORNER_SHARES:
         for contour in contours:
             corners = cv2.approxPolyDP(contour, 1.0 + share * thickness_px, closed=True)
             if len(corners) >= 4:
-                ends += _ends_of(corners.reshape(-1, 2) + 0.5, wall, thickness_px)
-        if len(ends) > _MOST_ENDS:
+                own = _ends_of(corners.reshape(-1, 2) + 0.5, wall, thickness_px)
+                ends |= {(*end.middle, *end.outward, end.width_px): end for end in own}
+                found += len(own)
+        if found > _MOST_ENDS:
             return []
-    return ends
+    return list(ends.values())
 
 
 def _ends_of(corners: FloatArray, wall: BoolArray, thickness_px: float) -> list[_End]:

@@ -16,7 +16,7 @@ from chord_usd.units import rotation_2d
 _WORKING_SIDE_PX = 1600
 """Larger drawings are scaled down to this: walls stay several pixels thick."""
 
-_TEXT_SIDE_PX = 2000
+_TEXT_SIDE_PX = 1800
 
 _LEAST_SKEW_DEG = 0.2
 _FINE_REACH_DEG, _FINE_STEP_DEG = 1.2, 0.1
@@ -33,7 +33,7 @@ class Sheet:
     rgb: ByteArray
     """(H, W, 3), sides of 1600 px at most."""
     fine: ByteArray
-    """The same, sides of 2000 px at most, for what is printed small."""
+    """The same, sides of 1800 px at most, for what is printed small."""
     shrink: float
     """Pixels of rgb per pixel of the upright picture."""
     height_px: int

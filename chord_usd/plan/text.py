@@ -12,7 +12,7 @@ import numpy as np
 
 from chord_usd.types import ByteArray, FloatArray
 
-_LARGEST_SIDE_PX = 2000
+_LARGEST_SIDE_PX = 1800
 _SMALLEST_SIDE_PX = 1200
 """Letters of a smaller picture are too small for the detector; it is enlarged."""
 

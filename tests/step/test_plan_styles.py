@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -13,8 +14,15 @@ from chord_usd.data.drawn.draw import Drawing, draw_in_style
 from chord_usd.data.drawn.lettering import write
 from chord_usd.data.drawn.styles import FAMILIES, random_style
 from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.evaluation.plans import Reader, score_reading, summaries
+from chord_usd.errors import OutputError, PlanError
+from chord_usd.evaluation.plans import (
+    PlanScore,
+    Reader,
+    measure_reading,
+    score_reading,
+    summaries,
+)
+from chord_usd.evaluation.plans_records import Records
 from chord_usd.plan import drawing as drawings
 from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.placement import WARNINGS, frame_of, placement, straightening_of
@@ -176,6 +184,32 @@ def test_who_refuses_scores_nothing() -> None:
     assert score.refused
     assert not score.wrong_in_silence
     assert summaries([score])["all"]["read"] == 0
+
+
+def test_a_measurement_that_was_stopped_goes_on(tmp_path: Path) -> None:
+    path, styles, read = tmp_path / "scores.jsonl", ("agent", "cad"), []
+
+    def refuse(rgb: ByteArray) -> Plan:
+        read.append(rgb.shape)
+        raise PlanError("no closed room was found")
+
+    def measured(count: int) -> list[PlanScore]:
+        records = Records(path, 3, styles)
+        reader = Reader(refuse, frame_of, straight)
+        return measure_reading(
+            reader, count, lambda done, total: None, styles, 3, records.scores, records.keep
+        )
+
+    first = measured(1)
+    with path.open("a") as file:
+        file.write('{"seed": 3, "num')
+    both = measured(2)
+    assert (len(read), both[:2]) == (4, first)
+    assert measured(2) == both
+    assert len(read) == 4
+    path.write_text("house\n")
+    with pytest.raises(OutputError, match="is no score"):
+        measured(1)
 
 
 def test_the_same_seed_draws_the_same() -> None:
