@@ -38,6 +38,10 @@ class LayoutConfig:
     conditioned floor planning"); 0 for none."""
     word_channels: int = 0
     """Length of the vector that stands for a word."""
+    programme: int = 0
+    """How many of the words, the first ones, are told to every block at every step as well: what
+    all of a picture must agree on, like the number of bedrooms, is heard too late from attention
+    near the bottleneck alone."""
     blocks_per_level: int = 1
     feature_channels: int = 64
     """Width between the U-Net and the 1×1 head."""
@@ -99,7 +103,7 @@ PRESETS: dict[str, LayoutConfig] = {
 in, 3 out, DDPM's U-Net and linear schedule at full resolution."""
 
 FLOOR = LayoutConfig(
-    level="floor", attention=(False, False, True, True), words=60, word_channels=448
+    level="floor", attention=(False, False, True, True), words=60, word_channels=448, programme=11
 )
 """Floor plans from words, and from open plans: see planning/words.py for what the words are."""
 

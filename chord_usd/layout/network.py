@@ -62,9 +62,17 @@ class LayoutNetwork(nn.Module):
             plan = torch.cat([plan, grid], dim=1)
         folded = functional.pixel_unshuffle(state, patch)
         inputs = torch.cat([self.embed_state(folded), self.embed_plan(plan)], dim=1)
-        said = () if words is None else (words,)
-        features = functional.silu(self.unet(inputs, time, *said).sample)
+        features = functional.silu(self.unet(inputs, time, **self._said(words)).sample)
         return functional.pixel_shuffle(self.head(features), patch)
+
+    def _said(self, words: Tensor | None) -> dict[str, Tensor]:
+        """What the U-Net is told beside the picture."""
+        if words is None:
+            return {}
+        said = {"encoder_hidden_states": words}
+        if self.config.programme:
+            said["class_labels"] = words[:, : self.config.programme].flatten(1)
+        return said
 
     def encode(self, labels: Tensor, front: Tensor) -> Tensor:
         """Labels (B, H, W) and front marks (B, H, W) bool to the clean state (B, 17, H, W)."""
@@ -100,9 +108,18 @@ def _unet(config: LayoutConfig) -> Any:
         return UNet2DModel(**common, attention_head_dim=32)
     # What this class calls so is the number of heads.
     heads = tuple(width // 32 for width in config.channels)
-    return UNet2DConditionModel(
-        **common, cross_attention_dim=config.word_channels, attention_head_dim=heads
+    told: dict[str, Any] = {}
+    if config.programme:
+        told["class_embed_type"] = "projection"
+        told["projection_class_embeddings_input_dim"] = config.programme * config.word_channels
+    unet: Any = UNet2DConditionModel(
+        **common, **told, cross_attention_dim=config.word_channels, attention_head_dim=heads
     )
+    if config.programme:
+        # Says nothing at first, so that a network without it can be the start.
+        nn.init.zeros_(unet.class_embedding.linear_2.weight)
+        nn.init.zeros_(unet.class_embedding.linear_2.bias)
+    return unet
 
 
 def _state_channels(config: LayoutConfig) -> int:

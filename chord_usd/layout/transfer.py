@@ -56,3 +56,18 @@ def _same_ground(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:
     to, from_ = (traits_of(one.config).ground_plane * fold for one in (network, other))
     weight[:, to : to + fold] = before[:, from_ : from_ + fold]
     return weight
+
+
+def take_up(network: LayoutNetwork, other: LayoutNetwork) -> None:
+    """Fill network with another of its level, which may hear no programme: it says nothing then.
+
+    Raises CheckpointError where they are built differently otherwise.
+    """
+    if replace(other.config, programme=network.config.programme) != network.config:
+        raise CheckpointError(
+            "the network to start from is built differently",
+            expected="the configuration of what is trained",
+            try_="a checkpoint of the same command",
+        )
+    own = network.state_dict()
+    network.load_state_dict({**own, **other.state_dict()})

@@ -21,7 +21,7 @@ from chord_usd.layout.levels import traits_of
 from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
-from chord_usd.layout.transfer import adopt
+from chord_usd.layout.transfer import adopt, take_up
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.shards import load_state, save_state
@@ -117,8 +117,8 @@ class LayoutTrainer:
             adopt(self.network, loaded.network)
             self.average.load_state_dict(self.network.state_dict())
             return
-        self.network.load_state_dict(loaded.network.state_dict())
-        self.average.load_state_dict(loaded.network.state_dict())
+        for network in (self.network, self.average):
+            take_up(network, loaded.network)
         self.step = int(loaded.training.get("steps", 0))
         self.minutes_before = float(loaded.training.get("minutes", 0.0))
 
