@@ -172,8 +172,8 @@ def positive(text: str) -> float:
 
 
 def resolution(text: str) -> tuple[int, int]:
-    """An option type: WIDTHxHEIGHT in pixels."""
-    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    """An option type: WIDTHxHEIGHT in pixels; RenderOptions knows how many can be rendered."""
+    match = re.fullmatch(r"(\d{1,9})x(\d{1,9})", text)
     if not match or "0" in match.groups():
         raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, such as 1280x720")
     return int(match[1]), int(match[2])

@@ -311,6 +311,7 @@ def test_a_full_disk_leaves_no_picture(house, tiny_disk):
         (["{house}", "--passes", "smell"], "one of rgb, depth"),
         (["{house}", "--merge"], "has no parts of 'Bedroom_0'"),
         (["{house}", "--device", "toaster"], "--device"),
+        (["{house}", "--resolution", "100000x100000"], "4 to 16384 pixels each way"),
     ],
 )
 def test_the_command_line_ends_with_2_and_one_line(house, tmp_path, arguments, says):
