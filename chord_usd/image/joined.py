@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,17 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
             walls.Load()
     names = {_node_id(room): room.GetName() for room in rooms}
     return tuple(sorted({pair for room in rooms for pair in _pairs(room, names)}))
+
+
+def lit_with(room: str, joined: Iterable[tuple[str, str]]) -> set[str]:
+    """The room and all that holes join to it, one after the other."""
+    pairs = list(joined)
+    lit: set[str] = set()
+    reached = {room}
+    while reached != lit:
+        lit = reached
+        reached = lit | {b for pair in pairs for a, b in (pair, pair[::-1]) if a in lit}
+    return lit
 
 
 def _pairs(room: Usd.Prim, names: dict[str, str]) -> Iterator[tuple[str, str]]:

@@ -12,20 +12,10 @@ import bpy
 import numpy as np
 
 from chord_usd.image.job import Job
+from chord_usd.image.joined import lit_with
 
 EVEN_SKY = 8.0
 """A sky whose brightest point is at most this many times its mean needs no shadow rays."""
-
-
-def lit_with(room: str, joined: Iterable[tuple[str, str]]) -> set[str]:
-    """The room and all that holes join to it, one after the other."""
-    pairs = list(joined)
-    lit: set[str] = set()
-    reached = {room}
-    while reached != lit:
-        lit = reached
-        reached = lit | {b for pair in pairs for a, b in (pair, pair[::-1]) if a in lit}
-    return lit
 
 
 def switch_lamps(scene: Any, job: Job, room: str) -> None:
