@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,6 +18,9 @@ IntArray = npt.NDArray[np.int32]
 
 _SAME_POINT_DECIMALS = 6
 """Corners closer than a micrometre are one point of the mesh."""
+
+_ON_SIDE_M = 1e-5
+"""A point nearer to the side of a triangle lies on it."""
 
 _SLIVER_M2 = 1e-8
 """Triangles smaller than this join three corners in a line: they cover nothing."""
@@ -172,8 +175,38 @@ def _triangles(area: Polygon) -> Iterable[FloatArray]:
     rings = [np.asarray(ring.coords)[:-1, :2] for ring in (area.exterior, *area.interiors)]
     points = np.concatenate(rings)
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
-    for triangle in mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3):
-        a, b, c = points[triangle]
-        turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    cut = mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3)
+    for a, b, c in _meeting_at_corners(points, cut):
+        turn = _cross(points[b] - points[a], points[c] - points[a])
         if abs(turn) / 2 > _SLIVER_M2:
-            yield np.array([a, b, c] if turn > 0.0 else [a, c, b])
+            yield points[[a, b, c] if turn > 0.0 else [a, c, b]]
+
+
+def _meeting_at_corners(
+    points: FloatArray, triangles: npt.NDArray[np.integer]
+) -> Iterator[tuple[int, ...]]:
+    """Triangles cut in two where a point lies in the middle of a side.
+
+    Earcut passes over corners in a line with others; the mesh would come apart there.
+    """
+    waiting = [tuple(map(int, triangle)) for triangle in triangles]
+    while waiting:
+        triangle = waiting.pop()
+        for a, b, c in (triangle, triangle[1:] + triangle[:1], triangle[2:] + triangle[:2]):
+            side, offset = points[b] - points[a], points - points[a]
+            length = max(float(np.hypot(*side)), _ON_SIDE_M)
+            along = offset @ side / length
+            beside = np.abs(_cross(side, offset)) / length
+            inner = (beside < _ON_SIDE_M) & (along > _ON_SIDE_M) & (along < length - _ON_SIDE_M)
+            if inner.any():
+                middle = int(inner.argmax())
+                waiting += [(a, middle, c), (middle, b, c)]
+                break
+        else:
+            yield triangle
+
+
+def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
+    """z of the cross product of vectors (..., 2)."""
+    product: FloatArray = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+    return product

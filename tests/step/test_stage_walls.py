@@ -97,6 +97,18 @@ def test_the_facade_has_no_corner_in_the_middle_of_an_edge(seed: int) -> None:
         assert not np.any((off < 1e-6) & (along > 1e-6) & (along < 1 - 1e-6))
 
 
+@pytest.mark.parametrize("seed", range(30))
+def test_the_tops_of_the_walls_hang_together_at_their_corners(seed: int) -> None:
+    """No corner lies in the middle of an edge of another triangle."""
+    mesh = mesh_of(top_faces(build_walls(random_plan(np.random.default_rng(seed)))))
+    points, corners = mesh.points_m[:, :2], mesh.indices.reshape(-1, 3)
+    for first, second in zip(corners.T, np.roll(corners, -1, axis=1).T, strict=True):
+        a, b = points[first][:, None], points[second][:, None]
+        along = np.sum((points - a) * (b - a), axis=2) / np.sum((b - a) ** 2, axis=2)
+        off = np.linalg.norm(a + along[..., None] * (b - a) - points, axis=2)
+        assert not np.any((off < 1e-6) & (along > 1e-4) & (along < 1 - 1e-4))
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_doors_windows_and_passages_are_real_holes(seed: int) -> None:
     plan = random_plan(np.random.default_rng(seed), rooms=6)
