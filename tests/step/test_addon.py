@@ -29,38 +29,10 @@ Told = dict[str, Any]
 RunInBlender = Callable[..., Told]
 
 PRETENDS = """#!{python}
-import json, os, shutil, sys, time
-if "--version" in sys.argv:
-    print("{answer}")
-    sys.exit({code})
-if "--help" in sys.argv:
-    print("  --seed N  {can}")
-    sys.exit()
-words = dict(zip(sys.argv, sys.argv[1:]))
-if sys.argv[1] == "describe":
-    os.execv({python!r}, [{python!r}, "-m", "chord_usd", *sys.argv[1:]])
-if sys.argv[1] == "regenerate":
-    from pxr import Usd
-    stage = Usd.Stage.Open(sys.argv[2])
-    stage.GetPrimAtPath("/House/Rooms/Bedroom_0/Furniture/Cabinet_0").SetActive(False)
-    stage.Save()
-    print(json.dumps({{"stage": sys.argv[2], "room": words["--room"]}}))
-if sys.argv[1] == "assets":
-    shutil.copytree({models!r}, words["-o"], dirs_exist_ok=True)
-    print(json.dumps({{"assets": 3}}))
-if sys.argv[1] == "generate":
-    text = "".join(word.partition("=")[2] for word in sys.argv if word.startswith("--text="))
-    if "elephant" in text:
-        sys.stderr.write("error: --text: the text names no rooms; expected rooms, in words\\n")
-        sys.exit(2)
-    told = {{"understood": text.upper(), "rooms": 5, "area_m2": 64.6}}
-    missed = {{"planned": told, "warnings": ["asked for 2 bedrooms, planned 1"]}} if text else {{}}
-    sys.stderr.write(json.dumps({{"step": "layout", "done": 1, "total": 4}}) + "\\n")
-    sys.stderr.flush()
-    time.sleep(0.5)
-    shutil.copytree({house!r}, os.path.dirname(words["-o"]), dirs_exist_ok=True)
-    certificate = {{"valid": True, "walkable": 0.9}}
-    print(json.dumps({{"stage": words["-o"], "certificate": certificate, **missed}}))
+import sys
+sys.path.insert(0, {folder!r})
+from pretends import main
+main({answer!r}, {code}, {options!r}, {models!r}, {house!r})
 """
 """A program that answers as chord-usd does, and has everything ready."""
 
@@ -95,7 +67,7 @@ def programs(untouched: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "docs", models / "pictures")
     for asset in models.glob("*/*.usda"):
         shutil.copyfile(ROOT / "docs" / "layouts.png", models / "pictures" / f"{asset.stem}.png")
-    for name, answer, code, can in (
+    for name, answer, code, options in (
         ("good", "chord-usd 9.0.0", 0, "--outline PNG --text TEXT"),
         ("older", "chord-usd 0.1.0", 0, "--outline PNG"),
         ("old", "chord-usd 0.0.1", 0, ""),
@@ -104,9 +76,10 @@ def programs(untouched: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     ):
         text = PRETENDS.format(
             python=sys.executable,
+            folder=str(ROOT / "tests" / "blender"),
             answer=answer,
             code=code,
-            can=can,
+            options=options,
             models=str(models),
             house=str(untouched.parent),
         )
