@@ -12,7 +12,7 @@ import numpy as np
 
 from chord_usd.errors import PlanError
 from chord_usd.raster_files import TEXT_CHUNK
-from chord_usd.types import ByteArray, PixelFrame, frozen_array
+from chord_usd.types import ByteArray, PixelFrame
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -67,7 +67,8 @@ def read_picture(path: Path) -> Picture:
         raise PlanError(
             "is a damaged picture", where=str(path), expected=_EXPECTED, try_="export it again"
         ) from error
-    return Picture(frozen_array(rgb, np.uint8), _frame(described, rgb.shape[0], path))
+    rgb.setflags(write=False)
+    return Picture(rgb, _frame(described, rgb.shape[0], path))
 
 
 def _check_size(size: tuple[int, int], path: Path) -> None:
@@ -87,10 +88,10 @@ def _upright_rgb(image: Image.Image) -> ByteArray:
     if image.mode.startswith(("I", "F")):
         return np.repeat(_eight_bits(np.asarray(image))[:, :, None], 3, axis=2)
     if "A" in image.mode or "transparency" in image.info:
-        image = image.convert("RGBA")
-        white = Image.new("RGBA", image.size, "white")
-        image = Image.alpha_composite(white, image)
-    return np.asarray(image.convert("RGB"))
+        layer = image.convert("RGBA")
+        image = Image.new("RGB", layer.size, "white")
+        image.paste(layer, mask=layer)
+    return np.asarray(image.convert("RGB") if image.mode != "RGB" else image)
 
 
 def _eight_bits(values: np.ndarray[Any, Any]) -> ByteArray:

@@ -22,6 +22,9 @@ from chord_usd.types import ByteArray, Plan, PlanImage
 _PALETTE_SHARE = 0.99
 """A picture of which so much is in the palette's plan colours is a plan raster."""
 
+_LARGEST_RASTER_PX = 3000
+"""Two hundred metres at the coarsest scale that we draw."""
+
 _COLOR_SLACK = 3
 _SAMPLES = 50_000
 
@@ -109,17 +112,20 @@ def _at(path: Path, error: PlanError) -> PlanError:
 
 
 def is_plan_raster(rgb: ByteArray) -> bool:
-    """Whether a picture (H, W, 3) holds the palette's plan colours only, doors or windows too.
+    """Whether a picture (H, W, 3) holds the palette's plan colours only, walls and openings too.
 
     A black and white drawing does not: its doors and windows are lines.
     """
+    if max(rgb.shape) > _LARGEST_RASTER_PX:
+        return False
     colors = np.array(
         [*palette.ROOM_SHADES.values(), *(row.rgb for row in palette.PLAN_CATEGORIES)]
     )
     step = max(1, round((rgb.size / 3 / _SAMPLES) ** 0.5))
     sample = rgb[::step, ::step].reshape(-1, 1, 3).astype(np.int16)
     known = np.abs(sample - colors).max(axis=2).min(axis=1) <= _COLOR_SLACK
-    if known.mean() < _PALETTE_SHARE:
+    is_wall = (np.abs(sample[:, 0] - palette.category("wall").rgb) <= _COLOR_SLACK).all(axis=1)
+    if known.mean() < _PALETTE_SHARE or not is_wall.any():
         return False
     openings = [palette.category(name).rgb for name in ("door", "window")]
     return any((rgb == np.array(color)).all(axis=2).any() for color in openings)
