@@ -75,7 +75,7 @@ def add_look(group: Options) -> None:
     )
     group.add_argument(
         "--samples", type=whole_number(1), metavar="N",
-        help="paths per pixel, at most (16, 128 or 1024, by the quality)",
+        help="paths per pixel, at most (8, 128 or 1024, by the quality)",
     )  # fmt: skip
 
 
