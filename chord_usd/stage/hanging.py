@@ -1,7 +1,7 @@
 """Panels on their walls: the last centimetres between what hangs and what it hangs on.
 
 Where a panel is drawn behind a bed or a sofa, only a strip of it is seen, and its back may end a
-little before the wall. It cannot hang there, so it is moved back onto the wall.
+little before the wall or in it. It cannot hang there, so it is moved onto the wall.
 """
 
 from __future__ import annotations
@@ -47,13 +47,15 @@ def hang_on_walls(
 def _hung(item: Item, floor: shapely.Polygon) -> Item:
     back = -front_direction(item.box.yaw_deg)
     ends = footprint(item.box)[[0, 3]]
-    rays = shapely.linestrings(np.stack([ends, ends + back * REACH_M], axis=1))
+    starts = ends - back * REACH_M
+    rays = shapely.linestrings(np.stack([starts, ends + back * REACH_M], axis=1))
     hits = shapely.intersection(rays, floor.exterior)
     if shapely.is_empty(hits).any():
         return item
-    near_m, far_m = sorted(shapely.distance(shapely.points(ends), hits))
-    if far_m - near_m > _ASKEW_M or near_m < _THERE_M:
+    # Below 0 where the back is in the wall.
+    low_m, high_m = sorted(shapely.distance(shapely.points(starts), hits) - REACH_M)
+    if high_m - low_m > _ASKEW_M or abs(low_m) < _THERE_M:
         return item
-    x_m, y_m = np.array(item.box.center_m[:2]) + back * near_m
+    x_m, y_m = np.array(item.box.center_m[:2]) + back * low_m
     box = replace(item.box, center_m=(float(x_m), float(y_m), item.box.center_m[2]))
-    return replace(item, box=box, extra={**item.extra, MOVED: round(float(near_m), 6)})
+    return replace(item, box=box, extra={**item.extra, MOVED: round(abs(float(low_m)), 6)})
