@@ -26,6 +26,7 @@ from chord_usd.types import (
     Plan,
     PlanImage,
     Room,
+    RoomKind,
     SceneGraph,
     frozen_array,
 )
@@ -39,6 +40,17 @@ Read = Callable[[LayoutImage, Plan], SceneGraph]
 
 _BARE = 3
 """A room without furniture weighs as much as this many pieces in the way."""
+
+_ESSENTIAL: dict[RoomKind, tuple[str, ...]] = {
+    "bedroom": ("bed",),
+    "kitchen": ("sink_cabinet", "cooker_cabinet"),
+}
+"""What a room of a kind is not without."""
+
+_ONE_IS_ENOUGH = ("toilet", "shower", "bathtub")
+
+_LEAST_SIZE = 0.6
+"""A piece that is shorter or narrower than this share of the smallest usual one is a scrap."""
 
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
@@ -81,9 +93,9 @@ class Mended:
 def faults_by_room(graph: SceneGraph) -> Counter[str]:
     """How much is wrong in each room, by id; rooms that are right have none.
 
-    Counted are pieces that stand in another or in the way of a door or window, a bedroom without a
-    bed, a room that the entrance does not lead to, and, _BARE times, a room to furnish without
-    furniture of its kind (all as in metrics).
+    Counted are pieces that stand in another or in the way of a door or window, scraps of pieces,
+    second toilets, essential pieces that are missing, a room that the entrance does not lead to,
+    and, _BARE times, a room to furnish without furniture of its kind (metrics has the terms).
     """
     from chord_usd.metrics.openings import blocked_openings
     from chord_usd.metrics.overlap import scene_overlap
@@ -97,9 +109,17 @@ def faults_by_room(graph: SceneGraph) -> Counter[str]:
             faults.update({home[pair.a], home[pair.b]})
     faults.update(home[blocked.item] for blocked in blocked_openings(graph))
     faults.update(walk(graph).unreachable)
-    beds = {item.room_id for item in graph.items if item.category == "bed"}
-    faults.update(r.id for r in graph.rooms if r.kind == "bedroom" and r.id not in beds)
-    return faults
+    faults.update(item.room_id for item in graph.items if _is_scrap(item))
+    for room in graph.rooms:
+        held = Counter(item.category for item in graph.items_of(room.id))
+        faults[room.id] += sum(not held[name] for name in _ESSENTIAL.get(room.kind, ()))
+        faults[room.id] += sum(max(held[name] - 1, 0) for name in _ONE_IS_ENOUGH)
+    return +faults
+
+
+def _is_scrap(item: Item) -> bool:
+    usual, (length_m, width_m, _) = category(item.category), item.box.size_m
+    return length_m < _LEAST_SIZE * usual.length_m[0] or width_m < _LEAST_SIZE * usual.width_m[0]
 
 
 def mend_rooms(

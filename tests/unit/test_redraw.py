@@ -35,19 +35,26 @@ def mended(graph: SceneGraph, painter: Painter, times: int = 2) -> Mended:
 
 
 @pytest.fixture
-def bare(furnished_house: SceneGraph) -> tuple[SceneGraph, str, tuple[Item, ...]]:
+def sound_house(furnished_house: SceneGraph) -> SceneGraph:
+    """Without a fault: its kitchen, which has no cooker, is a store."""
+    rooms = (replace(r, kind="store") if r.kind == "kitchen" else r for r in furnished_house.rooms)
+    return replace(furnished_house, rooms=tuple(rooms))
+
+
+@pytest.fixture
+def bare(sound_house: SceneGraph) -> tuple[SceneGraph, str, tuple[Item, ...]]:
     """A house with a bedroom that stands empty, its id, and what stood in it."""
-    room = next(room for room in furnished_house.rooms if room.kind == "bedroom")
-    others = tuple(item for item in furnished_house.items if item.room_id != room.id)
-    items = tuple(furnished_house.items_of(room.id))
-    return replace(furnished_house, items=others), room.id, items
+    room = next(room for room in sound_house.rooms if room.kind == "bedroom")
+    others = tuple(item for item in sound_house.items if item.room_id != room.id)
+    items = tuple(sound_house.items_of(room.id))
+    return replace(sound_house, items=others), room.id, items
 
 
-def test_a_sound_house_stays_as_it_is(furnished_house: SceneGraph) -> None:
+def test_a_sound_house_stays_as_it_is(sound_house: SceneGraph) -> None:
     painter = Painter()
-    assert not faults_by_room(furnished_house)
-    found = mended(furnished_house, painter)
-    assert (found.graph, found.rooms, painter.seeds) == (furnished_house, (), [])
+    assert not faults_by_room(sound_house)
+    found = mended(sound_house, painter)
+    assert (found.graph, found.rooms, painter.seeds) == (sound_house, (), [])
 
 
 def test_a_bare_room_is_furnished_by_the_next_draw(bare) -> None:
@@ -87,19 +94,38 @@ def test_rooms_are_drawn_so_often_at_most(bare, times: int) -> None:
     assert len(painter.seeds) == times
 
 
-def test_pieces_in_the_way_are_faults_of_their_rooms(furnished_house: SceneGraph) -> None:
-    door = next(o for o in furnished_house.openings if o.kind == "door" and o.room_ids)
+def test_pieces_in_the_way_are_faults_of_their_rooms(sound_house: SceneGraph) -> None:
+    door = next(o for o in sound_house.openings if o.kind == "door" and o.room_ids)
     room_id = door.room_ids[0]
-    piece = next(i for i in furnished_house.items_of(room_id) if i.box.size_m[2] > 0.3)
+    piece = next(i for i in sound_house.items_of(room_id) if i.box.size_m[2] > 0.3)
     x_m, y_m = door.box.center_m[:2]
     at_the_door = replace(piece.box, center_m=(x_m, y_m, piece.box.center_m[2]))
     moved = tuple(
-        replace(item, box=at_the_door) if item is piece else item for item in furnished_house.items
+        replace(item, box=at_the_door) if item is piece else item for item in sound_house.items
     )
-    assert faults_by_room(replace(furnished_house, items=moved))[room_id]
+    assert faults_by_room(replace(sound_house, items=moved))[room_id]
 
 
-def test_a_piece_in_another_is_a_fault(furnished_house: SceneGraph) -> None:
-    bed = next(item for item in furnished_house.items if item.category == "bed")
-    twice = replace(furnished_house, items=(*furnished_house.items, replace(bed, id="bed_99")))
+def test_a_piece_in_another_is_a_fault(sound_house: SceneGraph) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    twice = replace(sound_house, items=(*sound_house.items, replace(bed, id="bed_99")))
     assert faults_by_room(twice)[bed.room_id] >= 1
+
+
+def test_a_kitchen_cooks_and_rinses(furnished_house: SceneGraph) -> None:
+    kitchen = next(room for room in furnished_house.rooms if room.kind == "kitchen")
+    assert faults_by_room(furnished_house) == {kitchen.id: 1}
+
+
+def test_scraps_and_second_toilets_are_faults(sound_house: SceneGraph) -> None:
+    toilet = next(item for item in sound_house.items if item.category == "toilet")
+    x_m, y_m, z_m = toilet.box.center_m
+    beside = replace(toilet.box, center_m=(x_m + 30.0, y_m, z_m))
+    second = replace(toilet, id="toilet_9", box=beside)
+    assert faults_by_room(replace(sound_house, items=(*sound_house.items, second))) == {
+        toilet.room_id: 1
+    }
+    scrap = replace(second, box=replace(beside, size_m=(0.1, 0.1, 0.4)))
+    assert faults_by_room(replace(sound_house, items=(*sound_house.items, scrap))) == {
+        toilet.room_id: 2
+    }
