@@ -28,6 +28,7 @@ def _before_save(path: str = "", *_: object) -> None:
         return
     for scene in bpy.data.scenes:
         own = getattr(scene, SCENE_KEY)
+        own.house = session.place_of(own.house)
         house = Path(own.house)
         if own.house and house.is_file() and house.is_relative_to(unsaved_folder()):
             wanted = house_folder(path, house.parent.name, unsaved_folder())
@@ -38,6 +39,7 @@ def _before_save(path: str = "", *_: object) -> None:
                 session.claims.drop_empty()
                 own.error = f"The house stays in a temporary folder: {error}"
             else:
+                session.moved[own.house] = str(folder / house.name)
                 own.house = str(folder / house.name)
 
 

@@ -51,7 +51,8 @@ class JobOperator:
 
 def house_path(context: bpy.types.Context) -> Path:
     """The house of this scene. Raises InputError."""
-    return found_house(bpy.path.abspath(fields(context).house), bpy.data.filepath)
+    house = session.place_of(fields(context).house)
+    return found_house(bpy.path.abspath(house), bpy.data.filepath)
 
 
 def unsaved_folder() -> Path:

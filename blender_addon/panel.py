@@ -59,7 +59,7 @@ class ChordPanel(_Part, bpy.types.Panel):
             _draw_made(self.layout, own)
         if own.note:
             _draw_text(self.layout, own.note, "INFO")
-        if own.house and Path(own.house).is_relative_to(unsaved_folder()):
+        if own.house and Path(session.place_of(own.house)).is_relative_to(unsaved_folder()):
             text = "The house is in a temporary folder until the Blender file is saved."
             _draw_text(self.layout, text, "INFO")
 

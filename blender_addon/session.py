@@ -28,6 +28,8 @@ class Session:
     def __init__(self) -> None:
         self.job: Job | None = None
         self.claims = Claims()
+        self.moved: dict[str, str] = {}
+        """Houses that went beside their Blender file when it got a name."""
         self._finish: Finish | None = None
         self._scene_uid = 0
         self._programs: dict[str, Program] = {}
@@ -36,6 +38,10 @@ class Session:
     def is_running(self) -> bool:
         """Whether a job runs now."""
         return self.job is not None and self.job.outcome is None
+
+    def place_of(self, house: str) -> str:
+        """Where a house is now: what was undone knows the place that it had before."""
+        return self.moved.get(house, house)
 
     def program(self, preference: str) -> Program:
         """The program of this preference, asked once. Raises ProgramError."""

@@ -49,6 +49,17 @@ told["before"], told["after"], told["room"] = before, after, room
 told["other_at"], told["locked_after"] = after[other], after.get(told["locked"])
 told["still_locked"] = list(s.part("house").changes_of(bpy.context).locked)
 
+# Taken back, and done again; the stage on disk follows when it is saved.
+house = Path(own.house)
+anew = house.read_bytes()
+bpy.ops.ed.undo()
+told["undone"], told["saved_undone"] = s.places(), s.start("save_edits")
+told["undone_on_disk"] = house.read_bytes() != anew
+bpy.ops.ed.redo()
+told["redone"], told["saved_redone"] = s.places(), s.start("save_edits")
+told["redone_on_disk"] = house.read_bytes() == anew
+own = s.own
+
 # Pictures, here and elsewhere.
 size = bpy.context.scene.render
 size.resolution_x, size.resolution_y = 64, 36

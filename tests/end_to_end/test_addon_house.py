@@ -70,6 +70,15 @@ def test_an_edit_made_while_the_program_works_is_not_lost(told: Told) -> None:
     assert np.allclose(told["after"][told["meanwhile"]], told["meanwhile_at"], atol=1e-5)
 
 
+def test_a_room_is_taken_back_and_done_again(told: Told) -> None:
+    assert told["saved_undone"] == told["saved_redone"] == ""
+    assert told["undone_on_disk"]
+    assert told["redone_on_disk"]
+    for state, wanted in (("undone", "before"), ("redone", "after")):
+        inside = {p: m for p, m in told[wanted].items() if f"/Rooms/{told['room']}/" in p}
+        assert {p: m for p, m in told[state].items() if p in inside} == inside
+
+
 def test_pictures_are_made_here_and_on_a_farm(told: Told) -> None:
     assert told["farm"] == told["rendered"] == ""
     assert f"{told['room']}.png" in told["pictures"]
