@@ -34,7 +34,7 @@ ROUNDS = 4
 """At most so many batches of floors are planned, fewer where one is all that was asked for."""
 
 GUIDANCE = 2.0
-"""How far words lead: guidance.GuidedDenoiser. More of it counts rooms no better, and tears walls."""
+"""How far words lead the network (layout.guidance)."""
 
 MANY_ROOMS = 10
 """With more rooms than this, and no area named, a large house is expected."""
