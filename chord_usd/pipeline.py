@@ -79,6 +79,8 @@ class House:
     tabletops: Tabletops | None = None
     redrawn: tuple[str, ...] = ()
     """Ids of the rooms whose furniture is that of a later draw."""
+    left_out: tuple[str, ...] = ()
+    """Ids of scraps in the layout that no piece of furniture fits."""
 
 
 def generate(
@@ -125,7 +127,8 @@ def generate(
     with watch.step("stage"):
         graph = settle(graph)
         stage = write_stage(graph, stage_path, settings)
-    return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms)
+    redrawn, left_out = mended.rooms, mended.left_out
+    return House(plan, plan_image, layout, graph, stage, tabletops, redrawn, left_out)
 
 
 def read_plan(plan_file: Path, settings: Settings) -> Plan:

@@ -2,7 +2,8 @@
 
 For somebody who wants another arrangement, and for what a first draw got wrong. A room in twenty
 comes out bare, or with a piece before a window or in another one; the next draw of it seldom does.
-Nothing is moved: whatever stands in a house was placed by the model.
+Nothing is moved: whatever stands in a house was placed by the model. Scraps that the last draw
+leaves, which only a doll's piece would fit, are left out.
 """
 
 from __future__ import annotations
@@ -88,6 +89,8 @@ class Mended:
     layout: LayoutImage
     rooms: tuple[str, ...]
     """Ids of the rooms whose furniture is that of a later draw."""
+    left_out: tuple[str, ...] = ()
+    """Ids of the scraps that were left out of the graph; the layout shows them."""
 
 
 def faults_by_room(graph: SceneGraph) -> Counter[str]:
@@ -155,7 +158,9 @@ def mend_rooms(
                     later[room.id] = None
         if progress:
             progress(attempt, times)
-    return Mended(graph, layout, tuple(later))
+    scraps = tuple(item.id for item in graph.items if _is_scrap(item)) if times else ()
+    items = tuple(item for item in graph.items if item.id not in scraps)
+    return Mended(replace(graph, items=items), layout, tuple(later), scraps)
 
 
 def redraw_rooms(

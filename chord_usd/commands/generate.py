@@ -123,6 +123,7 @@ def _summary(
         "tabletop": _tabletop(house, tabletop),
         "openings": len(house.graph.openings),
         "redrawn": list(house.redrawn),
+        "left_out": list(house.left_out),
         "seconds": seconds,
         "m_per_px": house.plan_image.frame.m_per_px,
         "scale": house.plan.extra.get("scale"),

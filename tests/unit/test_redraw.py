@@ -54,7 +54,8 @@ def test_a_sound_house_stays_as_it_is(sound_house: SceneGraph) -> None:
     painter = Painter()
     assert not faults_by_room(sound_house)
     found = mended(sound_house, painter)
-    assert (found.graph, found.rooms, painter.seeds) == (sound_house, (), [])
+    assert (found.graph.items, found.rooms, painter.seeds) == (sound_house.items, (), [])
+    assert not found.left_out
 
 
 def test_a_bare_room_is_furnished_by_the_next_draw(bare) -> None:
@@ -129,3 +130,16 @@ def test_scraps_and_second_toilets_are_faults(sound_house: SceneGraph) -> None:
     assert faults_by_room(replace(sound_house, items=(*sound_house.items, scrap))) == {
         toilet.room_id: 2
     }
+
+
+def test_scraps_that_stay_are_left_out_unless_the_first_draw_is_wanted(
+    sound_house: SceneGraph,
+) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    scrap = replace(bed, id="bed_9", box=replace(bed.box, size_m=(0.2, 0.3, 0.5)))
+    items = (*(item for item in sound_house.items if item.id != bed.id), scrap)
+    graph = replace(sound_house, items=items)
+    found = mended(graph, Painter((), ()))
+    assert found.left_out == ("bed_9",)
+    assert not any(item.category == "bed" for item in found.graph.items_of(bed.room_id))
+    assert mended(graph, Painter(), times=0).graph.items == items
