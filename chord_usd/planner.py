@@ -33,9 +33,6 @@ BATCH = 4
 ROUNDS = 4
 """At most so many batches of floors are planned, fewer where one is all that was asked for."""
 
-GUIDANCE = 2.0
-"""How far words lead the network (layout.guidance)."""
-
 MANY_ROOMS = 10
 """With more rooms than this, and no area named, a large house is expected."""
 
@@ -187,10 +184,8 @@ def _sampled(
     import numpy as np
 
     from chord_usd.planning.partition import plan_from_labels
-    from chord_usd.planning.words import condition_words
 
-    scale = 1.0 if commission.wish == Wish() else GUIDANCE
-    maps = model.guided(scale, condition_words(Wish())).sample_labels(
+    maps = model.sample_labels(
         [commission.sheet] * len(seeds),
         np.stack([commission.words] * len(seeds)),
         seeds=list(seeds),

@@ -45,15 +45,3 @@ def encode(labels: ByteArray, front: BoolArray, count: int = CLASS_COUNT) -> Sta
     words = codebook(count)[labels].transpose(2, 0, 1)
     marks = np.where(front & (labels > 0), np.float32(1.0), np.float32(-1.0))
     return np.concatenate([words, marks[None]])
-
-
-def expected_state(output: npt.NDArray[np.float32]) -> StateArray:
-    """(B, STATE_CHANNELS, H, W) mean clean state under logits (B, classes + 1, H, W).
-
-    As network.LayoutNetwork.expected_state has it, for logits that come from no network.
-    """
-    chances = output[:, :-1] - output[:, :-1].max(axis=1, keepdims=True)
-    np.exp(chances, out=chances)
-    chances /= chances.sum(axis=1, keepdims=True)
-    words = np.einsum("bkhw,kc->bchw", chances, codebook(chances.shape[1]))
-    return np.concatenate([words, np.tanh(output[:, -1:] / 2.0)], axis=1)

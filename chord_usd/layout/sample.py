@@ -11,7 +11,6 @@ import numpy as np
 from chord_usd import __version__
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
-from chord_usd.layout.guidance import GuidedDenoiser
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.mosaic import Mosaic, mosaic_of
 from chord_usd.layout.schedule import (
@@ -68,12 +67,6 @@ class LayoutModel:
         absent.
         """
         return cls(load_denoiser(folder, device))
-
-    def guided(self, scale: float, silence: State) -> LayoutModel:
-        """The same model, led by words: guidance.GuidedDenoiser. A scale of 1 changes nothing."""
-        if scale == 1.0:
-            return self
-        return LayoutModel(GuidedDenoiser(self._denoiser, scale, silence))
 
     def sample(
         self,

@@ -35,7 +35,7 @@ class FloorStreamConfig(SeededConfig):
     wish_chance: float = 0.5
     """Chance that a programme is given with an open plan."""
     silent_chance: float = 0.1
-    """Chance that a sheet comes without a word: what classifier-free guidance leads away from."""
+    """Chance that a sheet comes without a word: a house for no wish at all."""
 
 
 class FloorStream(BatchStream):
