@@ -31,9 +31,10 @@ class Quality:
     caustics: bool = False
     """Light that mirrors and glass throw on other things: dear, and mostly fireflies."""
     transmission_bounces: int = 6
-    light_tree_lamps: int = 8
-    """From so many lamps on, choose among them by how much they can give to a point: with fewer,
-    finding out costs more than it gives."""
+    light_tree_lamps: int = 2
+    """From so many lamps on, choose among them by how much they can give to a point. Below 8 that
+    costs more than it gives; but without it the noise follows the order that Cycles has lamps in,
+    which is another one in every run."""
     own_lamps: bool = True
     """In a room, let only the lamps shine whose light can come in: those of rooms that a passage or
     glass joins to it."""

@@ -23,6 +23,9 @@ STEPS = 4
 MUST_BE_FURNISHED = ("living", "bedroom", "kitchen", "bathroom")
 
 
+POSE = ("type", "pos", "length", "width", "height", "rotate")
+
+
 @dataclass(frozen=True)
 class Made:
     """What one run left."""
@@ -60,6 +63,13 @@ def again(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
 def other(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
     folder = tmp_path_factory.mktemp("other")
     return make(run_cli, folder, "cut_corner.png", "--seed", "3", "--no-tabletop")
+
+
+@pytest.fixture(scope="module")
+def first_draw(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """No room is drawn again."""
+    folder = tmp_path_factory.mktemp("first")
+    return make(run_cli, folder, "two_bedrooms.png", "--redraws", "0")
 
 
 @pytest.fixture(scope="module")
@@ -211,27 +221,53 @@ def test_another_plan_gives_another_house(made: Made, other: Made) -> None:
     assert made.stage_path.read_bytes() != other.stage_path.read_bytes()
 
 
-def test_another_seed_gives_another_layout(made: Made, run_cli: RunCli, tmp_path: Path) -> None:
+def test_another_seed_gives_another_layout(
+    first_draw: Made, run_cli: RunCli, tmp_path: Path
+) -> None:
     plan, target = EXAMPLES / "two_bedrooms.png", tmp_path / "layout.png"
     words = ["layout", plan, "-o", target, "--steps", STEPS, "--progress", "none"]
     assert run_cli(*words, "--seed", 1).returncode == 0
-    assert target.read_bytes() != (made.folder / "layout.png").read_bytes()
+    assert target.read_bytes() != (first_draw.folder / "layout.png").read_bytes()
     # The verb alone draws what it draws within the line.
     assert run_cli(*words, "--seed", 0).returncode == 0
-    assert target.read_bytes() == (made.folder / "layout.png").read_bytes()
+    assert target.read_bytes() == (first_draw.folder / "layout.png").read_bytes()
 
 
 def test_the_steps_one_by_one_give_the_same_furniture(
-    made: Made, run_cli: RunCli, tmp_path: Path
+    first_draw: Made, run_cli: RunCli, tmp_path: Path
 ) -> None:
     done = run_cli(
-        "graph", made.folder / "layout.png", "-o", tmp_path / "scene.json", "--progress", "none"
+        "graph",
+        first_draw.folder / "layout.png",
+        "-o",
+        tmp_path / "scene.json",
+        "--progress",
+        "none",
     )
     assert done.returncode == 0, done.stderr
     scene = json.loads((tmp_path / "scene.json").read_text())
     assert Counter(item["type"] for item in scene["furniture"]) == Counter(
-        item["type"] for item in scene_of(made)["furniture"]
+        item["type"] for item in scene_of(first_draw)["furniture"]
     )
+
+
+def test_rooms_are_drawn_again_where_the_first_draw_has_faults(
+    made: Made, first_draw: Made
+) -> None:
+    assert made.told["redrawn"]
+    assert first_draw.told["redrawn"] == first_draw.told["left_out"] == []
+    before, after = (
+        {
+            item["id"]: [item[key] for key in ("roomId", *POSE)]
+            for item in scene_of(one)["furniture"]
+        }
+        for one in (first_draw, made)
+    )
+    both = before.keys() | after.keys()
+    rooms = {name.split("/")[0] for name in both if before.get(name) != after.get(name)}
+    assert rooms
+    scraps = {name.split("/")[0] for name in made.told["left_out"]}
+    assert rooms <= {*made.told["redrawn"], *scraps}
 
 
 def test_a_usdz_holds_the_house_in_one_file(made: Made, run_cli: RunCli, tmp_path: Path) -> None:

@@ -17,16 +17,25 @@ from chord_usd.image.joined import lit_with
 EVEN_SKY = 8.0
 """A sky whose brightest point is at most this many times its mean needs no shadow rays."""
 
+_POWER = "chord_usd_power"
+"""Property that keeps what a lamp gives when it shines."""
+
 
 def switch_lamps(scene: Any, job: Job, room: str) -> None:
-    """Let lamps shine whose light can reach a room; all of them for "", a view of no room."""
+    """Let lamps shine whose light can reach a room; all of them for "", a view of no room.
+
+    The others are turned down, not hidden: Cycles numbers lamps as they come in sight, and with the
+    numbers the noise of a picture would depend on the pictures before it.
+    """
     lit = lit_with(room, job.joined) if room and job.quality.own_lamps else set(job.rooms)
     shining = 0
     for thing in bpy.data.objects:
         if thing.type == "LIGHT":
-            owner = _room_of(thing, job.rooms)
-            thing.hide_render = bool(owner) and owner not in lit
-            shining += not thing.hide_render
+            owner, lamp = _room_of(thing, job.rooms), thing.data
+            if _POWER not in lamp:
+                lamp[_POWER] = lamp.energy
+            lamp.energy = lamp[_POWER] if not owner or owner in lit else 0.0
+            shining += lamp.energy > 0.0
     scene.cycles.use_light_tree = shining >= job.quality.light_tree_lamps
 
 
