@@ -15,7 +15,7 @@ from chord_usd.errors import PlanError
 from chord_usd.locations import checkpoint_folder
 from chord_usd.pipeline import Settings, read_plan
 from chord_usd.progress import Progress
-from chord_usd.types import Plan, PlanImage
+from chord_usd.types import ByteArray, PixelFrame, Plan, PlanImage
 from chord_usd.wish import NAMES, Wish
 
 if TYPE_CHECKING:
@@ -32,6 +32,12 @@ OUTLINE_CHECKPOINT = "outline2plan"
 BATCH = 4
 ROUNDS = 4
 """At most so many batches of floors are planned, fewer where one is all that was asked for."""
+
+MOST_STRETCH = 0.1
+"""In length, by which a floor is drawn larger or smaller to have the area that was asked for."""
+
+_SAME_LENGTH = 0.01
+"""A floor that is off by less is left as it is."""
 
 MANY_ROOMS = 10
 """With more rooms than this, and no area named, a large house is expected."""
@@ -193,4 +199,24 @@ def _sampled(
         progress=progress,
     )
     frame = commission.sheet.frame
+    if commission.shell is None and commission.wish.area_m2 is not None:
+        return [_at_size(labels, frame, commission.wish.area_m2) for labels in maps]
     return [plan_from_labels(labels, frame, commission.shell) for labels in maps]
+
+
+def _at_size(labels: ByteArray, frame: PixelFrame, area_m2: float) -> Plan:
+    """The plan of a label map at the scale at which its floor is as large as was asked for.
+
+    A sheet has no scale bar: the network knows it to some per cent. Walls stay as thick.
+    """
+    from chord_usd.planning.partition import plan_from_labels
+    from chord_usd.wish import floor_area_m2
+
+    plan = plan_from_labels(labels, frame, None)
+    if not plan.rooms:
+        return plan
+    wanted = (area_m2 / floor_area_m2(plan)) ** 0.5
+    stretch = min(max(wanted, 1.0 - MOST_STRETCH), 1.0 + MOST_STRETCH)
+    if abs(stretch - 1.0) < _SAME_LENGTH:
+        return plan
+    return plan_from_labels(labels, replace(frame, m_per_px=frame.m_per_px * stretch), None)
