@@ -58,6 +58,11 @@ def room_polygon(room: Room) -> Polygon:
     return Polygon(room.polygon_m)
 
 
+def room_sides(room: Room) -> list[tuple[FloatArray, FloatArray]]:
+    """Start and end, (2,) metres, of each side of a room, counter-clockwise as its polygon is."""
+    return list(zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True))
+
+
 def wall_area(rooms: Iterable[Room], thickness_m: float = WALL_THICKNESS_M) -> BaseGeometry:
     """Where walls stand: within thickness_m of a room (mitred) and in no room. Metres.
 

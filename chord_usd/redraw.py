@@ -141,8 +141,8 @@ def mend_rooms(
     graph: as read reads it in layout, which was drawn over plan_image.
     """
     later: dict[str, None] = {}
+    faults = faults_by_room(graph) if times else Counter()
     for attempt in range(1, times + 1):
-        faults = faults_by_room(graph)
         rooms = [room for room in graph.rooms if faults[room.id]]
         if not rooms:
             break

@@ -14,7 +14,7 @@ from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.geometry import footprint_polygon, room_polygon, room_sides
 from chord_usd.stage.mesh import Face, cuboid
 from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
 
@@ -52,7 +52,7 @@ def gaps_for_railings(
     taken = unary_union([footprint_polygon(one.box).buffer(_BESIDE_M) for one in openings])
     for index, room in enumerate(rooms):
         if room.kind == "balcony" and not _is_glazed(room, rooms, openings):
-            for side, (start, end) in enumerate(_sides(room)):
+            for side, (start, end) in enumerate(room_sides(room)):
                 yield from (
                     (index, _gap(f"{room.id}/railing_{side}_{part}", piece, height_m))
                     for part, piece in enumerate(_outer_stretches(start, end, house, taken))
@@ -69,10 +69,6 @@ def _is_glazed(room: Room, rooms: Sequence[Room], openings: Sequence[Opening]) -
         and footprint_polygon(one.box).distance(others) > WALL_THICKNESS_M / 2
         for one in openings
     )
-
-
-def _sides(room: Room) -> Iterator[tuple[FloatArray, FloatArray]]:
-    yield from zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True)
 
 
 def _outer_stretches(

@@ -48,12 +48,19 @@ def draw_out_chairs(
     rooms: ids of the rooms whose chairs may move, by default all. but: ids of chairs that stay.
     Items whose mesh is not there stay, too. Raises StageError for one that cannot be opened.
     """
-    items = {item.id: item for item in graph.items}
+    caught = []
     for chair in graph.items:
         if _may_move(chair, rooms, but):
             tables = [one for one in graph.items if _is_near(one, chair)]
             if _runs_into(chair.box, chair, tables):
-                items[chair.id] = _drawn_out(chair, tables, graph, [*items.values()])
+                caught.append((chair, tables))
+    if not caught:
+        return graph
+    items = {item.id: item for item in graph.items}
+    kept = [floor for _, floor in clearances(graph.rooms, graph.openings)]
+    for chair, tables in caught:
+        free = _FreePlaces(chair, graph, [*items.values()], kept)
+        items[chair.id] = _drawn_out(chair, tables, free)
     return replace(graph, items=tuple(items.values()))
 
 
@@ -74,9 +81,8 @@ def _is_near(table: Item, chair: Item) -> bool:
     return bool(gap_m < FARTHEST_M)
 
 
-def _drawn_out(chair: Item, tables: Sequence[Item], graph: SceneGraph, items: list[Item]) -> Item:
+def _drawn_out(chair: Item, tables: Sequence[Item], free: _FreePlaces) -> Item:
     """The chair at the nearest free place; where it is, if there is none."""
-    free = _FreePlaces(chair, graph, items)
     for distance_m, box in _places(chair.box):
         if free.has(box) and not _runs_into(box, chair, tables):
             extra = {**chair.extra, MOVED: distance_m}
@@ -97,13 +103,19 @@ def _places(box: Box) -> Iterator[tuple[float, Box]]:
 class _FreePlaces:
     """Floor of a chair's room on which nothing else stands and that no opening keeps free."""
 
-    def __init__(self, chair: Item, graph: SceneGraph, items: Sequence[Item]) -> None:
+    def __init__(
+        self,
+        chair: Item,
+        graph: SceneGraph,
+        items: Sequence[Item],
+        kept: Sequence[shapely.Geometry],
+    ) -> None:
+        """items: all as they stand by now. kept: floors that openings keep free."""
         others = [
             footprint_polygon(item.box)
             for item in items
             if item.id != chair.id and item.category not in _TABLES and not is_underfoot(item)
         ]
-        kept = [floor for _, floor in clearances(graph.rooms, graph.openings)]
         room = next((room for room in graph.rooms if room.id == chair.room_id), None)
         self._floor = room_polygon(room).buffer(_IN_ROOM_M) if room else None
         # What it stands on already is no worse for its moving on.

@@ -23,6 +23,7 @@ from chord_usd.geometry import (
     front_direction,
     polygons_of,
     room_polygon,
+    room_sides,
     rooms_beside,
     wall_area,
 )
@@ -318,7 +319,7 @@ def _draw_symbols(
     fitted = set()
     for room, taken in _rooms_and_taken(plan, style):
         floor = room_polygon(room).buffer(1e-6)
-        edges = list(zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True))
+        edges = room_sides(room)
         for symbol in SYMBOLS.get(room.kind, ()):
             for index in rng.permutation(len(edges)):
                 start, stop = edges[index]
