@@ -1,19 +1,21 @@
 """Items read from a tabletop raster -> children that stand on the mesh of their piece.
 
 An item keeps the place the raster gives it; it is moved a little only to bring it back over the
-edge. What cannot stand there is left out: beyond the edge, on top of another item, or up against a
-panel on the wall behind. Its height comes from the meshes: the highest point below its footprint,
-of the piece or of what lies underfoot.
+edge, or wholly onto or off a mat over whose rim it would tip. What cannot stand there is left out:
+beyond the edge, on top of another item, or up against a panel on the wall behind. Its height comes
+from the meshes: the highest point below its footprint, of the piece or of what lies underfoot.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from shapely import Polygon
 
 from chord_usd.geometry import footprint_polygon, to_own, to_world
 from chord_usd.graph.fit import fitted_box
@@ -31,7 +33,10 @@ STRAIGHT_DEG = 3.0
 """Smaller turns are noise of the pixels."""
 
 _STEP_M, _STEPS = 0.01, 6
-"""How an item is moved back over the edge."""
+"""How an item is moved back over the edge, and to where it stands firm."""
+
+_FIRM = 0.1
+"""The middle of what stands on a mat is at least this share of its shorter side inside the rim."""
 
 _TOUCH_M = 0.002
 """Boxes that share no more height than this only touch."""
@@ -81,7 +86,7 @@ def place_on(
         moved = _back_over_edge(item, relief)
         if moved is None:
             continue
-        placed = _stood(moved, relief, standing, reliefs)
+        placed = _stood_firm(moved, relief, standing, reliefs)
         if placed is not None and not _runs_into(placed.box, table.box, around):
             standing.append(placed)
     return Laid(_named(table, standing), tuple(seen))
@@ -114,23 +119,63 @@ def _matched(
 
 def _back_over_edge(item: Item, relief: Relief) -> Item | None:
     """The item where all of it lies over the top: there, or a few steps towards the middle."""
-    x, y, z = item.box.center_m
-    inward = -np.array([x, y]) / max(float(np.hypot(x, y)), 1e-9)
-    ways: list[FloatArray] = [
-        inward,
-        *(np.array(way) for way in ((0, 1), (0, -1), (1, 0), (-1, 0))),
-    ]
     best: tuple[float, Box] | None = None
-    for step in range(_STEPS + 1):
-        for way in ways if step else ways[:1]:
-            moved_x, moved_y = np.array([x, y]) + step * _STEP_M * way
-            box = replace(item.box, center_m=(float(moved_x), float(moved_y), z))
-            share = relief.free_share(box) if relief.is_level(box) else 0.0
+    for ring in _rings(item.box):
+        for box in ring:
+            share = _share_over(relief, box)
             if best is None or share > best[0]:
                 best = share, box
         if best and best[0] >= ON_TOP:
             return replace(item, box=best[1])
     return None
+
+
+def _rings(box: Box) -> Iterator[list[Box]]:
+    """The box itself, then those a step away, two steps: towards the middle first."""
+    x, y, z = box.center_m
+    inward = -np.array([x, y]) / max(float(np.hypot(x, y)), 1e-9)
+    ways: list[FloatArray] = [
+        inward,
+        *(np.array(way) for way in ((0, 1), (0, -1), (1, 0), (-1, 0))),
+    ]
+    yield [box]
+    for step in range(1, _STEPS + 1):
+        moved = [np.array([x, y]) + step * _STEP_M * way for way in ways]
+        yield [replace(box, center_m=(float(there[0]), float(there[1]), z)) for there in moved]
+
+
+def _share_over(relief: Relief, box: Box) -> float:
+    """Share of a box that lies over the top; none where something rises below it."""
+    return relief.free_share(box) if relief.is_level(box) else 0.0
+
+
+def _stood_firm(
+    item: Item, relief: Relief, standing: Sequence[Item], reliefs: Reliefs
+) -> Item | None:
+    """The item on what is below it, a few steps away if it tips there; None if it cannot stand."""
+    mats = [
+        footprint_polygon(other.box)
+        for other in standing
+        if category(other.category).mount is Mount.UNDERFOOT
+    ]
+    if not _tips(item.box, mats):
+        return _stood(item, relief, standing, reliefs)
+    for box in itertools.chain.from_iterable(_rings(item.box)):
+        if not _tips(box, mats) and _share_over(relief, box) >= ON_TOP:
+            placed = _stood(replace(item, box=box), relief, standing, reliefs)
+            if placed is not None:
+                return placed
+    return None
+
+
+def _tips(box: Box, mats: Sequence[Polygon]) -> bool:
+    """Whether a box stands on the rim of a mat, with its middle beside the mat or nearly so."""
+    shape = footprint_polygon(box)
+    middle = shape.centroid.buffer(_FIRM * min(box.size_m[:2]))
+    return any(
+        shapely.intersection(shape, mat).area > MIN_OVERLAP_M2 and not mat.contains(middle)
+        for mat in mats
+    )
 
 
 def _stood(item: Item, relief: Relief, standing: Sequence[Item], reliefs: Reliefs) -> Item | None:

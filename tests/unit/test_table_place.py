@@ -163,6 +163,35 @@ class TestPlacing:
         assert below.center_m[2] == TOP_M
         assert children["laptop"].box.center_m[2] == pytest.approx(TOP_M + below.size_m[2])
 
+    @pytest.mark.parametrize(
+        ("x_m", "stands"), [(-0.31, "beside"), (-0.28, "beside"), (-0.2, ""), (-0.15, "on")]
+    )
+    def test_nothing_tips_over_the_rim_of_a_mat(self, x_m: float, stands: str) -> None:
+        """Its middle is over the mat, or none of it is; the few millimetres tip a laptop over."""
+        desk = table()
+        mat = thing("big_mouse_pad", 0.15, 0.0, (0.6, 0.35, 0.004))
+        laptop = thing("laptop", x_m, 0.0, (0.32, 0.28, 0.2))
+        result = laid(desk, laptop, mat)
+        children = {child.category: child.box for child in result.children}
+        assert result.left_out == (not stands)
+        if not stands:
+            return
+        rim_m = footprint(children["big_mouse_pad"])[:, 0].min()
+        box = children["laptop"]
+        assert (box.center_m[2] > TOP_M) == (stands == "on")
+        if stands == "on":
+            assert box.center_m[0] > rim_m + 0.1 * min(box.size_m[:2]) - 1e-9
+        else:
+            assert footprint(box)[:, 0].max() <= rim_m + 0.001
+
+    def test_what_only_just_reaches_a_mat_is_moved_off_it(self) -> None:
+        desk = table()
+        mat = thing("big_mouse_pad", 0.2, 0.0, (0.6, 0.35, 0.004))
+        cup = thing("coffee_cup", -0.13, 0.1, (0.1, 0.1, 0.1))
+        children = {child.category: child.box for child in laid(desk, cup, mat).children}
+        assert children["coffee_cup"].center_m[2] == TOP_M
+        assert children["coffee_cup"].center_m[0] == pytest.approx(-0.13, abs=0.07)
+
     def test_what_reaches_over_the_edge_is_brought_back(self) -> None:
         desk = table()
         over = thing("laptop", 0.45, 0.0, (0.34, 0.28, 0.2))
