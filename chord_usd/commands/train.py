@@ -48,6 +48,18 @@ def add(verbs: Verbs) -> None:
         _add_training_options(floors, minutes=60.0, batch=None)
         _add_flats(floors)
         _add_loop_options(floors)
+    bubbles = add_verb(
+        group, "bubbles", run_bubbles, "train the model that sketches where rooms go"
+    )
+    _add_training_options(bubbles, minutes=30.0, batch=None)
+    _add_flats(bubbles)
+    bubbles.add_argument(
+        "--houses",
+        type=whole_number(1),
+        default=40_000,
+        metavar="N",
+        help="procedural houses to learn from (40000)",
+    )
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -168,6 +180,31 @@ def _run_floors(options: argparse.Namespace, condition: str) -> Outcome:
     trainer = LayoutTrainer(FLOOR, config, options.output)
     stream = FloorStream(FloorStreamConfig(options.seed, condition), real, FLOOR, config.batch)
     return _trained(options, trainer, stream, {"real_plans": len(stream.real_plans)})
+
+
+def run_bubbles(options: argparse.Namespace) -> Outcome:
+    """Runs train bubbles."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.training.sketch_data import held_out, procedural, sketched
+    from chord_usd.training.sketch_trainer import SketchTraining, train_sketches
+
+    base = SketchTraining()
+    config = replace(
+        base,
+        minutes=options.minutes,
+        batch=options.batch or base.batch,
+        seed=options.seed,
+        device=options.device,
+    )
+    flats = read_flats(options.flats, part="train") if options.flats else []
+    watch = stopwatch(options)
+    with watch.step("draw") as progress:
+        houses = procedural(options.houses, options.seed, progress)
+        real = [house for plan in flats if (house := sketched(plan))]
+    with watch.step("train") as progress:
+        facts = train_sketches(config, options.output, houses, real, held_out(200), progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
 def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:

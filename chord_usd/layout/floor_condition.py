@@ -2,7 +2,7 @@
 
 An open plan (plan_labels.open_plan, painted) shows a house's outer walls with their doors and
 windows. A blank sheet leaves the house's shape to the network; what the house shall be is said in
-words then (planning/words.py).
+words then (planning/words.py). Either may show a bubble diagram of the rooms (bubbles.py).
 """
 
 from __future__ import annotations
@@ -17,15 +17,17 @@ from chord_usd.layout.measures import (
     near,
     size_planes,
 )
-from chord_usd.palette import category
+from chord_usd.palette import ROOM_SHADES, category
 from chord_usd.plan_labels import fill_shell
 from chord_usd.types import ByteArray
+from chord_usd.wish import WISHED_KINDS
 
 SHELL = ("wall", "door", "window")
 """What an open plan draws."""
 
-PIXEL_PLANES = 1 + len(SHELL)
-"""Where the house is (everywhere, on a blank sheet), and what its outer walls are made of."""
+PIXEL_PLANES = 1 + len(SHELL) + len(WISHED_KINDS)
+"""Where the house is (everywhere, on a blank sheet), what its outer walls are made of, and the
+bubbles of each kind of room."""
 
 GROUND_PLANE = 0
 
@@ -56,7 +58,8 @@ def floor_condition(rgb: ByteArray, m_per_px: float, cell_px: int) -> Condition:
         ]
     ).astype(np.float32)
     ground = house if given else np.ones_like(house)
-    return Condition(np.stack([ground, *shell]).astype(np.uint8), grid)
+    bubbles = [rgb[..., 0] == ROOM_SHADES[kind][0] for kind in WISHED_KINDS]
+    return Condition(np.stack([ground, *shell, *bubbles]).astype(np.uint8), grid)
 
 
 def _boxes_px(house: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chord_usd import plan_labels
+from chord_usd.bubbles import bubbles_of, jittered, with_bubbles
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
@@ -36,6 +37,8 @@ class FloorStreamConfig(SeededConfig):
     """Chance that a programme is given with an open plan."""
     silent_chance: float = 0.1
     """Chance that a sheet comes without a word: a house for no wish at all."""
+    bubble_chance: float = 0.9
+    """Chance that a bubble diagram of the rooms is on the sheet."""
 
 
 class FloorStream(BatchStream):
@@ -96,6 +99,8 @@ class FloorStream(BatchStream):
         if self.config.condition == "outline":
             shell = plan_labels.open_plan(labels, scale)
             sheet = PlanImage(plan_labels.paint_labels(shell), frame)
+        if rng.random() < self.config.bubble_chance:
+            sheet = with_bubbles(sheet, jittered(bubbles_of(plan), rng))
         return Drawn(sheet, labels, np.zeros(labels.shape, bool), self._words(plan, rng))
 
     def _scale(self, plan: Plan) -> float | None:

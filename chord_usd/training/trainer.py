@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,8 +24,8 @@ from chord_usd.layout.schedule import training_scheduler
 from chord_usd.layout.transfer import adopt, take_up
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
-from chord_usd.training.shards import load_state, save_state
 from chord_usd.training.stream import Batch, BatchStream, batch_loader
+from chord_usd.training.weights import Weights
 
 STATE_FOLDER = "state"
 LOG_FILE = "losses.csv"
@@ -93,15 +93,11 @@ class LayoutTrainer:
         self.traits = traits_of(network_config)
         self.data: dict[str, Any] = {}
         self.device = torch.device(config.device)
-        self.network = LayoutNetwork(network_config).to(self.device)
+        network = LayoutNetwork(network_config).to(self.device)
         if self.device.type == "cuda":  # on a CPU the conversions cost more than they give
-            self.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-        self.average = LayoutNetwork(network_config).to(self.device).eval()
-        self.average.requires_grad_(False)
-        self.average.load_state_dict(self.network.state_dict())
-        self.optimiser = torch.optim.AdamW(
-            self.network.parameters(), config.learning_rate, weight_decay=config.weight_decay
-        )
+            network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        self.weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
+        self.network, self.average = self.weights.network, self.weights.average
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
         self.started = time.monotonic()
@@ -124,39 +120,16 @@ class LayoutTrainer:
 
     def resume(self) -> bool:
         """Takes up the run in the folder; False where there is none."""
-        found = load_state(self.folder / STATE_FOLDER, str(self.device))
-        if found is None:
+        counters = self.weights.load(self.folder / STATE_FOLDER, str(self.device))
+        if counters is None:
             return False
-        tensors, counters = found
-        self.network.load_state_dict(_below(tensors, "network"))
-        self.average.load_state_dict(_below(tensors, "average"))
         self.step, self.minutes_before = counters["step"], counters["minutes"]
-        for name, parameter in self.network.named_parameters():
-            self.optimiser.state[parameter] = {
-                "step": torch.tensor(float(counters["optimiser_steps"])),
-                **{key: tensors[f"{key}.{name}"].to(parameter) for key in _MOMENTS},
-            }
         return True
 
     def save(self) -> None:
-        """Writes the resumable state and the checkpoint folder, each as a whole.
-
-        Only the weights themselves are kept in full: half the digits do for averages and moments.
-        """
-        tensors = {f"network.{name}": t for name, t in self.network.state_dict().items()}
-        for name, average in self.average.state_dict().items():
-            tensors[f"average.{name}"] = average.to(torch.float16)
-        steps = 0.0
-        for name, parameter in self.network.named_parameters():
-            own = self.optimiser.state[parameter]
-            steps = float(own["step"])
-            tensors |= {f"{key}.{name}": own[key].to(torch.bfloat16) for key in _MOMENTS}
-        counters = {
-            "step": self.step,
-            "minutes": self.minutes_before + self.minutes,
-            "optimiser_steps": steps,
-        }
-        save_state(self.folder / STATE_FOLDER, tensors, counters)
+        """Writes the resumable state and the checkpoint folder, each as a whole."""
+        counters = {"step": self.step, "minutes": self.minutes_before + self.minutes}
+        self.weights.save(self.folder / STATE_FOLDER, counters)
         save_checkpoint(self.folder / "checkpoint", self.average, self.training_record())
         write_layout_graph(self.folder / "checkpoint", self.average)
 
@@ -201,18 +174,12 @@ class LayoutTrainer:
         self._draw_sheet(stream)
 
     def _step(self, batch: Batch) -> dict[str, Tensor]:
-        rate = self._learning_rate()
-        for group in self.optimiser.param_groups:
-            group["lr"] = rate
         batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in batch.items()}
         with half_precision(self.config.device) if self.config.mixed_precision else nullcontext():
             losses = self._run_step(batch)
-        self.optimiser.zero_grad(set_to_none=True)
-        losses["loss"].backward()
-        torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.gradient_clip)
-        self.optimiser.step()
+        rate, clip = self._learning_rate(), self.config.gradient_clip
+        self.weights.step(losses["loss"], rate, clip, self.step)
         self.step += 1
-        self._update_average()
         return losses
 
     def _losses(self, batch: Batch) -> dict[str, Tensor]:
@@ -284,14 +251,6 @@ class LayoutTrainer:
         into_cooldown = max(0.0, spent - 1.0 + config.cooldown_share) / config.cooldown_share
         return config.learning_rate * warm * (1.0 - 0.95 * into_cooldown)
 
-    @torch.no_grad()
-    def _update_average(self) -> None:
-        # The average of the first steps would remember the random initialisation for too long.
-        decay = min(self.config.ema_decay, (1.0 + self.step) / (10.0 + self.step))
-        averages = [parameter.data for parameter in self.average.parameters()]
-        current = [parameter.data for parameter in self.network.parameters()]
-        torch._foreach_lerp_(averages, current, 1.0 - decay)
-
     def _log(self, losses: dict[str, Tensor], report: Report) -> None:
         row = {
             "step": float(self.step),
@@ -315,16 +274,3 @@ class LayoutTrainer:
 
         path = self.folder / "sheets" / f"step_{self.step:07d}.png"
         draw_sheet(self.average, path, self.device, stream.held_out(SHEET_COLUMNS))
-
-
-_MOMENTS = ("exp_avg", "exp_avg_sq")
-"""What Adam keeps of every weight."""
-
-
-def _below(tensors: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
-    """The tensors whose names begin so, without the prefix, in float32."""
-    return {
-        name.removeprefix(f"{prefix}."): tensor.float()
-        for name, tensor in tensors.items()
-        if name.startswith(f"{prefix}.")
-    }
