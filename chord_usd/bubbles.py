@@ -58,10 +58,10 @@ def _sketched(bubble: Bubble, rng: np.random.Generator) -> Bubble:
     return Bubble(bubble.kind, bubble.x_m + float(dx_m), bubble.y_m + float(dy_m), radius_m)
 
 
-def touching(bubbles: Sequence[Bubble]) -> bool:
-    """Whether two of them touch or overlap, as rooms of a house never do."""
-    return any(
-        np.hypot(one.x_m - two.x_m, one.y_m - two.y_m) <= one.radius_m + two.radius_m
+def touching_pairs(bubbles: Sequence[Bubble]) -> int:
+    """How many pairs touch or overlap, as rooms of a house never do."""
+    return sum(
+        bool(np.hypot(one.x_m - two.x_m, one.y_m - two.y_m) <= one.radius_m + two.radius_m)
         for index, one in enumerate(bubbles)
         for two in bubbles[:index]
     )

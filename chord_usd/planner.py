@@ -1,7 +1,8 @@
 """Words or outer walls -> Plan: the other ways in, before the straight line begins.
 
-text -> Wish and words -> label maps -> Plan; outline file -> shell -> label maps -> Plan. Several
-floors are planned at once and the best of them is taken (planning.choose).
+text -> Wish and words -> bubble diagrams -> label maps -> Plan; outline file -> shell -> bubble
+diagrams -> label maps -> Plan. Several floors are planned at once and the best of them is taken
+(planning.choose).
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.planning.choose import Candidate
     from chord_usd.planning.encoder import TextEncoder
+    from chord_usd.planning.sketch import Sketcher
 
 TEXT_CHECKPOINT = "text2plan"
 OUTLINE_CHECKPOINT = "outline2plan"
+SKETCH_CHECKPOINT = "bubbles"
 
 BATCH = 4
 ROUNDS = 4
@@ -39,8 +42,8 @@ MOST_STRETCH = 0.1
 _SAME_LENGTH = 0.01
 """A floor that is off by less is left as it is."""
 
-MANY_ROOMS = 10
-"""With more rooms than this, and no area named, a large house is expected."""
+SKETCHES = 4
+"""So many bubble diagrams are drawn for each that is carried out: those that slip least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +55,16 @@ class Commission:
     """The wish in short, "" where there is none."""
     words: npt.NDArray[np.float32]
     """(words, channels), planning.words."""
-    sheet: PlanImage
-    """Blank, or an open plan."""
     shell: Plan | None = None
-    """The open plan that is on the sheet."""
+    """The open plan that it is planned in; None where the house's shape is left open."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """The networks that plan floors."""
+
+    sketcher: Sketcher
+    model: LayoutModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +94,18 @@ class Planned:
         return [*missed, *self.chosen.faults]
 
 
-def load_planner(name: str, settings: Settings) -> LayoutModel:
-    """The model of TEXT_CHECKPOINT or OUTLINE_CHECKPOINT. Raises CheckpointError."""
+def load_planner(name: str, settings: Settings) -> Planner:
+    """The networks for TEXT_CHECKPOINT or OUTLINE_CHECKPOINT. Raises CheckpointError."""
     from chord_usd.layout.sample import LayoutModel
 
-    return LayoutModel.load(checkpoint_folder(name), settings.device)
+    return planner_of(LayoutModel.load(checkpoint_folder(name), settings.device))
+
+
+def planner_of(model: LayoutModel) -> Planner:
+    """A network of either checkpoint, with the one that sketches. Raises CheckpointError."""
+    from chord_usd.planning.sketch import load_sketcher
+
+    return Planner(load_sketcher(checkpoint_folder(SKETCH_CHECKPOINT)), model)
 
 
 def plan_from_text(text: str, settings: Settings, progress: Progress | None = None) -> Planned:
@@ -119,8 +135,6 @@ def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Co
 
     The encoder is loaded, which takes seconds, once the text is known to be usable.
     """
-    from chord_usd import plan_labels
-    from chord_usd.planning.sheet import blank_sheet
     from chord_usd.planning.wording import read_wish
     from chord_usd.planning.words import condition_words
 
@@ -128,30 +142,23 @@ def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Co
     wish = found.wish
     said = text if found.english else wish.sentence
     words = condition_words(wish, load_encoder().encode([said])[0])
-    scale = plan_labels.SCALES_M[wish.rooms > MANY_ROOMS]
-    if wish.area_m2 is not None:
-        scale = plan_labels.scale_for_area(wish.area_m2)
-    return Commission(wish, found.told, words, blank_sheet(plan_labels.sheet_frame(scale)))
+    return Commission(wish, found.told, words)
 
 
 def commission_in_shell(shell: Plan, text: str = "") -> Commission:
     """Rooms in an open plan of one room. Raises ChordError as commission_of_text, unless text is
     ""; the walls say how large the house is, whatever the text does."""
-    from chord_usd import plan_labels
-    from chord_usd.planning.outline import shell_labels
     from chord_usd.planning.wording import read_wish
     from chord_usd.planning.words import condition_words
 
-    labels, frame = shell_labels(shell)
-    sheet = PlanImage(plan_labels.paint_labels(labels), frame)
     found = read_wish(text) if text else None
     wish = replace(found.wish, area_m2=None) if found else Wish()
-    return Commission(wish, found.told if found else "", condition_words(wish), sheet, shell)
+    return Commission(wish, found.told if found else "", condition_words(wish), shell)
 
 
 def carry_out(
     commission: Commission,
-    model: LayoutModel,
+    planner: Planner,
     settings: Settings,
     progress: Progress | None = None,
 ) -> Planned:
@@ -165,7 +172,7 @@ def carry_out(
     for batch in range(ROUNDS):
         first = (settings.seed * ROUNDS + batch) * BATCH
         seeds = range(first, first + BATCH)
-        plans = _sampled(commission, model, seeds, settings.steps, progress)
+        plans = _sampled(commission, planner, seeds, settings.steps, progress)
         tried += [judged(plan, commission.wish) for plan in plans]
         if any(candidate.holds for candidate in tried):
             break
@@ -181,7 +188,7 @@ def carry_out(
 
 def _sampled(
     commission: Commission,
-    model: LayoutModel,
+    planner: Planner,
     seeds: range,
     steps: int | None,
     progress: Progress | None,
@@ -191,17 +198,35 @@ def _sampled(
 
     from chord_usd.planning.partition import plan_from_labels
 
-    maps = model.sample_labels(
-        [commission.sheet] * len(seeds),
+    sheets = _sketched(commission, planner.sketcher, seeds)
+    maps = planner.model.sample_labels(
+        sheets,
         np.stack([commission.words] * len(seeds)),
         seeds=list(seeds),
         steps=steps,
         progress=progress,
     )
-    frame = commission.sheet.frame
+    drawn = zip(maps, (sheet.frame for sheet in sheets), strict=True)
     if commission.shell is None and commission.wish.area_m2 is not None:
-        return [_at_size(labels, frame, commission.wish.area_m2) for labels in maps]
-    return [plan_from_labels(labels, frame, commission.shell) for labels in maps]
+        return [_at_size(labels, frame, commission.wish.area_m2) for labels, frame in drawn]
+    return [plan_from_labels(labels, frame, commission.shell) for labels, frame in drawn]
+
+
+def _sketched(commission: Commission, sketcher: Sketcher, seeds: range) -> list[PlanImage]:
+    """A sheet for each seed: the open plan, or none, and what the rooms shall be in it."""
+    from chord_usd.planning import sheet
+    from chord_usd.planning.sketch_tokens import no_shell
+
+    shell, patches = None, no_shell()
+    if commission.shell is not None:
+        shell, patches = sheet.shell_sheet(commission.shell)
+    count = SKETCHES * len(seeds)
+    found = [
+        (shell or sheet.sheet_for_area(sketch.area_m2), sketch.bubbles)
+        for sketch in sketcher.sketch(commission.wish, patches, count, seeds[0])
+    ]
+    found.sort(key=lambda one: sheet.slips(*one))
+    return [sheet.sketched(*one) for one in found[: len(seeds)]]
 
 
 def _at_size(labels: ByteArray, frame: PixelFrame, area_m2: float) -> Plan:

@@ -2,8 +2,9 @@
 
 For somebody who wants another arrangement, and for what a first draw got wrong. A room in twenty
 comes out bare, or with a piece before a window or in another one; the next draw of it seldom does.
-Nothing is moved: whatever stands in a house was placed by the model. Scraps that the last draw
-leaves, which only a doll's piece would fit, are left out.
+Nothing is moved: whatever stands in a house was placed by the model. What the last draw leaves and
+nobody could build is left out: scraps, which only a doll's piece would fit, and of two pieces that
+stand in each other the one that is missed less.
 """
 
 from __future__ import annotations
@@ -90,7 +91,7 @@ class Mended:
     rooms: tuple[str, ...]
     """Ids of the rooms whose furniture is that of a later draw."""
     left_out: tuple[str, ...] = ()
-    """Ids of the scraps that were left out of the graph; the layout shows them."""
+    """Ids of what was left out of the graph; the layout shows it."""
 
 
 def faults_by_room(graph: SceneGraph) -> Counter[str]:
@@ -100,17 +101,13 @@ def faults_by_room(graph: SceneGraph) -> Counter[str]:
     second toilets, essential pieces that are missing, a room that the entrance does not lead to,
     and, _BARE times, a room to furnish without furniture of its kind (metrics has the terms).
     """
-    from chord_usd.metrics.openings import blocked_openings
-    from chord_usd.metrics.overlap import scene_overlap
     from chord_usd.metrics.rooms import empty_rooms
     from chord_usd.metrics.walk import walk
 
     home = {item.id: item.room_id for item in graph.items}
     faults = Counter(dict.fromkeys(empty_rooms(graph), _BARE))
-    for pair in scene_overlap(graph).overlapping:
-        if not pair.natural and pair.a in home:
-            faults.update({home[pair.a], home[pair.b]})
-    faults.update(home[blocked.item] for blocked in blocked_openings(graph))
+    for clash in _clashes(graph):
+        faults.update({home[item_id] for item_id in clash})
     faults.update(walk(graph).unreachable)
     faults.update(item.room_id for item in graph.items if _is_scrap(item))
     for room in graph.rooms:
@@ -118,6 +115,19 @@ def faults_by_room(graph: SceneGraph) -> Counter[str]:
         faults[room.id] += sum(not held[name] for name in _ESSENTIAL.get(room.kind, ()))
         faults[room.id] += sum(max(held[name] - 1, 0) for name in _ONE_IS_ENOUGH)
     return +faults
+
+
+def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
+    """Ids of every two pieces that stand in each other, and of each piece before an opening."""
+    from chord_usd.metrics.openings import blocked_openings
+    from chord_usd.metrics.overlap import scene_overlap
+
+    pieces = {item.id for item in graph.items}
+    for pair in scene_overlap(graph).overlapping:
+        if not pair.natural and pair.a in pieces:
+            yield pair.a, pair.b
+    for blocked in blocked_openings(graph):
+        yield (blocked.item,)
 
 
 def _is_scrap(item: Item) -> bool:
@@ -158,9 +168,30 @@ def mend_rooms(
                     later[room.id] = None
         if progress:
             progress(attempt, times)
-    scraps = tuple(item.id for item in graph.items if _is_scrap(item)) if times else ()
-    items = tuple(item for item in graph.items if item.id not in scraps)
-    return Mended(replace(graph, items=items), layout, tuple(later), scraps)
+    out = _unbuildable(graph) if times else ()
+    return Mended(_without(graph, out), layout, tuple(later), out)
+
+
+def _unbuildable(graph: SceneGraph) -> tuple[str, ...]:
+    """Ids of scraps, and of pieces in the way without which less is wrong, the least missed first.
+
+    A bed before a window stays: a bedroom without one is worse.
+    """
+    out = tuple(item.id for item in graph.items if _is_scrap(item))
+    while clashing := {item_id for clash in _clashes(_without(graph, out)) for item_id in clash}:
+        floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
+        left, _, worst = min(
+            (faults_by_room(_without(graph, (*out, one))).total(), floor_m2[one], one)
+            for one in clashing
+        )
+        if left >= faults_by_room(_without(graph, out)).total():
+            break
+        out = (*out, worst)
+    return out
+
+
+def _without(graph: SceneGraph, ids: Collection[str]) -> SceneGraph:
+    return replace(graph, items=tuple(item for item in graph.items if item.id not in ids))
 
 
 def redraw_rooms(

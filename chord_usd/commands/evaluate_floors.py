@@ -56,15 +56,15 @@ def run_text(options: argparse.Namespace) -> Outcome:
     """Runs evaluate text."""
     from chord_usd.evaluation import floors
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import TEXT_CHECKPOINT, carry_out, commission_of_text
+    from chord_usd.planner import TEXT_CHECKPOINT, carry_out, commission_of_text, planner_of
     from chord_usd.planning.encoder import default_encoder
 
-    model = load_layout_model(options, TEXT_CHECKPOINT)
+    planner = planner_of(load_layout_model(options, TEXT_CHECKPOINT))
     encoder = default_encoder()
     settings = Settings(seed=options.seed, steps=options.steps)
 
     def planned(case: FloorCase) -> Planned:
-        return carry_out(commission_of_text(case.text, lambda: encoder), model, settings)
+        return carry_out(commission_of_text(case.text, lambda: encoder), planner, settings)
 
     return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
 
@@ -73,13 +73,13 @@ def run_outlines(options: argparse.Namespace) -> Outcome:
     """Runs evaluate outlines."""
     from chord_usd.evaluation import floors
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import OUTLINE_CHECKPOINT, carry_out, commission_in_shell
+    from chord_usd.planner import OUTLINE_CHECKPOINT, carry_out, commission_in_shell, planner_of
 
-    model = load_layout_model(options, OUTLINE_CHECKPOINT)
+    planner = planner_of(load_layout_model(options, OUTLINE_CHECKPOINT))
     settings = Settings(seed=options.seed, steps=options.steps)
 
     def planned(case: FloorCase) -> Planned:
-        return carry_out(commission_in_shell(case.shell), model, settings)
+        return carry_out(commission_in_shell(case.shell), planner, settings)
 
     return _run(options, planned, floors.shell_scores, "Floors in open plans", aligned=False)
 

@@ -2,13 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
+from chord_usd import plan_labels
+from chord_usd.bubbles import Bubble, touching_pairs, with_bubbles
 from chord_usd.palette import BACKGROUND_RGB
-from chord_usd.types import ByteArray, PixelFrame, PlanImage
+from chord_usd.planning.outline import shell_labels
+from chord_usd.planning.sketch_tokens import Floats, shell_cells, shell_patches
+from chord_usd.types import ByteArray, PixelFrame, Plan, PlanImage
+from chord_usd.units import px_from_m
 
 
 def blank_sheet(frame: PixelFrame) -> PlanImage:
     """A sheet with nothing on it."""
     rgb: ByteArray = np.full((frame.height_px, frame.height_px, 3), BACKGROUND_RGB, np.uint8)
     return PlanImage(rgb, frame)
+
+
+def sheet_for_area(area_m2: float) -> PlanImage:
+    """A blank sheet of the scale that so much floor is planned at; its middle is the origin."""
+    return blank_sheet(plan_labels.sheet_frame(plan_labels.scale_for_area(area_m2)))
+
+
+def shell_sheet(shell: Plan) -> tuple[PlanImage, Floats]:
+    """An open plan, drawn in the middle of a sheet, and as the sketching network sees it."""
+    labels, frame = shell_labels(shell)
+    patches = shell_patches(shell_cells(labels, frame.m_per_px))
+    return PlanImage(plan_labels.paint_labels(labels), frame), patches
+
+
+def on_sheet(sheet: PlanImage, bubbles: Sequence[Bubble]) -> tuple[Bubble, ...]:
+    """Bubbles in metres from the middle of a sheet, where they lie in the world."""
+    half_m = plan_labels.CANVAS_PX * sheet.frame.m_per_px / 2
+    x_m, y_m = (origin + half_m for origin in sheet.frame.origin_m)
+    return tuple(replace(one, x_m=one.x_m + x_m, y_m=one.y_m + y_m) for one in bubbles)
+
+
+def slips(sheet: PlanImage, bubbles: Sequence[Bubble]) -> int:
+    """How many bubbles touch others, or lie where no room can be: beside the open plan."""
+    drawn = (sheet.rgb != BACKGROUND_RGB[0]).any(axis=2)
+    ground = plan_labels.fill_shell(drawn) if drawn.any() else np.ones_like(drawn)
+    points = px_from_m(np.array([[one.x_m, one.y_m] for one in bubbles]), sheet.frame)
+    columns, rows = np.floor(points).astype(int).T
+    within = (rows >= 0) & (rows < ground.shape[0]) & (columns >= 0) & (columns < ground.shape[1])
+    free = (ground & ~drawn)[rows.clip(0, len(ground) - 1), columns.clip(0, len(ground) - 1)]
+    return touching_pairs(bubbles) + int((~(within & free)).sum())
+
+
+def sketched(sheet: PlanImage, bubbles: Sequence[Bubble]) -> PlanImage:
+    """The sheet with a bubble diagram, in metres from its middle."""
+    return with_bubbles(sheet, on_sheet(sheet, bubbles))

@@ -6,6 +6,7 @@ drawn from what houses are like that have what it asks for.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from chord_usd.bubbles import Bubble
 from chord_usd.networks import Network, load_network
 from chord_usd.planning import sketch_tokens as tokens
+from chord_usd.types import RoomKind
 from chord_usd.wish import WISHED_KINDS, Wish
 
 GRAPH_INPUTS = ("shell", "roles", "left", "values")
@@ -31,8 +33,10 @@ class Sketch:
 
     bubbles: tuple[Bubble, ...]
     """Metres from the middle of the sheet."""
-    wish: Wish
-    """The programme that was sketched: the number of rooms of every kind."""
+    counts: Mapping[RoomKind, int]
+    """Rooms of every kind."""
+    area_m2: float
+    """Sum of the rooms' floors."""
 
 
 class Sketcher:
@@ -63,7 +67,8 @@ class Sketcher:
         return [
             Sketch(
                 tokens.bubbles_from(roles, values[tokens.HEADING :][: len(roles)]),
-                Wish(found, wish.area_m2, wish.open_kitchen),
+                found,
+                tokens.area_of(values[tokens.AREA_ROLE, 0]),
             )
             for (roles, _), values, found in zip(rooms, lines.values, counts, strict=True)
         ]

@@ -102,6 +102,11 @@ def area_value(area_m2: float) -> int:
     return _FIRST_AREA + int(np.clip(round(float(step)), 0, AREAS - 1))
 
 
+def area_of(value: int) -> float:
+    """The floor area, in square metres, that a value stands for."""
+    return float(_LEAST_AREA_M2 * _AREA_STEP ** (value - _FIRST_AREA))
+
+
 def count_value(count: int) -> int:
     """The value of a number of rooms; larger ones than MOST_COUNTED look the same."""
     return _FIRST_COUNT + min(count, MOST_COUNTED)

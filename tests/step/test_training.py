@@ -63,7 +63,8 @@ def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
     for name, tensor in first.average.state_dict().items():
         assert torch.allclose(tensor, second.average.state_dict()[name], rtol=2e-3, atol=1e-6)
     moments = [
-        trainer.weights.optimiser.state[next(trainer.network.parameters())] for trainer in (first, second)
+        trainer.weights.optimiser.state[next(trainer.network.parameters())]
+        for trainer in (first, second)
     ]
     assert float(moments[0]["step"]) == float(moments[1]["step"])
     assert torch.allclose(moments[0]["exp_avg"], moments[1]["exp_avg"], rtol=1e-2, atol=1e-8)

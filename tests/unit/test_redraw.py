@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from chord_usd import raster
@@ -143,3 +144,44 @@ def test_scraps_that_stay_are_left_out_unless_the_first_draw_is_wanted(
     assert found.left_out == ("bed_9",)
     assert not any(item.category == "bed" for item in found.graph.items_of(bed.room_id))
     assert mended(graph, Painter(), times=0).graph.items == items
+
+
+def test_of_two_pieces_that_stay_in_each_other_the_smaller_is_left_out(
+    sound_house: SceneGraph,
+) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    length_m, width_m, height_m = bed.box.size_m
+    small = replace(bed.box, size_m=(0.8 * length_m, 0.8 * width_m, height_m))
+    graph = replace(sound_house, items=(*sound_house.items, replace(bed, id="bed_9", box=small)))
+    found = mended(graph, Painter((), ()))
+    assert found.left_out == ("bed_9",)
+    assert not faults_by_room(found.graph)
+
+
+def test_what_stands_in_a_bed_goes_before_the_bed(sound_house: SceneGraph) -> None:
+    """The smaller is the bed here, but a bedroom is not without one."""
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    cabinet = replace(bed, id="cabinet_9", category="cabinet")
+    length_m, width_m, height_m = bed.box.size_m
+    small = replace(bed, box=replace(bed.box, size_m=(0.9 * length_m, 0.9 * width_m, height_m)))
+    around = (item for item in sound_house.items if item.id != bed.id)
+    graph = replace(sound_house, items=(*around, small, cabinet))
+    assert mended(graph, Painter((), ())).left_out == ("cabinet_9",)
+
+
+def test_a_bed_before_a_window_stays_and_a_cabinet_there_goes(sound_house: SceneGraph) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    window = next(
+        o for o in sound_house.openings if bed.room_id in o.room_ids and o.kind == "window"
+    )
+    around = tuple(item for item in sound_house.items if item.room_id != bed.room_id)
+    middle_m = np.mean(sound_house.plan.room(bed.room_id).polygon_m, axis=0)
+    x_m, y_m = 0.7 * np.array(window.box.center_m[:2]) + 0.3 * middle_m
+    high = replace(bed.box, size_m=(1.5, 2.0, 2.0), center_m=(float(x_m), float(y_m), 0.0))
+    before = replace(bed, box=high)
+    found = mended(replace(sound_house, items=(*around, before)), Painter((), ()))
+    assert (found.left_out, faults_by_room(found.graph)) == ((), {bed.room_id: 1})
+    cabinet = replace(before, id="cabinet_9", category="cabinet")
+    beside = sound_house.items_of(bed.room_id)
+    found = mended(replace(sound_house, items=(*around, *beside, cabinet)), Painter((), ()))
+    assert found.left_out == ("cabinet_9",)
