@@ -80,7 +80,7 @@ class House:
     redrawn: tuple[str, ...] = ()
     """Ids of the rooms whose furniture is that of a later draw."""
     left_out: tuple[str, ...] = ()
-    """Ids of scraps in the layout that no piece of furniture fits."""
+    """Ids of pieces in the layout that are not built: scraps, and what stands in the way."""
 
 
 def generate(
