@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("plans"):
         cases = _cases(options)
         warnings += cases.warnings
-    sampling = sampling_of(options)
+    sampling = sampling_of(options, options.redraws)
     furnished, made_by, steps = _furnished(options, cases, sampling, watch, warnings)
     with watch.step("score"):
         scores = layouts.score_layouts(furnished, made_by, steps, sampling)

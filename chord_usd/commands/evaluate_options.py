@@ -126,8 +126,8 @@ def load_layout_model(options: argparse.Namespace, name: str = "plan2layout") ->
     return LayoutModel.load(folder, options.device)
 
 
-def sampling_of(options: argparse.Namespace) -> Sampling:
-    """How to sample, as the options say."""
+def sampling_of(options: argparse.Namespace, redraws: int = 0) -> Sampling:
+    """How to sample, as the options say; how often rooms are drawn again, not all verbs ask."""
     from chord_usd.evaluation.layouts import Sampling
 
     return Sampling(
@@ -135,7 +135,7 @@ def sampling_of(options: argparse.Namespace) -> Sampling:
         options.steps,
         options.sampler,
         not options.unshaded,
-        getattr(options, "redraws", 0),
+        redraws,
     )
 
 
