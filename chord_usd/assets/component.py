@@ -19,12 +19,11 @@ import numpy as np
 from chord_usd.assets.finishes import Finish
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
+from chord_usd.credits import AUTHOR, LICENCE
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
-AUTHOR = "CHOrD USD"
-LICENCE = "CC0-1.0"
 COMPONENT_VERSION = "1"
 TEXTURES = "textures"
 """Folder of the pictures of a component."""

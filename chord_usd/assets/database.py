@@ -194,8 +194,9 @@ def build_assets(
 
     folder must exist and hold none of them yet. chosen: by default every design there is.
     """
-    from chord_usd.assets.component import AUTHOR, LICENCE, write_component
+    from chord_usd.assets.component import write_component
     from chord_usd.assets.furniture.catalogue import designs
+    from chord_usd.credits import AUTHOR, LICENCE
 
     assets = []
     catalogue = designs() if chosen is None else tuple(chosen)
@@ -232,8 +233,8 @@ def embedded_assets() -> tuple[Asset, ...]:
 
     Each asset lies in the user's cache once something has asked for it (draw_embedded).
     """
-    from chord_usd.assets.component import AUTHOR, LICENCE
     from chord_usd.assets.furniture.catalogue import designs
+    from chord_usd.credits import AUTHOR, LICENCE
 
     folder = embedded_folder()
     return tuple(

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from chord_usd.assets import look_maps as draw
-from chord_usd.assets.component import AUTHOR, LICENCE
 from chord_usd.assets.look_maps import Boards, Maps
 from chord_usd.assets.look_noise import Shape, normal_map
+from chord_usd.credits import AUTHOR, LICENCE
 from chord_usd.looks import LOOK_FILE, Surface
 from chord_usd.types import FloatArray, RoomKind
 

@@ -17,6 +17,7 @@ from chord_usd import __version__
 from chord_usd.errors import OutputError
 from chord_usd.files import deliver
 from chord_usd.looks import Look, load_looks
+from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.furniture import extent_of, place_furniture
@@ -80,9 +81,11 @@ def author_stage(
     with deliver() as delivery:
         target = delivery.place(path)
         if path.suffix == ".usdz":
-            content_hash = _pack(house, target)
+            content_hash = _pack(house, target, path)
         else:
             content_hash = _write_house(house, target, path.absolute().parent)
+            layer = Sdf.Layer.FindOrOpen(str(target))
+            write_attribution(layer, (target.parent, path.absolute().parent), target, path)
     _reload(path)
     return StageFile(path, content_hash, graph.provenance)
 
@@ -204,11 +207,12 @@ def _hint_house(layer: Sdf.Layer, shell_m: FloatArray, graph: SceneGraph) -> Non
     )
 
 
-def _pack(house: _House, target: Path) -> str:
-    """Write the stage into a folder of its own and pack that into target."""
+def _pack(house: _House, target: Path, final: Path) -> str:
+    """Write the stage into a folder of its own and pack that into target, which becomes final."""
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         stage = Path(folder) / f"{target.stem}.usda"
         content_hash = _write_house(house, stage, Path(folder))
+        write_attribution(Sdf.Layer.FindOrOpen(str(stage)), (Path(folder),), target, final)
         for file in Path(folder).rglob("*"):  # the archive notes their times
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))

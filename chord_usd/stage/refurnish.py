@@ -21,6 +21,7 @@ from pxr import Gf, Sdf, UsdUtils
 from chord_usd.errors import StageError
 from chord_usd.files import deliver, hash_file
 from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import EYE_M, choose_view
 from chord_usd.stage.check import open_stage
 from chord_usd.stage.check_rules import NODE_ID
@@ -149,14 +150,15 @@ def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
     with deliver() as delivery:
         staged = delivery.place(target)
         if source.suffix == ".usdz":
-            _edit_archive(source, staged, new)
+            _edit_archive(source, staged, target, new)
         else:
             final = target.absolute().parent
             if final != source.absolute().parent:
                 final = staged.parent
                 _copy_what_it_points_to(source, final)
             _copy_layer(source, staged)
-            _edit(staged, final, new)
+            layer = _edit(staged, final, new)
+            write_attribution(layer, (staged.parent, final), staged, target)
         content_hash = hash_file(staged)
     layer = Sdf.Layer.Find(str(target))
     if layer:
@@ -209,20 +211,21 @@ def _copy_what_it_points_to(source: Path, folder: Path) -> None:
         shutil.copyfile(file, place)
 
 
-def _edit_archive(source: Path, staged: Path, new: NewFurniture) -> None:
+def _edit_archive(source: Path, staged: Path, target: Path, new: NewFurniture) -> None:
     """Unpack, edit the root layer, which is an archive's first file, and pack again."""
     with tempfile.TemporaryDirectory(dir=staged.parent) as scratch:
         folder = Path(scratch)
         with zipfile.ZipFile(source) as archive:
             root = folder / archive.namelist()[0]
             archive.extractall(folder)
-        _edit(root, folder, new)
+        layer = _edit(root, folder, new)
+        write_attribution(layer, (folder,), staged, target)
         for file in folder.rglob("*"):
             os.utime(file, (_ARCHIVE_TIME_S, _ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
 
 
-def _edit(path: Path, final: Path, new: NewFurniture) -> None:
+def _edit(path: Path, final: Path, new: NewFurniture) -> Sdf.Layer:
     """Refurnish the layer at path. final: the folder that holds what it points to."""
     layer = Sdf.Layer.FindOrOpen(str(path))
     furniture = layer.GetPrimAtPath(f"/House/Rooms/{new.room_name}/Furniture")
@@ -244,6 +247,7 @@ def _edit(path: Path, final: Path, new: NewFurniture) -> None:
     _note_making(furniture, new.made)
     _clear_camera(layer, new)
     layer.Save()
+    return layer
 
 
 def _note_making(furniture: Sdf.PrimSpec, made: Provenance) -> None:

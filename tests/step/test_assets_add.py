@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,9 @@ from chord_usd.assets.libraries.add import Added, add_library
 from chord_usd.assets.libraries.archives import checked_archive
 from chord_usd.assets.libraries.readers import open_library, read_properties
 from chord_usd.errors import AssetError
+from chord_usd.stage.attribution import attribution_file
+from chord_usd.stage.author import author_stage
+from chord_usd.types import SceneGraph
 
 
 def chair_mesh(scale: float = 1.0) -> trimesh.Trimesh:
@@ -230,3 +234,24 @@ def test_added_models_are_retrieved(tmp_path: Path) -> None:
     added, database = add(folder, tmp_path)
     found = AssetDatabase(read_index(database)).nearest("chair", (0.5, 0.5, 0.9))
     assert found.id == added.assets[0].id
+
+
+def test_who_made_a_model_is_named_beside_the_house(
+    staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    row = {"file": "chair.glb", "category": "chair", "licence": "CC-BY-4.0", "author": "José"}
+    folder = folder_with(tmp_path, row)
+    chair_mesh().export(folder / "chair.glb")
+    added, _ = add(folder, tmp_path)
+    first, *others = staged_graph.items
+    theirs = replace(staged_graph, items=(replace(first, asset=added.assets[0]), *others))
+    for name in ("house.usda", "packed.usdz"):
+        stage = tmp_path / "out" / name
+        author_stage(theirs, stage)
+        told = attribution_file(stage).read_text(encoding="utf-8")
+        assert "author José, licence CC-BY-4.0" in told
+        assert sum("author" in line for line in told.splitlines()) == 1
+    author_stage(staged_graph, tmp_path / "out" / "house.usda")
+    assert "José" not in attribution_file(tmp_path / "out" / "house.usda").read_text()
+    author_stage(staged_graph, tmp_path / "own" / "house.usda")
+    assert not attribution_file(tmp_path / "own" / "house.usda").exists()

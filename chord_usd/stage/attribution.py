@@ -1,0 +1,61 @@
+"""Who made the pieces of a house: many licences ask for the name beside the work.
+
+Components keep the licence and the author that their library told. What is drawn here asks for
+nothing, so only a house with pieces by others has a text file `NAME_attribution.txt` beside it;
+beside an archive too, which may hold nothing but what USD reads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from pxr import Sdf
+
+from chord_usd.credits import AUTHOR
+
+_UNKNOWN = "not told"
+
+
+def attribution_file(stage: Path) -> Path:
+    """Where the names of the makers stand."""
+    return stage.with_name(f"{stage.stem}_attribution.txt")
+
+
+def write_attribution(layer: Sdf.Layer, folders: Sequence[Path], staged: Path, final: Path) -> None:
+    """Write the names of those who made the house's pieces, if others than this program did.
+
+    folders: where the packages that the layer refers to are. staged: the stage being written.
+    final: what it becomes; names that stand beside it already are written anew.
+    """
+    made = sorted(_made_by_others(layer, folders))
+    if made or attribution_file(final).exists():
+        lines = made or ["All pieces were drawn by this program and are free to use."]
+        text = "\n".join([f"Furniture in {final.name}", "", *lines, ""])
+        attribution_file(staged).write_text(text, encoding="utf-8")
+
+
+def _made_by_others(layer: Sdf.Layer, folders: Sequence[Path]) -> Iterator[str]:
+    """A line for each component that has another author."""
+    for path in _referred_to(layer):
+        found = next((folder / path for folder in folders if (folder / path).is_file()), None)
+        component = Sdf.Layer.FindOrOpen(str(found)) if found else None
+        root = component.GetPrimAtPath(f"/{component.defaultPrim}") if component else None
+        told = root.customData.get("chord", {}) if root else {}
+        if root and told and told.get("author") != AUTHOR:
+            author, licence = (told.get(key) or _UNKNOWN for key in ("author", "licence"))
+            yield f"{told.get('label') or root.name} ({path}): author {author}, licence {licence}"
+
+
+def _referred_to(layer: Sdf.Layer) -> set[str]:
+    """Paths of all references of a layer."""
+    paths: set[str] = set()
+
+    def visit(path: Sdf.Path) -> None:
+        prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
+        if prim:
+            references = prim.referenceList.prependedItems
+            paths.update(one.assetPath.removeprefix("./") for one in references if one.assetPath)
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    return paths
