@@ -32,8 +32,8 @@ TEXT_CHECKPOINT = "text2plan"
 OUTLINE_CHECKPOINT = "outline2plan"
 SKETCH_CHECKPOINT = "bubbles"
 
-BATCH = 4
-ROUNDS = 4
+BATCH = 2
+ROUNDS = 8
 """At most so many batches of floors are planned, fewer where one is all that was asked for."""
 
 MOST_STRETCH = 0.1

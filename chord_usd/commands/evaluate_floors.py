@@ -61,10 +61,10 @@ def run_text(options: argparse.Namespace) -> Outcome:
 
     planner = planner_of(load_layout_model(options, TEXT_CHECKPOINT))
     encoder = default_encoder()
-    settings = Settings(seed=options.seed, steps=options.steps)
 
-    def planned(case: FloorCase) -> Planned:
-        return carry_out(commission_of_text(case.text, lambda: encoder), planner, settings)
+    def planned(case: FloorCase, seed: int) -> Planned:
+        commission = commission_of_text(case.text, lambda: encoder)
+        return carry_out(commission, planner, Settings(seed=seed, steps=options.steps))
 
     return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
 
@@ -76,17 +76,17 @@ def run_outlines(options: argparse.Namespace) -> Outcome:
     from chord_usd.planner import OUTLINE_CHECKPOINT, carry_out, commission_in_shell, planner_of
 
     planner = planner_of(load_layout_model(options, OUTLINE_CHECKPOINT))
-    settings = Settings(seed=options.seed, steps=options.steps)
 
-    def planned(case: FloorCase) -> Planned:
-        return carry_out(commission_in_shell(case.shell), planner, settings)
+    def planned(case: FloorCase, seed: int) -> Planned:
+        commission = commission_in_shell(case.shell)
+        return carry_out(commission, planner, Settings(seed=seed, steps=options.steps))
 
     return _run(options, planned, floors.shell_scores, "Floors in open plans", aligned=False)
 
 
 def _run(
     options: argparse.Namespace,
-    planned: Callable[[FloorCase], Planned],
+    planned: Callable[[FloorCase, int], Planned],
     scores_of: Callable[[list[Judged]], dict[str, Score]],
     title: str,
     aligned: bool,
@@ -95,7 +95,7 @@ def _run(
     from chord_usd.evaluation.report import picture_png
 
     def planner(case: FloorCase) -> tuple[tuple[Candidate, ...], Candidate]:
-        found = planned(case)
+        found = planned(case, options.seed)
         return found.tried, found.chosen
 
     watch = stopwatch(options)
@@ -107,7 +107,11 @@ def _run(
         "chosen": scores_of([(result.case, result.chosen) for result in results]),
         "first alone": scores_of([(result.case, result.tried[0]) for result in results]),
     }
-    rows = [[floor.plan for floor in result.tried[:SEEDS]] for result in results[:SHEET_ROWS]]
+    seeds = range(options.seed + 1, options.seed + SEEDS)
+    rows = [
+        [result.chosen.plan, *(planned(result.case, seed).plan for seed in seeds)]
+        for result in results[:SHEET_ROWS]
+    ]
     different = [floors.diversity(row) for row in rows]
     notes = [
         f"split {split}, {len(cases)} cases; {floors.tried_text(results)}",
