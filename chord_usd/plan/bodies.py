@@ -59,6 +59,9 @@ _FACE_PX = 3
 
 _BLOCK = np.ones((3, 3), np.uint8)
 
+_RIM_DEPTH_PX = 1.5
+"""Pixels that touch ink, if only at a corner, are no deeper."""
+
 
 def filled_bodies(ink: BoolArray) -> Iterator[BoolArray]:
     """(H, W) the hatched walls filled, with their faces, then the hollow ones.
@@ -111,8 +114,11 @@ def _widths(ink: BoolArray, labels: Labels, areas: FloatArray) -> tuple[FloatArr
     rim = (paper > 0) & (cv2.erode(paper, _BLOCK, borderType=cv2.BORDER_CONSTANT) == 0)
     rims = np.bincount(labels[rim], minlength=len(areas)).astype(np.float64)
     depths = cv2.distanceTransform(paper, cv2.DIST_L2, 3)
+    # Deeper pixels have neighbours of their own label only: the deepest is a local maximum.
+    is_peak = (depths >= cv2.dilate(depths, _BLOCK)) | (depths <= _RIM_DEPTH_PX)
+    is_peak &= paper > 0
     deepest = np.zeros(len(areas))
-    np.maximum.at(deepest, labels.ravel(), depths.ravel())
+    np.maximum.at(deepest, labels[is_peak], depths[is_peak])
     # Strips of one or two pixels are all rim.
     widths = np.where(areas > rims, 2 * areas / np.maximum(rims, 1.0), 2 * deepest)
     return widths, 2 * deepest - 1

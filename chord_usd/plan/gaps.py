@@ -60,6 +60,16 @@ _SWING_SHARE = 0.85
 """Ink covers so much of a door's arc or leaf."""
 
 
+_LEAST_ARM = 1.6
+"""Both walls that meet in a corner are at least so many thicknesses long."""
+
+_BAR_SHARE = 0.9
+_BAR_DEPTH = 0.5
+_ALONE_SHARE = 0.5
+"""A bar is drawn along both faces of the wall, so far apart at least, in wall thicknesses; of the
+lines beside it, which tiles have, less is drawn."""
+
+
 @dataclass(frozen=True, eq=False)
 class Gap:
     """A stretch between the end of a wall and what it faces. Continuous pixels, y down."""
@@ -122,6 +132,7 @@ def find_gaps(strokes: Strokes) -> list[Gap]:
         if int(np.argmax(np.abs(end.outward))) == axis
         and (gap := _gap_before(end, seen[axis], strokes, strokes.ink & ~seen[axis])) is not None
     ]
+    barred = _barred_gaps(strokes, walls, bold_px)
     candidates = [_with_swing(gap, drawn) for gap in found]
     longest_px = _EMPTY_REACH * strokes.thickness_px
     candidates = [g for g in candidates if not g.is_empty or g.length_px <= longest_px]
@@ -133,7 +144,8 @@ def find_gaps(strokes: Strokes) -> list[Gap]:
         is_vague = not (gap.has_pane or gap.has_arc) and _touches(gap, loose)
         return gap.is_empty or is_vague, gap.length_px
 
-    for gap in sorted(candidates, key=rank):
+    # Where walls end tells more than where they meet.
+    for gap in [*sorted(candidates, key=rank), *sorted(barred, key=rank)]:
         shape = Polygon(gap.corners)
         if not any(shape.intersects(other) for other in taken):
             gaps.append(gap)
@@ -263,6 +275,83 @@ def _values_at(mask: BoolArray, points: npt.NDArray[np.float64]) -> BoolArray:
     inside = (rows >= 0) & (rows < mask.shape[0]) & (columns >= 0) & (columns < mask.shape[1])
     values = mask[rows.clip(0, mask.shape[0] - 1), columns.clip(0, mask.shape[1] - 1)]
     return np.asarray(values & inside)
+
+
+# Openings from corner to corner ------------------------------------------------------------------
+
+
+def _barred_gaps(strokes: Strokes, walls: BoolArray, thickness_px: float) -> list[Gap]:
+    """Openings that fill the side of a room, and so have no end of a wall beside them.
+
+    They go on from a wall where it meets another, and are drawn as a bar as thick as the wall.
+    """
+    lines = strokes.fine & ~walls
+    found = [
+        gap
+        for end in _corner_ends(walls, thickness_px)
+        if (gap := _gap_before(end, walls, strokes, lines)) is not None
+    ]
+    return [gap for gap in found if gap.has_pane and _is_bar(gap, lines)]
+
+
+def _corner_ends(wall: BoolArray, thickness_px: float) -> list[_End]:
+    """Where either wall of a corner would go on beyond the other; [] for a scrawl."""
+    contours, _ = cv2.findContours(wall.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    ends: list[_End] = []
+    for contour in contours:
+        corners = cv2.approxPolyDP(contour, 1.0 + _CORNER_SHARES[0] * thickness_px, closed=True)
+        if len(corners) >= 4:
+            ends += _ends_beyond(corners.reshape(-1, 2) + 0.5, wall, thickness_px)
+    return ends if len(ends) <= _MOST_ENDS else []
+
+
+def _ends_beyond(corners: FloatArray, wall: BoolArray, thickness_px: float) -> list[_End]:
+    edges = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    units = edges / np.maximum(lengths, 1e-9)[:, None]
+    least = _LEAST_ARM * thickness_px
+    ends = []
+    for index in np.flatnonzero((lengths >= least) & (np.roll(lengths, 1) >= least)):
+        onward, back = (_upright(way, _AXIS_SINE) for way in (units[index - 1], -units[index]))
+        is_square = np.abs(onward).max() == np.abs(back).max() == 1.0 and onward @ back == 0.0
+        if not is_square or _value_at(wall, corners[index] + 2.5 * (onward + back)):
+            continue
+        # The wall along either side goes on past the other's face.
+        for along, across in ((onward, back), (back, onward)):
+            beside = corners[index] - least * along
+            depth = _depth(wall, beside, -across, _END_WIDTHS[1] * thickness_px)
+            if depth is not None and depth >= _END_WIDTHS[0] * thickness_px:
+                # Contours pass through pixel centres: the face is half a pixel farther out.
+                middle = corners[index] - across * (depth - 1.0) / 2
+                ends.append(_End(middle, along, depth))
+    return ends
+
+
+def _depth(wall: BoolArray, start: FloatArray, inward: FloatArray, most_px: float) -> float | None:
+    """How thick a wall is below a point of its face; None if more than most_px."""
+    steps = np.arange(0.0, most_px + 2.0)
+    is_wall = _values_at(wall, start + inward * steps[:, None])
+    return None if is_wall.all() else float(np.argmin(is_wall))
+
+
+def _is_bar(gap: Gap, lines: BoolArray) -> bool:
+    """Whether both faces of the wall are drawn along a gap, and nothing like them beside it."""
+    along = np.arange(1.5, gap.length_px - 1.0)
+    reach = 1.5 * gap.width_px
+    offsets = np.arange(-reach, reach + 0.5)
+    points = gap.start + gap.along * along[:, None, None] + gap.across * offsets[None, :, None]
+    drawn = _values_at(lines, points)
+    # Faces may be out of true by a pixel.
+    drawn[:, 1:-1] |= drawn[:, :-2] | drawn[:, 2:]
+    share = drawn.mean(axis=0)
+    own = np.abs(offsets) <= gap.width_px / 2 + 1.5
+    faces = offsets[own & (share >= _BAR_SHARE)]
+    beside = share[np.abs(offsets) > gap.width_px / 2 + 4.5]
+    return (
+        len(faces) > 1
+        and float(np.ptp(faces)) >= _BAR_DEPTH * gap.width_px
+        and bool((beside < _ALONE_SHARE).all())
+    )
 
 
 # What a wall end faces ---------------------------------------------------------------------------

@@ -29,6 +29,9 @@ _LEAST_CHROMA = 60
 _SAME_COLOR = 28
 """Levels by which JPEG changes a flat colour."""
 
+_BLOTCHED_COLOR, _BLOTCH_PX = 64, 2
+"""And beside another colour, whose tint it shares over blocks of pixels: levels, and how far."""
+
 _RIM_PX = (0, 1, 2)
 """By so much thicker than at the first threshold fine lines are at each."""
 
@@ -187,10 +190,25 @@ def _flat_colors(rgb: ByteArray) -> Iterator[ByteArray]:
         color = rgb[codes == code].mean(axis=0)
         if all(np.abs(color - other).max() > _SAME_COLOR for other in found):
             found.append(color)
-            low, high = color - _SAME_COLOR, color + _SAME_COLOR
-            yield np.asarray(cv2.inRange(rgb, low, high), np.uint8)
+            yield _blotched(rgb, color, colors + _COLOR_STEP / 2)
         if len(found) == _FLAT_COLORS:
             return
+
+
+def _blotched(rgb: ByteArray, color: FloatArray, others: FloatArray) -> ByteArray:
+    """(H, W) not 0 where a flat colour is, with what JPEG made of it beside other colours."""
+    low, high = color - _SAME_COLOR, color + _SAME_COLOR
+    sure = np.asarray(cv2.inRange(rgb, low, high), np.uint8)
+    wide = cv2.inRange(rgb, color - _BLOTCHED_COLOR, color + _BLOTCHED_COLOR)
+    beside = cv2.dilate(sure, np.ones((2 * _BLOTCH_PX + 1,) * 2, np.uint8))
+    rows, columns = np.nonzero((wide > 0) & (beside > 0) & (sure == 0))
+    pixels = rgb[rows, columns].astype(np.float64)
+    apart = others[np.abs(others - color).max(axis=1) > _SAME_COLOR]
+    off = np.abs(pixels - color).max(axis=1)
+    nearer = [np.abs(pixels - other).max(axis=1) > off for other in apart]
+    own = np.all(nearer, axis=0) if nearer else np.ones(len(pixels), bool)
+    sure[rows[own], columns[own]] = 255
+    return sure
 
 
 def _boxes(shape: tuple[int, ...], corners_px: Sequence[FloatArray]) -> BoolArray:

@@ -68,6 +68,11 @@ def read_texts(rgb: ByteArray) -> tuple[Text, ...]:
     )
 
 
+def warm_up() -> None:
+    """Load the engine, so that the first picture need not wait for it."""
+    _engine()
+
+
 @cache
 def _engine() -> Any:
     """The OCR engine; loading takes about a second, so that it waits for a picture to read."""
