@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from chord_usd.bubbles import with_bubbles
 from chord_usd.errors import PlanError
 from chord_usd.locations import checkpoint_folder
 from chord_usd.pipeline import Settings, read_plan
@@ -43,7 +44,7 @@ _SAME_LENGTH = 0.01
 """A floor that is off by less is left as it is."""
 
 SKETCHES = 4
-"""So many bubble diagrams are drawn for each that is carried out: those that slip least."""
+"""So many bubble diagrams are drawn for each that is carried out: the likeliest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,18 +216,19 @@ def _sampled(
 def _sketched(commission: Commission, sketcher: Sketcher, seeds: range) -> list[PlanImage]:
     """A sheet for each seed: the open plan, or none, and what the rooms shall be in it."""
     from chord_usd.planning import sheet
-    from chord_usd.planning.sketch_tokens import no_shell
+    from chord_usd.planning.sketch import open_ground
 
-    shell, patches = None, no_shell()
+    shell, ground = None, open_ground()
     if commission.shell is not None:
-        shell, patches = sheet.shell_sheet(commission.shell)
+        shell, ground = sheet.shell_sheet(commission.shell)
     count = SKETCHES * len(seeds)
-    found = [
-        (shell or sheet.sheet_for_area(sketch.area_m2), sketch.bubbles)
-        for sketch in sketcher.sketch(commission.wish, patches, count, seeds[0])
-    ]
-    found.sort(key=lambda one: sheet.slips(*one))
-    return [sheet.sketched(*one) for one in found[: len(seeds)]]
+    found = []
+    for sketch in sketcher.sketch(commission.wish, ground, count, seeds[0]):
+        blank = shell or sheet.sheet_for_area(sketch.area_m2)
+        bubbles = sheet.on_sheet(blank, sketch.bubbles)
+        found.append((sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
+    found.sort(key=lambda one: one[:2])
+    return [with_bubbles(blank, bubbles) for _, _, blank, bubbles in found[: len(seeds)]]
 
 
 def _at_size(labels: ByteArray, frame: PixelFrame, area_m2: float) -> Plan:

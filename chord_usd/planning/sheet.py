@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from chord_usd import plan_labels
-from chord_usd.bubbles import Bubble, touching_pairs, with_bubbles
+from chord_usd.bubbles import Bubble, touching_pairs
 from chord_usd.palette import BACKGROUND_RGB
 from chord_usd.planning.outline import shell_labels
-from chord_usd.planning.sketch_tokens import Floats, shell_cells, shell_patches
-from chord_usd.types import ByteArray, PixelFrame, Plan, PlanImage
+from chord_usd.planning.sketch import Ground
+from chord_usd.planning.sketch_tokens import PLACES, place_m, shell_cells, shell_patches
+from chord_usd.types import BoolArray, ByteArray, PixelFrame, Plan, PlanImage
 from chord_usd.units import px_from_m
 
 
@@ -27,11 +28,22 @@ def sheet_for_area(area_m2: float) -> PlanImage:
     return blank_sheet(plan_labels.sheet_frame(plan_labels.scale_for_area(area_m2)))
 
 
-def shell_sheet(shell: Plan) -> tuple[PlanImage, Floats]:
+def shell_sheet(shell: Plan) -> tuple[PlanImage, Ground]:
     """An open plan, drawn in the middle of a sheet, and as the sketching network sees it."""
     labels, frame = shell_labels(shell)
     patches = shell_patches(shell_cells(labels, frame.m_per_px))
-    return PlanImage(plan_labels.paint_labels(labels), frame), patches
+    sheet = PlanImage(plan_labels.paint_labels(labels), frame)
+    return sheet, Ground(patches, _free_at(labels, frame.m_per_px))
+
+
+def _free_at(labels: ByteArray, m_per_px: float) -> BoolArray:
+    """(PLACES, PLACES) by x and y: where an open plan has floor."""
+    pixels = np.floor(place_m(np.arange(PLACES)) / m_per_px + len(labels) / 2).astype(int)
+    on_it = (pixels >= 0) & (pixels < len(labels))
+    column = pixels.clip(0, len(labels) - 1)
+    row = len(labels) - 1 - column
+    floor = labels == plan_labels.label_of("unknown")
+    return np.asarray(floor[row[None], column[:, None]] & on_it[:, None] & on_it[None])
 
 
 def on_sheet(sheet: PlanImage, bubbles: Sequence[Bubble]) -> tuple[Bubble, ...]:
@@ -50,8 +62,3 @@ def slips(sheet: PlanImage, bubbles: Sequence[Bubble]) -> int:
     within = (rows >= 0) & (rows < ground.shape[0]) & (columns >= 0) & (columns < ground.shape[1])
     free = (ground & ~drawn)[rows.clip(0, len(ground) - 1), columns.clip(0, len(ground) - 1)]
     return touching_pairs(bubbles) + int((~(within & free)).sum())
-
-
-def sketched(sheet: PlanImage, bubbles: Sequence[Bubble]) -> PlanImage:
-    """The sheet with a bubble diagram, in metres from its middle."""
-    return with_bubbles(sheet, on_sheet(sheet, bubbles))

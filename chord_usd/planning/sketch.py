@@ -6,7 +6,7 @@ drawn from what houses are like that have what it asks for.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,8 @@ import numpy.typing as npt
 from chord_usd.bubbles import Bubble
 from chord_usd.networks import Network, load_network
 from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.types import RoomKind
+from chord_usd.planning.free_places import FreePlaces, everywhere
+from chord_usd.types import BoolArray, RoomKind
 from chord_usd.wish import WISHED_KINDS, Wish
 
 GRAPH_INPUTS = ("shell", "roles", "left", "values")
@@ -37,6 +38,23 @@ class Sketch:
     """Rooms of every kind."""
     area_m2: float
     """Sum of the rooms' floors."""
+    likelihood: float
+    """Mean log chance of what its bubbles are: how much it is like a house."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Where a house is to be sketched."""
+
+    shell: tokens.Floats
+    """sketch_tokens.shell_patches, or no_shell()."""
+    places: BoolArray
+    """(PLACES, PLACES) by x and y: where a room's middle can be."""
+
+
+def open_ground() -> Ground:
+    """A sheet with nothing on it."""
+    return Ground(tokens.no_shell(), everywhere())
 
 
 class Sketcher:
@@ -45,33 +63,33 @@ class Sketcher:
     def __init__(self, network: Network) -> None:
         self._network = network
 
-    def sketch(self, wish: Wish, shell: tokens.Floats, count: int, seed: int) -> list[Sketch]:
-        """So many diagrams, each from a programme of its own; same seed, same diagrams.
-
-        shell: sketch_tokens.shell_patches, or no_shell().
-        """
+    def sketch(self, wish: Wish, ground: Ground, count: int, seed: int) -> list[Sketch]:
+        """So many diagrams, each from a programme of its own; same seed, same diagrams."""
         rng = np.random.default_rng(seed)
-        headings = self._headings(wish, shell, count, rng)
-        counts = [tokens.counts_of(heading) for heading in headings]
-        rooms = [tokens.rooms_of(one) for one in counts]
-        length = tokens.HEADING + max(len(roles) for roles, _ in rooms)
-        lines = _blank(count, length)
-        lines.values[:, : tokens.HEADING] = headings
-        for line, (roles, left) in enumerate(rooms):
-            told = slice(tokens.HEADING, tokens.HEADING + len(roles))
-            lines.roles[line, told], lines.left[line, told] = roles, left
-        for place in range(tokens.HEADING, length):
-            for slot in range(tokens.SLOTS):
-                chances = self._chances(shell, lines, place, slot)
-                lines.values[:, place, slot] = _drawn(chances, rng)
+        lines = _begun(self._headings(wish, ground.shell, count, rng))
+        likelihood = self._tell_rooms(lines, ground, rng)
         return [
-            Sketch(
-                tokens.bubbles_from(roles, values[tokens.HEADING :][: len(roles)]),
-                found,
-                tokens.area_of(values[tokens.AREA_ROLE, 0]),
-            )
-            for (roles, _), values, found in zip(rooms, lines.values, counts, strict=True)
+            _sketch(roles, values, float(total))
+            for roles, values, total in zip(lines.roles, lines.values, likelihood, strict=True)
         ]
+
+    def _tell_rooms(
+        self, lines: tokens.Sequences, ground: Ground, rng: np.random.Generator
+    ) -> npt.NDArray[np.float64]:
+        """Fill in the bubbles of all lines; (B,) the log chance of each line's."""
+        count, length = lines.roles.shape
+        free = [FreePlaces(ground.places) for _ in range(count)]
+        likelihood = np.zeros(count)
+        for place in range(tokens.HEADING, length):
+            rooms = np.flatnonzero(lines.roles[:, place] >= tokens.FIRST_ROOM_ROLE)
+            for slot in range(tokens.SLOTS):
+                chances = self._chances(ground.shell, lines, place, slot)[rooms]
+                values = _drawn(_possible(chances, lines, free, rooms, place, slot), rng)
+                lines.values[rooms, place, slot] = values
+                likelihood[rooms] += chances[np.arange(len(rooms)), values]
+            for line in rooms:
+                free[line].take(lines.values[line, place])
+        return likelihood
 
     def _headings(
         self, wish: Wish, shell: tokens.Floats, count: int, rng: np.random.Generator
@@ -128,6 +146,43 @@ def _blank(count: int, length: int) -> tokens.Sequences:
     roles[:, : tokens.HEADING] = np.arange(tokens.HEADING)
     values = np.full((count, length, tokens.SLOTS), tokens.NOTHING, np.int64)
     return tokens.Sequences(roles, np.zeros_like(roles), values)
+
+
+def _begun(headings: tokens.Ints) -> tokens.Sequences:
+    """Lines with these headings (B, HEADING, SLOTS), and room for the rooms that they announce."""
+    rooms = [tokens.rooms_of(tokens.counts_of(heading)) for heading in headings]
+    lines = _blank(len(rooms), tokens.HEADING + max(len(roles) for roles, _ in rooms))
+    lines.values[:, : tokens.HEADING] = headings
+    for line, (roles, left) in enumerate(rooms):
+        told = slice(tokens.HEADING, tokens.HEADING + len(roles))
+        lines.roles[line, told], lines.left[line, told] = roles, left
+    return lines
+
+
+def _sketch(roles: tokens.Ints, values: tokens.Ints, likelihood: float) -> Sketch:
+    """What one line (L,), (L, SLOTS) says."""
+    rooms = roles >= tokens.FIRST_ROOM_ROLE
+    bubbles = tokens.bubbles_from(roles[rooms], values[rooms])
+    counts = tokens.counts_of(values[: tokens.HEADING])
+    area_m2 = tokens.area_of(int(values[tokens.AREA_ROLE, 0]))
+    return Sketch(bubbles, counts, area_m2, likelihood / max(len(bubbles) * tokens.SLOTS, 1))
+
+
+def _possible(
+    chances: npt.NDArray[np.float64],
+    lines: tokens.Sequences,
+    free: Sequence[FreePlaces],
+    rooms: tokens.Ints,
+    place: int,
+    slot: int,
+) -> npt.NDArray[np.float64]:
+    """(len(rooms), VOCABULARY) log chances without what is not free any more, on these lines."""
+    found = chances.copy()
+    for row, line in zip(found, rooms, strict=True):
+        possible = free[line].possible(lines.values[line, place], slot)
+        first, last = tokens.value_range(int(lines.roles[line, place]), slot)
+        row[first:last][~possible] = -np.inf
+    return found
 
 
 def _drawn(chances: npt.NDArray[np.float64], rng: np.random.Generator) -> tokens.Ints:

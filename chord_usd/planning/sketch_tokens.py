@@ -17,7 +17,7 @@ import numpy.typing as npt
 from chord_usd import plan_labels
 from chord_usd.bubbles import Bubble
 from chord_usd.planning.words import MOST_COUNTED
-from chord_usd.types import BoolArray, ByteArray, RoomKind
+from chord_usd.types import BoolArray, ByteArray, FloatArray, RoomKind
 from chord_usd.wish import WISHED_KINDS
 
 Ints = npt.NDArray[np.int64]
@@ -150,15 +150,33 @@ def sequence_of(bubbles: Sequence[Bubble], area_m2: float) -> Sequences:
 
 def bubbles_from(roles: Ints, values: Ints) -> tuple[Bubble, ...]:
     """The bubbles of rooms (R,), (R, SLOTS), in metres from the middle of the sheet."""
-    return tuple(
-        Bubble(
-            WISHED_KINDS[role - FIRST_ROOM_ROLE],
-            (int(x) - _FIRST_X - PLACES / 2 + 0.5) * _STEP_M,
-            (int(y) - _FIRST_Y - PLACES / 2 + 0.5) * _STEP_M,
-            _LEAST_RADIUS_M + (int(radius) - _FIRST_RADIUS) * _RADIUS_STEP_M,
-        )
-        for role, (x, y, radius) in zip(roles, values, strict=True)
-    )
+    found = []
+    for role, told in zip(roles, values, strict=True):
+        x_m, y_m = place_m(place_index(told))
+        radius = float(radius_m(radius_index(told)))
+        kind = WISHED_KINDS[role - FIRST_ROOM_ROLE]
+        found.append(Bubble(kind, float(x_m), float(y_m), radius))
+    return tuple(found)
+
+
+def place_index(values: Ints) -> Ints:
+    """(2,) which place along x and along y the values (SLOTS,) of a bubble name."""
+    return values[:2] - (_FIRST_X, _FIRST_Y)
+
+
+def place_m(index: Ints) -> FloatArray:
+    """Metres from the middle of the sheet."""
+    return np.asarray((index - PLACES / 2 + 0.5) * _STEP_M)
+
+
+def radius_index(values: Ints) -> int:
+    """Which radius the values (SLOTS,) of a bubble name."""
+    return int(values[2]) - _FIRST_RADIUS
+
+
+def radius_m(index: Ints | int) -> FloatArray:
+    """Metres."""
+    return np.asarray(_LEAST_RADIUS_M + index * _RADIUS_STEP_M)
 
 
 def shell_cells(labels: ByteArray, m_per_px: float) -> Floats:

@@ -14,7 +14,7 @@ from chord_usd.planner import SKETCH_CHECKPOINT
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.outline import open_shell
 from chord_usd.planning.sheet import on_sheet, sheet_for_area, shell_sheet, slips
-from chord_usd.planning.sketch import GRAPH_INPUTS, Sketcher, load_sketcher
+from chord_usd.planning.sketch import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
 from chord_usd.training.sketch_data import batch_of, endless_batches, held_out, procedural
 from chord_usd.training.sketch_network import SketchNetwork
 from chord_usd.training.sketch_trainer import SketchTraining, batch_loss, train_sketches
@@ -46,13 +46,13 @@ def test_a_slot_sees_only_what_was_told_before() -> None:
 
 def test_it_learns_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
     torch.manual_seed(0)
-    first = float(batch_loss(SketchNetwork(), batch_of(HOUSES)).mean())
+    first = batch_loss(SketchNetwork(), batch_of(HOUSES)).mean().item()
     config = SketchTraining(minutes=0.1, batch=16, warmup_steps=3)
     facts = train_sketches(config, tmp_path, HOUSES, [], held_out(10))
     assert facts["held_out_nats"] < first
     again = train_sketches(SketchTraining(minutes=0.001, batch=4), tmp_path, HOUSES, [], [])
     assert again["steps"] > facts["steps"]
-    found = load_sketcher(tmp_path / "checkpoint").sketch(Wish(), tokens.no_shell(), 2, 0)
+    found = load_sketcher(tmp_path / "checkpoint").sketch(Wish(), open_ground(), 2, 0)
     assert len(found) == 2
 
 
@@ -90,7 +90,7 @@ def test_houses_are_turned_with_their_shells() -> None:
 
 def test_what_is_asked_for_is_what_is_sketched(sketcher: Sketcher) -> None:
     wish = Wish({"bedroom": 3, "kitchen": 1, "study": 0}, 90.0)
-    for sketch in sketcher.sketch(wish, tokens.no_shell(), 8, 1):
+    for sketch in sketcher.sketch(wish, open_ground(), 8, 1):
         assert {kind: sketch.counts[kind] for kind in wish.counts} == wish.counts
         assert sum(one.kind == "bedroom" for one in sketch.bubbles) == 3
         assert sketch.area_m2 == pytest.approx(90.0, rel=0.05)
@@ -98,10 +98,10 @@ def test_what_is_asked_for_is_what_is_sketched(sketcher: Sketcher) -> None:
 
 
 def test_most_sketches_could_be_houses(sketcher: Sketcher) -> None:
-    sketches = sketcher.sketch(Wish({"bedroom": 2}, 70.0), tokens.no_shell(), 16, 0)
+    sketches = sketcher.sketch(Wish({"bedroom": 2}, 70.0), open_ground(), 16, 0)
     sheet = sheet_for_area(70.0)
     clean = sum(not slips(sheet, one.bubbles) for one in sketches)
-    assert clean >= 8
+    assert clean >= 15
     from chord_usd.data.houses import random_plan
 
     shell, patches = shell_sheet(open_shell(random_plan(np.random.default_rng(1))))
@@ -109,11 +109,11 @@ def test_most_sketches_could_be_houses(sketcher: Sketcher) -> None:
         slips(shell, on_sheet(shell, one.bubbles))
         for one in sketcher.sketch(Wish(), patches, 16, 0)
     ]
-    assert sum(not count for count in within) >= 8
+    assert sum(not count for count in within) >= 14
 
 
 def test_same_seed_same_sketches(sketcher: Sketcher) -> None:
-    one, two, other = (sketcher.sketch(Wish(), tokens.no_shell(), 2, seed) for seed in (5, 5, 6))
+    one, two, other = (sketcher.sketch(Wish(), open_ground(), 2, seed) for seed in (5, 5, 6))
     assert one == two != other
 
 
