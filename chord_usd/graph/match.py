@@ -24,8 +24,9 @@ from chord_usd.graph.flush import (
     pull_into,
 )
 from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
+from chord_usd.graph.runs import level_fronts
 from chord_usd.graph.snap import FoundItem
-from chord_usd.palette import Mount, category
+from chord_usd.palette import Category, Mount, category
 from chord_usd.types import Asset, Box, Detection, Item, Opening, PixelFrame, Room, SceneGraph
 from chord_usd.units import m_from_px, wrap_deg
 
@@ -179,9 +180,13 @@ def _items_of(
             flush = kept_deep(standing, flush)
         standings[index] = pull_into(flush, floor)
     standings = part(standings, reach_m)
+    rows = [category(one.detection.category) for one, _ in found]
+    boxes = [standing.on(box) for (_, box), standing in zip(found, standings, strict=True)]
     placed = [
-        (one, free_floor.kept(standing, box, category(one.detection.category), reach_m))
-        for (one, box), standing in zip(found, standings, strict=True)
+        (one, free_floor.kept(Standing.of(box), box, row, reach_m))
+        for (one, _), box, row in zip(
+            found, _with_level_fronts(boxes, rows, m_per_px), rows, strict=True
+        )
     ]
     placed.sort(key=lambda pair: reading_order(pair[0].detection.category, pair[1]))
     counts: dict[str, int] = defaultdict(int)
@@ -192,6 +197,18 @@ def _items_of(
         items.append(free_floor.below_sill(item))
         counts[name] += 1
     return items
+
+
+def _with_level_fronts(
+    boxes: Sequence[Box], rows: Sequence[Category], m_per_px: float
+) -> list[Box]:
+    """The boxes of a room with kitchen units in line."""
+    units = [box for box, row in zip(boxes, rows, strict=True) if is_built_in(row)]
+    others = [box for box, row in zip(boxes, rows, strict=True) if not is_built_in(row)]
+    levelled = iter(level_fronts(units, others, m_per_px))
+    return [
+        next(levelled) if is_built_in(row) else box for box, row in zip(boxes, rows, strict=True)
+    ]
 
 
 def _align_within_deg(name: str) -> float:
