@@ -212,6 +212,13 @@ ROOM_SHADES: dict[RoomKind, Rgb] = {
 
 assert set(ROOM_SHADES) == set(ROOM_KINDS)
 
+ROOM_RGB: dict[RoomKind, Rgb] = {
+    "living": (230, 120, 60), "dining": (240, 200, 60), "bedroom": (90, 130, 220),
+    "kitchen": (200, 60, 60), "bathroom": (60, 190, 200), "balcony": (100, 180, 80),
+    "corridor": (150, 150, 150), "study": (160, 90, 200), "store": (130, 100, 70),
+}  # fmt: skip
+"""Kinds of room on sheets that people look at."""
+
 SUPPORTS: tuple[str, ...] = tuple(row.name for row in HOUSE_CATEGORIES if row.supports)
 """Categories that carry tabletop items. Their order stays for ever: checkpoints depend on it."""
 

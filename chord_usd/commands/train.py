@@ -185,7 +185,10 @@ def _run_floors(options: argparse.Namespace, condition: str) -> Outcome:
 def run_bubbles(options: argparse.Namespace) -> Outcome:
     """Runs train bubbles."""
     from chord_usd.data.flats import read_flats
+    from chord_usd.evaluation.floors import held_out_cases
+    from chord_usd.planning.sketch import load_sketcher
     from chord_usd.training.sketch_data import held_out, procedural, sketched
+    from chord_usd.training.sketch_sheet import draw_sketches
     from chord_usd.training.sketch_trainer import SketchTraining, train_sketches
 
     base = SketchTraining()
@@ -203,6 +206,9 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
         real = [house for plan in flats if (house := sketched(plan))]
     with watch.step("train") as progress:
         facts = train_sketches(config, options.output, houses, real, held_out(200), progress)
+    with watch.step("draw"):
+        sketcher = load_sketcher(options.output / "checkpoint")
+        draw_sketches(sketcher, held_out_cases(3, aligned=True), options.output / "sheet.png")
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 

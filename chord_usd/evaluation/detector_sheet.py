@@ -10,17 +10,12 @@ import numpy as np
 from chord_usd.evaluation.detector_cases import Case
 from chord_usd.evaluation.report import enlarged
 from chord_usd.graph.detect import ItemDetector, RoomSegmenter
-from chord_usd.palette import category
-from chord_usd.types import ByteArray, RoomKind
+from chord_usd.palette import ROOM_RGB, category
+from chord_usd.types import ByteArray
 
 COLUMNS = 4
 ENLARGE = 3
 _ROOM_OPACITY = 0.45
-_ROOM_RGB: dict[RoomKind, tuple[int, int, int]] = {
-    "living": (230, 120, 60), "dining": (240, 200, 60), "bedroom": (90, 130, 220),
-    "kitchen": (200, 60, 60), "bathroom": (60, 190, 200), "balcony": (100, 180, 80),
-    "corridor": (150, 150, 150), "study": (160, 90, 200), "store": (130, 100, 70),
-}  # fmt: skip
 
 
 PICTURES = (".png", ".jpg")
@@ -61,7 +56,7 @@ def _rooms(case: Case, segmenter: RoomSegmenter) -> ByteArray:
     rgb = case.layout.rgb.astype(np.float32)
     proposals = segmenter.segment(case.layout.rgb)
     for found in reversed(proposals):
-        tint = np.array(_ROOM_RGB[found.kind], dtype=np.float32)
+        tint = np.array(ROOM_RGB[found.kind], dtype=np.float32)
         rgb[found.mask] = (1 - _ROOM_OPACITY) * rgb[found.mask] + _ROOM_OPACITY * tint
     picture = enlarged(rgb.astype(np.uint8), ENLARGE)
     for found in proposals:
