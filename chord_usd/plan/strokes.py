@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from chord_usd.plan.bodies import filled_bodies
 from chord_usd.types import BoolArray, ByteArray, FloatArray
@@ -309,20 +310,20 @@ def _brightness(rgb: ByteArray) -> FloatArray:
     return grey / np.maximum(paper, 1.0)
 
 
-def _run_lengths(ink: BoolArray) -> np.ndarray:  # type: ignore[type-arg]
-    """(H, W) length of the run of ink along its row that each pixel is in; 0 for paper."""
-    padded = np.pad(ink, ((0, 0), (1, 1))).astype(np.int8)
-    change = np.diff(padded, axis=1).ravel()
-    starts, stops = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
-    runs = np.zeros(ink.shape[0] * (ink.shape[1] + 1), np.int32)
-    runs[starts] = stops - starts
-    runs[stops] -= stops - starts
-    return np.cumsum(runs).reshape(ink.shape[0], -1)[:, :-1]
+def _run_lengths(ink: BoolArray) -> npt.NDArray[np.int64]:
+    """(N,) of each of the N pixels of ink, row by row: the length of the run that it is in."""
+    flat = np.zeros(ink.shape[0] * (ink.shape[1] + 1) + 1, bool)
+    flat[1:].reshape(ink.shape[0], -1)[:, :-1] = ink
+    edges = np.flatnonzero(flat[1:] != flat[:-1])
+    lengths = edges[1::2] - edges[::2]
+    return np.repeat(lengths, lengths)
 
 
 def _wall_thickness(ink: BoolArray) -> float | None:
     """Thickness in pixels of the strokes that carry the drawing; None if there are no strokes."""
-    across, down = _run_lengths(ink), _run_lengths(ink.T).T
+    across, upright = _run_lengths(ink), np.zeros(ink.shape[::-1], np.int64)
+    upright[ink.T] = _run_lengths(ink.T)
+    down = upright.T[ink]
     thick, long = np.minimum(across, down), np.maximum(across, down)
     is_stroke = (thick >= _LEAST_WALL_PX) & (long >= _ELONGATED * thick)
     counts = np.bincount(np.minimum(thick[is_stroke], _LONGEST_RUN_PX))
