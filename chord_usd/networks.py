@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
+from chord_usd.files import hash_file
 
 if TYPE_CHECKING:
     import onnxruntime
@@ -59,6 +60,11 @@ class Network:
 def has_graph(folder: Path) -> bool:
     """Whether a checkpoint folder can be run without torch."""
     return (folder / GRAPH_FILE).is_file()
+
+
+def content_hash(folder: Path) -> str:
+    """First 16 hex digits of the SHA-256 of a checkpoint folder's weights."""
+    return hash_file(folder / WEIGHTS_FILE)[:16]
 
 
 def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[np.float16]]:

@@ -67,6 +67,11 @@ class Planner:
     sketcher: Sketcher
     model: LayoutModel
 
+    @property
+    def content_hash(self) -> str:
+        """Tells these networks from others."""
+        return f"{self.sketcher.content_hash}+{self.model.checkpoint.content_hash}"
+
 
 @dataclass(frozen=True, eq=False)
 class Planned:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
@@ -23,12 +24,10 @@ from chord_usd.commands.evaluate_options import (
 )
 
 if TYPE_CHECKING:
-    from chord_usd.evaluation.floors import FloorCase
+    from chord_usd.evaluation.floors import FloorCase, Pairs
     from chord_usd.metrics.scores import Score
     from chord_usd.planner import Planned
     from chord_usd.planning.choose import Candidate
-
-    Judged = tuple[FloorCase, Candidate]
 
 SHEET_ROWS = 6
 SEEDS = 4
@@ -47,6 +46,10 @@ def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
     parser.add_argument(
         "--n", dest="cases", type=whole_number(1), default=500, metavar="N", help=f"{what} (500)"
     )
+    parser.add_argument(
+        "--records", type=Path, metavar="FILE",
+        help="keep every score here (JSON lines), and go on from those that are there",
+    )  # fmt: skip
     add_checkpoint(parser, checkpoint)
     add_steps(parser)
     add_report(parser)
@@ -66,7 +69,9 @@ def run_text(options: argparse.Namespace) -> Outcome:
         commission = commission_of_text(case.text, lambda: encoder)
         return carry_out(commission, planner, Settings(seed=seed, steps=options.steps))
 
-    return _run(options, planned, floors.wish_scores, "Floors from texts", aligned=True)
+    return _run(
+        options, planned, floors.wish_scores, planner.content_hash, "Floors from texts", True
+    )
 
 
 def run_outlines(options: argparse.Namespace) -> Outcome:
@@ -81,17 +86,21 @@ def run_outlines(options: argparse.Namespace) -> Outcome:
         commission = commission_in_shell(case.shell)
         return carry_out(commission, planner, Settings(seed=seed, steps=options.steps))
 
-    return _run(options, planned, floors.shell_scores, "Floors in open plans", aligned=False)
+    return _run(
+        options, planned, floors.shell_scores, planner.content_hash, "Floors in open plans", False
+    )
 
 
 def _run(
     options: argparse.Namespace,
     planned: Callable[[FloorCase, int], Planned],
-    scores_of: Callable[[list[Judged]], dict[str, Score]],
+    scores_of: Callable[[Pairs], dict[str, Score]],
+    networks: str,
     title: str,
     aligned: bool,
 ) -> Outcome:
     from chord_usd.evaluation import floors
+    from chord_usd.evaluation.floor_records import measure_all
     from chord_usd.evaluation.report import picture_png
 
     def planner(case: FloorCase) -> tuple[tuple[Candidate, ...], Candidate]:
@@ -101,17 +110,16 @@ def _run(
     watch = stopwatch(options)
     cases = floors.held_out_cases(options.cases, aligned)
     split = floors.split_of(cases)
+    settings = f"{networks}, seed {options.seed}, steps {options.steps or 'default'}"
     with watch.step("plan") as progress:
-        results = floors.plan_all(cases, planner, progress)
+        results = measure_all(cases, planner, settings, options.records, progress)
     columns = {
-        "chosen": scores_of([(result.case, result.chosen) for result in results]),
-        "first alone": scores_of([(result.case, result.tried[0]) for result in results]),
+        "chosen": scores_of([(c, r.chosen) for c, r in zip(cases, results, strict=True)]),
+        "first alone": scores_of([(c, r.first) for c, r in zip(cases, results, strict=True)]),
     }
-    seeds = range(options.seed + 1, options.seed + SEEDS)
-    rows = [
-        [result.chosen.plan, *(planned(result.case, seed).plan for seed in seeds)]
-        for result in results[:SHEET_ROWS]
-    ]
+    seeds = range(options.seed, options.seed + SEEDS)
+    with watch.step("sheet"):
+        rows = [[planned(case, seed).plan for seed in seeds] for case in cases[:SHEET_ROWS]]
     different = [floors.diversity(row) for row in rows]
     notes = [
         f"split {split}, {len(cases)} cases; {floors.tried_text(results)}",

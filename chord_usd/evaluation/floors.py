@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -23,7 +23,6 @@ from chord_usd.metrics.scores import Score, mean_of, share_of
 from chord_usd.palette import BACKGROUND_RGB
 from chord_usd.planning.choose import Candidate
 from chord_usd.planning.outline import open_shell
-from chord_usd.progress import Progress
 from chord_usd.raster import draw_plan
 from chord_usd.types import CANVAS_PX, ByteArray, Plan, Room, RoomKind
 from chord_usd.wish import WISHED_KINDS, Wish
@@ -47,17 +46,52 @@ class FloorCase:
         return open_shell(self.plan)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
+class FloorFacts:
+    """What is measured of one planned floor."""
+
+    missed: tuple[RoomKind, ...]
+    """Kinds of room whose number is not the one asked for."""
+    area_missed: bool
+    faults: tuple[str, ...]
+    """planning.faults."""
+    rooms: int
+    lit: tuple[RoomKind, ...]
+    """Kinds of the rooms behind the windows of outer walls; "unknown" for a wall."""
+    outline_iou: float
+    """Of the whole house, with that which the case was made from; [0, 1]."""
+    openings_kept: float
+    """Share of the shell's openings that are there."""
+
+
+@dataclass(frozen=True)
 class FloorResult:
-    """What was planned: every floor that was tried, in order, and the one that was taken."""
+    """What was planned for a case."""
 
-    case: FloorCase
-    tried: tuple[Candidate, ...]
-    chosen: Candidate
+    chosen: FloorFacts
+    """Of the floor that was taken."""
+    first: FloorFacts
+    """Of the first that was tried."""
+    tried: int
 
 
-Planner = Callable[[FloorCase], tuple[tuple[Candidate, ...], Candidate]]
-"""Plans a case: all floors tried, and the one taken."""
+Planner = Callable[[FloorCase], tuple[Sequence[Candidate], Candidate]]
+"""Plans a case: all floors tried, in order, and the one taken."""
+
+
+def measure(case: FloorCase, planner: Planner) -> FloorResult:
+    """Plan a case and measure what was planned."""
+    tried, chosen = planner(case)
+    return FloorResult(facts_of(case, chosen), facts_of(case, tried[0]), len(tried))
+
+
+def facts_of(case: FloorCase, found: Candidate) -> FloorFacts:
+    """What a floor is like that was planned for a case."""
+    iou, kept = _kept(case.shell, found.plan)
+    return FloorFacts(
+        tuple(found.missed), found.area_missed, found.faults, len(found.plan.rooms),
+        tuple(_lit(found.plan)), iou, kept,
+    )  # fmt: skip
 
 
 def held_out_cases(count: int, aligned: bool) -> list[FloorCase]:
@@ -77,46 +111,35 @@ def held_out_cases(count: int, aligned: bool) -> list[FloorCase]:
     return cases
 
 
-def plan_all(
-    cases: Sequence[FloorCase], planner: Planner, progress: Progress | None = None
-) -> list[FloorResult]:
-    """Every case, planned."""
-    results = []
-    for index, case in enumerate(cases):
-        tried, chosen = planner(case)
-        results.append(FloorResult(case, tried, chosen))
-        if progress:
-            progress(index + 1, len(cases))
-    return results
-
-
 def split_of(cases: Sequence[FloorCase]) -> str:
     """12 hex digits that name this set."""
     return split_hash([case.id for case in cases])
 
 
-def wish_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Score]:
+Pairs = Sequence[tuple[FloorCase, FloorFacts]]
+
+
+def wish_scores(pairs: Pairs) -> dict[str, Score]:
     """How far floors are what texts asked for; all shares are in [0, 1]."""
-    pairs = list(pairs)
-    asked = [(case, found, kind) for case, found in pairs for kind in case.wish.counts]
-    right = sum(kind not in found.missed for _, found, kind in asked)
-    sized = [found for case, found in pairs if case.wish.area_m2 is not None]
+    asked = [(facts, kind) for case, facts in pairs for kind in case.wish.counts]
+    right = sum(kind not in facts.missed for facts, kind in asked)
+    sized = [facts for case, facts in pairs if case.wish.area_m2 is not None]
     scores = {
         "room counts": share_of(right, len(asked), "kinds of room asked for"),
         "all counts": share_of(sum(not f.missed for _, f in pairs), len(pairs), "texts"),
         "area within 10 %": share_of(
-            sum(not found.area_missed for found in sized), len(sized), "texts with an area"
+            sum(not facts.area_missed for facts in sized), len(sized), "texts with an area"
         ),
     }
     for kind in WISHED_KINDS:
-        own = [found for _, found, other in asked if other == kind]
+        own = [facts for facts, other in asked if other == kind]
         scores[f"{kind} count"] = share_of(
-            sum(kind not in found.missed for found in own), len(own), f"texts that tell {kind}"
+            sum(kind not in facts.missed for facts in own), len(own), f"texts that tell {kind}"
         )
-    return scores | sound_scores([found for _, found in pairs])
+    return scores | sound_scores([facts for _, facts in pairs])
 
 
-def sound_scores(floors: Sequence[Candidate]) -> dict[str, Score]:
+def sound_scores(floors: Sequence[FloorFacts]) -> dict[str, Score]:
     """How many floors are houses."""
     reached = [not any("cannot be reached" in fault for fault in f.faults) for f in floors]
     return {
@@ -125,17 +148,15 @@ def sound_scores(floors: Sequence[Candidate]) -> dict[str, Score]:
     }
 
 
-def shell_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Score]:
+def shell_scores(pairs: Pairs) -> dict[str, Score]:
     """How well open plans were divided."""
-    pairs = list(pairs)
-    lit = [kind for _, found in pairs for kind in _lit(found.plan)]
-    kept = [_kept(case.shell, found.plan) for case, found in pairs]
-    counts = Counter(len(found.plan.rooms) for _, found in pairs)
+    lit = [kind for _, facts in pairs for kind in facts.lit]
+    counts = Counter(facts.rooms for _, facts in pairs)
     true_counts = Counter(len(case.plan.rooms) for case, _ in pairs)
     return {
-        **sound_scores([found for _, found in pairs]),
-        "outline IoU": mean_of([iou for iou, _ in kept], "floors"),
-        "windows kept": mean_of([share for _, share in kept], "floors"),
+        **sound_scores([facts for _, facts in pairs]),
+        "outline IoU": mean_of([facts.outline_iou for _, facts in pairs], "floors"),
+        "windows kept": mean_of([facts.openings_kept for _, facts in pairs], "floors"),
         "windows to rooms that want them": share_of(
             sum(kind not in DARK_KINDS for kind in lit), len(lit), "windows"
         ),
@@ -144,7 +165,6 @@ def shell_scores(pairs: Iterable[tuple[FloorCase, Candidate]]) -> dict[str, Scor
 
 
 def _lit(plan: Plan) -> list[RoomKind]:
-    """Kinds of the rooms behind the windows of outer walls; "unknown" for a wall."""
     return [
         plan.room(opening.room_ids[0]).kind if opening.room_ids else "unknown"
         for opening in plan.openings
@@ -183,7 +203,7 @@ def diversity(plans: Sequence[Plan]) -> float:
 
 def tried_text(results: Sequence[FloorResult]) -> str:
     """How many floors it took."""
-    mean = np.mean([len(result.tried) for result in results])
+    mean = np.mean([result.tried for result in results])
     return f"{mean:.1f} floors planned for each on average, the best of them taken"
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
-from chord_usd.errors import OutputError
 from chord_usd.evaluation.plans import PlanScore
+from chord_usd.evaluation.records_file import add_record, read_records
 
 
 class Records:
@@ -25,28 +25,16 @@ class Records:
         self.scores[number] = score
         if self._path is None:
             return
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"seed": self._seed, "number": number, **asdict(score)}) + "\n")
+        add_record(self._path, {"seed": self._seed, "number": number, **asdict(score)})
 
     def _kept(self, path: Path) -> list[tuple[int, PlanScore]]:
         found = []
-        text = path.read_text(encoding="utf-8") if path.exists() else ""
-        whole = text[: text.rfind("\n") + 1]
-        if whole != text:
-            # A run that was stopped may have left half a line.
-            path.write_text(whole, encoding="utf-8")
-        for place, line in enumerate(whole.splitlines(), 1):
-            try:
-                entry = json.loads(line)
-                seed, number = int(entry.pop("seed")), int(entry.pop("number"))
-                score = PlanScore(**entry)
-            except (AttributeError, KeyError, TypeError, ValueError) as error:
-                raise OutputError(
-                    "is no score of a drawn plan",
-                    where=f"{path}: line {place}",
-                    expected="the file that evaluate plans --records wrote",
-                    try_="delete this line",
-                ) from error
+        for seed, number, score in read_records(path, _entry, "a drawn plan", "evaluate plans"):
             if (seed, score.family) == (self._seed, self._families[number % len(self._families)]):
                 found.append((number, score))
         return found
+
+
+def _entry(values: dict[str, Any]) -> tuple[int, int, PlanScore]:
+    seed, number = int(values.pop("seed")), int(values.pop("number"))
+    return seed, number, PlanScore(**values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.config import LayoutConfig
-from chord_usd.networks import WEIGHTS_FILE
+from chord_usd.networks import WEIGHTS_FILE, content_hash
 
 CONFIG_FILE = "config.json"
 FORMAT = 1
@@ -49,8 +48,7 @@ def read_description(folder: Path) -> Description:
     weights = folder / WEIGHTS_FILE
     if not weights.is_file():
         raise CheckpointError("weights are missing", where=str(weights), try_=REMEDY)
-    digest = hashlib.sha256(weights.read_bytes()).hexdigest()[:16]
-    return Description(config, digest, dict(values.get("training", {})), walk)
+    return Description(config, content_hash(folder), dict(values.get("training", {})), walk)
 
 
 def describes_no_network(error: Exception, path: Path) -> CheckpointError:

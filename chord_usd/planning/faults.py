@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain, combinations
 
 from chord_usd.geometry import room_polygon, rooms_beside
 from chord_usd.metrics.walk import entrance, walk
@@ -22,8 +23,9 @@ _NEARLY = 1e-3
 def faults(plan: Plan) -> list[str]:
     """Everything wrong with a plan; an empty list for a house that one can live in.
 
-    Rooms are closed (simple polygons, a wall apart from each other), large enough for their kind,
-    openings lie in walls, there is a front door and every room can be reached from it.
+    Rooms are closed (simple polygons, a wall apart or open to each other along a border), large
+    enough for their kind, openings lie in walls, there is a front door and every room can be
+    reached from it.
     """
     if not plan.rooms:
         return ["there are no rooms"]
@@ -35,15 +37,31 @@ def faults(plan: Plan) -> list[str]:
 
 def _of_rooms(plan: Plan) -> Iterator[str]:
     floors = [(room, room_polygon(room)) for room in plan.rooms]
-    for index, (room, floor) in enumerate(floors):
+    for room, floor in floors:
         least = LEAST_AREA_M2.get(room.kind, 0.6)
         if floor.area < least:
             yield f"{room.id} has {floor.area:.1f} m2, less than {least:g}"
         if floor.buffer(-LEAST_WIDTH_M / 2).is_empty:
             yield f"{room.id} is narrower than {LEAST_WIDTH_M:g} m"
-        for other, other_floor in floors[:index]:
-            if floor.distance(other_floor) < WALL_THICKNESS_M - _NEARLY:
-                yield f"{room.id} and {other.id} are less than a wall apart"
+    # Rooms of an open plan share a border that one can walk through.
+    apart_m = {
+        frozenset((room.id, other.id)): floor.distance(other_floor)
+        for (room, floor), (other, other_floor) in combinations(floors, 2)
+    }
+    open_to = {pair for pair, distance in apart_m.items() if distance < _NEARLY}
+    for (room, floor), (other, other_floor) in combinations(floors, 2):
+        pair = frozenset((room.id, other.id))
+        if pair in open_to:
+            if floor.intersection(other_floor).area > _NEARLY:
+                yield f"{room.id} and {other.id} overlap"
+        elif apart_m[pair] < WALL_THICKNESS_M - _NEARLY and not _share_a_space(pair, open_to):
+            yield f"{room.id} and {other.id} are less than a wall apart"
+
+
+def _share_a_space(pair: frozenset[str], open_to: set[frozenset[str]]) -> bool:
+    """Whether both are open to a third, where no wall stands between them."""
+    beside = [{*chain.from_iterable(o for o in open_to if room in o)} for room in pair]
+    return bool(beside[0] & beside[1])
 
 
 def _of_openings(plan: Plan) -> Iterator[str]:

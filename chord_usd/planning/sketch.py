@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.bubbles import Bubble
-from chord_usd.networks import Network, load_network
+from chord_usd.networks import Network, content_hash, load_network
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.free_places import FreePlaces, everywhere
 from chord_usd.types import BoolArray, RoomKind
@@ -60,8 +60,9 @@ def open_ground() -> Ground:
 class Sketcher:
     """The trained network. Make one with load_sketcher."""
 
-    def __init__(self, network: Network) -> None:
-        self._network = network
+    def __init__(self, network: Network, content_hash: str) -> None:
+        """content_hash: of the weights."""
+        self._network, self.content_hash = network, content_hash
 
     def sketch(self, wish: Wish, ground: Ground, count: int, seed: int) -> list[Sketch]:
         """So many diagrams, each from a programme of its own; same seed, same diagrams."""
@@ -128,7 +129,8 @@ class Sketcher:
 
 def load_sketcher(folder: Path) -> Sketcher:
     """The network of a checkpoint folder. Raises CheckpointError for an unusable one."""
-    return Sketcher(load_network(folder, REMEDY))
+    network = load_network(folder, REMEDY)
+    return Sketcher(network, content_hash(folder))
 
 
 def _asked(wish: Wish) -> list[int | None]:
