@@ -51,3 +51,19 @@ def draw_symbol(rgb: np.ndarray, opening: Opening, frame: PixelFrame) -> None:
         angles = np.radians(np.arange(0, 91, 5))[:, None]
         line(hinge + length * (np.cos(angles) * along + np.sin(angles) * across))
         line(hinge + np.array([[0.0, 0.0], length * across]))
+
+
+def draw_storeys() -> np.ndarray:
+    """A sheet with three rooms; to the right, two; and a bar below, which is no plan."""
+    page = np.full((700, 1500, 3), 255, np.uint8)
+    for left, top, right, bottom, walls in (
+        (60, 80, 860, 600, (330, 600)),
+        (1020, 120, 1440, 520, (1230,)),
+    ):
+        cv2.rectangle(page, (left, top), (right, bottom), (0, 0, 0), 14)
+        for column in walls:
+            cv2.line(page, (column, top), (column, bottom), (0, 0, 0), 14)
+            page[top + 60 : top + 130, column - 9 : column + 10] = 255
+        page[bottom - 9 : bottom + 10, left + 80 : left + 150] = 255
+    cv2.line(page, (200, 670), (400, 670), (0, 0, 0), 2)
+    return page

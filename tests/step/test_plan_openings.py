@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from PIL import Image
+from plan_symbols import draw_storeys
 
 from chord_usd.cli import main
 from chord_usd.errors import PlanError
@@ -99,28 +100,11 @@ def test_walls_along_the_edge_of_the_picture_are_not_cut_off() -> None:
 # Several plans on one sheet ----------------------------------------------------------------------
 
 
-def storeys() -> ByteArray:
-    """Three rooms; to the right, two; and a scale bar, which is no plan."""
-    page = np.full((700, 1500, 3), 255, np.uint8)
-
-    def house(left: int, top: int, right: int, bottom: int, walls: tuple[int, ...]) -> None:
-        cv2.rectangle(page, (left, top), (right, bottom), (0, 0, 0), THICK_PX)
-        for column in walls:
-            cv2.line(page, (column, top), (column, bottom), (0, 0, 0), THICK_PX)
-            page[top + 60 : top + 130, column - 9 : column + 10] = 255
-        page[bottom - 9 : bottom + 10, left + 80 : left + 150] = 255
-
-    house(60, 80, 860, 600, (330, 600))
-    house(1020, 120, 1440, 520, (1230,))
-    cv2.line(page, (200, 670), (400, 670), (0, 0, 0), 2)
-    return page
-
-
 @pytest.mark.parametrize(("part", "rooms", "told"), [(1, 3, "the largest"), (2, 2, "number 2")])
 def test_a_part_of_a_sheet_is_read_and_told(
     part: int, rooms: int, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    Image.fromarray(storeys()).save(tmp_path / "sheet.png")
+    Image.fromarray(draw_storeys()).save(tmp_path / "sheet.png")
     out = tmp_path / "plan.json"
     words = ["plan", "read", str(tmp_path / "sheet.png"), "-o", str(out), "--part", str(part)]
     assert main([*words, "--json"]) == 0
@@ -132,5 +116,5 @@ def test_a_part_of_a_sheet_is_read_and_told(
 
 def test_a_part_that_is_not_there_is_refused() -> None:
     with pytest.raises(PlanError, match="part 3 was asked for, but the sheet shows 2") as caught:
-        read_drawing(storeys(), part=3)
+        read_drawing(draw_storeys(), part=3)
     assert "1 to 2" in str(caught.value)

@@ -116,6 +116,10 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "cut short": (lambda p: cut_short(p), "is a damaged picture"),
     "1x1": (lambda p: Image.new("RGB", (1, 1)).save(p), "is 1×1 pixels"),
     "huge": (lambda p: p.write_bytes(png_header(20_000, 20_000)), "too large|20000×20000"),
+    "200 megapixels": (
+        lambda p: p.write_bytes(png_header(16_000, 12_500)),
+        "too large|16000×12500",
+    ),
     "long": (lambda p: p.write_bytes(png_header(LARGEST_SIDE_PX + 1, 64)), "is 12001×64 pixels"),
     "white": (lambda p: Image.new("RGB", (300, 300), "white").save(p), "no closed room"),
     "black": (lambda p: Image.new("RGB", (300, 300)).save(p), "no closed room"),

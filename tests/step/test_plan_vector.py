@@ -161,6 +161,7 @@ BAD: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "outside entity": (".svg", lambda p: p.write_text(ENTITIES), "declares XML entities"),
     "hidden entity": (".svg", lambda p: p.write_bytes(ENTITIES.encode("utf-16")), "not text in"),
     "deep": (".svg", lambda p: p.write_text(BOMB), "nested too deeply"),
+    "huge": (".svg", lambda p: p.write_bytes(b"<svg>" + b" " * 2**26), "larger than 64 MiB"),
     "cut": (".svg", lambda p: p.write_text("<svg><g>"), "is damaged"),
     "empty": (".svg", lambda p: p.write_text(""), "is empty"),
     "html": (".svg", lambda p: p.write_text("<html/>"), "is not an SVG"),
