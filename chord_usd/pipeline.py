@@ -116,6 +116,8 @@ def generate(
             times=settings.redraws, progress=progress,
         )  # fmt: skip
         graph, layout = mended.graph, mended.layout
+        if settings.redraws:
+            graph = end_units(graph, models.reader.database)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
@@ -241,6 +243,13 @@ def checkpoints(settings: Settings) -> tuple[str, ...]:
 def load_models(settings: Settings) -> Models:
     """Everything that furnishes a house. Raises CheckpointError, AssetError."""
     return Models(load_model(settings), load_table_model(settings), load_reader(settings))
+
+
+def end_units(graph: SceneGraph, database: AssetDatabase) -> SceneGraph:
+    """The graph with kitchen units that end before doors and windows."""
+    from chord_usd.graph.ends import end_before_openings
+
+    return end_before_openings(graph, database)
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:
