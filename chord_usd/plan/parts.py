@@ -27,7 +27,7 @@ def parts_of(polygons_px: Sequence[FloatArray], apart_px: float) -> list[list[in
     near[first, second] = True
     groups = _groups(near)
     areas = [sum(shapes[i].area for i in group) for group in groups]
-    order = sorted(range(count), key=lambda index: -areas[index])
+    order = sorted(range(len(groups)), key=lambda index: -areas[index])
     return [groups[i] for i in order if areas[i] >= _SHED * areas[order[0]]]
 
 
