@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
-from chord_usd.metrics.footprints import GRID_M, Footprints, footprints_of, is_underfoot
+from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.types import WALL_THICKNESS_M, BoolArray, Box, Opening, Room, SceneGraph
 
@@ -102,10 +102,11 @@ def clearances(
                 yield opening, footprint_polygon(box).intersection(floors[room.id])
 
 
-def _enters_height(prints: Footprints, index: int, opening: Opening) -> bool:
+def enters_height(base_m: float, top_m: float, opening: Opening) -> bool:
+    """Whether something from base_m to top_m is before an opening, not below or above it."""
     sill_m = opening.box.center_m[2]
     lintel_m = sill_m + opening.box.size_m[2]
-    return bool(prints.top_m[index] > sill_m + TOUCH_M and prints.base_m[index] < lintel_m)
+    return bool(top_m > sill_m + TOUCH_M and base_m < lintel_m)
 
 
 def blocked_openings(graph: SceneGraph) -> list[Blocked]:
@@ -126,7 +127,7 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
             if (
                 shared_m2 > MIN_OVERLAP_M2
                 and not is_underfoot(item)
-                and _enters_height(prints, index, opening)
+                and enters_height(prints.base_m[index], prints.top_m[index], opening)
             ):
                 found[Blocked(opening=opening.id, item=item.id)] = None
     return list(found)

@@ -20,12 +20,12 @@ from pxr import UsdGeom
 
 from chord_usd.geometry import footprint_polygon, room_polygon, to_world
 from chord_usd.metrics.footprints import is_underfoot
-from chord_usd.metrics.openings import clearances
+from chord_usd.metrics.openings import clearances, enters_height
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2, NATURAL_PAIRS
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
 from chord_usd.stage.read import open_stage
-from chord_usd.types import MOVED, Box, Item, SceneGraph
+from chord_usd.types import MOVED, Box, Item, Opening, SceneGraph
 from chord_usd.units import rotation_2d
 
 SEAT = "chair"
@@ -57,11 +57,18 @@ def draw_out_chairs(
     if not caught:
         return graph
     items = {item.id: item for item in graph.items}
-    kept = [floor for _, floor in clearances(graph.rooms, graph.openings)]
+    clear = list(clearances(graph.rooms, graph.openings))
     for chair, tables in caught:
+        kept = [floor for opening, floor in clear if _is_before(chair, opening)]
         free = _FreePlaces(chair, graph, [*items.values()], kept)
         items[chair.id] = _drawn_out(chair, tables, free)
     return replace(graph, items=tuple(items.values()))
+
+
+def _is_before(chair: Item, opening: Opening) -> bool:
+    """Whether a chair is high enough to be in the way of an opening; under a sill it may stand."""
+    base_m = chair.box.center_m[2]
+    return enters_height(base_m, base_m + chair.box.size_m[2], opening)
 
 
 def _may_move(item: Item, rooms: Collection[str], but: Collection[str]) -> bool:

@@ -87,6 +87,14 @@ def test_a_chair_does_not_move_before_a_door() -> None:
     assert not blocked_openings(after)
 
 
+@pytest.mark.parametrize(("sill_m", "may_move"), [(1.0, True), (0.3, False)])
+def test_a_chair_may_move_below_a_sill(sill_m: float, may_move: bool) -> None:
+    window = Opening("w", "window", Box((2.0, 4.12, sill_m), (3.8, 0.24, 1.0), 0.0), ("r",))
+    table = replace(TABLE, box=replace(TABLE.box, center_m=(2.5, 2.9, 0.0)))
+    before = house(table, chair_at(2.0, 3.3), openings=(window,))
+    assert (moved_m(before, draw_out_chairs(before)) > 0.0) == may_move
+
+
 def test_only_chairs_that_may_move_do() -> None:
     before = house(TABLE, chair_at(2.0, 2.1), chair_at(2.0, 1.9, 180.0, "other"))
     after = draw_out_chairs(before, but=("chair",))
