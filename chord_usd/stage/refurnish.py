@@ -22,6 +22,7 @@ from chord_usd.errors import StageError
 from chord_usd.files import deliver, hash_file
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.stage.attribution import write_attribution
+from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view
 from chord_usd.stage.check import open_stage
 from chord_usd.stage.check_rules import NODE_ID
@@ -40,9 +41,6 @@ CHECKPOINT = "chord:checkpoint_hash"
 
 _ROOM_FOR_CAMERA_M = 0.1
 """A camera moves when a piece that reaches its height comes nearer than this."""
-
-_ARCHIVE_TIME_S = 500_000_000
-"""Any fixed time that a zip archive can hold, so that the same house is the same archive."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +219,7 @@ def _edit_archive(source: Path, staged: Path, target: Path, new: NewFurniture) -
         layer = _edit(root, folder, new)
         write_attribution(layer, (folder,), staged, target)
         for file in folder.rglob("*"):
-            os.utime(file, (_ARCHIVE_TIME_S, _ARCHIVE_TIME_S))
+            os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
 
 

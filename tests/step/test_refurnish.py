@@ -10,10 +10,11 @@ import pytest
 from pxr import Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
+from chord_usd.stage.attribution import attribution_file
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
-from chord_usd.types import Item, Provenance, SceneGraph
+from chord_usd.types import Asset, Item, Provenance, SceneGraph
 
 MADE = Provenance(checkpoint_hash="feed", seed=8)
 
@@ -217,3 +218,38 @@ def test_what_is_kept_keeps_its_name_and_every_byte(folder: Path) -> None:
     assert text() == before
     house = read_house(path)
     assert len(list(house.graph.items_of(house.room_ids[name]))) == 3
+
+
+CHAIR_BY_JO = """#usda 1.0
+(
+    defaultPrim = "Jo"
+)
+def Xform "Jo" (
+    customData = {
+        dictionary chord = {
+            string author = "Jo"
+            string licence = "CC-BY-4.0"
+        }
+    }
+)
+{
+}
+"""
+
+
+@pytest.mark.parametrize("name", ["house.usda", "house.usdz"])
+def test_who_made_the_new_furniture_is_named(
+    staged_graph: SceneGraph, tmp_path: Path, name: str
+) -> None:
+    made = tmp_path / "Jo" / "Jo.usda"
+    made.parent.mkdir()
+    made.write_text(CHAIR_BY_JO)
+    house = author_stage(staged_graph, tmp_path / "house" / name, looks=()).path
+    assert not attribution_file(house).exists()
+    room = room_with_items(house)
+    new = new_furniture(house, room)
+    theirs = Asset("Jo", new.items[0].category, new.items[0].box.size_m, made)
+    refurnish(house, house, replace(new, items=[replace(new.items[0], asset=theirs)]))
+    assert "author Jo, licence CC-BY-4.0" in attribution_file(house).read_text()
+    refurnish(house, house, new)
+    assert "Jo" not in attribution_file(house).read_text()
