@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
 from chord_usd.plan.openings import Bar
@@ -17,6 +18,10 @@ _SAME_COLOR = 40
 
 _LEAST_FLAT = 0.6
 """Share of a filled bar that has its colour."""
+
+_RIM_PX = 2
+_MOST_BESIDE = 0.2
+"""Share of what lies beside a bar that may have its colour."""
 
 _CONFIDENCE = 0.8
 
@@ -45,10 +50,18 @@ def alike_by_color(bars: Sequence[Bar], rgb: ByteArray) -> list[Bar]:
 
 
 def _flat_color(bar: Bar, rgb: ByteArray) -> FloatArray | None:
-    """The vivid colour that fills a bar, if one does."""
-    pixels = rgb[bar.mask].astype(np.float64)
-    if len(pixels) == 0:
+    """The vivid colour that fills a bar, if one does: no paper or floor that shows in a gap."""
+    rows, columns = np.nonzero(bar.mask)
+    if len(rows) == 0:
         return None
-    color = np.median(pixels, axis=0)
-    flat = (np.abs(pixels - color).max(axis=1) <= _SAME_COLOR).mean()
-    return color if np.ptp(color) >= _LEAST_CHROMA and flat >= _LEAST_FLAT else None
+    reach = min(int(np.ptp(rows)), int(np.ptp(columns))) + 1
+    window = (
+        slice(max(int(rows.min()) - reach, 0), int(rows.max()) + reach + 1),
+        slice(max(int(columns.min()) - reach, 0), int(columns.max()) + reach + 1),
+    )
+    pixels, own = rgb[window].astype(np.float64), bar.mask[window]
+    color = np.median(pixels[own], axis=0)
+    alike = np.abs(pixels - color).max(axis=2) <= _SAME_COLOR
+    beside = cv2.dilate(own.astype(np.uint8), np.ones((2 * _RIM_PX + 1,) * 2, np.uint8)) == 0
+    is_vivid = np.ptp(color) >= _LEAST_CHROMA and alike[own].mean() >= _LEAST_FLAT
+    return color if is_vivid and alike[beside].mean() < _MOST_BESIDE else None
