@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -12,6 +13,9 @@ from PIL import Image
 from plan_symbols import draw_storeys
 
 from chord_usd.cli import main
+from chord_usd.data.drawn.draw import draw_in_style
+from chord_usd.data.drawn.styles import random_style
+from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
 from chord_usd.plan import drawing as drawings
 from chord_usd.plan.drawing import read_drawing
@@ -69,6 +73,14 @@ def test_a_door_from_corner_to_corner_parts_two_rooms() -> None:
 
 def test_an_entrance_in_the_colour_of_doors_is_no_window() -> None:
     assert kinds(read_drawing(chart())) == ["door"] * 3 + ["window"] * 3
+
+
+def test_paper_that_shows_in_openings_is_no_colour_of_theirs() -> None:
+    """Doors and windows in white on blue are both filled with blue."""
+    rng = np.random.default_rng(6)
+    style = replace(random_style(rng, "blueprint"), has_names=False, sizes="none")
+    drawing = draw_in_style(random_plan(rng, rooms=4), style, rng)
+    assert kinds(read_drawing(drawing.rgb, drawing.frame.m_per_px)) == kinds(drawing.truth)
 
 
 def test_tiles_in_line_with_a_wall_are_no_door() -> None:
