@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from chord_usd.plan.openings import Bar
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.types import ByteArray, FloatArray, OpeningKind
 
 _LEAST_CHROMA = 40
 _SAME_COLOR = 40
@@ -23,30 +23,46 @@ _RIM_PX = 2
 _MOST_BESIDE = 0.2
 """Share of what lies beside a bar that may have its colour."""
 
-_CONFIDENCE = 0.8
+_MANY = 3
+"""So many windows of one colour tell what a window looks like."""
+
+_CONFIDENCE, _LONE_CONFIDENCE = 0.8, 0.4
 
 
 def alike_by_color(bars: Sequence[Bar], rgb: ByteArray) -> list[Bar]:
     """The bars, doors or windows as most bars of their colour are; where as many are either, and
     where no vivid colour fills them, unchanged.
 
-    An entrance that is drawn as a pink bar like the doors inside is no window. rgb: (H, W, 3) the
-    picture that the bars lie in.
+    An entrance that is drawn as a pink bar like the doors inside is no window; neither, most
+    likely, is the one bar of its colour among windows of another. rgb: (H, W, 3) the picture that
+    the bars lie in.
     """
     colors = [None if bar.kind == "passage" else _flat_color(bar, rgb) for bar in bars]
-    alike = []
-    for bar, color in zip(bars, colors, strict=True):
-        if color is not None:
-            kinds = Counter(
-                other.kind
-                for other, own in zip(bars, colors, strict=True)
-                if own is not None and np.abs(own - color).max() <= _SAME_COLOR
-            )
-            kind = max(kinds, key=lambda name: kinds[name])
-            if kinds[kind] > kinds[bar.kind]:
-                bar = replace(bar, kind=kind, confidence=_CONFIDENCE)
-        alike.append(bar)
-    return alike
+    votes = [_votes(color, bars, colors) for color in colors]
+    has_windows = any(own["window"] >= _MANY for own in votes)
+    return [
+        _as_voted(bar, own, has_windows=has_windows) for bar, own in zip(bars, votes, strict=True)
+    ]
+
+
+def _votes(
+    color: FloatArray | None, bars: Sequence[Bar], colors: Sequence[FloatArray | None]
+) -> Counter[OpeningKind]:
+    """How many bars of a colour are of each kind; none for no colour."""
+    return Counter(
+        bar.kind
+        for bar, own in zip(bars, colors, strict=True)
+        if color is not None and own is not None and np.abs(own - color).max() <= _SAME_COLOR
+    )
+
+
+def _as_voted(bar: Bar, votes: Counter[OpeningKind], *, has_windows: bool) -> Bar:
+    if votes.total() == 1 and bar.kind == "window" and has_windows:
+        return replace(bar, kind="door", confidence=_LONE_CONFIDENCE)
+    kind = max(votes, key=lambda name: votes[name], default=bar.kind)
+    if votes[kind] > votes[bar.kind]:
+        return replace(bar, kind=kind, confidence=_CONFIDENCE)
+    return bar
 
 
 def _flat_color(bar: Bar, rgb: ByteArray) -> FloatArray | None:

@@ -75,6 +75,14 @@ def test_an_entrance_in_the_colour_of_doors_is_no_window() -> None:
     assert kinds(read_drawing(chart())) == ["door"] * 3 + ["window"] * 3
 
 
+def test_the_one_bar_of_its_colour_is_an_entrance_and_said_to_be_uncertain() -> None:
+    page = chart()
+    box(page, 700, 60, 770, 60 + THICK_PX, 165, 55, 10)
+    plan = read_drawing(page)
+    assert kinds(plan) == ["door"] * 4 + ["window"] * 3
+    assert any("uncertain what door" in warning for warning in plan.extra[WARNINGS])
+
+
 def test_paper_that_shows_in_openings_is_no_colour_of_theirs() -> None:
     """Doors and windows in white on blue are both filled with blue."""
     rng = np.random.default_rng(6)
