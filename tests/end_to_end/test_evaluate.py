@@ -126,3 +126,28 @@ def test_anybodys_layouts_are_scored_and_broken_files_listed(
     names = sorted(path.name for path in tmp_path.iterdir())
     assert names == ["houses", "scores.json", "scores.md", "scores.png"]
     assert json.loads((tmp_path / "scores.json").read_text())["split"] == told["split"]
+
+
+def test_floors_are_scored_and_kept_on_record(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The second run plans nothing for the table, which says the same."""
+    records = tmp_path / "records.jsonl"
+    words = [
+        "evaluate",
+        "outlines",
+        "--n",
+        "1",
+        "--steps",
+        "2",
+        "--records",
+        str(records),
+        "--json",
+    ]
+    told = []
+    for _ in range(2):
+        assert main([*words, "--progress", "none"]) == DONE
+        told.append(json.loads(capsys.readouterr().out))
+    assert told[0]["scores"] == told[1]["scores"]
+    assert told[0]["scores"]["chosen"]["outline IoU"]["value"] > 0.9
+    assert len(records.read_text().splitlines()) == 1
