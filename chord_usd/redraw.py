@@ -3,8 +3,8 @@
 For somebody who wants another arrangement, and for what a first draw got wrong. A room in twenty
 comes out bare, or with a piece before a window or in another one; the next draw of it seldom does.
 Nothing is moved: whatever stands in a house was placed by the model. What the last draw leaves and
-nobody could build is left out: scraps, which only a doll's piece would fit, of two pieces that stand
-in each other the one that is missed less, and what stands before an opening and is not missed.
+nobody could build is left out: scraps, which only a doll's piece would fit, of two pieces that
+stand in each other the one that is missed less, and what is before an opening and is not missed.
 """
 
 from __future__ import annotations
