@@ -39,6 +39,9 @@ _FIRST_SEED = 900_000
 _RIGHT_IOU = 0.7
 """A house whose rooms overlap the true ones less is wrong."""
 
+_WRONG_SCALE = 0.3
+"""So is one so much too large or too small, as a share."""
+
 _SAME_ROOM_IOU = 0.5
 
 
@@ -62,7 +65,8 @@ class PlanScore:
     @property
     def wrong_in_silence(self) -> bool:
         """A wrong house without a word."""
-        return not self.refused and not self.warned and self.room_iou < _RIGHT_IOU
+        is_wrong = self.room_iou < _RIGHT_IOU or self.scale_error > _WRONG_SCALE
+        return is_wrong and not self.refused and not self.warned
 
 
 def measure_reading(

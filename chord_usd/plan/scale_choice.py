@@ -53,6 +53,12 @@ class Scale:
             return _CONFIDENCE[self.witness]
         return min(0.98, 0.6 + 0.12 * self.count) * (0.5 + 0.5 * self.agreement)
 
+    def _odd(self, name: str) -> float:
+        """How far a witness may differ. Walls are drawn thick and thin; doors know better."""
+        if name != "walls":
+            return _ODD
+        return math.inf if "doors" in self.others else _BELIEVABLE
+
     def report(self, per_picture_px: float = 1.0) -> dict[str, Any]:
         """For JSON. per_picture_px: pixels that were read, per pixel of the user's picture."""
         return {
@@ -70,7 +76,7 @@ class Scale:
         odd = [
             f"{name} say {math.exp(ratio):.2f} times that"
             for name, ratio in rest.items()
-            if abs(ratio) > _ODD and name != "walls"
+            if abs(ratio) > self._odd(name)
         ]
         if odd and self.witness not in ("given", "file"):
             return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: check --scale"]

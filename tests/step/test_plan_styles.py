@@ -176,6 +176,13 @@ def test_a_wrong_house_counts_only_in_silence() -> None:
         assert score.wrong_in_silence is silent
 
 
+def test_a_house_of_the_wrong_size_is_wrong() -> None:
+    told = PlanScore("agent", refused=False, room_iou=1.0, scale_error=2.3)
+    assert told.wrong_in_silence
+    assert not replace(told, warned=True).wrong_in_silence
+    assert not replace(told, scale_error=0.1).wrong_in_silence
+
+
 def test_who_refuses_scores_nothing() -> None:
     def refuse(rgb: ByteArray) -> Plan:
         raise PlanError("no closed room was found")

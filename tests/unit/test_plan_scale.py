@@ -139,3 +139,10 @@ def test_witnesses_far_apart_are_a_warning() -> None:
     assert "guess" in choose_scale([], doors=None, walls=0.012).warnings()[0]
     scale = choose_scale(printed(0.01, 0.01, 0.01), doors=0.02, walls=0.01)
     assert "doors say 2.00 times" in scale.warnings()[0]
+
+
+def test_misread_measures_that_agree_are_doubted_where_walls_say_otherwise() -> None:
+    measures = [Estimate("dimension lines", 0.06, text) for text in ("1", "2", "3")]
+    assert "walls say" in choose_scale(measures, None, 0.0225).warnings()[0]
+    assert choose_scale(measures, None, 0.04).warnings() == []
+    assert choose_scale(measures, 0.055, 0.0225).warnings() == []
