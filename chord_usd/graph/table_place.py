@@ -35,8 +35,9 @@ STRAIGHT_DEG = 3.0
 _STEP_M, _STEPS = 0.01, 6
 """How an item is moved back over the edge, and to where it stands firm."""
 
-_FIRM = 0.1
-"""The middle of what stands on a mat is at least this share of its shorter side inside the rim."""
+_FIRM = 0.4
+"""The middle of what stands on a mat is at least this share of its shorter side inside the rim: the
+weight of a laptop with its lid up is near its back edge."""
 
 _TOUCH_M = 0.002
 """Boxes that share no more height than this only touch."""

@@ -164,7 +164,7 @@ class TestPlacing:
         assert children["laptop"].box.center_m[2] == pytest.approx(TOP_M + below.size_m[2])
 
     @pytest.mark.parametrize(
-        ("x_m", "stands"), [(-0.31, "beside"), (-0.28, "beside"), (-0.2, ""), (-0.15, "on")]
+        ("x_m", "stands"), [(-0.31, "beside"), (-0.28, "beside"), (-0.15, ""), (-0.08, "on")]
     )
     def test_nothing_tips_over_the_rim_of_a_mat(self, x_m: float, stands: str) -> None:
         """Its middle is over the mat, or none of it is; the few millimetres tip a laptop over."""
@@ -180,7 +180,7 @@ class TestPlacing:
         box = children["laptop"]
         assert (box.center_m[2] > TOP_M) == (stands == "on")
         if stands == "on":
-            assert box.center_m[0] > rim_m + 0.1 * min(box.size_m[:2]) - 1e-9
+            assert box.center_m[0] > rim_m + 0.4 * min(box.size_m[:2]) - 1e-9
         else:
             assert footprint(box)[:, 0].max() <= rim_m + 0.001
 
