@@ -6,10 +6,12 @@ import zlib
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
+from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import Database
 from chord_usd.graph.table_items import read_items
 from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import CATEGORIES
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.table_top import TableTop
@@ -31,7 +33,7 @@ class View:
     relief: Relief
     """Of its mesh, at its own size."""
     around: tuple[Item, ...]
-    """What hangs in its room."""
+    """What items on it could run into: what hangs in its room, or rises beside it."""
 
     @property
     def is_too_small(self) -> bool:
@@ -91,11 +93,24 @@ def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()
         if not carries or item.asset is None or item.children or item.room_id not in chosen:
             continue
         relief = reliefs(item.asset).scaled(item.box.size_m)
-        others = tuple(graph.items_of(item.room_id))
+        others = tuple(one for one in graph.items_of(item.room_id) if one.id != item.id)
         top = view_from_above(item, others, graph.plan.room(item.room_id), relief)
-        hung = tuple(one for one in others if one.box.center_m[2] > _HANGS_FROM_M)
-        views.append(View(item, top, relief, hung))
+        around = tuple(one for one in others if _can_be_hit(one, item))
+        views.append(View(item, top, relief, around))
     return views
+
+
+def _can_be_hit(other: Item, piece: Item) -> bool:
+    """Whether what stands on a piece could run into another that is not below it.
+
+    Chairs reach under a table, and what lies before them is not in their way.
+    """
+    base_m = other.box.center_m[2]
+    if base_m > _HANGS_FROM_M:
+        return True
+    rises = base_m + other.box.size_m[2] > piece.box.center_m[2] + piece.box.size_m[2]
+    shared = footprint_polygon(other.box).intersection(footprint_polygon(piece.box))
+    return bool(rises and shared.area <= MIN_OVERLAP_M2)
 
 
 def lay_pieces(

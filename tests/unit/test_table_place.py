@@ -250,6 +250,16 @@ class TestPlacing:
         assert laid(desk, lamp).children
         assert laid(desk, lamp, around=(shelf,)).children == ()
 
+    def test_what_rises_beside_a_piece_is_minded_and_what_reaches_under_it_is_not(self) -> None:
+        desk = table()
+        x, y, _ = desk.box.center_m
+        cabinet = Item("c", "cabinet", Box((x + 0.9, y, 0.0), (0.6, 0.6, 1.8), 0.0), "a")
+        low = Item("l", "bedside_table", Box((x - 0.85, y, 0.0), (0.5, 0.5, 0.5), 0.0), "a")
+        chair = Item("h", "chair", Box((x, y - 0.3, 0.0), (0.5, 0.5, 0.95), 0.0), "a")
+        graph = SceneGraph((ROOM,), (), (desk, cabinet, low, chair))
+        (view,) = (one for one in table_views(graph, flat_of) if one.item.id == desk.id)
+        assert view.around == (cabinet,)
+
     def test_a_child_turns_with_its_parent(self) -> None:
         parent = Box((2.0, 1.0, 0.0), (1.0, 0.5, 0.7), 90.0)
         world = in_world(Box((0.3, 0.1, 0.7), (0.1, 0.1, 0.1), 10.0), parent)
