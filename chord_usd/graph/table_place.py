@@ -33,7 +33,10 @@ STRAIGHT_DEG = 3.0
 """Smaller turns are noise of the pixels."""
 
 _STEP_M, _STEPS = 0.01, 6
-"""How an item is moved back over the edge, and to where it stands firm."""
+"""How an item is moved back over the edge."""
+
+_FIRM_STEPS = 12
+"""How far it may be moved to where it stands firm: half the depth of a laptop."""
 
 _FIRM = 0.4
 """The middle of what stands on a mat is at least this share of its shorter side inside the rim: the
@@ -131,7 +134,7 @@ def _back_over_edge(item: Item, relief: Relief) -> Item | None:
     return None
 
 
-def _rings(box: Box) -> Iterator[list[Box]]:
+def _rings(box: Box, steps: int = _STEPS) -> Iterator[list[Box]]:
     """The box itself, then those a step away, two steps: towards the middle first."""
     x, y, z = box.center_m
     inward = -np.array([x, y]) / max(float(np.hypot(x, y)), 1e-9)
@@ -140,7 +143,7 @@ def _rings(box: Box) -> Iterator[list[Box]]:
         *(np.array(way) for way in ((0, 1), (0, -1), (1, 0), (-1, 0))),
     ]
     yield [box]
-    for step in range(1, _STEPS + 1):
+    for step in range(1, steps + 1):
         moved = [np.array([x, y]) + step * _STEP_M * way for way in ways]
         yield [replace(box, center_m=(float(there[0]), float(there[1]), z)) for there in moved]
 
@@ -161,7 +164,7 @@ def _stood_firm(
     ]
     if not _tips(item.box, mats):
         return _stood(item, relief, standing, reliefs)
-    for box in itertools.chain.from_iterable(_rings(item.box)):
+    for box in itertools.chain.from_iterable(_rings(item.box, _FIRM_STEPS)):
         if not _tips(box, mats) and _share_over(relief, box) >= ON_TOP:
             placed = _stood(replace(item, box=box), relief, standing, reliefs)
             if placed is not None:
