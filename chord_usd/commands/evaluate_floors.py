@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
@@ -18,6 +17,7 @@ from chord_usd.commands.common import (
 )
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
+    add_records,
     add_report,
     load_layout_model,
     told,
@@ -46,10 +46,7 @@ def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
     parser.add_argument(
         "--n", dest="cases", type=whole_number(1), default=500, metavar="N", help=f"{what} (500)"
     )
-    parser.add_argument(
-        "--records", type=Path, metavar="FILE",
-        help="keep every score here (JSON lines), and go on from those that are there",
-    )  # fmt: skip
+    add_records(parser)
     add_checkpoint(parser, checkpoint)
     add_steps(parser)
     add_report(parser)

@@ -84,6 +84,14 @@ def load_encoder(options: argparse.Namespace, warnings: list[str]) -> Encoder | 
         return None
 
 
+def add_records(parser: Parser) -> None:
+    """The option --records, of long measurements."""
+    parser.add_argument(
+        "--records", type=Path, metavar="FILE",
+        help="keep every score here (JSON lines), and go on from those that are there",
+    )  # fmt: skip
+
+
 def add_report(parser: Parser) -> None:
     """Option -o."""
     parser.add_argument(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch, whole_number
-from chord_usd.commands.evaluate_options import add_report, told
+from chord_usd.commands.evaluate_options import add_records, add_report, told
 
 
 def add(group: Verbs) -> None:
@@ -21,10 +20,7 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--unseen", action="store_true", help="the styles that the reader was not made on"
     )
-    parser.add_argument(
-        "--records", type=Path, metavar="FILE",
-        help="keep every score here (JSON lines), and go on from those that are there",
-    )  # fmt: skip
+    add_records(parser)
     add_report(parser)
 
 

@@ -21,10 +21,12 @@ from chord_usd.progress import Progress
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.sketch_data import Batch, Sketched, batch_of, endless_batches
 from chord_usd.training.sketch_network import SketchNetwork
-from chord_usd.training.weights import Weights
+from chord_usd.training.weights import Weights, warm_and_cool
 
 STATE_FOLDER = "state"
 _SAVE_MINUTES = 2.0
+_END_RATE = 0.02
+"""Share of the learning rate at which a run ends."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,13 @@ def train_sketches(
     first_step = step
     for batch in batches:
         minutes = (time.monotonic() - started) / 60.0
-        rate = _learning_rate(config, step - first_step, minutes)
+        rate = config.learning_rate * warm_and_cool(
+            step - first_step,
+            config.warmup_steps,
+            min(minutes / config.minutes, 1.0),
+            config.cooldown_share,
+            _END_RATE,
+        )
         loss = batch_loss(network, tuple(part.to(config.device) for part in batch)).mean()
         weights.step(loss, rate, config.gradient_clip, step)
         step += 1
@@ -100,13 +108,6 @@ def batch_loss(network: SketchNetwork, batch: Batch | tuple[Tensor, ...]) -> Ten
     chances = network(shell, roles, left, values)
     found = chances.gather(-1, values[..., None])[..., 0]
     return -(found * (values != tokens.NOTHING)).sum(dim=(1, 2))
-
-
-def _learning_rate(config: SketchTraining, steps: int, minutes: float) -> float:
-    warm = min(1.0, (steps + 1) / config.warmup_steps)
-    spent = min(minutes / config.minutes, 1.0)
-    into_cooldown = max(0.0, spent - 1.0 + config.cooldown_share) / config.cooldown_share
-    return config.learning_rate * warm * (1.0 - 0.98 * into_cooldown)
 
 
 @torch.inference_mode()

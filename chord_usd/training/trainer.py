@@ -25,10 +25,12 @@ from chord_usd.layout.transfer import adopt, take_up
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.stream import Batch, BatchStream, batch_loader
-from chord_usd.training.weights import Weights
+from chord_usd.training.weights import Weights, warm_and_cool
 
 STATE_FOLDER = "state"
 LOG_FILE = "losses.csv"
+_END_RATE = 0.05
+"""Share of the learning rate at which a run ends."""
 LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
 
 Report = Callable[[dict[str, float]], None]
@@ -246,10 +248,13 @@ class LayoutTrainer:
         if config.decay_every_steps:
             return config.learning_rate * 0.1 ** (self.step // config.decay_every_steps)
         # Counted from where this run began: a warm start has no optimiser state to rely on.
-        warm = min(1.0, (self.step - self.first_step + 1) / max(config.warmup_steps, 1))
-        spent = min(self.minutes / config.minutes, 1.0)
-        into_cooldown = max(0.0, spent - 1.0 + config.cooldown_share) / config.cooldown_share
-        return config.learning_rate * warm * (1.0 - 0.95 * into_cooldown)
+        return config.learning_rate * warm_and_cool(
+            self.step - self.first_step,
+            config.warmup_steps,
+            min(self.minutes / config.minutes, 1.0),
+            config.cooldown_share,
+            _END_RATE,
+        )
 
     def _log(self, losses: dict[str, Tensor], report: Report) -> None:
         row = {

@@ -18,6 +18,19 @@ _MOMENTS = ("exp_avg", "exp_avg_sq")
 NetworkT = TypeVar("NetworkT", bound=nn.Module)
 
 
+def warm_and_cool(
+    steps: int, warmup_steps: int, spent: float, cooldown_share: float, end: float
+) -> float:
+    """What a learning rate is multiplied by: up to 1 over a run's first steps, and down to end over
+    the last share of its budget.
+
+    spent: share of the budget, in [0, 1].
+    """
+    warm = min(1.0, (steps + 1) / max(warmup_steps, 1))
+    into_cooldown = max(0.0, spent - 1.0 + cooldown_share) / cooldown_share
+    return warm * (1.0 - (1.0 - end) * into_cooldown)
+
+
 class Weights(Generic[NetworkT]):
     """A network in training."""
 
