@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.planning.choose import Candidate
     from chord_usd.planning.encoder import TextEncoder
-    from chord_usd.planning.sketch import Sketcher
+    from chord_usd.planning.sketch import Ground, Sketcher
 
 TEXT_CHECKPOINT = "text2plan"
 OUTLINE_CHECKPOINT = "outline2plan"
@@ -46,6 +46,9 @@ _SAME_LENGTH = 0.01
 SKETCHES = 4
 """So many bubble diagrams are drawn for each that is carried out: the likeliest."""
 
+PATIENT_ROUNDS = 4
+"""After so many, a floor will do that was not all that its open plan's programme says."""
+
 
 @dataclass(frozen=True, eq=False)
 class Commission:
@@ -58,6 +61,17 @@ class Commission:
     """(words, channels), planning.words."""
     shell: Plan | None = None
     """The open plan that it is planned in; None where the house's shape is left open."""
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """Where the floors of a commission are sketched, and what for."""
+
+    blank: PlanImage | None
+    """The sheet with the open plan on it; None where the house's shape is left open."""
+    ground: Ground
+    programme: Wish
+    """In an open plan, how many rooms of every kind; elsewhere only what was asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,17 +184,20 @@ def carry_out(
 ) -> Planned:
     """Floors are planned batch by batch until one is all that was asked for, and the best taken.
 
+    In an open plan one that lacks rooms of its programme waits PATIENT_ROUNDS for a better one.
     Raises PlanError where nothing that has rooms could be planned.
     """
     from chord_usd.planning.choose import best, judged
 
+    site = _site(commission, planner.sketcher, settings.seed)
     tried: list[Candidate] = []
     for batch in range(ROUNDS):
         first = (settings.seed * ROUNDS + batch) * BATCH
         seeds = range(first, first + BATCH)
-        plans = _sampled(commission, planner, seeds, settings.steps, progress)
-        tried += [judged(plan, commission.wish) for plan in plans]
-        if any(candidate.holds for candidate in tried):
+        plans = _sampled(commission, site, planner, seeds, settings.steps, progress)
+        tried += [judged(plan, commission.wish, site.programme) for plan in plans]
+        patient = batch + 1 < PATIENT_ROUNDS
+        if any(found.holds and not (patient and found.off_programme) for found in tried):
             break
     chosen = best(tried)
     if not chosen.plan.rooms:
@@ -192,8 +209,22 @@ def carry_out(
     return Planned(chosen, tuple(tried), commission)
 
 
+def _site(commission: Commission, sketcher: Sketcher, seed: int) -> Site:
+    """The programme of an open plan is settled before anything is sketched in it: among floors of
+    several programmes those with few rooms, which are easily drawn, would win."""
+    from chord_usd.planning.sheet import shell_sheet
+    from chord_usd.planning.sketch import open_ground
+
+    if commission.shell is None:
+        return Site(None, open_ground(), commission.wish)
+    blank, ground = shell_sheet(commission.shell)
+    counts = sketcher.programme(commission.wish, ground, seed)
+    return Site(blank, ground, replace(commission.wish, counts=counts))
+
+
 def _sampled(
     commission: Commission,
+    site: Site,
     planner: Planner,
     seeds: range,
     steps: int | None,
@@ -204,7 +235,7 @@ def _sampled(
 
     from chord_usd.planning.partition import plan_from_labels
 
-    sheets = _sketched(commission, planner.sketcher, seeds)
+    sheets = _sketched(site, planner.sketcher, seeds)
     maps = planner.model.sample_labels(
         sheets,
         np.stack([commission.words] * len(seeds)),
@@ -218,18 +249,14 @@ def _sampled(
     return [plan_from_labels(labels, frame, commission.shell) for labels, frame in drawn]
 
 
-def _sketched(commission: Commission, sketcher: Sketcher, seeds: range) -> list[PlanImage]:
+def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[PlanImage]:
     """A sheet for each seed: the open plan, or none, and what the rooms shall be in it."""
     from chord_usd.planning import sheet
-    from chord_usd.planning.sketch import open_ground
 
-    shell, ground = None, open_ground()
-    if commission.shell is not None:
-        shell, ground = sheet.shell_sheet(commission.shell)
     count = SKETCHES * len(seeds)
     found = []
-    for sketch in sketcher.sketch(commission.wish, ground, count, seeds[0]):
-        blank = shell or sheet.sheet_for_area(sketch.area_m2)
+    for sketch in sketcher.sketch(site.programme, site.ground, count, seeds[0]):
+        blank = site.blank or sheet.sheet_for_area(sketch.area_m2)
         bubbles = sheet.on_sheet(blank, sketch.bubbles)
         found.append((sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
     found.sort(key=lambda one: one[:2])

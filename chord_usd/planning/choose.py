@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from chord_usd.planning.faults import faults
@@ -30,6 +30,8 @@ class Candidate:
     area_missed: bool
     cost: float
     """The lower the better; 0 for all that was asked for."""
+    off_programme: int
+    """Rooms too many and too few for the programme that it was planned to."""
 
     @property
     def holds(self) -> bool:
@@ -37,22 +39,31 @@ class Candidate:
         return not (self.faults or self.missed or self.area_missed)
 
 
-def judged(plan: Plan, wish: Wish) -> Candidate:
-    """A plan measured by a wish."""
+def judged(plan: Plan, wish: Wish, programme: Wish | None = None) -> Candidate:
+    """A plan measured by a wish, and by what was made of it before planning; None: nothing was."""
     found = faults(plan)
     counts = room_counts(plan)
-    missed = {
-        kind: (asked, counts[kind]) for kind, asked in wish.counts.items() if counts[kind] != asked
-    }
+    missed = _missed(counts, wish)
     area_m2 = floor_area_m2(plan) if plan.rooms else 0.0
     off = abs(area_m2 / wish.area_m2 - 1.0) if wish.area_m2 else 0.0
     cost = _FAULT_COST * len(found) + off / AREA_TOLERANCE * (off > AREA_TOLERANCE / 2)
-    cost += _ROOM_COST * sum(abs(asked - planned) for asked, planned in missed.values())
+    cost += _ROOM_COST * _rooms_off(missed)
     if wish.open_kitchen and not has_open_kitchen(plan):
         cost += _KITCHEN_COST
-    return Candidate(plan, tuple(found), missed, area_m2, off > AREA_TOLERANCE, cost)
+    off_programme = _rooms_off(_missed(counts, programme or wish))
+    return Candidate(plan, tuple(found), missed, area_m2, off > AREA_TOLERANCE, cost, off_programme)
 
 
 def best(candidates: Sequence[Candidate]) -> Candidate:
-    """The cheapest; the first of equals."""
-    return min(candidates, key=lambda candidate: candidate.cost)
+    """The cheapest, of equals that closest to its programme; the first of such."""
+    return min(candidates, key=lambda candidate: (candidate.cost, candidate.off_programme))
+
+
+def _missed(counts: Mapping[RoomKind, int], wish: Wish) -> dict[RoomKind, tuple[int, int]]:
+    return {
+        kind: (asked, counts[kind]) for kind, asked in wish.counts.items() if counts[kind] != asked
+    }
+
+
+def _rooms_off(missed: Mapping[RoomKind, tuple[int, int]]) -> int:
+    return sum(abs(asked - planned) for asked, planned in missed.values())

@@ -74,6 +74,11 @@ class Sketcher:
             for roles, values, total in zip(lines.roles, lines.values, likelihood, strict=True)
         ]
 
+    def programme(self, wish: Wish, ground: Ground, seed: int) -> dict[RoomKind, int]:
+        """How many rooms of every kind one such house has."""
+        heading = self._headings(wish, ground.shell, 1, np.random.default_rng(seed))[0]
+        return dict(tokens.counts_of(heading))
+
     def _tell_rooms(
         self, lines: tokens.Sequences, ground: Ground, rng: np.random.Generator
     ) -> npt.NDArray[np.float64]:
