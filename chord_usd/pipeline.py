@@ -117,7 +117,7 @@ def generate(
         )  # fmt: skip
         graph, layout = mended.graph, mended.layout
         if settings.redraws:
-            graph = end_units(graph, models.reader.database)
+            graph = clear_openings(graph, models.reader.database)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
@@ -245,11 +245,12 @@ def load_models(settings: Settings) -> Models:
     return Models(load_model(settings), load_table_model(settings), load_reader(settings))
 
 
-def end_units(graph: SceneGraph, database: AssetDatabase) -> SceneGraph:
-    """The graph with kitchen units that end before doors and windows."""
+def clear_openings(graph: SceneGraph, database: AssetDatabase) -> SceneGraph:
+    """The graph with kitchen units that end before doors and windows, and other pieces aside."""
+    from chord_usd.graph.aside import step_aside
     from chord_usd.graph.ends import end_before_openings
 
-    return end_before_openings(graph, database)
+    return step_aside(end_before_openings(graph, database))
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:

@@ -11,7 +11,7 @@ import shapely
 from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.types import WALL_THICKNESS_M, BoolArray, Box, Opening, Room, SceneGraph
+from chord_usd.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
 MAX_CLEARANCE_M = 0.9
 """A door needs its own width in front of it, but a leaf is no wider than this."""
@@ -24,6 +24,10 @@ TOUCH_M = 0.01
 
 PROBE_M = 0.1
 """How far beyond the wall's face one looks for the room on that side."""
+
+
+ClearFloor = tuple[Opening, shapely.Geometry]
+"""An opening, and floor before it that stays free."""
 
 
 @dataclass(frozen=True)
@@ -90,9 +94,7 @@ def _open_floors(rooms: Sequence[Room]) -> dict[str, shapely.Geometry]:
     }
 
 
-def clearances(
-    rooms: Sequence[Room], openings: Sequence[Opening]
-) -> Iterator[tuple[Opening, shapely.Geometry]]:
+def clearances(rooms: Sequence[Room], openings: Sequence[Opening]) -> Iterator[ClearFloor]:
     """Each opening with the floor that stays free on each of its sides that is a room."""
     floors = _open_floors(rooms)
     beside = rooms_beside(openings, rooms)
@@ -107,6 +109,12 @@ def enters_height(base_m: float, top_m: float, opening: Opening) -> bool:
     sill_m = opening.box.center_m[2]
     lintel_m = sill_m + opening.box.size_m[2]
     return bool(top_m > sill_m + TOUCH_M and base_m < lintel_m)
+
+
+def is_high_enough(item: Item, opening: Opening) -> bool:
+    """Whether an item on the clear floor of an opening is in its way, not below it or underfoot."""
+    base_m, height_m = item.box.center_m[2], item.box.size_m[2]
+    return not is_underfoot(item) and enters_height(base_m, base_m + height_m, opening)
 
 
 def blocked_openings(graph: SceneGraph) -> list[Blocked]:
@@ -124,10 +132,6 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
         for index in sorted(tree.query(clearance, predicate="intersects")):
             item = graph.items[index]
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
-            if (
-                shared_m2 > MIN_OVERLAP_M2
-                and not is_underfoot(item)
-                and enters_height(prints.base_m[index], prints.top_m[index], opening)
-            ):
+            if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
                 found[Blocked(opening=opening.id, item=item.id)] = None
     return list(found)

@@ -8,24 +8,24 @@ never moves into something else, out of its room or before a door.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-import shapely
 import trimesh
 from pxr import UsdGeom
 
-from chord_usd.geometry import footprint_polygon, room_polygon, to_world
+from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.footprints import is_underfoot
-from chord_usd.metrics.openings import clearances, enters_height
+from chord_usd.metrics.openings import ClearFloor, clearances, is_high_enough
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2, NATURAL_PAIRS
+from chord_usd.places import FreePlaces, places_near
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
 from chord_usd.stage.read import open_stage
-from chord_usd.types import MOVED, Box, Item, Opening, SceneGraph
+from chord_usd.types import MOVED, Box, Item, SceneGraph
 from chord_usd.units import rotation_2d
 
 SEAT = "chair"
@@ -33,7 +33,6 @@ FARTHEST_M = 0.5
 """A chair is about as deep; drawn out this far it stands before its table."""
 
 _STEP_M = 0.02
-_IN_ROOM_M = 1e-3
 
 _TABLES = frozenset(name for pair in NATURAL_PAIRS if SEAT in pair for name in pair - {SEAT})
 _WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)])
@@ -59,16 +58,9 @@ def draw_out_chairs(
     items = {item.id: item for item in graph.items}
     clear = list(clearances(graph.rooms, graph.openings))
     for chair, tables in caught:
-        kept = [floor for opening, floor in clear if _is_before(chair, opening)]
-        free = _FreePlaces(chair, graph, [*items.values()], kept)
+        free = _free_places(chair, graph, items.values(), clear)
         items[chair.id] = _drawn_out(chair, tables, free)
     return replace(graph, items=tuple(items.values()))
-
-
-def _is_before(chair: Item, opening: Opening) -> bool:
-    """Whether a chair is high enough to be in the way of an opening; under a sill it may stand."""
-    base_m = chair.box.center_m[2]
-    return enters_height(base_m, base_m + chair.box.size_m[2], opening)
 
 
 def _may_move(item: Item, rooms: Collection[str], but: Collection[str]) -> bool:
@@ -88,53 +80,28 @@ def _is_near(table: Item, chair: Item) -> bool:
     return bool(gap_m < FARTHEST_M)
 
 
-def _drawn_out(chair: Item, tables: Sequence[Item], free: _FreePlaces) -> Item:
+def _drawn_out(chair: Item, tables: Sequence[Item], free: FreePlaces) -> Item:
     """The chair at the nearest free place; where it is, if there is none."""
-    for distance_m, box in _places(chair.box):
+    for distance_m, box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box) and not _runs_into(box, chair, tables):
-            extra = {**chair.extra, MOVED: distance_m}
-            return replace(chair, box=box, extra=extra)
+            moved_m = round(chair.extra.get(MOVED, 0.0) + distance_m, 6)
+            return replace(chair, box=box, extra={**chair.extra, MOVED: moved_m})
     return chair
 
 
-def _places(box: Box) -> Iterator[tuple[float, Box]]:
-    """Where a chair may go, and how far that is, from near to far."""
-    for step in range(1, round(FARTHEST_M / _STEP_M) + 1):
-        distance_m = round(step * _STEP_M, 3)
-        for way in _WAYS:
-            x_m, y_m = to_world(box, way * distance_m)
-            center_m = (round(float(x_m), 6), round(float(y_m), 6), box.center_m[2])
-            yield distance_m, replace(box, center_m=center_m)
-
-
-class _FreePlaces:
-    """Floor of a chair's room on which nothing else stands and that no opening keeps free."""
-
-    def __init__(
-        self,
-        chair: Item,
-        graph: SceneGraph,
-        items: Sequence[Item],
-        kept: Sequence[shapely.Geometry],
-    ) -> None:
-        """items: all as they stand by now. kept: floors that openings keep free."""
-        others = [
-            footprint_polygon(item.box)
-            for item in items
-            if item.id != chair.id and item.category not in _TABLES and not is_underfoot(item)
-        ]
-        room = next((room for room in graph.rooms if room.id == chair.room_id), None)
-        self._floor = room_polygon(room).buffer(_IN_ROOM_M) if room else None
-        # What it stands on already is no worse for its moving on.
-        own = footprint_polygon(chair.box)
-        self._taken = shapely.union_all([*others, *kept]).difference(own)
-
-    def has(self, box: Box) -> bool:
-        """Whether the chair may stand here; tables are not asked."""
-        shape = footprint_polygon(box)
-        if self._floor is not None and not self._floor.covers(shape):
-            return False
-        return bool(self._taken.intersection(shape).area <= MIN_OVERLAP_M2)
+def _free_places(
+    chair: Item, graph: SceneGraph, items: Iterable[Item], clear: Iterable[ClearFloor]
+) -> FreePlaces:
+    """Where the chair may stand; tables are not asked. items: all as they stand by now."""
+    others = [
+        footprint_polygon(item.box)
+        for item in items
+        if item.id != chair.id and item.category not in _TABLES and not is_underfoot(item)
+    ]
+    kept = [floor for opening, floor in clear if is_high_enough(chair, opening)]
+    room = next((room for room in graph.rooms if room.id == chair.room_id), None)
+    floor = room_polygon(room) if room else None
+    return FreePlaces(chair.box, floor, [*others, *kept], touch_m2=MIN_OVERLAP_M2)
 
 
 def _runs_into(box: Box, chair: Item, tables: Sequence[Item]) -> bool:
