@@ -1,6 +1,6 @@
 """What each lever of a render gives: processor seconds to a picture of equal quality.
 
-    python benchmarks/render_speed.py STAGE [--camera NAME ...] [--size WxH] [--reference N]
+    python benchmarks/render_speed.py STAGE ... [--camera NAME ...] [--size WxH] [--reference N]
 
 Each way of rendering is tried with rising sample counts and compared, as a finished picture, with
 one of many samples by Blender's default settings. The seconds at 35 dB lie between two tries, on
@@ -30,11 +30,12 @@ from results import write_section
 
 from chord_usd.files import hash_file
 from chord_usd.image.blender import run_blender
-from chord_usd.image.cameras import read_views
+from chord_usd.image.cameras import StageCamera, read_views
 from chord_usd.image.exr import read_exr, write_exr
 from chord_usd.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Quality
 from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES
+from chord_usd.types import FloatArray
 
 GOAL_DB = 35.0
 SAMPLES = (4, 8, 16, 32)
@@ -56,9 +57,11 @@ BLENDER = Quality(
 
 OURS = QUALITIES["good"]
 
+FIRST, LAST = "Blender's defaults, denoised", "ours"
+
 WAYS: dict[str, Quality] = {
-    "Blender's defaults, denoised": BLENDER,
-    "ours": OURS,
+    FIRST: BLENDER,
+    LAST: OURS,
     "ours, all lamps": replace(OURS, own_lamps=False),
     "ours, light tree": replace(OURS, light_tree_lamps=0),
     "ours, shadow rays to sky and screens": replace(OURS, sample_glow=True),
@@ -81,54 +84,46 @@ class Try:
     """One way with one sample count, over all cameras."""
 
     samples: int
-    cpu_s: float
-    """Of a picture, the mean over the cameras."""
-    psnr_db: float
-    """The mean over the cameras."""
+    cpu_s: FloatArray
+    """(N,) of each picture."""
+    psnr_db: FloatArray
+    """(N,) of each picture."""
 
 
 def main() -> None:
     """Measures and writes benchmarks/RESULTS.md."""
     options = _options()
-    width, height = map(int, options.size.split("x"))
-    views = read_views(options.stage)
-    chosen = tuple(c for c in views.cameras if c.room in (options.camera or views.rooms))
-    job = Job(
-        folder="",
-        stage=str(options.stage.absolute()),
-        cameras=chosen,
-        width_px=width,
-        height_px=height,
-        has_dome=views.has_dome,
-        rooms=views.rooms,
-        joined=joined_rooms(options.stage),
-    )
     options.keep.mkdir(parents=True, exist_ok=True)
-    shelf = Shelf(options.keep, hash_file(options.stage))
-    exposed = replace(job, exposure_ev=shelf.exposure_ev(job))
-    wanted = [shelf.reference(exposed, camera, options) for camera in chosen]
-    rows = []
-    for name in options.way or WAYS:
-        tries = []
-        for samples in options.samples:
-            one = replace(exposed, quality=replace(WAYS[name], samples=samples))
-            cpu_s, found = shelf.pictures(one)
-            tries.append(_judge(samples, cpu_s, found, wanted))
-            sys.stderr.write(f"{name}: {tries[-1]}\n")
-        rows.append((name, _row(tries)))
+    houses = [House.of(stage, options) for stage in options.stage]
+    tried = {name: _tries(name, houses, options) for name in options.way or WAYS}
+    rows = [(name, _row(tries)) for name, tries in tried.items()]
+    if {FIRST, LAST} <= tried.keys():
+        rows.append((f"{LAST}, times as fast", _gain(tried[FIRST], tried[LAST])))
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    count = sum(len(house.job.cameras) for house in houses)
     note = (
         f"Processor seconds a picture to {GOAL_DB:.0f} dB, and the PSNR at "
-        f"{', '.join(map(str, options.samples))} samples; "
-        f"means of {len(chosen)} rooms at {options.size} against {options.reference} samples by "
+        f"{', '.join(map(str, options.samples))} samples; means of {count} rooms of "
+        f"{len(houses)} houses at {options.size} against {options.reference} samples by "
         f"Blender's defaults. Largest process of this run {peak:.0f} MiB."
     )
     sys.stdout.write(write_section("render", rows, note))
 
 
+def _tries(name: str, houses: list[House], options: argparse.Namespace) -> list[Try]:
+    tries = []
+    for samples in options.samples:
+        quality = replace(WAYS[name], samples=samples)
+        found = [house.judged(quality) for house in houses]
+        cpu_s, psnr_db = (np.concatenate(column) for column in zip(*found, strict=True))
+        tries.append(Try(samples, cpu_s, psnr_db))
+        sys.stderr.write(f"{name}: {tries[-1]}\n")
+    return tries
+
+
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("stage", type=Path)
+    parser.add_argument("stage", type=Path, nargs="+")
     parser.add_argument("--camera", action="append", default=[], help="of this room; all rooms")
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--reference", type=int, default=4096, help="samples (4096)")
@@ -140,6 +135,42 @@ def _options() -> argparse.Namespace:
 
 
 @dataclass(frozen=True)
+class House:
+    """A stage, and what pictures of its rooms should look like."""
+
+    shelf: Shelf
+    job: Job
+    wanted: list[FloatArray]
+    """A picture per camera, (H, W, 3) in 0 to 255."""
+
+    @classmethod
+    def of(cls, stage: Path, options: argparse.Namespace) -> House:
+        """Its references are made now, where they are not kept already."""
+        width, height = map(int, options.size.split("x"))
+        views = read_views(stage)
+        chosen = tuple(c for c in views.cameras if c.room in (options.camera or views.rooms))
+        job = Job(
+            folder="",
+            stage=str(stage.absolute()),
+            cameras=chosen,
+            width_px=width,
+            height_px=height,
+            has_dome=views.has_dome,
+            rooms=views.rooms,
+            joined=joined_rooms(stage),
+        )
+        shelf = Shelf(options.keep, hash_file(stage))
+        exposed = replace(job, exposure_ev=shelf.exposure_ev(job))
+        return cls(shelf, exposed, [shelf.reference(exposed, c, options) for c in chosen])
+
+    def judged(self, quality: Quality) -> tuple[list[float], list[float]]:
+        """Processor seconds and PSNR of a picture by each camera."""
+        cpu_s, pictures = self.shelf.pictures(replace(self.job, quality=quality))
+        errors = [np.mean((a - b) ** 2) for a, b in zip(pictures, self.wanted, strict=True)]
+        return cpu_s, [10.0 * np.log10(255.0**2 / error) for error in errors]
+
+
+@dataclass(frozen=True)
 class Shelf:
     """Pictures kept from run to run, by what they are pictures of."""
 
@@ -148,14 +179,14 @@ class Shelf:
 
     def exposure_ev(self, job: Job) -> float:
         """One exposure for all pictures, so that they can be compared: what the first room asks."""
-        file = self.folder / f"{self._key(job)}.json"
+        first = replace(job, cameras=job.cameras[:1], quality=replace(BLENDER, samples=1))
+        file = self.folder / f"{self._key(first)}.json"
         if not file.exists():
-            first = replace(job, cameras=job.cameras[:1], quality=replace(OURS, samples=1))
             with tempfile.TemporaryDirectory() as folder:
                 file.write_text(json.dumps(_run(replace(first, folder=folder))))
         return next(float(m["exposure_ev"]) for m in json.loads(file.read_text()) if "taken" in m)
 
-    def reference(self, job: Job, camera: Any, options: argparse.Namespace) -> np.ndarray:
+    def reference(self, job: Job, camera: StageCamera, options: argparse.Namespace) -> FloatArray:
         """The picture of one camera by Blender's defaults, (H, W, 3) in 0 to 255."""
         best = replace(BLENDER, samples=options.block, noise=0.0)
         light = []
@@ -171,12 +202,12 @@ class Shelf:
             run_blender(Job(folder=folder, negatives=(negative,)), lambda message: None)
             return _read(picture)
 
-    def pictures(self, job: Job) -> tuple[float, list[np.ndarray]]:
-        """Mean processor seconds of a picture, and the pictures, (H, W, 3) each."""
+    def pictures(self, job: Job) -> tuple[list[float], list[FloatArray]]:
+        """Processor seconds of each picture, and the pictures, (H, W, 3) each."""
         folder = self._taken(job)
         taken = [m for m in json.loads((folder / "messages.json").read_text()) if "taken" in m]
         files = [folder / PICTURE_FILE.format(camera.name) for camera in job.cameras]
-        return float(np.mean([m["cpu_s"] for m in taken])), [_read(file) for file in files]
+        return [float(m["cpu_s"]) for m in taken], [_read(file) for file in files]
 
     def _taken(self, job: Job) -> Path:
         """The folder with all files of a job, rendered now if it was not before."""
@@ -189,8 +220,12 @@ class Shelf:
         return folder
 
     def _key(self, job: Job) -> str:
-        what = json.dumps([self.stage_hash, asdict(job)], sort_keys=True)
-        return hashlib.sha256(what.encode()).hexdigest()[:16]
+        """Of what it shows and how. A lever that stands as in Blender does not count: references
+        outlive the day when a new one is added to our settings."""
+        levers, blender = asdict(job.quality), asdict(BLENDER)
+        turned = {name: value for name, value in levers.items() if value != blender[name]}
+        what = asdict(job) | {"stage": self.stage_hash, "quality": turned}
+        return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _run(job: Job) -> list[dict[str, Any]]:
@@ -203,20 +238,36 @@ def _read(picture: Path) -> np.ndarray:
     return np.asarray(Image.open(picture).convert("RGB")).astype(float)
 
 
-def _judge(samples: int, cpu_s: float, found: list[np.ndarray], wanted: list[np.ndarray]) -> Try:
-    errors = [np.mean((one - other) ** 2) for one, other in zip(found, wanted, strict=True)]
-    return Try(samples, cpu_s, float(np.mean([10 * np.log10(255**2 / error) for error in errors])))
-
-
 def _row(tries: list[Try]) -> str:
-    quality = ", ".join(f"{one.psnr_db:.1f}" for one in tries)
-    decibels = [one.psnr_db for one in tries]
+    decibels = [float(one.psnr_db.mean()) for one in tries]
+    quality = ", ".join(f"{one:.1f}" for one in decibels)
     if max(decibels) < GOAL_DB:
         return f"not reached ({quality} dB)"
-    rising = np.maximum.accumulate(decibels)
-    seconds = np.exp(np.interp(GOAL_DB, rising, np.log([one.cpu_s for one in tries])))
     below = "at most " if decibels[0] >= GOAL_DB else ""
-    return f"{below}{seconds:.1f} s ({quality} dB)"
+    return f"{below}{_seconds(decibels, [one.cpu_s.mean() for one in tries]):.1f} s ({quality} dB)"
+
+
+def _seconds(decibels: list[float], cpu_s: list[float]) -> float:
+    """To the goal."""
+    rising = np.maximum.accumulate(decibels)
+    return float(np.exp(np.interp(GOAL_DB, rising, np.log(cpu_s))))
+
+
+def _gain(theirs: list[Try], ours: list[Try]) -> str:
+    """How many times as fast, by the means and in single rooms that both bring to the goal."""
+    means = [
+        _seconds([float(one.psnr_db.mean()) for one in tries], [one.cpu_s.mean() for one in tries])
+        for tries in (theirs, ours)
+    ]
+    rooms = []
+    for at in range(len(theirs[0].cpu_s)):
+        both = [
+            ([t.psnr_db[at] for t in tries], [t.cpu_s[at] for t in tries])
+            for tries in (theirs, ours)
+        ]
+        if all(min(decibels) < GOAL_DB < max(decibels) for decibels, _ in both):
+            rooms.append(_seconds(*both[0]) / _seconds(*both[1]))
+    return f"{means[0] / means[1]:.2f}; median {np.median(rooms):.2f} of {len(rooms)} rooms by themselves"
 
 
 if __name__ == "__main__":

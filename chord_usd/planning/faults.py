@@ -17,6 +17,9 @@ LEAST_AREA_M2: dict[RoomKind, float] = {
 
 LEAST_WIDTH_M = 0.7
 
+NO_ENTRANCE_KINDS: tuple[RoomKind, ...] = ("bathroom", "store", "balcony")
+"""Rooms that nobody comes home to; no procedural house and no real flat is entered by one."""
+
 _NEARLY = 1e-3
 
 
@@ -24,8 +27,8 @@ def faults(plan: Plan) -> list[str]:
     """Everything wrong with a plan; an empty list for a house that one can live in.
 
     Rooms are closed (simple polygons, a wall apart or open to each other along a border), large
-    enough for their kind, openings lie in walls, there is a front door and every room can be
-    reached from it.
+    enough for their kind, openings lie in walls, there is a front door, not into a bathroom, and
+    every room can be reached from it.
     """
     if not plan.rooms:
         return ["there are no rooms"]
@@ -74,7 +77,12 @@ def _of_openings(plan: Plan) -> Iterator[str]:
 
 def _of_ways(plan: Plan) -> Iterator[str]:
     house = SceneGraph(plan.rooms, plan.openings, ())
-    if entrance(house) is None:
+    front_door = entrance(house)
+    if front_door is None:
         yield "there is no front door"
+    else:
+        for room_id in front_door.room_ids:
+            if plan.room(room_id).kind in NO_ENTRANCE_KINDS:
+                yield f"the front door leads into {room_id}"
     for room_id in walk(house).unreachable:
         yield f"{room_id} cannot be reached"

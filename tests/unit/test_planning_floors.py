@@ -51,6 +51,15 @@ def two_rooms() -> Plan:
     return Plan(rooms, (front, inner))
 
 
+def test_nobody_comes_home_to_a_bathroom() -> None:
+    plan = two_rooms()
+    assert faults(plan) == []
+    bathroom = replace(plan.rooms[0], kind="bathroom")
+    assert "the front door leads into living1" in faults(
+        replace(plan, rooms=(bathroom, plan.rooms[1]))
+    )
+
+
 def test_what_was_drawn_is_read_back() -> None:
     """Rooms and floor areas of nearly all; the rest lose a nook narrower than a line's gap."""
     same, sound = 0, 0
