@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -130,9 +131,10 @@ def planner_of(model: LayoutModel) -> Planner:
 
 def plan_from_text(text: str, settings: Settings, progress: Progress | None = None) -> Planned:
     """A floor plan that a text asks for. Raises ChordError for a text that asks for none."""
-    from chord_usd.planning.encoder import default_encoder
+    from chord_usd.planning.encoder import encoder_of
 
-    commission = commission_of_text(text, default_encoder)
+    checkpoint = checkpoint_folder(TEXT_CHECKPOINT)
+    commission = commission_of_text(text, partial(encoder_of, checkpoint))
     return carry_out(commission, load_planner(TEXT_CHECKPOINT, settings), settings, progress)
 
 
@@ -161,7 +163,8 @@ def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Co
     found = read_wish(text)
     wish = found.wish
     said = text if found.english else wish.sentence
-    words = condition_words(wish, load_encoder().encode([said])[0])
+    encoder = load_encoder()
+    words = condition_words(wish, encoder.encode([said])[0], encoder.channels)
     return Commission(wish, found.told, words)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from chord_usd.commands.common import (
 )
 
 if TYPE_CHECKING:
+    from chord_usd.layout.config import LayoutConfig
     from chord_usd.training.detector_data import Sample
     from chord_usd.training.stream import BatchStream
     from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
@@ -48,6 +50,14 @@ def add(verbs: Verbs) -> None:
         _add_training_options(floors, minutes=60.0, batch=None)
         _add_flats(floors)
         _add_loop_options(floors)
+        if verb == "text2plan":
+            floors.add_argument(
+                "--text-encoder",
+                type=Path,
+                metavar="DIR",
+                help="a text model as transformers saves it, such as CLIP; kept in the checkpoint "
+                "(MiniLM, which comes with chord-usd)",
+            )
     bubbles = add_verb(
         group, "bubbles", run_bubbles, "train the model that sketches where rooms go"
     )
@@ -161,24 +171,39 @@ def run_table(options: argparse.Namespace) -> Outcome:
 
 def run_text2plan(options: argparse.Namespace) -> Outcome:
     """Runs train text2plan."""
-    return _run_floors(options, "text")
+    from chord_usd.layout.config import FLOOR
+    from chord_usd.planning.encoder import ENCODER_FOLDER, TransformersEncoder
+    from chord_usd.planning.words import PROGRAMME_CHANNELS
+
+    if options.text_encoder is None:
+        return _run_floors(options, "text", FLOOR)
+    encoder = TransformersEncoder(options.text_encoder)
+    encoder.save(options.output / "checkpoint" / ENCODER_FOLDER)
+    network = replace(FLOOR, word_channels=encoder.channels + PROGRAMME_CHANNELS)
+    load_encoder = partial(TransformersEncoder, options.text_encoder)
+    return _run_floors(options, "text", network, load_encoder=load_encoder)
 
 
 def run_outline2plan(options: argparse.Namespace) -> Outcome:
     """Runs train outline2plan."""
-    return _run_floors(options, "outline")
-
-
-def _run_floors(options: argparse.Namespace, condition: str) -> Outcome:
-    from chord_usd.data.flats import read_flats
     from chord_usd.layout.config import FLOOR
+
+    return _run_floors(options, "outline", FLOOR)
+
+
+def _run_floors(
+    options: argparse.Namespace, condition: str, network: LayoutConfig, **words: Any
+) -> Outcome:
+    """words: what FloorStream is told of them beside the network."""
+    from chord_usd.data.flats import read_flats
     from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
     from chord_usd.training.trainer import FLOOR_TRAINING, LayoutTrainer
 
     config = _training(options, FLOOR_TRAINING)
     real = read_flats(options.flats, part="train") if options.flats else []
-    trainer = LayoutTrainer(FLOOR, config, options.output)
-    stream = FloorStream(FloorStreamConfig(options.seed, condition), real, FLOOR, config.batch)
+    trainer = LayoutTrainer(network, config, options.output)
+    drawing = FloorStreamConfig(options.seed, condition)
+    stream = FloorStream(drawing, real, network, config.batch, **words)
     return _trained(options, trainer, stream, {"real_plans": len(stream.real_plans)})
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from chord_usd import __version__
+from chord_usd.errors import CheckpointError
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
 from chord_usd.layout.levels import traits_of
@@ -152,8 +153,15 @@ class LayoutModel:
     ) -> list[ByteArray]:
         """Label maps (H, W) of what is laid out on these sheets, which are of one size.
 
-        words: (B, words, channels) for a network that attends to words.
+        words: (B, words, channels) for a network that attends to words. Raises CheckpointError
+        where it was trained with other words.
         """
+        if words is not None and words.shape[-1] != self.config.word_channels:
+            raise CheckpointError(
+                "the network was trained with another text model",
+                expected=f"words of {self.config.word_channels} channels, not {words.shape[-1]}",
+                try_="the checkpoint folder as training left it, its text_encoder within",
+            )
         count = steps or self.config.default_steps
         run = _Run(count, "ddim", tuple(seeds), progress)
         plans = self._described([one.rgb for one in sheets], [one.frame.m_per_px for one in sheets])

@@ -15,6 +15,10 @@ MOST_WORDS = 64
 """Words, and parts of words, of a text that are looked at."""
 
 
+ENCODER_FOLDER = "text_encoder"
+"""In a checkpoint: the text model that its network was trained with, where that is not ours."""
+
+
 class TextEncoder(Protocol):
     """Texts to one vector per word."""
 
@@ -48,6 +52,11 @@ class TransformersEncoder:
         self._model.requires_grad_(False)
         self.channels = int(self._model.config.hidden_size)
 
+    def save(self, folder: Path) -> None:
+        """Tokenizer and weights, as the constructor reads them."""
+        self._tokenizer.save_pretrained(folder)
+        self._model.save_pretrained(folder)
+
     def encode(self, texts: Sequence[str]) -> list[npt.NDArray[np.float32]]:
         """As TextEncoder."""
         tokens = self._tokenizer(
@@ -57,6 +66,15 @@ class TransformersEncoder:
             hidden = self._model(**tokens).last_hidden_state.numpy()
         masks = tokens["attention_mask"].numpy().astype(bool)
         return [rows[mask] for rows, mask in zip(hidden, masks, strict=True)]
+
+
+def encoder_of(checkpoint: Path) -> TextEncoder:
+    """The text model that the network of a checkpoint folder has learned to read.
+
+    Raises ChordError for one that cannot be read.
+    """
+    own = checkpoint / ENCODER_FOLDER
+    return TransformersEncoder(own) if own.is_dir() else default_encoder()
 
 
 def default_encoder() -> TextEncoder:

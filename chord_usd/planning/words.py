@@ -13,13 +13,12 @@ import numpy.typing as npt
 from chord_usd.wish import WISHED_KINDS, Wish
 
 Words = npt.NDArray[np.float32]
-"""(WORDS, WORD_CHANNELS)."""
+"""(WORDS, channels): those of a word of the text, then PROGRAMME_CHANNELS."""
 
 TEXT_CHANNELS = 384
-"""Of a word's embedding (MiniLM)."""
+"""Of a word's embedding by MiniLM, the text model that comes with the program."""
 
 PROGRAMME_CHANNELS = 64
-WORD_CHANNELS = TEXT_CHANNELS + PROGRAMME_CHANNELS
 
 PROGRAMME_ROWS = len(WISHED_KINDS) + 2
 TEXT_ROWS = 49
@@ -33,17 +32,19 @@ _COUNT_AT = PROGRAMME_ROWS
 _AREA_AT = _COUNT_AT + MOST_COUNTED + 3
 
 
-def condition_words(wish: Wish, text: npt.NDArray[np.float32] | None = None) -> Words:
+def condition_words(
+    wish: Wish, text: npt.NDArray[np.float32] | None = None, text_channels: int = TEXT_CHANNELS
+) -> Words:
     """The rows that stand for a wish and the text that it was read from.
 
-    text: (N, TEXT_CHANNELS) embeddings of the text's words, None where there is no text; what is
+    text: (N, text_channels) embeddings of the text's words, None where there is no text; what is
     beyond TEXT_ROWS is not seen.
     """
-    words = np.zeros((WORDS, WORD_CHANNELS), np.float32)
-    words[:PROGRAMME_ROWS, TEXT_CHANNELS:] = _programme(wish)
+    words = np.zeros((WORDS, text_channels + PROGRAMME_CHANNELS), np.float32)
+    words[:PROGRAMME_ROWS, text_channels:] = _programme(wish)
     if text is not None:
         seen = text[:TEXT_ROWS]
-        words[PROGRAMME_ROWS : PROGRAMME_ROWS + len(seen), :TEXT_CHANNELS] = seen
+        words[PROGRAMME_ROWS : PROGRAMME_ROWS + len(seen), :text_channels] = seen
     return words
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from chord_usd import plan_labels
 from chord_usd.bubbles import bubbles_of, jittered, with_bubbles
@@ -16,7 +17,7 @@ from chord_usd.geometry import is_axis_aligned
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.planning.encoder import TextEncoder, default_encoder
 from chord_usd.planning.sheet import blank_sheet
-from chord_usd.planning.words import condition_words
+from chord_usd.planning.words import PROGRAMME_CHANNELS, Words, condition_words
 from chord_usd.pose import Pose, posed
 from chord_usd.training.stream import BatchStream, Drawn, SeededConfig
 from chord_usd.types import Plan, PlanImage
@@ -53,11 +54,15 @@ class FloorStream(BatchStream):
         real_plans: Sequence[Plan],
         network: LayoutConfig,
         batch: int,
+        load_encoder: Callable[[], TextEncoder] = default_encoder,
     ) -> None:
+        """load_encoder: called in the process that draws, where a text is first read."""
         super().__init__(network, batch)
         self.config: FloorStreamConfig = config
         self.real_plans = [plan for plan in real_plans if _is_plain(plan)]
+        self._load_encoder = load_encoder
         self._encoder: TextEncoder | None = None
+        self._text_channels = network.word_channels - PROGRAMME_CHANNELS
 
     def draw(self, rng: np.random.Generator) -> Drawn:
         """One more floor plan, and what is said of it."""
@@ -110,18 +115,21 @@ class FloorStream(BatchStream):
         scale = plan_labels.scale_for_area(floor_area_m2(plan))
         return scale if scale >= finest else None
 
-    def _words(self, plan: Plan, rng: np.random.Generator) -> np.ndarray:
+    def _words(self, plan: Plan, rng: np.random.Generator) -> Words:
         said = describe(plan, rng)
         if self.config.condition == "outline":
             # Its walls say how large it is.
             wish = replace(said.wish, area_m2=None)
-            return condition_words(wish if rng.random() < self.config.wish_chance else Wish())
+            return self._told(wish if rng.random() < self.config.wish_chance else Wish())
         if rng.random() < self.config.silent_chance:
-            return condition_words(Wish())
+            return self._told(Wish())
         if rng.random() >= self.config.text_chance:
-            return condition_words(said.wish)
-        self._encoder = self._encoder or default_encoder()
-        return condition_words(said.wish, self._encoder.encode([said.text])[0])
+            return self._told(said.wish)
+        self._encoder = self._encoder or self._load_encoder()
+        return self._told(said.wish, self._encoder.encode([said.text])[0])
+
+    def _told(self, wish: Wish, text: npt.NDArray[np.float32] | None = None) -> Words:
+        return condition_words(wish, text, self._text_channels)
 
 
 def _is_plain(plan: Plan) -> bool:

@@ -12,7 +12,9 @@ from chord_usd.layout.config import FLOOR
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.transfer import take_up
-from chord_usd.planning.words import PROGRAMME_ROWS, WORD_CHANNELS, WORDS
+from chord_usd.planning.words import PROGRAMME_CHANNELS, PROGRAMME_ROWS, TEXT_CHANNELS, WORDS
+
+WORD_CHANNELS = TEXT_CHANNELS + PROGRAMME_CHANNELS
 
 TINY = replace(
     FLOOR, channels=(32, 32), attention=(False, True), feature_channels=16, default_steps=2

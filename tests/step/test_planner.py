@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -13,11 +15,26 @@ import pytest
 
 from chord_usd.chord_json import read_plan, write_plan
 from chord_usd.data.houses import random_plan
-from chord_usd.errors import ChordError
-from chord_usd.planning.encoder import MOST_WORDS, TransformersEncoder, default_encoder
+from chord_usd.errors import CheckpointError, ChordError
+from chord_usd.layout.checkpoint import save_checkpoint
+from chord_usd.layout.config import FLOOR
+from chord_usd.layout.network import LayoutNetwork
+from chord_usd.layout.sample import LayoutModel
+from chord_usd.plan_labels import sheet_frame
+from chord_usd.planning.encoder import (
+    ENCODER_FOLDER,
+    MOST_WORDS,
+    TransformersEncoder,
+    default_encoder,
+    encoder_of,
+)
 from chord_usd.planning.outline import open_shell
+from chord_usd.planning.sheet import blank_sheet
+from chord_usd.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
 from chord_usd.raster import draw_plan
 from chord_usd.raster_files import write_raster
+from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
+from chord_usd.wish import Wish
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 STEPS = ("--steps", "8")
@@ -50,6 +67,28 @@ def test_clip_is_read_through_transformers(small_clip: Path) -> None:
     assert encoder.channels == 32
     assert short.shape[1] == long.shape[1] == 32
     assert len(short) < len(long)
+
+
+def test_a_network_keeps_the_text_model_that_it_was_trained_with(
+    small_clip: Path, tmp_path: Path
+) -> None:
+    encoder = TransformersEncoder(small_clip)
+    network = replace(
+        FLOOR, channels=(32, 32), attention=(False, True), feature_channels=16,
+        word_channels=encoder.channels + PROGRAMME_CHANNELS,
+    )  # fmt: skip
+    config = FloorStreamConfig(text_chance=1.0)
+    stream = FloorStream(config, [], network, 2, partial(TransformersEncoder, small_clip))
+    assert next(iter(stream))["words"].shape == (2, WORDS, network.word_channels)
+
+    encoder.save(tmp_path / ENCODER_FOLDER)
+    save_checkpoint(tmp_path, LayoutNetwork(network), {})
+    words = condition_words(Wish(), encoder_of(tmp_path).encode(["two rooms"])[0], 32)
+    model, sheet = LayoutModel.load(tmp_path, "cpu"), blank_sheet(sheet_frame(0.12))
+    (labels,) = model.sample_labels([sheet], words[None], seeds=[0], steps=1)
+    assert labels.shape == sheet.rgb.shape[:2]
+    with pytest.raises(CheckpointError, match="another text model"):
+        model.sample_labels([sheet], condition_words(Wish())[None], seeds=[0], steps=1)
 
 
 def test_a_folder_without_a_text_model_is_an_error(tmp_path: Path) -> None:

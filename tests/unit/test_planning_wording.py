@@ -9,10 +9,10 @@ from chord_usd.errors import ChordError
 from chord_usd.layout.config import FLOOR
 from chord_usd.planning.wording import read_wish
 from chord_usd.planning.words import (
+    PROGRAMME_CHANNELS,
     PROGRAMME_ROWS,
     TEXT_CHANNELS,
     TEXT_ROWS,
-    WORD_CHANNELS,
     WORDS,
     condition_words,
 )
@@ -108,7 +108,7 @@ def test_a_wish_reads_back_from_its_own_sentence() -> None:
 
 def test_words_tell_numbers_apart_and_leave_the_unsaid_blank() -> None:
     two, three = (condition_words(Wish({"bedroom": n}, 70.0)) for n in (2, 3))
-    assert two.shape == (WORDS, WORD_CHANNELS)
+    assert two.shape == (WORDS, TEXT_CHANNELS + PROGRAMME_CHANNELS)
     assert not np.array_equal(two, three)
     assert not two[PROGRAMME_ROWS:].any()
     unsaid = condition_words(Wish())
@@ -118,4 +118,4 @@ def test_words_tell_numbers_apart_and_leave_the_unsaid_blank() -> None:
 
 
 def test_the_network_is_made_for_these_words() -> None:
-    assert (FLOOR.words, FLOOR.word_channels) == (WORDS, WORD_CHANNELS)
+    assert (FLOOR.words, FLOOR.word_channels) == (WORDS, TEXT_CHANNELS + PROGRAMME_CHANNELS)
