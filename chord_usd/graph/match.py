@@ -40,6 +40,9 @@ FLUSH_PX = 0.55
 SEEN_AT = "source_px"
 """Key of Item.extra: the corners of what was seen, pixels of the layout raster."""
 
+FRONT_FROM = "front_from"
+"""Key of Item.extra: what told which way the item faces: mark, wall, table or guess."""
+
 ASSET_DISTANCE = "asset_distance_m"
 """Key of Item.extra: how far the mesh misses the item's length and width."""
 
@@ -224,7 +227,7 @@ def reading_order(name: str, box: Box) -> tuple[int, float, float]:
 def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:
     extra = {
         SEEN_AT: np.round(one.detection.corners_px, 2).tolist(),
-        "front_from": "mark" if one.front_seen else "wall",
+        FRONT_FROM: "mark" if one.front_seen else "wall",
         "detected": one.in_detector,
     }
     score = round(one.detection.score, 4)

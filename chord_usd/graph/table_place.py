@@ -19,7 +19,7 @@ from shapely import Polygon
 
 from chord_usd.geometry import footprint_polygon, to_own, to_world
 from chord_usd.graph.fit import fitted_box
-from chord_usd.graph.match import Database, box_of, reading_order
+from chord_usd.graph.match import FRONT_FROM, Database, box_of, reading_order
 from chord_usd.graph.snap import FoundItem
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import Mount, category
@@ -114,7 +114,7 @@ def _matched(
     asset = database.nearest(row.name, box.size_m)
     size_m = fitted_box(box, asset, row, is_guess=True).size_m
     x, y, _ = box.center_m
-    extra = {"front_from": "mark" if one.front_seen else "guess"}
+    extra = {FRONT_FROM: "mark" if one.front_seen else "guess"}
     return Item(
         id="", category=row.name, box=Box((x, y, level_m), size_m, yaw_deg),
         room_id=table.room_id, asset=asset, score=round(one.detection.score, 4), extra=extra,

@@ -43,6 +43,11 @@ NATURAL_PAIRS: frozenset[frozenset[str]] = frozenset(
 """Categories that overlap by nature: a panel behind what leans on it, a chair under a table."""
 
 
+def natural_partners(name: str) -> frozenset[str]:
+    """Categories that overlap one by nature: of a chair, the tables it is pushed under."""
+    return frozenset(other for pair in NATURAL_PAIRS if name in pair for other in pair - {name})
+
+
 @dataclass(frozen=True)
 class PairOverlap:
     """Two items whose footprints overlap."""

@@ -20,7 +20,7 @@ from pxr import UsdGeom
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.openings import ClearFloor, clearances, is_high_enough
-from chord_usd.metrics.overlap import MIN_OVERLAP_M2, NATURAL_PAIRS
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2, natural_partners
 from chord_usd.places import FreePlaces, places_near
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
@@ -34,7 +34,7 @@ FARTHEST_M = 0.5
 
 _STEP_M = 0.02
 
-_TABLES = frozenset(name for pair in NATURAL_PAIRS if SEAT in pair for name in pair - {SEAT})
+_TABLES = natural_partners(SEAT)
 _WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)])
 """In the chair's own frame: back, left, right. Ties go to the first."""
 
