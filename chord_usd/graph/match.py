@@ -24,6 +24,7 @@ from chord_usd.graph.flush import (
     pull_into,
 )
 from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
+from chord_usd.graph.panels import end_with_wall
 from chord_usd.graph.runs import level_fronts
 from chord_usd.graph.snap import FoundItem
 from chord_usd.palette import Category, Mount, category
@@ -184,7 +185,10 @@ def _items_of(
         standings[index] = pull_into(flush, floor)
     standings = part(standings, reach_m)
     rows = [category(one.detection.category) for one, _ in found]
-    boxes = [standing.on(box) for (_, box), standing in zip(found, standings, strict=True)]
+    boxes = [
+        end_with_wall(standing.on(box), floor) if row.mount is Mount.WALL else standing.on(box)
+        for (_, box), standing, row in zip(found, standings, rows, strict=True)
+    ]
     placed = [
         (one, free_floor.kept(Standing.of(box), box, row, reach_m))
         for (one, _), box, row in zip(
