@@ -239,12 +239,12 @@ def _read(picture: Path) -> np.ndarray:
 
 
 def _row(tries: list[Try]) -> str:
-    decibels = [float(one.psnr_db.mean()) for one in tries]
+    decibels, cpu_s = _means(tries)
     quality = ", ".join(f"{one:.1f}" for one in decibels)
     if max(decibels) < GOAL_DB:
         return f"not reached ({quality} dB)"
     below = "at most " if decibels[0] >= GOAL_DB else ""
-    return f"{below}{_seconds(decibels, [one.cpu_s.mean() for one in tries]):.1f} s ({quality} dB)"
+    return f"{below}{_seconds(decibels, cpu_s):.1f} s ({quality} dB)"
 
 
 def _seconds(decibels: list[float], cpu_s: list[float]) -> float:
@@ -254,20 +254,31 @@ def _seconds(decibels: list[float], cpu_s: list[float]) -> float:
 
 
 def _gain(theirs: list[Try], ours: list[Try]) -> str:
-    """How many times as fast, by the means and in single rooms that both bring to the goal."""
-    means = [
-        _seconds([float(one.psnr_db.mean()) for one in tries], [one.cpu_s.mean() for one in tries])
-        for tries in (theirs, ours)
-    ]
+    """How many times as fast, by the means, and in each room that both bring to the goal."""
+    whole = [_means(tries) for tries in (theirs, ours)]
+    if not all(_reaches(decibels) for decibels, _ in whole):
+        return "not told: not reached within these samples"
     rooms = []
-    for at in range(len(theirs[0].cpu_s)):
-        both = [
-            ([t.psnr_db[at] for t in tries], [t.cpu_s[at] for t in tries])
-            for tries in (theirs, ours)
-        ]
-        if all(min(decibels) < GOAL_DB < max(decibels) for decibels, _ in both):
+    for at in range(len(ours[0].cpu_s)):
+        both = [_of_room(tries, at) for tries in (theirs, ours)]
+        if all(_reaches(decibels) for decibels, _ in both):
             rooms.append(_seconds(*both[0]) / _seconds(*both[1]))
-    return f"{means[0] / means[1]:.2f}; median {np.median(rooms):.2f} of {len(rooms)} rooms by themselves"
+    each = ", ".join(f"{times:.1f}" for times in sorted(rooms)) or "none"
+    return f"{_seconds(*whole[0]) / _seconds(*whole[1]):.2f} (by room, where measured: {each})"
+
+
+def _reaches(decibels: list[float]) -> bool:
+    """Whether the goal lies between two tries, not before the first."""
+    return decibels[0] < GOAL_DB <= max(decibels)
+
+
+def _means(tries: list[Try]) -> tuple[list[float], list[float]]:
+    """PSNR and seconds of each try."""
+    return [float(t.psnr_db.mean()) for t in tries], [float(t.cpu_s.mean()) for t in tries]
+
+
+def _of_room(tries: list[Try], at: int) -> tuple[list[float], list[float]]:
+    return [float(t.psnr_db[at]) for t in tries], [float(t.cpu_s[at]) for t in tries]
 
 
 if __name__ == "__main__":

@@ -18,6 +18,10 @@ _METAL = 0.1
 _PROBES = 997
 """Pixels of a texture that are averaged; a prime, so that no pattern hides between."""
 
+_GLOSS = 0.03
+"""Share of light from all around that a highlight returns. Measured on a black plane under an even
+sky, at a roughness of 0.9: Cycles blurs all highlights that scattered light meets."""
+
 
 def make_bounces_matte() -> None:
     """Let scattered light meet each opaque surface as matte, in the mean colour of its texture."""
@@ -32,7 +36,7 @@ def make_bounces_matte() -> None:
             continue
         colour = _plain_colour(surface, means)
         if colour is not None:
-            _split(tree, output, colour)
+            _split(tree, output, _with_gloss(colour))
 
 
 def _split(tree: Any, output: Any, colour: tuple[float, float, float]) -> None:
@@ -72,6 +76,12 @@ def _plain_colour(surface: Any, means: dict[str, Any]) -> tuple[float, float, fl
         means[name] = _mean(texture.image)
     mean: tuple[float, float, float] | None = means[name]
     return mean
+
+
+def _with_gloss(colour: tuple[float, float, float]) -> tuple[float, float, float]:
+    """What a surface returns with its highlight; else rooms are darker by a level of 255."""
+    red, green, blue = (channel + _GLOSS * (1.0 - channel) for channel in colour)
+    return red, green, blue
 
 
 def _mean(image: Any) -> tuple[float, float, float] | None:
