@@ -58,6 +58,22 @@ def _sketched(bubble: Bubble, rng: np.random.Generator) -> Bubble:
     return Bubble(bubble.kind, bubble.x_m + float(dx_m), bubble.y_m + float(dy_m), radius_m)
 
 
+def stretched(
+    bubbles: Sequence[Bubble], origin_m: tuple[float, float], factor: float
+) -> tuple[Bubble, ...]:
+    """The diagram so many times as large, a point of the plane staying where it is."""
+    x_m, y_m = origin_m
+    return tuple(
+        Bubble(
+            one.kind,
+            x_m + (one.x_m - x_m) * factor,
+            y_m + (one.y_m - y_m) * factor,
+            one.radius_m * factor,
+        )
+        for one in bubbles
+    )
+
+
 def touching_pairs(bubbles: Sequence[Bubble]) -> int:
     """How many pairs touch or overlap, as rooms of a house never do."""
     return sum(

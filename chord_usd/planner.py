@@ -13,12 +13,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.bubbles import with_bubbles
+from chord_usd.bubbles import Bubble, stretched, with_bubbles
 from chord_usd.errors import PlanError
 from chord_usd.locations import checkpoint_folder
 from chord_usd.pipeline import Settings, read_plan
 from chord_usd.progress import Progress
-from chord_usd.types import ByteArray, PixelFrame, Plan, PlanImage
+from chord_usd.types import ByteArray, Plan, PlanImage
 from chord_usd.wish import NAMES, Wish
 
 if TYPE_CHECKING:
@@ -73,6 +73,15 @@ class Site:
     ground: Ground
     programme: Wish
     """In an open plan, how many rooms of every kind; elsewhere only what was asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What a floor is drawn on."""
+
+    sheet: PlanImage
+    """With the diagram on it."""
+    bubbles: tuple[Bubble, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,22 +247,25 @@ def _sampled(
 
     from chord_usd.planning.partition import plan_from_labels
 
-    sheets = _sketched(site, planner.sketcher, seeds)
+    drawings = _sketched(site, planner.sketcher, seeds)
     maps = planner.model.sample_labels(
-        sheets,
+        [drawing.sheet for drawing in drawings],
         np.stack([commission.words] * len(seeds)),
         seeds=list(seeds),
         steps=steps,
         progress=progress,
     )
-    drawn = zip(maps, (sheet.frame for sheet in sheets), strict=True)
-    if commission.shell is None and commission.wish.area_m2 is not None:
-        return [_at_size(labels, frame, commission.wish.area_m2) for labels, frame in drawn]
-    return [plan_from_labels(labels, frame, commission.shell) for labels, frame in drawn]
+    area_m2 = commission.wish.area_m2 if commission.shell is None else None
+    return [
+        _at_size(labels, drawing, area_m2)
+        if area_m2 is not None
+        else plan_from_labels(labels, drawing.sheet.frame, commission.shell, drawing.bubbles)
+        for labels, drawing in zip(maps, drawings, strict=True)
+    ]
 
 
-def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[PlanImage]:
-    """A sheet for each seed: the open plan, or none, and what the rooms shall be in it."""
+def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[Drawing]:
+    """For each seed: the open plan, or none, and what the rooms shall be in it."""
     from chord_usd.planning import sheet
 
     count = SKETCHES * len(seeds)
@@ -263,10 +275,13 @@ def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[PlanImage]:
         bubbles = sheet.on_sheet(blank, sketch.bubbles)
         found.append((sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
     found.sort(key=lambda one: one[:2])
-    return [with_bubbles(blank, bubbles) for _, _, blank, bubbles in found[: len(seeds)]]
+    return [
+        Drawing(with_bubbles(blank, bubbles), bubbles)
+        for _, _, blank, bubbles in found[: len(seeds)]
+    ]
 
 
-def _at_size(labels: ByteArray, frame: PixelFrame, area_m2: float) -> Plan:
+def _at_size(labels: ByteArray, drawing: Drawing, area_m2: float) -> Plan:
     """The plan of a label map at the scale at which its floor is as large as was asked for.
 
     A sheet has no scale bar: the network knows it to some per cent. Walls stay as thick.
@@ -274,11 +289,13 @@ def _at_size(labels: ByteArray, frame: PixelFrame, area_m2: float) -> Plan:
     from chord_usd.planning.partition import plan_from_labels
     from chord_usd.wish import floor_area_m2
 
-    plan = plan_from_labels(labels, frame, None)
+    frame, bubbles = drawing.sheet.frame, drawing.bubbles
+    plan = plan_from_labels(labels, frame, None, bubbles)
     if not plan.rooms:
         return plan
     wanted = (area_m2 / floor_area_m2(plan)) ** 0.5
     stretch = min(max(wanted, 1.0 - MOST_STRETCH), 1.0 + MOST_STRETCH)
     if abs(stretch - 1.0) < _SAME_LENGTH:
         return plan
-    return plan_from_labels(labels, replace(frame, m_per_px=frame.m_per_px * stretch), None)
+    larger = replace(frame, m_per_px=frame.m_per_px * stretch)
+    return plan_from_labels(labels, larger, None, stretched(bubbles, frame.origin_m, stretch))

@@ -14,8 +14,10 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd import plan_labels
+from chord_usd.bubbles import Bubble
 from chord_usd.geometry import polygons_of, room_polygon, rooms_beside
 from chord_usd.planning.cells import LEAST_ROOM_M2, CellGrid, Rooms, cell_grid
+from chord_usd.planning.divide import Seed
 from chord_usd.planning.faults import LEAST_AREA_M2, LEAST_WIDTH_M
 from chord_usd.planning.ways import Border, missing_doors
 from chord_usd.types import (
@@ -70,15 +72,21 @@ class _Stretch:
     rooms: tuple[int, int]
 
 
-def plan_from_labels(labels: ByteArray, frame: PixelFrame, shell: Plan | None = None) -> Plan:
+def plan_from_labels(
+    labels: ByteArray,
+    frame: PixelFrame,
+    shell: Plan | None = None,
+    bubbles: Sequence[Bubble] = (),
+) -> Plan:
     """The plan that a label map (H, W) shows; it has no rooms where none are seen.
 
     What is too small for a room goes to its neighbour, and rooms that nothing leads to get a door
     (ways.missing_doors). shell: an open plan of one room, whose outer walls and their openings stay
-    as they are.
+    as they are; bubbles: the diagram that it was painted to, in metres: what was painted as one
+    and has two bubbles of its kind are two rooms.
     """
-    house, fixed = _house(labels, frame, shell)
-    grid = cell_grid(labels, house, frame.m_per_px, fixed)
+    house, walls = _house(labels, frame, shell)
+    grid = cell_grid(labels, house, frame.m_per_px, walls, _seeds(bubbles, frame))
     grid, floors = _without_slivers(grid, frame, shell)
     numbers, rooms = _rooms(grid, floors)
     stretches = list(_stretches(grid))
@@ -94,6 +102,17 @@ def plan_from_labels(labels: ByteArray, frame: PixelFrame, shell: Plan | None = 
     return Plan(tuple(rooms), tuple(_named(found)))
 
 
+def _seeds(bubbles: Sequence[Bubble], frame: PixelFrame) -> dict[int, list[Seed]]:
+    """The bubbles that lie on the sheet, by their labels."""
+    found: dict[int, list[Seed]] = {}
+    for bubble in bubbles:
+        column, row = np.floor(px_from_m(np.array([[bubble.x_m, bubble.y_m]]), frame)[0])
+        if min(column, row) >= 0 and max(column, row) < frame.height_px:
+            seed = Seed(int(column), int(row), bubble.radius_m / frame.m_per_px)
+            found.setdefault(plan_labels.label_of(bubble.kind), []).append(seed)
+    return found
+
+
 def _middle(shell: Plan) -> Polygon:
     """The area up to the middle of a shell's walls."""
     return room_polygon(shell.rooms[0]).buffer(_HALF_WALL_M, join_style="mitre")
@@ -101,14 +120,14 @@ def _middle(shell: Plan) -> Polygon:
 
 def _house(
     labels: ByteArray, frame: PixelFrame, shell: Plan | None
-) -> tuple[BoolArray, tuple[list[float], list[float]]]:
-    """The pixels up to the middle of the outer walls, and the lines that these walls fix."""
+) -> tuple[BoolArray, tuple[list[float], list[float]] | None]:
+    """The pixels up to the middle of the outer walls, and the lines that a shell's walls fix."""
     if shell is None:
         whole = plan_labels.house_mask(labels).astype(np.uint8)
         count, pieces, stats, _ = cv2.connectedComponentsWithStats(whole, connectivity=4)
         if count > 1:
             whole = (pieces == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())).astype(np.uint8)
-        return cv2.erode(whole, np.ones((3, 3), np.uint8)).astype(bool), ([], [])
+        return cv2.erode(whole, np.ones((3, 3), np.uint8)).astype(bool), None
     corners = np.asarray(_middle(shell).exterior.coords)
     corners_px = px_from_m(corners, frame)
     rows, columns = np.indices(labels.shape)
