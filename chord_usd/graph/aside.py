@@ -13,15 +13,10 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.metrics.openings import (
-    ClearFloor,
-    blocked_openings,
-    clearances,
-    is_high_enough,
-)
-from chord_usd.metrics.overlap import MIN_OVERLAP_M2, overlaps_by_nature
-from chord_usd.places import FreePlaces, places_near
+from chord_usd.geometry import room_polygon
+from chord_usd.metrics.free_places import free_places
+from chord_usd.metrics.openings import ClearFloor, blocked_openings, clearances
+from chord_usd.places import places_near
 from chord_usd.types import MOVED, Item, SceneGraph
 
 FARTHEST_M = 0.1
@@ -56,13 +51,7 @@ def _aside(
     item: Item, floor: shapely.Polygon, items: Iterable[Item], clear: Sequence[ClearFloor]
 ) -> Item:
     """The item at the nearest free place; where it is, if there is none."""
-    others = [
-        footprint_polygon(other.box)
-        for other in items
-        if other.id != item.id and not overlaps_by_nature(item, other)
-    ]
-    kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
-    free = FreePlaces(item.box, floor, others, kept_free, touch_m2=MIN_OVERLAP_M2)
+    free = free_places(item, floor, items, clear, is_to_clear=True)
     for distance_m, box in places_near(item.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box):
             return replace(item, box=box, extra={**item.extra, MOVED: distance_m})

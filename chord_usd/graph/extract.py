@@ -16,7 +16,7 @@ from chord_usd.graph.detect import (
 from chord_usd.graph.directions import plan_directions
 from chord_usd.graph.match import Database, match_assets, place_items
 from chord_usd.graph.rooms import read_plan
-from chord_usd.graph.seating import face_tables
+from chord_usd.graph.seating import seat_chairs
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
@@ -60,10 +60,11 @@ def extract_graph(
     graph = SceneGraph(
         rooms=plan.rooms,
         openings=plan.openings,
-        items=face_tables(place_items(found, plan.rooms, layout.frame, plan.openings)),
+        items=place_items(found, plan.rooms, layout.frame, plan.openings),
         provenance=layout.provenance,
         extra=plan.extra,
     )
+    graph = seat_chairs(graph)
     return match_assets(graph, database) if database else graph
 
 

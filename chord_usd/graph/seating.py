@@ -1,19 +1,25 @@
-"""Chairs whose front mark is torn face the table they stand at.
+"""Chairs as they stand at tables: they face them, and those of one table are a set.
 
-Without a mark a chair says nothing of its front: it is about square, and stands off the walls.
+Where tables are, the model paints chairs with torn edges and marks. Without a mark a chair says
+nothing of its front, being about square and off the walls; and by their edges alone no two chairs
+of a table would be of one size, and so of one design.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from chord_usd.geometry import footprint_polygon, front_direction, to_own
+from chord_usd.geometry import footprint_polygon, front_direction, room_polygon, to_own, to_world
 from chord_usd.graph.match import FRONT_FROM
+from chord_usd.metrics.free_places import free_places
+from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
-from chord_usd.types import Box, FloatArray, Item
+from chord_usd.palette import category
+from chord_usd.types import Box, FloatArray, Item, SceneGraph
 from chord_usd.units import rotation_2d, wrap_deg
 
 SEAT = "chair"
@@ -21,35 +27,43 @@ _TABLES = natural_partners(SEAT)
 _AT_TABLE_M = 0.4
 """A chair this close to a table is one of its."""
 
+_LEAST_SHARE = 0.6
+"""What is shorter or narrower than this share of the smallest chair is a scrap of one."""
 
-def face_tables(items: Sequence[Item]) -> tuple[Item, ...]:
-    """The items, chairs without a mark turned by quarters to the nearest table of their room.
 
-    Their footprints stay. Chairs at no table keep the way they face.
+def seat_chairs(graph: SceneGraph) -> SceneGraph:
+    """The graph with chairs that face their tables, in sets of one size; meshes are to be matched.
+
+    A chair whose front was seen faces as it did, and so does one at no table.
     """
-    tables = [item for item in items if item.category in _TABLES]
-    return tuple(
-        _facing(item, tables)
-        if item.category == SEAT and item.extra.get(FRONT_FROM) == "wall"
-        else item
-        for item in items
-    )
+    faced = tuple(_facing(item, graph.items) for item in graph.items)
+    return _even_sets(replace(graph, items=faced))
 
 
-def _facing(chair: Item, tables: Sequence[Item]) -> Item:
+def _table_of(chair: Item, items: Sequence[Item]) -> Item | None:
+    """The nearest table of the chair's room, if it is near."""
     shape = footprint_polygon(chair.box)
     near = [
-        (gap_m, table.id, table)
-        for table in tables
-        if table.room_id == chair.room_id
-        and (gap_m := shape.distance(footprint_polygon(table.box))) < _AT_TABLE_M
+        (gap_m, item.id, item)
+        for item in items
+        if item.category in _TABLES
+        and item.room_id == chair.room_id
+        and (gap_m := shape.distance(footprint_polygon(item.box))) < _AT_TABLE_M
     ]
-    if not near:
-        return chair
-    way = _inward(min(near)[2].box, chair.box)
-    turned = [_turned(chair.box, quarters) for quarters in range(4)]
+    return min(near)[2] if near else None
+
+
+def _facing(item: Item, items: Sequence[Item]) -> Item:
+    """A chair without a mark turned by quarters to its table, its footprint where it was."""
+    if item.category != SEAT or item.extra.get(FRONT_FROM) != "wall":
+        return item
+    table = _table_of(item, items)
+    if table is None:
+        return item
+    way = _inward(table.box, item.box)
+    turned = [_turned(item.box, quarters) for quarters in range(4)]
     box = max(turned, key=lambda one: float(front_direction(one.yaw_deg) @ way))
-    return replace(chair, box=box, extra={**chair.extra, FRONT_FROM: "table"})
+    return replace(item, box=box, extra={**item.extra, FRONT_FROM: "table"})
 
 
 def _inward(table: Box, chair: Box) -> FloatArray:
@@ -67,3 +81,48 @@ def _turned(box: Box, quarters: int) -> Box:
     if quarters % 2:
         length, depth = depth, length
     return Box(box.center_m, (length, depth, height), wrap_deg(box.yaw_deg + 90.0 * quarters))
+
+
+def _even_sets(graph: SceneGraph) -> SceneGraph:
+    """The graph with the chairs of each table in the middle one of their sizes, of usual ones.
+
+    Their fronts stay where they were. A chair that would grow into something, or before a door,
+    stays as it is.
+    """
+    clear = list(clearances(graph.rooms, graph.openings))
+    floors = {room.id: room_polygon(room) for room in graph.rooms}
+    items = {item.id: item for item in graph.items}
+    for chairs in _sets(graph.items):
+        length_m, depth_m = _usual_size_m(chairs)
+        for chair in chairs:
+            box = _sized(chair.box, length_m, depth_m)
+            free = free_places(chair, floors.get(chair.room_id), items.values(), clear)
+            if free.has(box):
+                items[chair.id] = replace(chair, box=box)
+    return replace(graph, items=tuple(items.values()))
+
+
+def _sets(items: Sequence[Item]) -> list[list[Item]]:
+    """The chairs of each table, without scraps of chairs."""
+    row = category(SEAT)
+    least = _LEAST_SHARE * np.array([row.length_m[0], row.width_m[0]])
+    sets: defaultdict[str, list[Item]] = defaultdict(list)
+    for item in items:
+        if item.category == SEAT and (np.array(item.box.size_m[:2]) >= least).all():
+            table = _table_of(item, items)
+            if table is not None:
+                sets[table.id].append(item)
+    return list(sets.values())
+
+
+def _sized(box: Box, length_m: float, depth_m: float) -> Box:
+    """The box in another size, the middle of its front where it was."""
+    x_m, y_m = to_world(box, (0.0, (depth_m - box.size_m[1]) / 2))
+    center_m = (float(x_m), float(y_m), box.center_m[2])
+    return replace(box, center_m=center_m, size_m=(length_m, depth_m, box.size_m[2]))
+
+
+def _usual_size_m(chairs: Sequence[Item]) -> tuple[float, float]:
+    row = category(SEAT)
+    length_m, depth_m = np.median([chair.box.size_m[:2] for chair in chairs], axis=0)
+    return float(np.clip(length_m, *row.length_m)), float(np.clip(depth_m, *row.width_m))

@@ -8,7 +8,7 @@ never moves into something else, out of its room or before a door.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,9 +18,9 @@ import trimesh
 from pxr import UsdGeom
 
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.metrics.footprints import is_underfoot
-from chord_usd.metrics.openings import ClearFloor, clearances, is_high_enough
-from chord_usd.metrics.overlap import MIN_OVERLAP_M2, natural_partners
+from chord_usd.metrics.free_places import free_places
+from chord_usd.metrics.openings import clearances
+from chord_usd.metrics.overlap import natural_partners
 from chord_usd.places import FreePlaces, places_near
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
@@ -57,8 +57,9 @@ def draw_out_chairs(
         return graph
     items = {item.id: item for item in graph.items}
     clear = list(clearances(graph.rooms, graph.openings))
+    floors = {room.id: room_polygon(room) for room in graph.rooms}
     for chair, tables in caught:
-        free = _free_places(chair, graph, items.values(), clear)
+        free = free_places(chair, floors.get(chair.room_id), items.values(), clear)
         items[chair.id] = _drawn_out(chair, tables, free)
     return replace(graph, items=tuple(items.values()))
 
@@ -87,21 +88,6 @@ def _drawn_out(chair: Item, tables: Sequence[Item], free: FreePlaces) -> Item:
             moved_m = round(chair.extra.get(MOVED, 0.0) + distance_m, 6)
             return replace(chair, box=box, extra={**chair.extra, MOVED: moved_m})
     return chair
-
-
-def _free_places(
-    chair: Item, graph: SceneGraph, items: Iterable[Item], clear: Iterable[ClearFloor]
-) -> FreePlaces:
-    """Where the chair may stand; tables are not asked. items: all as they stand by now."""
-    others = [
-        footprint_polygon(item.box)
-        for item in items
-        if item.id != chair.id and item.category not in _TABLES and not is_underfoot(item)
-    ]
-    kept = [floor for opening, floor in clear if is_high_enough(chair, opening)]
-    room = next((room for room in graph.rooms if room.id == chair.room_id), None)
-    floor = room_polygon(room) if room else None
-    return FreePlaces(chair.box, floor, [*others, *kept], touch_m2=MIN_OVERLAP_M2)
 
 
 def _runs_into(box: Box, chair: Item, tables: Sequence[Item]) -> bool:

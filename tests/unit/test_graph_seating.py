@@ -1,15 +1,27 @@
-"""Chairs without a front mark face their table; all others face what they faced."""
+"""Chairs without a front mark face their table, and those of one table are of one size."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from chord_usd.geometry import footprint_polygon, front_direction
-from chord_usd.graph.seating import face_tables
-from chord_usd.types import Box, Item
+from chord_usd.geometry import footprint, footprint_polygon, front_direction
+from chord_usd.graph.seating import seat_chairs
+from chord_usd.metrics.overlap import scene_overlap
+from chord_usd.palette import category
+from chord_usd.types import Box, Item, Room, SceneGraph, frozen_array
 
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.8, 0.8, 0.75), 30.0), "r")
+
+
+ROOM = Room("r", "dining", frozen_array([(-2.0, -2.0), (6.0, -2.0), (6.0, 6.0), (-2.0, 6.0)]))
+
+
+def seated(*items: Item) -> tuple[Item, ...]:
+    return seat_chairs(SceneGraph((ROOM,), (), items)).items
 
 
 def chair(own_x_m: float, own_y_m: float, yaw_deg: float = 75.0, seen: str = "wall") -> Item:
@@ -28,11 +40,11 @@ def test_at_every_side_of_a_table_it_faces_across() -> None:
     ):  # fmt: skip
         for before_deg in (30.0, 120.0, -150.0, -60.0):
             before = chair(own_x_m, own_y_m, before_deg)
-            after = face_tables([TABLE, before])[1]
+            after = seated(TABLE, before)[1]
             assert after.box.yaw_deg == pytest.approx(yaw_deg), (own_x_m, own_y_m)
             assert after.extra["front_from"] == "table"
             same = footprint_polygon(after.box).symmetric_difference(footprint_polygon(before.box))
-            assert same.area < 1e-9
+            assert same.area < 1e-9, "its size is usual, and its footprint stays"
 
 
 def test_of_two_tables_it_faces_the_nearer() -> None:
@@ -40,7 +52,7 @@ def test_of_two_tables_it_faces_the_nearer() -> None:
     near = Item("c", "chair", Box((2.0, 2.95, 0.0), (0.4, 0.4, 0.9), 0.0), "r", extra={
         "front_from": "wall"
     })  # fmt: skip
-    turned = face_tables([TABLE, other, near])[2]
+    turned = seated(TABLE, other, near)[2]
     assert front_direction(turned.box.yaw_deg) == pytest.approx((0.0, 1.0))
 
 
@@ -55,4 +67,47 @@ def test_of_two_tables_it_faces_the_nearer() -> None:
     ids=["its mark was seen", "too far off", "no chair", "in another room"],
 )
 def test_others_stay_as_they_are(item: Item) -> None:
-    assert face_tables([TABLE, item]) == (TABLE, item)
+    assert seated(TABLE, item)[1].box.yaw_deg == item.box.yaw_deg
+
+
+def sized(own_x_m: float, own_y_m: float, length_m: float, depth_m: float, name: str) -> Item:
+    """With its front to the table."""
+    at = chair(own_x_m, own_y_m, 30.0 if own_y_m > 0 else -150.0, "mark")
+    return replace(at, id=name, box=replace(at.box, size_m=(length_m, depth_m, 0.9)))
+
+
+def sizes_m(items: Iterable[Item]) -> list[tuple[float, float]]:
+    return [item.box.size_m[:2] for item in items if item.category == "chair"]
+
+
+def test_chairs_of_a_table_take_the_middle_of_their_sizes() -> None:
+    chairs = [
+        sized(-0.5, 0.6, 0.42, 0.5, "a"),
+        sized(0.5, 0.6, 0.48, 0.46, "b"),
+        sized(0.0, -0.6, 0.56, 0.58, "c"),
+    ]
+    after = seated(TABLE, *chairs)
+    assert sizes_m(after) == [pytest.approx((0.48, 0.5))] * 3
+    for old, new in zip(chairs, after[1:], strict=True):
+        fronts = [footprint(one.box)[[1, 2]].mean(axis=0) for one in (old, new)]
+        assert fronts[0] == pytest.approx(fronts[1]), "no chair comes nearer to the table"
+    assert sizes_m(seated(*chairs)) == sizes_m(chairs), "without a table they are no set"
+
+
+def test_no_chair_is_a_doll_s_but_scraps_are_left_to_be_told() -> None:
+    row = category("chair")
+    least = (row.length_m[0], row.width_m[0])
+    small = sized(0.0, 0.6, 0.28, 0.36, "small")
+    scrap = sized(0.6, -0.6, 0.18, 0.2, "scrap")
+    assert sizes_m(seated(TABLE, small, scrap)) == [pytest.approx(least), (0.18, 0.2)]
+
+
+@pytest.mark.parametrize("gap_m", [0.01, 0.2])
+def test_a_chair_does_not_grow_into_its_neighbour(gap_m: float) -> None:
+    left = sized(-0.15 - gap_m / 2, 0.6, 0.3, 0.4, "left")
+    right = sized(0.15 + gap_m / 2, 0.6, 0.3, 0.4, "right")
+    after = seated(TABLE, left, right)
+    graph = SceneGraph((ROOM,), (), after)
+    assert not [pair for pair in scene_overlap(graph).overlapping if not pair.natural]
+    grown = [size[0] > 0.35 for size in sizes_m(after)]
+    assert all(grown) if gap_m > 0.1 else not all(grown)

@@ -1,0 +1,38 @@
+"""Where an item could stand without anything to find fault with; for what moves items."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import shapely
+
+from chord_usd.geometry import footprint_polygon
+from chord_usd.metrics.openings import ClearFloor, is_high_enough
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2, overlaps_by_nature
+from chord_usd.places import FreePlaces
+from chord_usd.types import Item
+
+
+def free_places(
+    item: Item,
+    floor: shapely.Polygon | None,
+    items: Iterable[Item],
+    clear: Iterable[ClearFloor],
+    *,
+    is_to_clear: bool = False,
+) -> FreePlaces:
+    """Places in an item's room where it is in no other item and before no opening.
+
+    floor: of its room, None where it is in none. items: all of the house; those that it overlaps by
+    nature are not in its way. is_to_clear: it has to leave openings that it stands before; else it
+    only comes no farther before them.
+    """
+    others = [
+        footprint_polygon(other.box)
+        for other in items
+        if other.id != item.id and not overlaps_by_nature(item, other)
+    ]
+    kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
+    if is_to_clear:
+        return FreePlaces(item.box, floor, others, kept_free, touch_m2=MIN_OVERLAP_M2)
+    return FreePlaces(item.box, floor, [*others, *kept_free], touch_m2=MIN_OVERLAP_M2)
