@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from chord_usd.networks import WEIGHTS_FILE
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.sketch import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.progress import Progress
+from chord_usd.training.budget import Budget
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.sketch_data import Batch, Sketched, batch_of, endless_batches
 from chord_usd.training.sketch_network import SketchNetwork
@@ -64,35 +64,26 @@ def train_sketches(
     network = SketchNetwork().to(config.device)
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
     before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
-    step, started = int(before["step"]), time.monotonic()
-    saved = started
-    batches = endless_batches(houses, real, config.real_share, config.batch, config.seed + step)
-    first_step = step
-    for batch in batches:
-        minutes = (time.monotonic() - started) / 60.0
-        rate = config.learning_rate * warm_and_cool(
-            step - first_step,
-            config.warmup_steps,
-            min(minutes / config.minutes, 1.0),
-            config.cooldown_share,
-            _END_RATE,
-        )
+    step = first_step = int(before["step"])
+    budget = Budget(config.minutes)
+    for batch in endless_batches(houses, real, config.real_share, config.batch, config.seed + step):
+        steps, cooldown = step - first_step, config.cooldown_share
+        rate = warm_and_cool(steps, config.warmup_steps, budget.share, cooldown, _END_RATE)
         loss = batch_loss(network, tuple(part.to(config.device) for part in batch)).mean()
-        weights.step(loss, rate, config.gradient_clip, step)
+        weights.step(loss, config.learning_rate * rate, config.gradient_clip, step)
         step += 1
         if progress and step % 25 == 0:
-            progress(round(minutes * 60), round(config.minutes * 60))
-        ended = minutes > config.minutes
-        if ended or time.monotonic() - saved > _SAVE_MINUTES * 60:
-            saved = time.monotonic()
-            counters = {"step": step, "minutes": before["minutes"] + minutes}
+            progress(round(budget.spent * 60), round(config.minutes * 60))
+        ended = budget.is_over
+        if ended or budget.is_due("save", _SAVE_MINUTES):
+            counters = {"step": step, "minutes": before["minutes"] + budget.spent}
             weights.save(folder / STATE_FOLDER, counters)
         if ended:
             break
     facts = {
         "steps": step,
         "batch": config.batch,
-        "minutes": round(before["minutes"] + minutes, 1),
+        "minutes": round(before["minutes"] + budget.spent, 1),
         "houses": len(houses),
         "real_plans": len(real),
         "held_out_nats": round(_score(weights.average, judges), 3),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import time
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
@@ -22,6 +21,7 @@ from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.layout.transfer import adopt, take_up
+from chord_usd.training.budget import Budget
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.stream import Batch, BatchStream, batch_loader
@@ -102,7 +102,7 @@ class LayoutTrainer:
         self.network, self.average = self.weights.network, self.weights.average
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
-        self.started = time.monotonic()
+        self.budget = Budget(config.minutes)
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
@@ -148,7 +148,7 @@ class LayoutTrainer:
     @property
     def minutes(self) -> float:
         """Minutes since this call of the program began."""
-        return (time.monotonic() - self.started) / 60.0
+        return self.budget.spent
 
     def train(self, stream: BatchStream, report: Report) -> None:
         """Runs until the minutes are spent, saving every save_minutes and at the end."""
@@ -157,20 +157,17 @@ class LayoutTrainer:
         self.data = asdict(stream.config)
         # A resumed run must not see the data of its first minutes again.
         stream.skip_to(self.step)
-        last_save = last_sheet = self.started = time.monotonic()
+        budget = self.budget = Budget(config.minutes)
         self.first_step = self.step
         for batch in batch_loader(stream, config.workers):
             losses = self._step(batch)
             if self.step % 25 == 0:
                 self._log(losses, report)
-            now = time.monotonic()
-            if now - last_save > config.save_minutes * 60:
+            if budget.is_due("save", config.save_minutes):
                 self.save()
-                last_save = now
-            if now - last_sheet > config.sheet_minutes * 60:
+            if budget.is_due("sheet", config.sheet_minutes):
                 self._draw_sheet(stream)
-                last_sheet = now
-            if self.minutes > config.minutes:
+            if budget.is_over:
                 break
         self.save()
         self._draw_sheet(stream)
@@ -251,7 +248,7 @@ class LayoutTrainer:
         return config.learning_rate * warm_and_cool(
             self.step - self.first_step,
             config.warmup_steps,
-            min(self.minutes / config.minutes, 1.0),
+            self.budget.share,
             config.cooldown_share,
             _END_RATE,
         )

@@ -141,7 +141,7 @@ def test_learning_rate_warms_up_and_cools_down(tmp_path):
     assert trainer._learning_rate() == pytest.approx(0.5 * QUICK.learning_rate)
     trainer.step = 100
     assert trainer._learning_rate() == pytest.approx(QUICK.learning_rate, rel=1e-3)
-    trainer.started -= 10 * 60
+    trainer.budget.started -= 10 * 60
     assert trainer._learning_rate() == pytest.approx(0.05 * QUICK.learning_rate, rel=1e-3)
 
 
