@@ -14,6 +14,7 @@ import pytest
 from chord_usd import cli
 from chord_usd.cli import build_parser, main
 from chord_usd.commands.common import Outcome
+from chord_usd.commands.render import look_of, words_of
 from chord_usd.errors import ChordError
 from tests.verbs import VERBS
 
@@ -159,3 +160,17 @@ class TestOutcomes:
 
         assert run_verb(failing, "--debug") == cli.UNUSABLE
         assert "Traceback" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "size_px"),
+    [
+        ([], (1280, 720)),
+        (["--quality", "draft"], (640, 360)),
+        (["--quality", "draft", "--resolution", "64x32"], (64, 32)),
+    ],
+)
+def test_drafts_are_small_unless_told(words: list[str], size_px: tuple[int, int]) -> None:
+    options = build_parser().parse_args(["render", "house.usda", "-o", "pictures", *words])
+    assert look_of(options)["resolution_px"] == size_px
+    assert f"{size_px[0]}x{size_px[1]}" in words_of(options), "farms are told so, too"
