@@ -116,8 +116,10 @@ def generate(
             times=settings.redraws, progress=progress,
         )  # fmt: skip
         graph, layout = mended.graph, mended.layout
+        left_out = mended.left_out
         if settings.redraws:
-            graph = clear_openings(graph, models.reader.database)
+            graph, shut = clear_openings(graph, models.reader.database)
+            left_out += shut
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
@@ -129,8 +131,7 @@ def generate(
     with watch.step("stage"):
         graph = settle(graph)
         stage = write_stage(graph, stage_path, settings)
-    redrawn, left_out = mended.rooms, mended.left_out
-    return House(plan, plan_image, layout, graph, stage, tabletops, redrawn, left_out)
+    return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms, left_out)
 
 
 def read_plan(plan_file: Path, settings: Settings) -> Plan:
@@ -245,12 +246,21 @@ def load_models(settings: Settings) -> Models:
     return Models(load_model(settings), load_table_model(settings), load_reader(settings))
 
 
-def clear_openings(graph: SceneGraph, database: AssetDatabase) -> SceneGraph:
-    """The graph with kitchen units that end before doors and windows, and other pieces aside."""
-    from chord_usd.graph.aside import step_aside
+def clear_openings(
+    graph: SceneGraph, database: AssetDatabase
+) -> tuple[SceneGraph, tuple[str, ...]]:
+    """The graph with kitchen units that end before doors and windows, and other pieces aside.
+
+    What still stands before a door is left out, whatever it is, and named: a bedroom without a bed
+    can be furnished, one that nobody gets into cannot.
+    """
+    from chord_usd.graph.aside import shut_in, step_aside
     from chord_usd.graph.ends import end_before_openings
 
-    return step_aside(end_before_openings(graph, database))
+    graph = step_aside(end_before_openings(graph, database))
+    shut = shut_in(graph)
+    items = tuple(item for item in graph.items if item.id not in shut)
+    return replace(graph, items=items), shut
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:

@@ -10,7 +10,7 @@ stand in each other the one that is missed less, and what is before an opening a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING
@@ -53,10 +53,19 @@ _ESSENTIAL: dict[RoomKind, tuple[str, ...]] = {
 }
 """What a room of a kind is not without: in the data at most one in twenty-five is."""
 
+_WORTH_A_VIEW: dict[RoomKind, tuple[str, ...]] = {
+    "bedroom": _ESSENTIAL["bedroom"],
+    "kitchen": _ESSENTIAL["kitchen"],
+}
+"""What rather stands before an opening than not at all."""
+
 _ONE_IS_ENOUGH = ("toilet", "shower", "bathtub")
 
 _LEAST_SIZE = 0.6
 """A piece that is shorter or narrower than this share of the smallest usual one is a scrap."""
+
+_MORE_DRAWS = 3
+"""Beyond those asked for, of rooms that are bare or have something before a door or window."""
 
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
@@ -98,7 +107,9 @@ class Mended:
     """Ids of what was left out of the graph; the layout shows it."""
 
 
-def faults_by_room(graph: SceneGraph) -> Counter[str]:
+def faults_by_room(
+    graph: SceneGraph, essential: Mapping[RoomKind, tuple[str, ...]] = _ESSENTIAL
+) -> Counter[str]:
     """How much is wrong in each room, by id; rooms that are right have none.
 
     Counted are pieces that stand in another or in the way of a door or window, scraps of pieces,
@@ -116,9 +127,20 @@ def faults_by_room(graph: SceneGraph) -> Counter[str]:
     faults.update(item.room_id for item in graph.items if _is_scrap(item))
     for room in graph.rooms:
         held = Counter(item.category for item in graph.items_of(room.id))
-        faults[room.id] += sum(not held[name] for name in _ESSENTIAL.get(room.kind, ()))
+        faults[room.id] += sum(not held[name] for name in essential.get(room.kind, ()))
         faults[room.id] += sum(max(held[name] - 1, 0) for name in _ONE_IS_ENOUGH)
     return +faults
+
+
+def _unlivable(graph: SceneGraph) -> set[str]:
+    """Ids of rooms to furnish that are bare, and of those with something before an opening that
+    would not be left out."""
+    from chord_usd.metrics.openings import blocked_openings
+    from chord_usd.metrics.rooms import empty_rooms
+
+    built = _without(graph, _unbuildable(graph))
+    home = {item.id: item.room_id for item in built.items}
+    return {*empty_rooms(built), *(home[blocked.item] for blocked in blocked_openings(built))}
 
 
 def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
@@ -152,12 +174,14 @@ def mend_rooms(
 ) -> Mended:
     """The house with those rooms drawn again that have faults; what has fewer of them is kept.
 
-    graph: as read reads it in layout, which was drawn over plan_image.
+    graph: as read reads it in layout, which was drawn over plan_image; times: draws, _MORE_DRAWS
+    more for what nobody could live in, 0 for none at all.
     """
     later: dict[str, None] = {}
     faults = faults_by_room(graph) if times else Counter()
-    for attempt in range(1, times + 1):
-        rooms = [room for room in graph.rooms if faults[room.id]]
+    for attempt in range(1, times + _MORE_DRAWS + 1 if times else 1):
+        wrong = faults if attempt <= times else _unlivable(graph)
+        rooms = [room for room in graph.rooms if room.id in wrong]
         if not rooms:
             break
         own = replace(draw, seed=draw.seed + attempt * _SEEDS_APART)
@@ -170,7 +194,7 @@ def mend_rooms(
                 if left.total() < faults.total():
                     graph, layout, faults = new, _pasted(layout, drawn.layout, room), left
                     later[room.id] = None
-        if progress:
+        if progress and attempt <= times:
             progress(attempt, times)
     out = _unbuildable(graph) if times else ()
     return Mended(_without(graph, out), layout, tuple(later), out)
@@ -181,14 +205,15 @@ def _unbuildable(graph: SceneGraph) -> tuple[str, ...]:
 
     A bed before a window stays: a bedroom without one is worse.
     """
+
+    def faults(out: tuple[str, ...]) -> int:
+        return faults_by_room(_without(graph, out), _WORTH_A_VIEW).total()
+
     out = tuple(item.id for item in graph.items if _is_scrap(item))
     while clashing := {item_id for clash in _clashes(_without(graph, out)) for item_id in clash}:
         floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
-        left, _, worst = min(
-            (faults_by_room(_without(graph, (*out, one))).total(), floor_m2[one], one)
-            for one in clashing
-        )
-        if left >= faults_by_room(_without(graph, out)).total():
+        left, _, worst = min((faults((*out, one)), floor_m2[one], one) for one in clashing)
+        if left >= faults(out):
             break
         out = (*out, worst)
     return out

@@ -47,6 +47,13 @@ def step_aside(graph: SceneGraph) -> SceneGraph:
     return replace(graph, items=tuple(items.values()))
 
 
+def shut_in(graph: SceneGraph) -> tuple[str, ...]:
+    """Ids of pieces that stand before a door, or in a passage: nobody gets by."""
+    ways = {opening.id for opening in graph.openings if opening.kind != "window"}
+    blocked = (one.item for one in blocked_openings(graph) if one.opening in ways)
+    return tuple(dict.fromkeys(blocked))
+
+
 def _aside(
     item: Item, floor: shapely.Polygon, items: Iterable[Item], clear: Sequence[ClearFloor]
 ) -> Item:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.graph.aside import FARTHEST_M, step_aside
+from chord_usd.graph.aside import FARTHEST_M, shut_in, step_aside
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.metrics.rooms import out_of_room
@@ -111,3 +111,14 @@ def test_no_move_makes_anything_worse(
         sum(pair.area_m2 for pair in scene_overlap(graph).overlapping) for graph in (before, after)
     ]
     assert shared[1] <= shared[0] + 2e-4
+
+
+def test_only_doors_are_shut_in() -> None:
+    in_the_way = shifted(BED, y_m=-0.7)
+    window = replace(
+        DOOR, id="window", kind="window", box=replace(DOOR.box, center_m=(0.6, -0.12, 0.3))
+    )
+    assert shut_in(house(BED, in_the_way)) == ("bed",)
+    assert shut_in(house(shifted(BED, y_m=0.2))) == ()
+    assert blocked_openings(house(in_the_way, openings=(window,)))
+    assert shut_in(house(in_the_way, openings=(window,))) == ()

@@ -14,7 +14,8 @@ from chord_usd.types import Item, LayoutImage, Plan, PlanImage, Provenance, Scen
 
 
 class Painter:
-    """A model that paints, call by call, these furnitures; and the eye that reads them."""
+    """A model that paints, call by call, these furnitures, the last one from then on; and the eye
+    that reads them."""
 
     def __init__(self, *draws: Sequence[Item]) -> None:
         self.draws = list(draws)
@@ -22,10 +23,13 @@ class Painter:
 
     def resample(self, plan_image: PlanImage, *_: object, seed: int, **__: object) -> LayoutImage:
         self.seeds.append(seed)
-        return raster.layout_image(plan_image, self.draws[len(self.seeds) - 1])
+        return raster.layout_image(plan_image, self._drawn())
 
     def read(self, layout: LayoutImage, plan: Plan) -> SceneGraph:
-        return SceneGraph(plan.rooms, plan.openings, tuple(self.draws[len(self.seeds) - 1]))
+        return SceneGraph(plan.rooms, plan.openings, tuple(self._drawn()))
+
+    def _drawn(self) -> Sequence[Item]:
+        return self.draws[min(len(self.seeds), len(self.draws)) - 1]
 
 
 def mended(graph: SceneGraph, painter: Painter, times: int = 2) -> Mended:
@@ -89,11 +93,25 @@ def test_a_draw_that_is_no_better_is_left(bare) -> None:
     assert (still.graph.items, still.rooms) == (graph.items, ())
 
 
-@pytest.mark.parametrize("times", [0, 1, 2])
-def test_rooms_are_drawn_so_often_at_most(bare, times: int) -> None:
-    painter = Painter((), (), ())
+@pytest.mark.parametrize(("times", "draws"), [(0, 0), (1, 4), (2, 5)])
+def test_bare_rooms_are_drawn_three_times_more(bare, times: int, draws: int) -> None:
+    painter = Painter(())
     mended(bare[0], painter, times)
-    assert len(painter.seeds) == times
+    assert len(set(painter.seeds)) == len(painter.seeds) == draws
+
+
+def test_what_one_can_live_without_is_not_drawn_more_often(sound_house: SceneGraph) -> None:
+    bathroom = next(room for room in sound_house.rooms if room.kind == "bathroom")
+    kept = tuple(
+        item
+        for item in sound_house.items
+        if item.room_id != bathroom.id or item.category != "toilet"
+    )
+    house = replace(sound_house, items=kept)
+    assert faults_by_room(house) == {bathroom.id: 1}
+    painter = Painter(tuple(i for i in kept if i.room_id == bathroom.id))
+    mended(house, painter)
+    assert len(painter.seeds) == 2
 
 
 def test_pieces_in_the_way_are_faults_of_their_rooms(sound_house: SceneGraph) -> None:
