@@ -50,6 +50,10 @@ class Mount(Enum):
     """Lies flat under other items, which may stand on it."""
 
 
+SCRAP_SHARE = 0.6
+"""What is shorter or narrower than this share of the smallest usual piece is a scrap of one."""
+
+
 @dataclass(frozen=True)
 class Category:
     """One row of the table. Sizes are metres, (smallest, largest) over usual pieces."""
@@ -70,6 +74,11 @@ class Category:
     """Room kinds it usually stands in, the first one its home."""
     supports: bool = False
     """Tabletop items may stand on it."""
+
+    def is_scrap(self, size_m: tuple[float, float, float]) -> bool:
+        """Whether what was painted is too short or too narrow to be one of these."""
+        length_m, width_m, _ = size_m
+        return length_m < SCRAP_SHARE * self.length_m[0] or width_m < SCRAP_SHARE * self.width_m[0]
 
 
 def _rgb(code: str) -> Rgb:

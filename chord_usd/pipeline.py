@@ -259,8 +259,7 @@ def clear_openings(
 
     graph = step_aside(end_before_openings(graph, database))
     shut = shut_in(graph)
-    items = tuple(item for item in graph.items if item.id not in shut)
-    return replace(graph, items=items), shut
+    return graph.without(shut), shut
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:

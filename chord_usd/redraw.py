@@ -61,9 +61,6 @@ _WORTH_A_VIEW: dict[RoomKind, tuple[str, ...]] = {
 
 _ONE_IS_ENOUGH = ("toilet", "shower", "bathtub")
 
-_LEAST_SIZE = 0.6
-"""A piece that is shorter or narrower than this share of the smallest usual one is a scrap."""
-
 _MORE_DRAWS = 3
 """Beyond those asked for, of rooms that are bare or have something before a door or window."""
 
@@ -124,7 +121,9 @@ def faults_by_room(
     for clash in _clashes(graph):
         faults.update({home[item_id] for item_id in clash})
     faults.update(walk(graph).unreachable)
-    faults.update(item.room_id for item in graph.items if _is_scrap(item))
+    faults.update(
+        item.room_id for item in graph.items if category(item.category).is_scrap(item.box.size_m)
+    )
     for room in graph.rooms:
         held = Counter(item.category for item in graph.items_of(room.id))
         faults[room.id] += sum(not held[name] for name in essential.get(room.kind, ()))
@@ -138,7 +137,7 @@ def _unlivable(graph: SceneGraph) -> set[str]:
     from chord_usd.metrics.openings import blocked_openings
     from chord_usd.metrics.rooms import empty_rooms
 
-    built = _without(graph, _unbuildable(graph))
+    built = graph.without(_unbuildable(graph))
     home = {item.id: item.room_id for item in built.items}
     return {*empty_rooms(built), *(home[blocked.item] for blocked in blocked_openings(built))}
 
@@ -156,9 +155,8 @@ def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
         yield (blocked.item,)
 
 
-def _is_scrap(item: Item) -> bool:
-    usual, (length_m, width_m, _) = category(item.category), item.box.size_m
-    return length_m < _LEAST_SIZE * usual.length_m[0] or width_m < _LEAST_SIZE * usual.width_m[0]
+def _scraps(graph: SceneGraph) -> list[Item]:
+    return [item for item in graph.items if category(item.category).is_scrap(item.box.size_m)]
 
 
 def mend_rooms(
@@ -197,7 +195,7 @@ def mend_rooms(
         if progress and attempt <= times:
             progress(attempt, times)
     out = _unbuildable(graph) if times else ()
-    return Mended(_without(graph, out), layout, tuple(later), out)
+    return Mended(graph.without(out), layout, tuple(later), out)
 
 
 def _unbuildable(graph: SceneGraph) -> tuple[str, ...]:
@@ -207,20 +205,18 @@ def _unbuildable(graph: SceneGraph) -> tuple[str, ...]:
     """
 
     def faults(out: tuple[str, ...]) -> int:
-        return faults_by_room(_without(graph, out), _WORTH_A_VIEW).total()
+        return faults_by_room(graph.without(out), _WORTH_A_VIEW).total()
 
-    out = tuple(item.id for item in graph.items if _is_scrap(item))
-    while clashing := {item_id for clash in _clashes(_without(graph, out)) for item_id in clash}:
+    out = tuple(
+        item.id for item in graph.items if category(item.category).is_scrap(item.box.size_m)
+    )
+    while clashing := {item_id for clash in _clashes(graph.without(out)) for item_id in clash}:
         floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
         left, _, worst = min((faults((*out, one)), floor_m2[one], one) for one in clashing)
         if left >= faults(out):
             break
         out = (*out, worst)
     return out
-
-
-def _without(graph: SceneGraph, ids: Collection[str]) -> SceneGraph:
-    return replace(graph, items=tuple(item for item in graph.items if item.id not in ids))
 
 
 def redraw_rooms(

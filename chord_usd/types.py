@@ -10,8 +10,8 @@ along y, and its front towards -y. At yaw 0 a sofa's back is therefore to the no
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -214,6 +214,11 @@ class SceneGraph:
     def items_of(self, room_id: str) -> Iterator[Item]:
         """Items that stand in this room, in their order."""
         return (item for item in self.items if item.room_id == room_id)
+
+    def without(self, item_ids: Iterable[str]) -> SceneGraph:
+        """The same house without these items, and what stands on them."""
+        gone = set(item_ids)
+        return replace(self, items=tuple(item for item in self.items if item.id not in gone))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ room, overlapping furniture, sizes out of nature, doors that something blocks.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -55,13 +54,13 @@ def clean(house: SceneGraph) -> Cleaned:
     goes; overlaps by nature (a chair under its table) may stay.
     """
     removed: dict[str, Fault] = {item.id: "size" for item in house.items if not _is_usual(item)}
-    house = _moved_in(_without(house, removed))
+    house = _moved_in(house.without(removed))
     removed |= dict.fromkeys(out_of_room(house), "out of room")
-    house = _without(house, removed)
+    house = house.without(removed)
     removed |= dict.fromkeys(_colliding(house), "colliding")
-    house = _without(house, removed)
+    house = house.without(removed)
     removed |= dict.fromkeys((blocked.item for blocked in blocked_openings(house)), "blocking")
-    house = _without(house, removed)
+    house = house.without(removed)
     empty = tuple(empty_rooms(house))
     most = MOST_EMPTY * len(rooms_to_furnish(house.rooms))
     return Cleaned(house, removed, empty, bool(house.items) and len(empty) <= most)
@@ -77,11 +76,6 @@ def _moved_in(house: SceneGraph) -> SceneGraph:
         return replace(item, box=nudged(item.box, floors[item.room_id], STEPS_M))
 
     return replace(house, items=tuple(moved(item) for item in house.items)) if out else house
-
-
-def _without(house: SceneGraph, removed: Iterable[str]) -> SceneGraph:
-    gone = set(removed)
-    return replace(house, items=tuple(item for item in house.items if item.id not in gone))
 
 
 def _is_usual(item: Item) -> bool:

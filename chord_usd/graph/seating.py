@@ -27,9 +27,6 @@ _TABLES = natural_partners(SEAT)
 _AT_TABLE_M = 0.4
 """A chair this close to a table is one of its."""
 
-_LEAST_SHARE = 0.6
-"""What is shorter or narrower than this share of the smallest chair is a scrap of one."""
-
 
 def seat_chairs(graph: SceneGraph) -> SceneGraph:
     """The graph with chairs that face their tables, in sets of one size; meshes are to be matched.
@@ -105,10 +102,9 @@ def _even_sets(graph: SceneGraph) -> SceneGraph:
 def _sets(items: Sequence[Item]) -> list[list[Item]]:
     """The chairs of each table, without scraps of chairs."""
     row = category(SEAT)
-    least = _LEAST_SHARE * np.array([row.length_m[0], row.width_m[0]])
     sets: defaultdict[str, list[Item]] = defaultdict(list)
     for item in items:
-        if item.category == SEAT and (np.array(item.box.size_m[:2]) >= least).all():
+        if item.category == SEAT and not row.is_scrap(item.box.size_m):
             table = _table_of(item, items)
             if table is not None:
                 sets[table.id].append(item)
