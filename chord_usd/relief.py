@@ -30,6 +30,8 @@ class Relief:
     """(rows, columns), first row at the back, first column at the left; 0 where nothing is."""
     size_m: tuple[float, float, float]
     """Length, width and height of the piece."""
+    felt_m: FloatArray | None = None
+    """The same for what the piece collides with; None where all that is seen is felt."""
 
     @cached_property
     def level_m(self) -> float:
@@ -43,12 +45,20 @@ class Relief:
 
     @cached_property
     def free(self) -> BoolArray:
-        """(rows, columns) cells of the top itself, without what rises from it."""
-        return np.asarray(np.abs(self.heights_m - self.level_m) <= LEVEL_M, np.bool_)
+        """(rows, columns) cells of the top itself, without what rises from it.
+
+        What is seen there, but not felt, carries nothing in a simulator: the rim of a round top.
+        """
+        free = np.abs(self.heights_m - self.level_m) <= LEVEL_M
+        if self.felt_m is not None:
+            free &= self.felt_m >= self.level_m - LEVEL_M
+        return np.asarray(free, np.bool_)
 
     def scaled(self, size_m: tuple[float, float, float]) -> Relief:
         """The relief of the same piece at another size."""
-        return Relief(self.heights_m * (size_m[2] / self.size_m[2]), size_m)
+        share = size_m[2] / self.size_m[2]
+        felt_m = None if self.felt_m is None else self.felt_m * share
+        return Relief(self.heights_m * share, size_m, felt_m)
 
     def under(self, box: Box) -> tuple[BoolArray, tuple[slice, slice]]:
         """The cells whose centres lie under a box: a mask, and the window of cells it is of.

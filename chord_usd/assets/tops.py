@@ -20,6 +20,9 @@ CELL_M = 0.005
 
 _FINE_BITS = 4
 
+_UPPER_SIDE = np.array([[(-1, -1, 1), (1, -1, 1), (1, 1, 1)], [(-1, -1, 1), (1, 1, 1), (-1, 1, 1)]])
+"""(2, 3, 3) triangles of a cube's upper side, from -1 to 1."""
+
 
 def relief_of(asset: Asset) -> Relief:
     """The relief of an asset at its own size, read from its meshes once.
@@ -32,40 +35,57 @@ def relief_of(asset: Asset) -> Relief:
 
 @lru_cache(maxsize=256)
 def _read(path: Path, size_m: tuple[float, float, float]) -> Relief:
-    triangles = _triangles_m(path)
+    seen_m, felt_m = _triangles_m(path)
+    felt = _from_above(felt_m, size_m) if len(felt_m) else None
+    return Relief(_from_above(seen_m, size_m), size_m, felt)
+
+
+def _from_above(triangles_m: FloatArray, size_m: tuple[float, float, float]) -> FloatArray:
+    """(rows, columns) highest point of triangles (N, 3, 3) in every cell of a footprint."""
     normals_z = np.cross(
-        triangles[:, 1, :2] - triangles[:, 0, :2], triangles[:, 2, :2] - triangles[:, 0, :2]
+        triangles_m[:, 1, :2] - triangles_m[:, 0, :2], triangles_m[:, 2, :2] - triangles_m[:, 0, :2]
     )
-    tops_m = triangles[:, :, 2].max(axis=1)
-    seen = np.abs(normals_z) > 1e-10
-    seen &= tops_m > LEAST_HEIGHT * size_m[2]
+    tops_m = triangles_m[:, :, 2].max(axis=1)
+    kept = np.abs(normals_z) > 1e-10
+    kept &= tops_m > LEAST_HEIGHT * size_m[2]
     rows, columns = (max(round(side / CELL_M), 1) for side in (size_m[1], size_m[0]))
     scale = np.array([columns / size_m[0], -rows / size_m[1]])
-    points = triangles[seen][:, :, :2] * scale + (columns / 2 - 0.5, rows / 2 - 0.5)
+    points = triangles_m[kept][:, :, :2] * scale + (columns / 2 - 0.5, rows / 2 - 0.5)
     points = np.rint(points * (1 << _FINE_BITS)).astype(np.int32)
     heights = np.zeros((rows, columns), np.float32)
     # Lower ones first, so that what is highest remains.
-    for index in tops_m[seen].argsort(kind="stable"):
-        height = float(tops_m[seen][index])
+    for index in tops_m[kept].argsort(kind="stable"):
+        height = float(tops_m[kept][index])
         cv2.fillConvexPoly(heights, points[index], (height,), shift=_FINE_BITS)
-    return Relief(heights.astype(np.float64), size_m)
+    return heights.astype(np.float64)
 
 
-def _triangles_m(path: Path) -> FloatArray:
-    """(N, 3, 3) corners of all triangles that are shown, in the frame of the asset."""
-    from pxr import Tf, Usd, UsdGeom
+def _triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
+    """(N, 3, 3) corners of all triangles that are shown, and of all that collide.
+
+    Both in the frame of the asset. Of a cube that collides, its upper side.
+    """
+    from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
     try:
         stage = Usd.Stage.Open(str(path))
     except Tf.ErrorException as error:
         raise AssetError("the mesh cannot be opened", where=str(path)) from error
     transforms = UsdGeom.XformCache()
-    parts = [np.zeros((0, 3, 3))]
+    seen, felt = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))]
     for prim in stage.Traverse():
-        if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() != "guide":
-            matrix = np.array(transforms.GetLocalToWorldTransform(prim))
-            parts.append(_faces_m(prim, matrix))
-    return np.concatenate(parts)
+        matrix = np.array(transforms.GetLocalToWorldTransform(prim))
+        collides = prim.HasAPI(UsdPhysics.CollisionAPI)
+        if prim.IsA(UsdGeom.Mesh):
+            faces_m = _faces_m(prim, matrix)
+            if UsdGeom.Imageable(prim).ComputePurpose() != "guide":
+                seen.append(faces_m)
+            if collides:
+                felt.append(faces_m)
+        elif prim.IsA(UsdGeom.Cube) and collides:
+            half = UsdGeom.Cube(prim).GetSizeAttr().Get() / 2
+            felt.append(_UPPER_SIDE * half @ matrix[:3, :3] + matrix[3, :3])
+    return np.concatenate(seen), np.concatenate(felt)
 
 
 def _faces_m(prim: Usd.Prim, matrix: FloatArray) -> FloatArray:

@@ -6,10 +6,13 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely.affinity import scale
 
 from chord_usd.assets import solids
+from chord_usd.assets.furniture.joinery import felt_round
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
 from chord_usd.assets.solids import Solid
 
@@ -154,3 +157,18 @@ def test_uvs_of_faces_along_the_axes_are_metres(size: tuple[float, float, float]
     assert np.allclose(np.abs(signed), areas_m2(solid))
     tops = np.ptp(solid.points_m[solid.faces][:, :, 2], axis=1) > 0
     assert np.all(signed[tops] > 0.0), "seen from outside, pictures are not mirrored"
+
+
+@pytest.mark.parametrize("size", [(0.4, 0.4), (0.9, 0.9), (1.0, 0.6)])
+def test_the_blocks_of_a_round_top_stay_inside_it_and_near_its_rim(
+    size: tuple[float, float],
+) -> None:
+    """Not at the chairs beside it, and below whatever stands on it but the last 3 cm."""
+    length, width = size
+    top = solids.cylinder(0.5, 0.03, 0, 90).scaled(x=length, y=width)
+    felt = shapely.union_all(
+        [shapely.box(*one.bounds_m()[:, :2].ravel()) for one in felt_round(top)]
+    )
+    disc = scale(shapely.Point(0, 0).buffer(0.5, 90), length, width)
+    assert felt.difference(disc).area < 1e-4
+    assert disc.difference(felt.buffer(0.03)).area < 1e-4

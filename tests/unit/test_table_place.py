@@ -80,6 +80,15 @@ class TestRelief:
         assert relief.level_m == TOP_M
         assert relief.free.mean() == pytest.approx(1 - (10 * 120 + 50 * 10) / (60 * 120))
 
+    def test_what_is_not_felt_carries_nothing(self) -> None:
+        """In a simulator, what stood there would fall: the rim of a round top."""
+        felt = np.full((60, 120), TOP_M)
+        felt[:, :12] = 0.0
+        relief = Relief(np.full((60, 120), TOP_M), (1.2, 0.6, TOP_M), felt)
+        assert relief.free.mean() == pytest.approx(0.9)
+        assert relief.scaled((1.2, 0.6, 2 * TOP_M)).free.mean() == pytest.approx(0.9)
+        assert relief.highest_m(Box((-0.55, 0.0, 0.0), (0.05, 0.05, 0.1), 0.0)) == TOP_M
+
     def test_what_is_under_a_box(self) -> None:
         heights = np.full((60, 120), TOP_M)
         heights[:20, :40] = 1.0  # back left

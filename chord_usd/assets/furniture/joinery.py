@@ -31,6 +31,9 @@ GAP_M = 0.004
 HANDLE_M = 0.03
 """How far a bar handle stands out of its front."""
 
+_RIM_M, _ROUND_BLOCKS = 0.025, (3, 12)
+"""How much of a round rim the blocks that it is felt as may leave out, and how many they are."""
+
 HandleKind = Literal["bar", "knob", "none"]
 
 
@@ -174,12 +177,16 @@ def four_legs(
 def felt_round(solid: Solid) -> tuple[Solid, ...]:
     """Blocks within an upright cylinder around a solid, to be felt in its place.
 
-    A box around a round table top has corners that reach to the chairs beside it.
+    A box around a round table top has corners that reach to the chairs beside it. The blocks cross,
+    and leave out no more of the rim than a cup can stand on; large tops get more of them.
     """
     low, high = solid.bounds_m()
     size, at = high - low, (low + high) / 2
+    # Between corners that lie a step apart on the circle, the blocks are half a step short of it.
+    steps = math.pi / 4 * float(size[:2].max()) / 2 / _RIM_M
+    count = min(max(math.ceil(steps) - 1, _ROUND_BLOCKS[0]), _ROUND_BLOCKS[1])
     blocks = []
-    for turn in np.radians((20.0, 45.0, 70.0)):
+    for turn in np.linspace(0.0, math.pi / 2, count + 2)[1:-1]:
         length, width = size[0] * math.cos(turn), size[1] * math.sin(turn)
         within = box((float(length), float(width), float(size[2])))
         blocks.append(within.moved(float(at[0]), float(at[1]), float(low[2])))
