@@ -19,6 +19,7 @@ from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.seating import seat_chairs
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
+from chord_usd.graph.usual import grow_to_usual
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
 
 
@@ -64,7 +65,7 @@ def extract_graph(
         provenance=layout.provenance,
         extra=plan.extra,
     )
-    graph = seat_chairs(graph)
+    graph = seat_chairs(grow_to_usual(graph))
     return match_assets(graph, database) if database else graph
 
 
