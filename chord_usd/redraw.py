@@ -121,9 +121,7 @@ def faults_by_room(
     for clash in _clashes(graph):
         faults.update({home[item_id] for item_id in clash})
     faults.update(walk(graph).unreachable)
-    faults.update(
-        item.room_id for item in graph.items if category(item.category).is_scrap(item.box.size_m)
-    )
+    faults.update(item.room_id for item in _scraps(graph))
     for room in graph.rooms:
         held = Counter(item.category for item in graph.items_of(room.id))
         faults[room.id] += sum(not held[name] for name in essential.get(room.kind, ()))
@@ -207,9 +205,7 @@ def _unbuildable(graph: SceneGraph) -> tuple[str, ...]:
     def faults(out: tuple[str, ...]) -> int:
         return faults_by_room(graph.without(out), _WORTH_A_VIEW).total()
 
-    out = tuple(
-        item.id for item in graph.items if category(item.category).is_scrap(item.box.size_m)
-    )
+    out = tuple(item.id for item in _scraps(graph))
     while clashing := {item_id for clash in _clashes(graph.without(out)) for item_id in clash}:
         floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
         left, _, worst = min((faults((*out, one)), floor_m2[one], one) for one in clashing)

@@ -61,5 +61,6 @@ def _aside(
     free = free_places(item, floor, items, clear, is_to_clear=True)
     for distance_m, box in places_near(item.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box):
-            return replace(item, box=box, extra={**item.extra, MOVED: distance_m})
+            moved_m = round(item.extra.get(MOVED, 0.0) + distance_m, 6)
+            return replace(item, box=box, extra={**item.extra, MOVED: moved_m})
     return item
