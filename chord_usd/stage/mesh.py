@@ -12,7 +12,7 @@ import numpy.typing as npt
 from shapely.geometry import Polygon
 from shapely.geometry.polygon import orient
 
-from chord_usd.types import FloatArray
+from chord_usd.types import BoolArray, FloatArray
 
 IntArray = npt.NDArray[np.int32]
 
@@ -176,34 +176,48 @@ def _triangles(area: Polygon) -> Iterable[FloatArray]:
     points = np.concatenate(rings)
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
     cut = mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3)
-    for a, b, c in _meeting_at_corners(points, cut):
-        turn = _cross(points[b] - points[a], points[c] - points[a])
-        if abs(turn) / 2 > _SLIVER_M2:
-            yield points[[a, b, c] if turn > 0.0 else [a, c, b]]
+    for triangle in _meeting_at_corners(points, cut):
+        yield points[list(triangle)]
 
 
 def _meeting_at_corners(
     points: FloatArray, triangles: npt.NDArray[np.integer]
 ) -> Iterator[tuple[int, ...]]:
-    """Triangles cut in two where a point lies in the middle of a side.
+    """Triangles, counter-clockwise, cut in two where a point lies in the middle of a side.
 
-    Earcut passes over corners in a line with others; the mesh would come apart there.
+    Earcut passes over corners in a line with others; the mesh would come apart there. Triangles
+    that are no more than such a line are left out.
     """
-    waiting = [tuple(map(int, triangle)) for triangle in triangles]
+    waiting = [(tuple(map(int, triangle)), frozenset[int]()) for triangle in triangles]
     while waiting:
-        triangle = waiting.pop()
+        (a, b, c), cut_off = waiting.pop()
+        turn = _cross(points[b] - points[a], points[c] - points[a])
+        if abs(turn) / 2 <= _SLIVER_M2:
+            continue
+        triangle = (a, b, c) if turn > 0.0 else (a, c, b)
         for a, b, c in (triangle, triangle[1:] + triangle[:1], triangle[2:] + triangle[:2]):
-            side, offset = points[b] - points[a], points - points[a]
-            length = max(float(np.hypot(*side)), _ON_SIDE_M)
-            along = offset @ side / length
-            beside = np.abs(_cross(side, offset)) / length
-            inner = (beside < _ON_SIDE_M) & (along > _ON_SIDE_M) & (along < length - _ON_SIDE_M)
+            inner = _on_side(points, a, b)
+            # Lines are lines to a tolerance only: without end a triangle could lose one corner,
+            # come by another, and get the first one back.
+            inner[list(cut_off)] = False
             if inner.any():
-                middle = int(inner.argmax())
-                waiting += [(a, middle, c), (middle, b, c)]
+                if not inner[c]:
+                    middle = int(inner.argmax())
+                    waiting.append(((a, middle, c), cut_off | {b}))
+                    waiting.append(((middle, b, c), cut_off | {a}))
                 break
         else:
             yield triangle
+
+
+def _on_side(points: FloatArray, a: int, b: int) -> BoolArray:
+    """(N,) which of the points lie between two of them, on the line from one to the other."""
+    side, offset = points[b] - points[a], points - points[a]
+    length = max(float(np.hypot(*side)), _ON_SIDE_M)
+    along = offset @ side / length
+    beside = np.abs(_cross(side, offset)) / length
+    inner: BoolArray = beside < _ON_SIDE_M
+    return inner & (along > _ON_SIDE_M) & (along < length - _ON_SIDE_M)
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
