@@ -7,7 +7,8 @@ one whose drawing differs least from the pixels wins.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -26,6 +27,7 @@ from chord_usd.graph.rectangles import (
 )
 from chord_usd.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH, Category
 from chord_usd.types import BoolArray, FloatArray
+from chord_usd.units import fold_deg
 
 MARGIN_PX = 4
 """How far around a patch its surroundings count."""
@@ -55,6 +57,9 @@ _CLEAR_SHARE = 0.05
 """A rectangle that errs on a smaller share of the pixels is drawn clearly."""
 _LEAST_FREE_PX = 60
 """Fewer pixels have no direction of their own."""
+_LEAST_SKEW_PX = 2.0
+"""Nor has a side that runs out of a wall's direction by less, if not all but every pixel says so: a
+torn edge does as much."""
 
 _LEAST_MARK_OVERLAP = 0.2
 
@@ -209,10 +214,18 @@ def fit(evidence: Evidence, directions: Directions) -> Rectangle:
         return fitted[int(np.flatnonzero(costs <= costs.min() + slack)[0])]
     if len(members) >= _LEAST_FREE_PX:
         free = fit_free(evidence)
-        if evidence.cost(free) <= min(clear, 0.5 * float(costs.min())):
+        bound = slack if _skew_px(free, angles) < _LEAST_SKEW_PX else clear
+        if evidence.cost(free) <= min(bound, 0.5 * float(costs.min())):
             return free
     rare = np.array([1.0 - directions.weight(angle) for angle in angles])
     return fitted[int(np.argmin(costs + _RARE_SHARE * len(members) * rare))]
+
+
+def _skew_px(rectangle: Rectangle, angles_deg: Iterable[float]) -> float:
+    """How far the long side of a rectangle runs out of the nearest of some directions."""
+    turn_deg = min(abs(fold_deg(rectangle.angle_deg - angle)) for angle in angles_deg)
+    longest = max(rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0)
+    return longest * math.sin(math.radians(turn_deg))
 
 
 def mark_fits(rectangle: Rectangle, marked: FloatArray) -> FloatArray:

@@ -35,7 +35,8 @@ def grow_to_usual(graph: SceneGraph) -> SceneGraph:
     items = {item.id: item for item in graph.items}
     # Larger pieces first: a room is what it is for by them.
     for item in sorted(small, key=lambda one: (-one.box.size_m[0] * one.box.size_m[1], one.id)):
-        free = free_places(item, floors.get(item.room_id), items.values(), clear)
+        floor = floors.get(item.room_id)
+        free = free_places(item, floor, items.values(), clear, may_share=_are_apart)
         items[item.id] = replace(item, box=_grown(item, free))
     return replace(graph, items=tuple(items.values()))
 
@@ -45,6 +46,11 @@ def _is_small(item: Item) -> bool:
     if row.mount is not Mount.FLOOR or is_built_in(row) or row.is_scrap(size_m):
         return False
     return size_m[0] < row.length_m[0] or size_m[1] < row.width_m[0]
+
+
+def _are_apart(one: Item, other: Item) -> bool:
+    """Whether one piece hangs where the other stands; no table grows over its chairs."""
+    return category(one.category).mount is not category(other.category).mount
 
 
 def _grown(item: Item, free: FreePlaces) -> Box:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import shapely
 
@@ -20,17 +20,18 @@ def free_places(
     clear: Iterable[ClearFloor],
     *,
     is_to_clear: bool = False,
+    may_share: Callable[[Item, Item], bool] = overlaps_by_nature,
 ) -> FreePlaces:
     """Places in an item's room where it is in no other item and before no opening.
 
-    floor: of its room, None where it is in none. items: all of the house; those that it overlaps by
-    nature are not in its way. is_to_clear: it has to leave openings that it stands before; else it
-    only comes no farther before them.
+    floor: of its room, None where it is in none. items: all of the house; those that it may share
+    floor with are not in its way. is_to_clear: it has to leave openings that it stands before; else
+    it only comes no farther before them.
     """
     others = [
         footprint_polygon(other.box)
         for other in items
-        if other.id != item.id and not overlaps_by_nature(item, other)
+        if other.id != item.id and not may_share(item, other)
     ]
     kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
     if is_to_clear:

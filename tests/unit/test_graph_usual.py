@@ -63,6 +63,19 @@ def test_between_two_pieces_only_its_depth_grows() -> None:
     assert not scene_overlap(SceneGraph((ROOM,), (), after)).overlapping
 
 
+def test_a_table_does_not_grow_over_a_chair_and_a_bed_may_below_its_panel() -> None:
+    def piece(name: str, x_m: float, y_m: float, size_m: tuple[float, float, float]) -> Item:
+        mount_m = category(name).mount_height_m
+        return Item(name, name, Box((x_m, y_m, mount_m), size_m, 0.0), "r")
+
+    table = piece("dining_table", 0.5, 1.0, (0.9, 0.6, 0.75))
+    chair = piece("chair", 0.5, 0.5, (0.5, 0.5, 0.9))
+    assert [one.box for one in grown(table, chair)] == [table.box, chair.box]
+    bed = piece("bed", 1.5, 1.0, (0.8, 2.0, 1.0))
+    panel = piece("bed_background", 1.5, 1.97, (1.2, 0.06, 1.0))
+    assert grown(bed, panel)[0].box.size_m[:2] == (0.9, 2.0)
+
+
 def test_nothing_grows_before_a_door() -> None:
     door = Opening("d", "door", Box((1.5, -0.12, 0.0), (0.8, 0.24, 2.0), 0.0), ("r",))
     sofa = Item("s", "leisure_sofa", Box((1.5, 1.5, 0.0), (0.4, 0.4, 0.8), 0.0), "r")
