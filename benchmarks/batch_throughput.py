@@ -59,11 +59,16 @@ def main() -> None:
     parser.add_argument("--ray", action="store_true")
     options = parser.parse_args()
     rows = []
+
+    def row(name: str, figures: Figures) -> None:
+        rows.append((name, figures.told))
+        sys.stderr.write(f"{name}: {figures.told}\n")
+
     for count in options.workers:
-        rows.append((f"{count} local", measure(options.houses, count).told))
+        row(f"{count} local", measure(options.houses, count))
     for count in options.workers if options.ray else ():
         with ray_nodes(count) as address:
-            rows.append((f"{count} Ray nodes", measure(options.houses, count, address).told))
+            row(f"{count} Ray nodes", measure(options.houses, count, address))
     note = f"{options.houses} procedural houses by each number of workers, which share the cores."
     sys.stdout.write(write_section("batch", rows, note))
 
