@@ -146,7 +146,11 @@ def sheet(rows: Sequence[Sequence[Furnished]], enlarge: int = 2) -> ByteArray:
     for row in rows[:SHEET_PLANS]:
         tiles = [framed(enlarged(one.image.rgb, enlarge)) for one in row[:SHEET_LAYOUTS]]
         lines.append(np.concatenate(tiles, axis=1))
-    return np.concatenate(lines)
+    # Rasters of large houses are wider.
+    width = max(line.shape[1] for line in lines)
+    missing = [((0, 0), (0, width - line.shape[1]), (0, 0)) for line in lines]
+    padded = [np.pad(*one, constant_values=255) for one in zip(lines, missing, strict=True)]
+    return np.concatenate(padded)
 
 
 def as_data(scores: DiversityScores) -> dict[str, Any]:

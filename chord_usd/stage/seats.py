@@ -3,19 +3,20 @@
 A layout tells how far a chair is pushed under a table, seen from above; whether its back passes
 over the top and its legs stand between the table's is told by the meshes alone. So a chair that
 runs into its table moves, by the least that sets it free, away from where it faces or sideways. It
-never moves into something else, out of its room or before a door.
+never moves into something else, out of its room or before a door. Colliders count as meshes do: a
+simulator would throw apart what they hold in each other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import trimesh
-from pxr import UsdGeom
+from pxr import UsdGeom, UsdPhysics
 
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.free_places import free_places
@@ -91,14 +92,20 @@ def _drawn_out(chair: Item, tables: Sequence[Item], free: FreePlaces) -> Item:
 
 
 def _runs_into(box: Box, chair: Item, tables: Sequence[Item]) -> bool:
-    """Whether a chair in this box collides with one of the tables, mesh against mesh."""
-    seat, shape = _body(replace(chair, box=box)), footprint_polygon(box)
+    """Whether a chair in this box collides with one of the tables: mesh with mesh, or collider with
+    collider."""
+    shape = footprint_polygon(box)
     over = [one for one in tables if footprint_polygon(one.box).intersects(shape)]
-    return any(collisions([seat], [_body(table)]) for table in over)
+    moved = replace(chair, box=box)
+    return any(
+        collisions([_body(moved, solids)], [_body(table, solids)])
+        for table in over
+        for solids in (_meshes, _colliders)
+    )
 
 
-def _body(item: Item) -> Body:
-    """An item's meshes in the world, without what stands on it."""
+def _body(item: Item, solids_at: Callable[[Path], tuple[Solid, ...]]) -> Body:
+    """Solids of an item's asset in the world, without what stands on it."""
     assert item.asset is not None
     scale = np.array(item.box.size_m) / np.array(item.asset.size_m)
     turn = np.eye(3)
@@ -112,7 +119,7 @@ def _body(item: Item) -> Body:
                 process=False,
             ),
         )
-        for solid in _meshes(item.asset.usd_path)
+        for solid in solids_at(item.asset.usd_path)
     )
     return Body(item.id, solids)
 
@@ -122,3 +129,20 @@ def _meshes(path: Path) -> tuple[Solid, ...]:
     """The meshes of an asset in its own frame."""
     stage = open_stage(path)
     return solids_of(stage.GetDefaultPrim(), UsdGeom.XformCache())
+
+
+@lru_cache(maxsize=64)
+def _colliders(path: Path) -> tuple[Solid, ...]:
+    """The boxes that an asset is felt as, in its own frame."""
+    stage, transforms = open_stage(path), UsdGeom.XformCache()
+    return tuple(
+        Solid(
+            str(prim.GetPath()),
+            trimesh.creation.box(
+                np.full(3, UsdGeom.Cube(prim).GetSizeAttr().Get()),
+                np.array(transforms.GetLocalToWorldTransform(prim)).T,
+            ),
+        )
+        for prim in stage.Traverse()
+        if prim.IsA(UsdGeom.Cube) and prim.HasAPI(UsdPhysics.CollisionAPI)
+    )

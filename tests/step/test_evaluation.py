@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from chord_usd.errors import MissingExtraError, SceneError
 from chord_usd.evaluation import diversity, layout_report, layouts, ood, realism, report, speed
 from chord_usd.evaluation.cases import Case, folder_cases, procedural_cases
 from chord_usd.evaluation.collisions import collide, displace
+from chord_usd.evaluation.report import framed
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.config import PRESETS
@@ -286,6 +288,16 @@ class TestDiversity:
         assert 0.0 <= scores.item_iou <= 1.0
         assert sheet.shape == (516, 2 * 516, 3)
         assert "| mean |" in diversity.as_markdown(scores)
+
+    def test_rasters_of_large_houses_go_on_one_sheet_with_small_ones(self):
+        rows = [
+            [SimpleNamespace(image=SimpleNamespace(rgb=np.zeros((side, side, 3), np.uint8)))]
+            for side in (256, 320)
+        ]
+        picture = diversity.sheet(rows, enlarge=1)
+        small, large = (framed(row[0].image.rgb).shape for row in rows)
+        assert picture.shape == (small[0] + large[0], large[1], 3)
+        assert (picture[: small[0], small[1] :] == 255).all()
 
 
 def test_a_report_is_three_files(tmp_path):

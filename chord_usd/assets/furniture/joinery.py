@@ -21,6 +21,7 @@ from chord_usd.assets.solids import (
     lathe,
     tube,
 )
+from chord_usd.types import FloatArray
 
 FRONT_M = 0.018
 """Thickness of a door or drawer front."""
@@ -31,9 +32,13 @@ GAP_M = 0.004
 HANDLE_M = 0.03
 """How far a bar handle stands out of its front."""
 
+_UPRIGHT_M, _LEAN_BLOCKS = 0.02, 4
+"""A leg that leans by more is felt as so many blocks."""
+
 _RIM_M, _ROUND_BLOCKS = 0.025, (3, 12)
 """How much of a round rim the blocks that it is felt as may leave out, and how many they are."""
 
+_Solids = tuple[Solid, ...]
 HandleKind = Literal["bar", "knob", "none"]
 
 
@@ -161,20 +166,35 @@ def four_legs(
     """
     parts = []
     for index, (sx, sy) in enumerate(((-1, 1), (-1, -1), (1, -1), (1, 1)), start=1):
-        foot = sx * (length_m - thick_m) / 2, sy * (width_m - thick_m) / 2
+        foot = np.array([sx * (length_m - thick_m) / 2, sy * (width_m - thick_m) / 2])
+        top = foot - np.array([sx, sy]) * splay_m
         if is_round:
             leg = cylinder(thick_m * 0.35, height_m, 0.002, 12, top_m=thick_m / 2)
         else:
             leg = block((thick_m, thick_m, height_m), 0.003)
         lean = leg.points_m.copy()
         share = lean[:, 2:3] / height_m
-        lean[:, :2] += (1.0 - share) * [foot[0], foot[1]]
-        lean[:, :2] += share * [foot[0] - sx * splay_m, foot[1] - sy * splay_m]
-        parts.append(Part(f"Leg_{index}", Solid(lean, leg.faces), slot))
+        lean[:, :2] += (1.0 - share) * foot + share * top
+        felt = _felt_lean(foot, top, height_m, thick_m) if splay_m > _UPRIGHT_M else ()
+        parts.append(Part(f"Leg_{index}", Solid(lean, leg.faces), slot, felt=felt))
     return tuple(parts)
 
 
-def felt_round(solid: Solid) -> tuple[Solid, ...]:
+def _felt_lean(foot: FloatArray, top: FloatArray, height_m: float, thick_m: float) -> _Solids:
+    """Blocks on top of each other along a leaning leg, to be felt in its place.
+
+    A box around all of it is as wide as it leans, where legs of chairs go.
+    """
+    rise_m = height_m / _LEAN_BLOCKS
+    one = box((thick_m, thick_m, rise_m))
+    blocks = []
+    for index in range(_LEAN_BLOCKS):
+        at = foot + (index + 0.5) / _LEAN_BLOCKS * (top - foot)
+        blocks.append(one.moved(float(at[0]), float(at[1]), index * rise_m))
+    return tuple(blocks)
+
+
+def felt_round(solid: Solid) -> _Solids:
     """Blocks within an upright cylinder around a solid, to be felt in its place.
 
     A box around a round table top has corners that reach to the chairs beside it. The blocks cross,
