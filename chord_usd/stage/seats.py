@@ -2,8 +2,8 @@
 
 A layout tells how far a chair is pushed under a table, seen from above; whether its back passes
 over the top and its legs stand between the table's is told by the meshes alone. So a chair that
-runs into its table moves, by the least that sets it free, away from where it faces or sideways. It
-never moves into something else, out of its room or before a door. Colliders count as meshes do: a
+runs into its table moves, by the least that sets it free, mostly away from where it faces. It never
+moves into something else, out of its room or before a door. Colliders count as meshes do: a
 simulator would throw apart what they hold in each other.
 """
 
@@ -36,8 +36,9 @@ FARTHEST_M = 0.5
 _STEP_M = 0.02
 
 _TABLES = natural_partners(SEAT)
-_WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)])
-"""In the chair's own frame: back, left, right. Ties go to the first."""
+_WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (0.0, -1.0)])
+"""In the chair's own frame: back, left, right, and forward for one that has its back to its table.
+Ties go to the first."""
 
 
 def draw_out_chairs(

@@ -69,6 +69,15 @@ def test_a_chair_well_under_its_table_stays_there() -> None:
     assert draw_out_chairs(before).items == before.items
 
 
+def test_a_chair_with_its_back_to_its_table_comes_out_forward() -> None:
+    """Its mark may have been misread; backwards it would have to cross all of the table."""
+    before = house(TABLE, chair_at(2.0, 2.3, 180.0))
+    after = draw_out_chairs(before)
+    assert 0.0 < moved_m(before, after) <= FARTHEST_M + 1e-6
+    assert after.items[1].box.center_m[1] > 2.3
+    assert moved_m(after, draw_out_chairs(after)) == 0.0
+
+
 def test_a_chair_shut_in_stays() -> None:
     walls = [
         Item(f"cabinet_{n}", "cabinet", Box((x, y, 0.0), (0.8, 0.4, 2.0), yaw), "r")
