@@ -12,7 +12,7 @@ import numpy.typing as npt
 import shapely
 
 from chord_usd.geometry import footprint_polygon, to_world
-from chord_usd.types import Box, FloatArray
+from chord_usd.types import MOVED, Box, FloatArray, Item
 
 _IN_ROOM_M = 1e-3
 """A piece flush with a wall is in its room, whatever was rounded."""
@@ -29,6 +29,12 @@ def places_near(
         distance_m = round(step * step_m, 3)
         for way in ways:
             yield distance_m, _moved(box, way * distance_m)
+
+
+def moved_to(item: Item, box: Box, distance_m: float) -> Item:
+    """The item there, with how far it has come in all in its extra."""
+    moved_m = round(item.extra.get(MOVED, 0.0) + distance_m, 6)
+    return replace(item, box=box, extra={**item.extra, MOVED: moved_m})
 
 
 def _moved(box: Box, by_m: npt.ArrayLike) -> Box:

@@ -74,6 +74,8 @@ def _triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
     transforms = UsdGeom.XformCache()
     seen, felt = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))]
     for prim in stage.Traverse():
+        if not prim.IsA(UsdGeom.Gprim):
+            continue
         matrix = np.array(transforms.GetLocalToWorldTransform(prim))
         collides = prim.HasAPI(UsdPhysics.CollisionAPI)
         if prim.IsA(UsdGeom.Mesh):

@@ -16,8 +16,8 @@ import shapely
 from chord_usd.geometry import room_polygon
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import ClearFloor, blocked_openings, clearances
-from chord_usd.places import places_near
-from chord_usd.types import MOVED, Item, SceneGraph
+from chord_usd.places import moved_to, places_near
+from chord_usd.types import Item, SceneGraph
 
 FARTHEST_M = 0.1
 """A pixel or two of a raster."""
@@ -61,6 +61,5 @@ def _aside(
     free = free_places(item, floor, items, clear, is_to_clear=True)
     for distance_m, box in places_near(item.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box):
-            moved_m = round(item.extra.get(MOVED, 0.0) + distance_m, 6)
-            return replace(item, box=box, extra={**item.extra, MOVED: moved_m})
+            return moved_to(item, box, distance_m)
     return item

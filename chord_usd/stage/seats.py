@@ -9,7 +9,7 @@ simulator would throw apart what they hold in each other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -22,11 +22,11 @@ from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
-from chord_usd.places import FreePlaces, places_near
+from chord_usd.places import FreePlaces, moved_to, places_near
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
 from chord_usd.stage.read import open_stage
-from chord_usd.types import MOVED, Box, Item, SceneGraph
+from chord_usd.types import Asset, Box, Item, SceneGraph
 from chord_usd.units import rotation_2d
 
 SEAT = "chair"
@@ -87,28 +87,32 @@ def _drawn_out(chair: Item, tables: Sequence[Item], free: FreePlaces) -> Item:
     """The chair at the nearest free place; where it is, if there is none."""
     for distance_m, box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box) and not _runs_into(box, chair, tables):
-            moved_m = round(chair.extra.get(MOVED, 0.0) + distance_m, 6)
-            return replace(chair, box=box, extra={**chair.extra, MOVED: moved_m})
+            return moved_to(chair, box, distance_m)
     return chair
 
 
 def _runs_into(box: Box, chair: Item, tables: Sequence[Item]) -> bool:
     """Whether a chair in this box collides with one of the tables: mesh with mesh, or collider with
     collider."""
-    shape = footprint_polygon(box)
+    seats, shape = _bodies(replace(chair, box=box)), footprint_polygon(box)
     over = [one for one in tables if footprint_polygon(one.box).intersects(shape)]
-    moved = replace(chair, box=box)
     return any(
-        collisions([_body(moved, solids)], [_body(table, solids)])
+        collisions([seat], [body])
         for table in over
-        for solids in (_meshes, _colliders)
+        for seat, body in zip(seats, _bodies(table), strict=True)
     )
 
 
-def _body(item: Item, solids_at: Callable[[Path], tuple[Solid, ...]]) -> Body:
-    """Solids of an item's asset in the world, without what stands on it."""
+def _bodies(item: Item) -> tuple[Body, Body]:
+    """An item as it is seen and as it is felt, in the world, without what stands on it."""
     assert item.asset is not None
-    scale = np.array(item.box.size_m) / np.array(item.asset.size_m)
+    seen, felt = _solids(item.asset.usd_path)
+    return _body(item, item.asset, seen), _body(item, item.asset, felt)
+
+
+def _body(item: Item, asset: Asset, own: Sequence[Solid]) -> Body:
+    """Solids in the frame of an item's asset, brought to where the item stands."""
+    scale = np.array(item.box.size_m) / np.array(asset.size_m)
     turn = np.eye(3)
     turn[:2, :2] = rotation_2d(item.box.yaw_deg)
     solids = tuple(
@@ -120,23 +124,16 @@ def _body(item: Item, solids_at: Callable[[Path], tuple[Solid, ...]]) -> Body:
                 process=False,
             ),
         )
-        for solid in solids_at(item.asset.usd_path)
+        for solid in own
     )
     return Body(item.id, solids)
 
 
 @lru_cache(maxsize=64)
-def _meshes(path: Path) -> tuple[Solid, ...]:
-    """The meshes of an asset in its own frame."""
-    stage = open_stage(path)
-    return solids_of(stage.GetDefaultPrim(), UsdGeom.XformCache())
-
-
-@lru_cache(maxsize=64)
-def _colliders(path: Path) -> tuple[Solid, ...]:
-    """The boxes that an asset is felt as, in its own frame."""
+def _solids(path: Path) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
+    """The meshes of an asset, and the boxes that it is felt as, in its own frame."""
     stage, transforms = open_stage(path), UsdGeom.XformCache()
-    return tuple(
+    felt = tuple(
         Solid(
             str(prim.GetPath()),
             trimesh.creation.box(
@@ -147,3 +144,4 @@ def _colliders(path: Path) -> tuple[Solid, ...]:
         for prim in stage.Traverse()
         if prim.IsA(UsdGeom.Cube) and prim.HasAPI(UsdPhysics.CollisionAPI)
     )
+    return solids_of(stage.GetDefaultPrim(), transforms), felt
