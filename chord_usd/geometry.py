@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +42,13 @@ def to_own(box: Box, points_m: npt.ArrayLike) -> FloatArray:
     """Points (..., 2) of the frame that a box is in, in its own frame; inverse of to_world."""
     turned: FloatArray = (np.asarray(points_m) - box.center_m[:2]) @ rotation_2d(box.yaw_deg)
     return turned
+
+
+def resized(box: Box, sides_m: tuple[float, float], middle_m: tuple[float, float]) -> Box:
+    """The box with another length and width, its middle at this point of the frame it had."""
+    x_m, y_m = to_world(box, middle_m)
+    center_m = (float(x_m), float(y_m), box.center_m[2])
+    return replace(box, center_m=center_m, size_m=(*sides_m, box.size_m[2]))
 
 
 def front_direction(yaw_deg: float) -> FloatArray:

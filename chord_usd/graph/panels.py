@@ -6,11 +6,9 @@ where there is nothing to hang it on.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import shapely
 
-from chord_usd.geometry import footprint, to_world
+from chord_usd.geometry import footprint, resized
 from chord_usd.types import Box
 
 _ON_WALL_M = 0.001
@@ -31,7 +29,5 @@ def end_with_wall(box: Box, floor: shapely.Polygon) -> Box:
         return box
     ends = shapely.line_locate_point(back, shapely.points(shapely.get_coordinates(longest)))
     start_m, stop_m = float(ends.min()), float(ends.max())
-    length_m, depth_m, height_m = box.size_m
-    x_m, y_m = to_world(box, ((start_m + stop_m - length_m) / 2, 0.0))
-    center_m = (float(x_m), float(y_m), box.center_m[2])
-    return replace(box, center_m=center_m, size_m=(stop_m - start_m, depth_m, height_m))
+    length_m, depth_m, _ = box.size_m
+    return resized(box, (stop_m - start_m, depth_m), ((start_m + stop_m - length_m) / 2, 0.0))

@@ -7,12 +7,11 @@ those pixels: units are made in one depth.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon, to_own, to_world
+from chord_usd.geometry import footprint_polygon, resized, to_own
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.types import Box
 from chord_usd.units import wrap_deg
@@ -72,9 +71,7 @@ def _is_next(one: Box, other: Box, m_per_px: float) -> bool:
 
 def _deep(box: Box, depth_m: float) -> Box:
     """The box with another depth, its back where it was."""
-    x, y = to_world(box, (0.0, (box.size_m[1] - depth_m) / 2))
-    center_m = (float(x), float(y), box.center_m[2])
-    return replace(box, center_m=center_m, size_m=(box.size_m[0], depth_m, box.size_m[2]))
+    return resized(box, (box.size_m[0], depth_m), (0.0, (box.size_m[1] - depth_m) / 2))
 
 
 def _overlap_m2(box: Box, around: Sequence[Box]) -> float:

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from chord_usd.geometry import footprint_polygon, front_direction, room_polygon, to_own, to_world
+from chord_usd.geometry import footprint_polygon, front_direction, resized, room_polygon, to_own
 from chord_usd.graph.match import FRONT_FROM
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
@@ -113,9 +113,7 @@ def _sets(items: Sequence[Item]) -> list[list[Item]]:
 
 def _sized(box: Box, length_m: float, depth_m: float) -> Box:
     """The box in another size, the middle of its front where it was."""
-    x_m, y_m = to_world(box, (0.0, (depth_m - box.size_m[1]) / 2))
-    center_m = (float(x_m), float(y_m), box.center_m[2])
-    return replace(box, center_m=center_m, size_m=(length_m, depth_m, box.size_m[2]))
+    return resized(box, (length_m, depth_m), (0.0, (depth_m - box.size_m[1]) / 2))
 
 
 def _usual_size_m(chairs: Sequence[Item]) -> tuple[float, float]:

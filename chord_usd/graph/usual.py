@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from chord_usd.geometry import room_polygon, to_world
+from chord_usd.geometry import resized, room_polygon
 from chord_usd.graph.fit import is_built_in
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
@@ -61,11 +61,9 @@ def _grown(item: Item, free: FreePlaces) -> Box:
 def _larger(item: Item) -> Iterator[Box]:
     """Boxes of the usual length and depth, then of one of them, the back where it was."""
     row = category(item.category)
-    length_m, depth_m, height_m = item.box.size_m
+    length_m, depth_m, _ = item.box.size_m
     usual = max(length_m, row.length_m[0]), max(depth_m, row.width_m[0])
     for size_m in dict.fromkeys((usual, (usual[0], depth_m), (length_m, usual[1]))):
         for side in _SIDES:
-            own = side * (size_m[0] - length_m), (depth_m - size_m[1]) / 2
-            x_m, y_m = to_world(item.box, own)
-            center_m = (float(x_m), float(y_m), item.box.center_m[2])
-            yield replace(item.box, center_m=center_m, size_m=(*size_m, height_m))
+            middle_m = side * (size_m[0] - length_m), (depth_m - size_m[1]) / 2
+            yield resized(item.box, size_m, middle_m)
