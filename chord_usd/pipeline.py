@@ -45,8 +45,8 @@ class Settings:
     """Same plan, same seed, same settings: same bytes."""
     steps: int | None = None
     """Sampler steps; None takes what the checkpoint was tuned for."""
-    sampler: str = "ddim"
-    """ddim, dpm or ddpm (layout.schedule)."""
+    sampler: str | None = None
+    """ddim, dpm or ddpm (layout.schedule); None takes the checkpoint's own."""
     m_per_px: float | None = None
     """Scale of a plan picture; None measures it."""
     part: int = 1

@@ -77,7 +77,7 @@ class Draw:
 
     seed: int = 0
     steps: int | None = None
-    sampler: str = "ddim"
+    sampler: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

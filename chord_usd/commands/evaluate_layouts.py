@@ -58,9 +58,9 @@ def run(options: argparse.Namespace) -> Outcome:
         cases = _cases(options)
         warnings += cases.warnings
     sampling = sampling_of(options, options.redraws)
-    furnished, made_by, steps = _furnished(options, cases, sampling, watch, warnings)
+    furnished, made_by, sampling = _furnished(options, cases, sampling, watch, warnings)
     with watch.step("score"):
-        scores = layouts.score_layouts(furnished, made_by, steps, sampling)
+        scores = layouts.score_layouts(furnished, made_by, sampling)
     found: dict[str, Realism] = {}
     if encoder:
         with watch.step("realism"):
@@ -82,22 +82,22 @@ def _furnished(
     sampling: Sampling,
     watch: Stopwatch,
     warnings: list[str],
-) -> tuple[list[Furnished], str, int]:
-    """The layouts to score, who made them, and in how many steps."""
+) -> tuple[list[Furnished], str, Sampling]:
+    """The layouts to score, who made them, and how."""
     from chord_usd.evaluation import layouts
 
     if options.furnisher or options.source:
         with watch.step("layout"):
             made_by = str(options.source) if options.source else "furnisher"
-            return list(layouts.drawn(cases.cases, sampling)), made_by, 0
+            return list(layouts.drawn(cases.cases, sampling)), made_by, sampling
     with watch.step("load"):
         model = load_layout_model(options)
+    sampling = sampling.settled(model.config)
     with watch.step("layout") as progress:
         furnished = list(
             layouts.sampled(model, cases.cases, sampling, progress, warn=warnings.append)
         )
-    steps = options.steps or model.config.default_steps
-    return furnished, model.checkpoint.content_hash, steps
+    return furnished, model.checkpoint.content_hash, sampling
 
 
 def _realism(

@@ -56,7 +56,7 @@ def add_checkpoint(parser: Parser, name: str = "plan2layout") -> None:
 def add_sampling(parser: Parser) -> None:
     """Options that say how the model is sampled."""
     add_steps(parser)
-    parser.add_argument("--sampler", choices=SAMPLERS, default="ddim", help="(ddim)")
+    parser.add_argument("--sampler", choices=SAMPLERS, help="(the checkpoint's own)")
 
 
 def add_fid(parser: Parser) -> None:

@@ -27,8 +27,8 @@ def add(group: Verbs) -> None:
         help="(1,2,5,10,20,50,100)",
     )  # fmt: skip
     parser.add_argument(
-        "--sampler", type=_samplers, default=("ddim", "dpm"), metavar="NAME,…",
-        help=f"of {', '.join(SAMPLERS)} (ddim,dpm)",
+        "--sampler", type=_samplers, default=SAMPLERS, metavar="NAME,…",
+        help=f"of {', '.join(SAMPLERS)} (all)",
     )  # fmt: skip
     add_fid(parser)
     add_report(parser)

@@ -31,8 +31,8 @@ def add(verbs: Verbs) -> None:
     add_seed(parser)
     add_steps(parser)
     parser.add_argument(
-        "--sampler", choices=SAMPLERS, default="ddim",
-        help="ddim, dpm (DPM-Solver++) or ddpm, the paper's, for --steps 1000 (ddim)",
+        "--sampler", choices=SAMPLERS,
+        help="ddim, dpm (DPM-Solver++) or ddpm, the paper's (the checkpoint's own)",
     )  # fmt: skip
     parser.add_argument(
         "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"

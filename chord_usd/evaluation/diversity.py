@@ -82,7 +82,7 @@ def measure_diversity(
         seeds=seeds,
         split=split_hash(case.id for case in cases),
         checkpoint=model.checkpoint.content_hash,
-        steps=sampling.steps or model.config.default_steps,
+        steps=sampling.settled(model.config).steps or 0,
     )
     return scores, sheet(rows)
 

@@ -12,6 +12,7 @@ from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
 from chord_usd.graph.extract import extract_graph
+from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.fidelity import F1, plan_fidelity
@@ -34,11 +35,20 @@ class Sampling:
     seed: int = 0
     steps: int | None = None
     """None takes what the checkpoint was tuned for."""
-    sampler: str = "ddim"
+    sampler: str | None = None
+    """None takes the checkpoint's own."""
     shaded: bool = True
     """Whether the plan tells the kind of its rooms."""
     redraws: int = 0
     """So often rooms with faults are drawn again, as generate does; 0 scores the raw layouts."""
+
+    def settled(self, config: LayoutConfig) -> Sampling:
+        """With what a checkpoint was tuned for where nothing else is asked."""
+        return replace(
+            self,
+            steps=self.steps or config.default_steps,
+            sampler=self.sampler or config.default_sampler,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +72,7 @@ class LayoutScores:
     made_by: str
     """Hash of the checkpoint, or who else made the layouts."""
     steps: int
+    """Of the sampler; 0 where no model made them."""
     sampler: str
     redraws: int = 0
     """So often rooms with faults were drawn again; 0 for raw layouts."""
@@ -142,10 +153,11 @@ class _Blind:
         return []
 
 
-def score_layouts(
-    furnished: Sequence[Furnished], made_by: str, steps: int, sampling: Sampling
-) -> LayoutScores:
-    """All rows of the table for these layouts, whole houses and rooms by kind."""
+def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampling) -> LayoutScores:
+    """All rows of the table for these layouts, whole houses and rooms by kind.
+
+    sampling: as they were made; settled, or without steps where no model made them.
+    """
     scenes = [one.scene for one in furnished]
     house = score_scenes(scenes)
     rows = {"house": {**house, **_house_scores(scenes), **_fidelity(furnished)}}
@@ -155,8 +167,8 @@ def score_layouts(
         rows=rows,
         split=split_hash(one.case.id for one in furnished),
         made_by=made_by,
-        steps=steps,
-        sampler=sampling.sampler,
+        steps=sampling.steps or 0,
+        sampler=sampling.sampler or "",
         redraws=sampling.redraws,
     )
 

@@ -108,14 +108,14 @@ def _run(
     encoder: Encoder | None,
 ) -> Run:
     seconds, cpu_seconds = _time_one(model, made[0].case, how)
-    scores = score_layouts(made, model.checkpoint.content_hash, steps, how).rows["house"]
+    scores = score_layouts(made, model.checkpoint.content_hash, how).rows["house"]
     same = [
         float((one.image.rgb == other.image.rgb).all(axis=2).mean())
         for one, other in zip(made, reference, strict=True)
     ]
     found = _realism(made, how, encoder) if encoder else None
     return Run(
-        how.sampler, steps, seconds, cpu_seconds, batch_seconds,
+        how.sampler or "", steps, seconds, cpu_seconds, batch_seconds,
         {name: scores[name] for name in SCORES},
         found.fid if found else None,
         sum(same) / len(same),

@@ -58,13 +58,18 @@ class Workplace:
     reliefs: Reliefs
     seed: int = 0
     asked_steps: int | None = None
-    """None takes what the checkpoint was tuned for."""
-    sampler: str = "ddim"
+    """None takes what the checkpoint was tuned for, here and of the sampler."""
+    asked_sampler: str | None = None
 
     @property
     def steps(self) -> int:
         """Sampler steps."""
         return self.asked_steps or self.model.config.default_steps
+
+    @property
+    def sampler(self) -> str:
+        """One of layout.schedule.SAMPLERS."""
+        return self.asked_sampler or self.model.config.default_sampler
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,7 +61,7 @@ def extract_graph(
     graph = SceneGraph(
         rooms=plan.rooms,
         openings=plan.openings,
-        items=place_items(found, plan.rooms, layout.frame, plan.openings),
+        items=place_items(found, plan.rooms, layout.frame, plan.openings, pixels.item),
         provenance=layout.provenance,
         extra=plan.extra,
     )

@@ -1,29 +1,60 @@
 """What doors and windows tell of the items before them: edges to half a pixel, and heights.
 
 An edge that reaches less than half a pixel into the floor that a door keeps free was drawn beside
-it. A picture from above shows no heights: what is drawn before a window is one of the lower pieces
-of its category, where there are such.
+it, and so was a piece of which the picture shows nothing there: its box only spans what is painted
+around that floor's corner. A picture from above shows no heights: what is drawn before a window is
+one of the lower pieces of its category, where there are such.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 
 from chord_usd.geometry import footprint_polygon
+from chord_usd.graph.colours import LabelArray
 from chord_usd.graph.flush import Standing
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import Category, Mount, category
-from chord_usd.types import Box, Item, Opening, Room
+from chord_usd.types import Box, Item, Opening, PixelFrame, Room
+from chord_usd.units import m_from_px, px_from_m
 
 BELOW_SILL = "below_sill_m"
 """Key of Item.extra: height of the sill of the window that the item stands before."""
 
 _EDGES = ("u0", "u1", "v0", "v1")
+
+_BARE = 0.2
+"""Floor of which a smaller share shows a piece shows nothing of it: torn edges are no piece."""
+
+_MOST_CUT = 0.25
+"""Share of a side that a box may lose to floor that shows nothing of the piece."""
+
+
+@dataclass(frozen=True, eq=False)
+class Painted:
+    """What a raster shows of items."""
+
+    labels: LabelArray
+    """(H, W) detector_class of a HOUSE category, or colours.NO_ITEM."""
+    frame: PixelFrame
+
+    def share(self, shape: shapely.Geometry, detector_class: int) -> float:
+        """How many of the pixels in a shape show the category; 0.0 where it holds no pixel."""
+        ring_px = px_from_m(shapely.get_coordinates(shape), self.frame)
+        (left, top), (right, bottom) = (
+            np.clip(edge, 0, self.labels.shape[::-1]).astype(int)
+            for edge in (np.floor(ring_px.min(axis=0)), np.ceil(ring_px.max(axis=0)))
+        )
+        rows, columns = np.mgrid[top:bottom, left:right]
+        centers_m = m_from_px(np.stack([columns, rows], axis=-1) + 0.5, self.frame)
+        within = shapely.contains_xy(shape, centers_m[..., 0], centers_m[..., 1])
+        shown = self.labels[top:bottom, left:right][within] == detector_class
+        return float(shown.mean()) if shown.size else 0.0
 
 
 class FreeFloor:
@@ -34,13 +65,27 @@ class FreeFloor:
         self._openings = [opening for opening, _ in pairs]
         self._tree = shapely.STRtree([floor for _, floor in pairs])
 
-    def kept(self, standing: Standing, box: Box, row: Category, reach_m: float) -> Box:
-        """The box on its footprint, edges within reach_m of the free floor's on them."""
+    def kept(
+        self,
+        standing: Standing,
+        box: Box,
+        row: Category,
+        reach_m: float,
+        painted: Painted | None = None,
+    ) -> Box:
+        """The box on its footprint, edges within reach_m of the free floor's on them.
+
+        painted: where it shows nothing of the piece on that floor, edges come from farther.
+        """
         if row.mount is Mount.FLOOR:
             for index in self._before(standing.on(box)):
                 sill_m = self._openings[index].box.center_m[2]
                 if row.height_m[0] > sill_m:
-                    standing = _backed_off(standing, self._tree.geometries[index], box, reach_m)
+                    free = self._tree.geometries[index]
+                    shared = footprint_polygon(standing.on(box)).intersection(free)
+                    is_bare = painted and painted.share(shared, row.detector_class) < _BARE
+                    most_cut = _MOST_CUT if is_bare else 0.0
+                    standing = _backed_off(standing, shared, reach_m, most_cut)
         return standing.on(box)
 
     def below_sill(self, item: Item) -> Item:
@@ -65,10 +110,14 @@ class FreeFloor:
         return [int(index) for index in np.sort(near[shares > MIN_OVERLAP_M2])]
 
 
-def _backed_off(standing: Standing, free: shapely.Geometry, box: Box, reach_m: float) -> Standing:
-    """The one edge moved off the free floor that needs least; none where that is over reach_m."""
+def _backed_off(
+    standing: Standing, shared: shapely.Geometry, reach_m: float, most_cut: float
+) -> Standing:
+    """The one edge moved off the floor it shares that needs least.
+
+    None where that is farther than reach_m and than most_cut, a share of the side that it cuts.
+    """
     rectangle = standing.rectangle
-    shared = footprint_polygon(standing.on(box)).intersection(free)
     if shared.area <= MIN_OVERLAP_M2:
         return standing
     own = rectangle.local(shapely.get_coordinates(shared))
@@ -78,6 +127,7 @@ def _backed_off(standing: Standing, free: shapely.Geometry, box: Box, reach_m: f
         abs(place - getattr(rectangle, name)) for name, place in zip(_EDGES, places, strict=True)
     ]
     least = int(np.argmin(moves))
-    if moves[least] > reach_m:
+    sides_m = rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0
+    if moves[least] > max(reach_m, most_cut * sides_m[least // 2]):
         return standing
     return replace(standing, rectangle=replace(rectangle, **{_EDGES[least]: places[least]}))

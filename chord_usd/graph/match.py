@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.graph.colours import LabelArray
 from chord_usd.graph.fit import fitted_box, is_built_in
 from chord_usd.graph.flush import (
     ALIGN_BUILT_IN_DEG,
@@ -23,7 +24,7 @@ from chord_usd.graph.flush import (
     part,
     pull_into,
 )
-from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
+from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor, Painted
 from chord_usd.graph.panels import end_with_wall
 from chord_usd.graph.runs import level_fronts
 from chord_usd.graph.snap import FoundItem
@@ -62,15 +63,18 @@ def place_items(
     rooms: Sequence[Room],
     frame: PixelFrame,
     openings: Sequence[Opening] = (),
+    item_pixels: LabelArray | None = None,
 ) -> tuple[Item, ...]:
     """Items in the rooms they lie in, flush with walls and neighbours, named per room.
 
     An item goes to the room that covers most of it. What lies in no room is dropped. Ids are
     room/category_n, counted in a fixed order: rooms as given, then category, then position.
-    openings: what they say of the items before them counts, see free_floor.
+    openings: what they say of the items before them counts, see free_floor. item_pixels: (H, W)
+    as LayoutPixels.item, what the raster shows.
     """
     floors = _Floors(rooms, frame.m_per_px)
     free_floor = FreeFloor(rooms, openings)
+    painted = None if item_pixels is None else Painted(item_pixels, frame)
     by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
     for one in found:
         box = box_of(one.detection, frame)
@@ -80,7 +84,7 @@ def place_items(
     items: list[Item] = []
     for index, room in enumerate(rooms):
         floor = floors.polygons[index]
-        items += _items_of(room, floor, free_floor, by_room[index], frame.m_per_px)
+        items += _items_of(room, floor, free_floor, by_room[index], frame.m_per_px, painted)
     return tuple(items)
 
 
@@ -171,6 +175,7 @@ def _items_of(
     free_floor: FreeFloor,
     found: Sequence[tuple[FoundItem, Box]],
     m_per_px: float,
+    painted: Painted | None,
 ) -> list[Item]:
     reach_m = FLUSH_PX * m_per_px
     standings = [
@@ -190,7 +195,7 @@ def _items_of(
         for (_, box), standing, row in zip(found, standings, rows, strict=True)
     ]
     placed = [
-        (one, free_floor.kept(Standing.of(box), box, row, reach_m))
+        (one, free_floor.kept(Standing.of(box), box, row, reach_m, painted))
         for (one, _), box, row in zip(
             found, _with_level_fronts(boxes, rows, m_per_px), rows, strict=True
         )

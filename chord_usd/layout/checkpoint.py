@@ -21,7 +21,7 @@ from chord_usd.layout.description import (
     read_description,
 )
 from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.schedule import ddim_walk
+from chord_usd.layout.schedule import Walk, written_walk
 from chord_usd.networks import WEIGHTS_FILE, read_weights
 
 
@@ -38,8 +38,12 @@ class Checkpoint:
 
     @property
     def description(self) -> Description:
-        """The same without the network; its sampler's steps are to be worked out."""
-        return Description(self.config, self.content_hash, self.training)
+        """The same without the network."""
+        return Description(self.config, self.content_hash, self.training, _walk(self.config))
+
+
+def _walk(config: LayoutConfig) -> Walk:
+    return written_walk(config) if config.prediction == "sample" else ()
 
 
 def save_checkpoint(folder: Path, network: LayoutNetwork, training: dict[str, Any]) -> None:
@@ -55,8 +59,8 @@ def save_checkpoint(folder: Path, network: LayoutNetwork, training: dict[str, An
     partial.replace(folder / WEIGHTS_FILE)
     config = network.config
     values: dict[str, Any] = {"format": FORMAT, "network": config.to_dict(), "training": training}
-    if config.prediction == "sample":
-        values["walk"] = ddim_walk(config, config.default_steps)
+    if walk := _walk(config):
+        values["walk"] = walk
     partial = folder / (CONFIG_FILE + ".part")
     partial.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
     partial.replace(folder / CONFIG_FILE)

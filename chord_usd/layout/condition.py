@@ -23,7 +23,7 @@ from chord_usd.types import ROOM_KINDS, BoolArray, ByteArray
 PIXEL_PLANES = 6
 """Walls, doors, windows, floor, and the floor that doors and that windows keep free."""
 
-FLOOR_PLANE = 3
+FLOOR_PLANE, DOOR_FLOOR_PLANE, WINDOW_FLOOR_PLANE = 3, 4, 5
 
 GRID_PLANES = 1 + len(ROOM_KINDS) + 10
 """Floor, room kind one-hot, then room area, width and height, free length in the four directions,

@@ -53,6 +53,8 @@ class LayoutConfig:
     pixels, so noise hides it only when its standard deviation is many times the signal's."""
     default_steps: int = 20
     """Sampler steps unless asked otherwise."""
+    default_sampler: Literal["ddim", "ddpm"] = "ddim"
+    """Sampler unless asked otherwise."""
 
     @property
     def window_multiple_px(self) -> int:
@@ -85,8 +87,13 @@ class LayoutConfig:
 
 
 PRESETS: dict[str, LayoutConfig] = {
-    "default": LayoutConfig(),
-    "large": LayoutConfig(channels=(128, 192, 320, 448), blocks_per_level=2, feature_channels=128),
+    "default": LayoutConfig(default_sampler="ddpm"),
+    "large": LayoutConfig(
+        channels=(128, 192, 320, 448),
+        blocks_per_level=2,
+        feature_channels=128,
+        default_sampler="ddpm",
+    ),
     "paper": LayoutConfig(
         state="rgb",
         condition="rgb",
@@ -97,6 +104,7 @@ PRESETS: dict[str, LayoutConfig] = {
         blocks_per_level=2,
         schedule="linear",
         default_steps=1000,
+        default_sampler="ddpm",
     ),
 }
 """default: two CPU cores; large: a GPU; paper: section 5 of the paper, 3 noise + 3 plan channels

@@ -9,6 +9,7 @@ from typing import Any
 
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.schedule import Step, Walk
 from chord_usd.networks import WEIGHTS_FILE, content_hash
 
 CONFIG_FILE = "config.json"
@@ -25,8 +26,8 @@ class Description:
     """First 16 hex digits of the SHA-256 of the weights file."""
     training: dict[str, Any] = field(default_factory=dict)
     """Steps, images, minutes, data; as the training run wrote it."""
-    walk: tuple[tuple[int, float, float], ...] = ()
-    """The default sampler's steps (schedule.ddim_walk); none in checkpoints of the paper's kind."""
+    walk: Walk = ()
+    """The default sampler's (schedule.written_walk); none in checkpoints of the paper's kind."""
 
 
 def read_description(folder: Path) -> Description:
@@ -38,7 +39,7 @@ def read_description(folder: Path) -> Description:
     values = _read_values(folder)
     try:
         config = LayoutConfig.from_dict(values["network"])
-        walk = tuple((int(t), float(keep), float(pull)) for t, keep, pull in values.get("walk", ()))
+        walk = tuple(Step(int(time), *map(float, rest)) for time, *rest in values.get("walk", ()))
     except CheckpointError as error:
         raise CheckpointError(
             error.what, where=str(path), expected=error.expected, try_=error.try_

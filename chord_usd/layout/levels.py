@@ -14,7 +14,7 @@ from chord_usd.layout import condition, floor_condition, table_condition
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.measures import Condition
 from chord_usd.raster import paint_layout
-from chord_usd.types import BoolArray, ByteArray, PlanImage
+from chord_usd.types import BASE_AND_HEIGHT_M, BoolArray, ByteArray, PlanImage
 
 Describe = Callable[[ByteArray, float, int], Condition]
 """Picture (H, W, 3), metres per pixel and pixels per grid cell to what the network sees."""
@@ -36,6 +36,11 @@ class LevelTraits:
     grid_planes: int
     ground_plane: int
     """Of the pixels: where items can be."""
+    bare_plane: int | None = None
+    """Of the pixels: ground where nothing stands."""
+    low_plane: int | None = None
+    """Of the pixels: ground where none of tall_labels stands."""
+    tall_labels: tuple[int, ...] = ()
     area_plane: int | None = None
     """Of the grid: log(1 + area in m²) / AREA_SCALE of the region a cell belongs to; None where
     regions do not weigh by their area."""
@@ -51,6 +56,15 @@ def _paint_table(image: PlanImage, labels: ByteArray, front: BoolArray) -> ByteA
     return paint_layout(image, labels, front, palette.Level.TABLE)
 
 
+def _tall_labels() -> tuple[int, ...]:
+    """Of categories whose lowest pieces reach above the sill of a window."""
+    return tuple(
+        1 + label
+        for label, row in enumerate(palette.HOUSE_CATEGORIES)
+        if row.mount is palette.Mount.FLOOR and row.height_m[0] > BASE_AND_HEIGHT_M["window"][0]
+    )
+
+
 def _paint_floors(_image: PlanImage, labels: ByteArray, _front: BoolArray) -> ByteArray:
     return plan_labels.paint_labels(labels)
 
@@ -63,6 +77,9 @@ LEVELS: dict[str, LevelTraits] = {
         pixel_planes=condition.PIXEL_PLANES,
         grid_planes=condition.GRID_PLANES,
         ground_plane=condition.FLOOR_PLANE,
+        bare_plane=condition.DOOR_FLOOR_PLANE,
+        low_plane=condition.WINDOW_FLOOR_PLANE,
+        tall_labels=_tall_labels(),
         area_plane=condition.AREA_PLANE,
         usual_area_m2=8.0,
         weighed_area_m2=(1.0, 40.0),

@@ -12,6 +12,7 @@ from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
+from chord_usd.layout.known import bare_pixel, held_to_plan
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.mosaic import Mosaic, mosaic_of
 from chord_usd.layout.schedule import (
@@ -35,8 +36,6 @@ from chord_usd.types import (
 )
 
 RGB_CHANNELS = 3
-_SURE = 50.0
-"""Logit of what is certain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ class LayoutModel:
         *,
         seed: int = 0,
         steps: int | None = None,
-        sampler: str = "ddim",
+        sampler: str | None = None,
         progress: Progress | None = None,
     ) -> LayoutImage:
         """One layout for one plan. The same plan, seed and steps give the same pixels."""
@@ -89,12 +88,12 @@ class LayoutModel:
         *,
         seeds: Sequence[int],
         steps: int | None = None,
-        sampler: str = "ddim",
+        sampler: str | None = None,
         progress: Progress | None = None,
     ) -> list[LayoutImage]:
         """One layout per plan and seed, in one batch; each is what sample would give it.
 
-        sampler: one of schedule.SAMPLERS.
+        sampler: one of schedule.SAMPLERS; by default the checkpoint's own.
         """
         sizes = [self._window_size(plan_image) for plan_image in plan_images]
         pictures: dict[int, LayoutImage] = {}
@@ -102,7 +101,7 @@ class LayoutModel:
             group = [index for index, other in enumerate(sizes) if other == size]
             run = _Run(
                 steps or self.config.default_steps,
-                sampler,
+                sampler or self.config.default_sampler,
                 tuple(seeds[index] for index in group),
                 _share(progress, len(pictures), len(group), len(sizes)),
             )
@@ -122,7 +121,7 @@ class LayoutModel:
         *,
         seed: int = 0,
         steps: int | None = None,
-        sampler: str = "ddim",
+        sampler: str | None = None,
         progress: Progress | None = None,
     ) -> LayoutImage:
         """The layout of these labels, sampled anew in a region of its floor: masked diffusion.
@@ -131,7 +130,12 @@ class LayoutModel:
         looked at. region: (H, W). Outside of it every pixel is that of the layout given, which the
         noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
         """
-        run = _Run(steps or self.config.default_steps, sampler, (seed,), progress)
+        run = _Run(
+            steps or self.config.default_steps,
+            sampler or self.config.default_sampler,
+            (seed,),
+            progress,
+        )
         before = self.traits.paint(plan_image, labels, front)
         window = window_of(plan_image.rgb, self._window_size(plan_image))
         kept = _Kept(
@@ -163,7 +167,7 @@ class LayoutModel:
                 try_="the checkpoint folder as training left it, its text_encoder within",
             )
         count = steps or self.config.default_steps
-        run = _Run(count, "ddim", tuple(seeds), progress)
+        run = _Run(count, self.config.default_sampler, tuple(seeds), progress)
         plans = self._described([one.rgb for one in sheets], [one.frame.m_per_px for one in sheets])
         final = self._denoise(replace(plans, words=words), run, kept=None)
         return list(final[:, :-1].argmax(axis=1).astype(np.uint8))
@@ -208,24 +212,10 @@ class LayoutModel:
         return encode(labels, front, self.traits.class_count)[None]
 
     def estimate(self, state: State, times: Sequence[int], plans: Plans | Mosaic) -> Estimate:
-        """What the network says of a noisy batch (B, C, H, W); bare wherever there is no floor."""
+        """What the network says of a noisy batch (B, C, H, W), and the plan forbids."""
         if isinstance(plans, Mosaic):
-            return plans.estimate(state, times, self.estimate, self._bare())
-        estimate = self._denoiser.estimate(state, times, plans)
-        if estimate.clean is None:
-            return estimate
-        output, clean = self._bare()
-        return Estimate(
-            np.where(plans.inside, estimate.output, output),
-            np.where(plans.inside, estimate.clean, clean),
-        )
-
-    def _bare(self) -> tuple[State, State]:
-        """Output and clean state of one pixel that is no floor, (1, classes + 1 or C, 1, 1)."""
-        nothing = np.zeros((1, 1), np.uint8)
-        logits = np.full((1, self.traits.class_count + 1, 1, 1), -_SURE, np.float32)
-        logits[:, 0] = _SURE
-        return logits, encode(nothing, nothing > 0, self.traits.class_count)[None]
+            return plans.estimate(state, times, self.estimate, bare_pixel(self.traits))
+        return held_to_plan(self._denoiser.estimate(state, times, plans), plans, self.traits)
 
     def _denoise(self, plans: Plans | Mosaic, run: _Run, kept: _Kept | None) -> State:
         """The reverse process; returns category and front logits, or the clean RGB state."""
@@ -245,8 +235,8 @@ class LayoutModel:
 
     def _sampler(self, run: _Run) -> Sampler:
         walk = self.checkpoint.walk
-        if run.sampler == "ddim" and run.steps == len(walk):
-            return WrittenSampler(walk)
+        if run.sampler == self.config.default_sampler and run.steps == len(walk):
+            return WrittenSampler(walk, run.seeds)
         return DiffusersSampler(self.config, run.sampler, run.steps, run.seeds)
 
     def _noise(self, seeds: Sequence[int], height: int, width: int) -> State:

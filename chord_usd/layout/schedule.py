@@ -7,7 +7,7 @@ does without.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +23,20 @@ SAMPLERS = ("ddim", "dpm", "ddpm")
 State = npt.NDArray[np.float32]
 """(B, C, H, W)."""
 
-Walk = Sequence[tuple[int, float, float]]
-"""For each step its time, and how much of the noisy state is kept and of the clean one added."""
+
+class Step(NamedTuple):
+    """One step down, of a network that predicts the clean state."""
+
+    time: int
+    keep: float
+    """How much of the noisy state is kept."""
+    pull: float
+    """How much of the clean state is added."""
+    spread: float = 0.0
+    """Standard deviation of the noise that is added."""
+
+
+Walk = tuple[Step, ...]
 
 
 def training_scheduler(config: LayoutConfig) -> Any:
@@ -94,24 +106,37 @@ def noised(clean: State, noise: State, alpha: float) -> State:
     return (np.sqrt(alpha) * clean + np.sqrt(1.0 - alpha) * noise).astype(np.float32)
 
 
-def ddim_walk(config: LayoutConfig, steps: int) -> Walk:
-    """The steps of diffusers' DDIM for a network that predicts the clean state.
+def written_walk(config: LayoutConfig) -> Walk:
+    """The steps of the default sampler, by diffusers, for a network that predicts the clean state.
 
-    Without noise of its own DDIM is linear in both states, so its two weights tell it whole.
+    Each is linear in both states and its noise, so three weights tell it whole. The ancestral
+    sampler of DDPM is DDIM that puts all of the noise back (eta = 1; Song et al., 2021, section
+    4.1).
     """
     import torch
 
     scheduler = sampling_scheduler(config)
-    scheduler.set_timesteps(steps)
+    scheduler.set_timesteps(config.default_steps)
+    eta = 1.0 if config.default_sampler == "ddpm" else 0.0
     zero, one = torch.zeros(1), torch.ones(1)
-    return [
-        (
+
+    def after(clean: torch.Tensor, time: int, state: torch.Tensor, noise: torch.Tensor) -> float:
+        step = scheduler.step(clean, time, state, eta=eta, variance_noise=noise)
+        return float(step.prev_sample)
+
+    return tuple(
+        Step(
             int(time),
-            float(scheduler.step(zero, time, one).prev_sample),
-            float(scheduler.step(one, time, zero).prev_sample),
+            after(zero, time, one, zero),
+            after(one, time, zero, zero),
+            after(zero, time, zero, one) if eta else 0.0,
         )
         for time in scheduler.timesteps
-    ]
+    )
+
+
+_WALK_NOISE = 1
+"""Sets the noise of the steps apart from the noise that a picture of the same seed starts from."""
 
 
 class Sampler(Protocol):
@@ -125,16 +150,22 @@ class Sampler(Protocol):
 
 
 class WrittenSampler:
-    """DDIM by the walk that a checkpoint has written down."""
+    """The walk that a checkpoint has written down."""
 
-    def __init__(self, walk: Walk) -> None:
-        self.times = [time for time, _, _ in walk]
+    def __init__(self, walk: Walk, seeds: Sequence[int]) -> None:
+        """seeds: one per picture, from which noise is drawn where the walk adds some."""
+        self.times = [step.time for step in walk]
         self._walk = walk
+        self._dice = [np.random.default_rng((seed, _WALK_NOISE)) for seed in seeds]
 
     def step(self, prediction: State, index: int, state: State) -> State:
         """The next state."""
-        _, keep, pull = self._walk[index]
-        return (np.float32(keep) * state + np.float32(pull) * prediction).astype(np.float32)
+        _, keep, pull, spread = self._walk[index]
+        after = np.float32(keep) * state + np.float32(pull) * prediction
+        if spread:
+            noise = [dice.standard_normal(state.shape[1:], np.float32) for dice in self._dice]
+            after += np.float32(spread) * np.stack(noise)
+        return after.astype(np.float32)
 
 
 class DiffusersSampler:

@@ -72,7 +72,7 @@ def sample_upright(
     *,
     seed: int = 0,
     steps: int | None = None,
-    sampler: str = "ddim",
+    sampler: str | None = None,
     progress: Progress | None = None,
 ) -> LayoutImage:
     """As model.sample of the raster of a plan, each of its rooms upright."""

@@ -55,7 +55,7 @@ class Drawer:
     def sample(self, image, *, seed=0, **options):
         return self.sample_batch([image], seeds=[seed], **options)[0]
 
-    def sample_batch(self, images, *, seeds, steps=None, sampler="ddim"):
+    def sample_batch(self, images, *, seeds, steps=None, sampler=None):
         return [self._draw(image, seed) for image, seed in zip(images, seeds, strict=True)]
 
     def _draw(self, image, seed):
@@ -189,7 +189,7 @@ class TestLayouts:
     def test_the_furnisher_is_perfect_and_its_table_complete(self, cases):
         sampling = layouts.Sampling()
         drawn = list(layouts.drawn(cases, sampling))
-        scores = layouts.score_layouts(drawn, "furnisher", 0, sampling)
+        scores = layouts.score_layouts(drawn, "furnisher", sampling)
         assert scores.rows["house"]["por"].value == 0.0
         text = layout_report.as_markdown(scores)
         assert scores.split in text
@@ -201,12 +201,12 @@ class TestLayouts:
 
     def test_a_missed_target_says_by_how_much(self, cases):
         sampling = layouts.Sampling()
-        scores = layouts.score_layouts(list(layouts.drawn(cases, sampling)), "x", 0, sampling)
+        scores = layouts.score_layouts(list(layouts.drawn(cases, sampling)), "x", sampling)
         scores.rows["house"]["por"] = Score(0.007, 2, "scenes")
         assert layout_report.missed(scores)["house/por"] == pytest.approx(0.002)
 
     def test_plans_are_read_back_from_the_pictures(self, furnished):
-        scores = layouts.score_layouts(furnished, "hash", 2, layouts.Sampling())
+        scores = layouts.score_layouts(furnished, "hash", layouts.Sampling(steps=2))
         assert scores.rows["house"]["plan_walls_f1"].value > 0.99
         assert scores.rows["house"]["plan_doors_f1"].count > 0
 

@@ -143,7 +143,7 @@ class Layer:
     def __init__(self) -> None:
         self.batches: list[int] = []
 
-    def sample_batch(self, images, *, seeds, sampler="ddim", progress=None) -> list[LayoutImage]:
+    def sample_batch(self, images, *, seeds, sampler=None, progress=None) -> list[LayoutImage]:
         self.batches.append(len(images))
         return [self._laid(image, seed) for image, seed in zip(images, seeds, strict=True)]
 

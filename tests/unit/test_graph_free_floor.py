@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chord_usd.graph.colours import NO_ITEM
 from chord_usd.graph.flush import Standing
-from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor
+from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor, Painted
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.palette import category
-from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.raster import draw_items
+from chord_usd.types import Box, Item, Opening, PixelFrame, Room, SceneGraph, frozen_array
 
 ROOM = Room("room1", "bedroom", frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)]))
 DOOR = Opening("door1", "door", Box((2.0, -0.05, 0.0), (0.8, 0.1, 2.0), 0.0))
@@ -29,6 +31,19 @@ def kept(item: Item) -> Item:
     standing = Standing.of(item.box)
     box = free.kept(standing, item.box, category(item.category), REACH_M)
     return free.below_sill(replace(item, box=box))
+
+
+def kept_as_painted(item: Item, painted: Box) -> Item:
+    """item as it is read where the raster shows painted alone."""
+    frame = PixelFrame(0.03, (-0.5, -0.5), 256)
+    shown = replace(item, box=painted)
+    drawn, _ = draw_items([shown], frame)
+    labels = np.where(drawn > 0, drawn - 1, NO_ITEM).astype(np.uint8)
+    free = FreeFloor([ROOM], [DOOR, WINDOW])
+    standing = Standing.of(item.box)
+    row = category(item.category)
+    box = free.kept(standing, item.box, row, REACH_M, Painted(labels, frame))
+    return replace(item, box=box)
 
 
 def blocked(item: Item) -> list[str]:
@@ -57,6 +72,24 @@ def test_what_stands_before_a_door_stays_there() -> None:
     item = cabinet(1.6, 0.5)
     assert_alike(kept(item), item)
     assert blocked(kept(item)) == ["door1"]
+
+
+def test_a_box_gives_up_floor_that_shows_nothing_of_its_piece() -> None:
+    item = cabinet(1.3, 0.5)  # 0.2 m before the door
+    assert blocked(item) == ["door1"]
+    after = kept_as_painted(item, replace(item.box, center_m=(1.1, 0.5, 0.0)))
+    assert not blocked(after)
+    assert after.box.size_m == pytest.approx((0.79, 0.6, 1.6), abs=0.02)
+
+
+def test_a_box_keeps_floor_that_shows_its_piece() -> None:
+    item = cabinet(1.3, 0.5)
+    assert_alike(kept_as_painted(item, item.box), item)
+
+
+def test_a_box_gives_up_no_more_than_a_corner() -> None:
+    item = cabinet(1.6, 0.5)  # half of it before the door
+    assert_alike(kept_as_painted(item, replace(item.box, center_m=(0.6, 0.5, 0.0))), item)
 
 
 def test_before_a_window_stands_a_low_piece() -> None:

@@ -1,0 +1,61 @@
+"""What the plan forbids, held at every step of the reverse process.
+
+Off the floor there is nothing, before doors there is nothing, and before windows there is nothing
+that reaches above their sill: no drawing the network learned from shows otherwise. What is known
+of a picture is not left to the network to find out again, as in masked diffusion (Lugmayr et al.,
+RePaint, 2022); the next step sees it, and lays out the rest accordingly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from chord_usd.layout.codes import CODE_BITS, codebook, encode
+from chord_usd.layout.denoiser import Estimate, Plans
+from chord_usd.layout.levels import LevelTraits
+from chord_usd.layout.schedule import State
+from chord_usd.types import BoolArray
+
+_SURE = 50.0
+"""Logit of what is certain."""
+
+
+def bare_pixel(traits: LevelTraits) -> tuple[State, State]:
+    """Output and clean state of one pixel where nothing is, (1, classes + 1 or C, 1, 1)."""
+    nothing = np.zeros((1, 1), np.uint8)
+    logits = np.full((1, traits.class_count + 1, 1, 1), -_SURE, np.float32)
+    logits[:, 0] = _SURE
+    return logits, encode(nothing, nothing > 0, traits.class_count)[None]
+
+
+def held_to_plan(estimate: Estimate, plans: Plans, traits: LevelTraits) -> Estimate:
+    """The estimate with what the plan forbids taken out of it; a network of RGB is left alone."""
+    output, clean = estimate.output, estimate.clean
+    if clean is None:
+        return estimate
+    free = plans.inside
+    if traits.bare_plane is not None:
+        free = free & ~_plane(plans, traits.bare_plane)
+    if traits.low_plane is not None:
+        before_window = free & _plane(plans, traits.low_plane)
+        output, clean = _without_tall(output, clean, before_window[:, 0], traits)
+    bare_output, bare_clean = bare_pixel(traits)
+    return Estimate(np.where(free, output, bare_output), np.where(free, clean, bare_clean))
+
+
+def _plane(plans: Plans, index: int) -> BoolArray:
+    return np.asarray(plans.pixels[:, index : index + 1] > 0)
+
+
+def _without_tall(
+    output: State, clean: State, where: BoolArray, traits: LevelTraits
+) -> tuple[State, State]:
+    """Both with no chance for tall labels where (B, H, W) says so."""
+    output, clean = output.copy(), clean.copy()
+    logits = output.transpose(0, 2, 3, 1)[where]
+    logits[:, traits.tall_labels] = -_SURE
+    chances = np.exp(logits[:, :-1] - logits[:, :-1].max(axis=1, keepdims=True))
+    chances /= chances.sum(axis=1, keepdims=True)
+    output.transpose(0, 2, 3, 1)[where] = logits
+    clean.transpose(0, 2, 3, 1)[where, :CODE_BITS] = chances @ codebook(traits.class_count)
+    return output, clean
