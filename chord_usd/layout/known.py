@@ -1,9 +1,9 @@
 """What the plan forbids, held at every step of the reverse process.
 
-Off the floor there is nothing, before doors there is nothing, and before windows there is nothing
-that reaches above their sill: no drawing the network learned from shows otherwise. What is known
-of a picture is not left to the network to find out again, as in masked diffusion (Lugmayr et al.,
-RePaint, 2022); the next step sees it, and lays out the rest accordingly.
+Before doors there is nothing, and before windows nothing that reaches above their sill: no drawing
+that the network learned from shows otherwise. What is known of a picture is not left to the network
+to find out again, as in masked diffusion (Lugmayr et al., RePaint, 2022); the next step sees it and
+lays out the rest accordingly.
 """
 
 from __future__ import annotations
@@ -28,19 +28,28 @@ def bare_pixel(traits: LevelTraits) -> tuple[State, State]:
     return logits, encode(nothing, nothing > 0, traits.class_count)[None]
 
 
+def bare_outside(estimate: Estimate, ground: BoolArray, traits: LevelTraits) -> Estimate:
+    """The estimate with nothing off the ground (B, 1, H, W); one of RGB is left alone."""
+    if estimate.clean is None:
+        return estimate
+    output, clean = bare_pixel(traits)
+    return Estimate(
+        np.where(ground, estimate.output, output), np.where(ground, estimate.clean, clean)
+    )
+
+
 def held_to_plan(estimate: Estimate, plans: Plans, traits: LevelTraits) -> Estimate:
-    """The estimate with what the plan forbids taken out of it; a network of RGB is left alone."""
+    """The estimate without what the plan forbids on its floor; one of RGB is left alone."""
     output, clean = estimate.output, estimate.clean
     if clean is None:
         return estimate
-    free = plans.inside
-    if traits.bare_plane is not None:
-        free = free & ~_plane(plans, traits.bare_plane)
     if traits.low_plane is not None:
-        before_window = free & _plane(plans, traits.low_plane)
+        before_window = plans.inside & _plane(plans, traits.low_plane)
         output, clean = _without_tall(output, clean, before_window[:, 0], traits)
-    bare_output, bare_clean = bare_pixel(traits)
-    return Estimate(np.where(free, output, bare_output), np.where(free, clean, bare_clean))
+    held = Estimate(output, clean)
+    if traits.bare_plane is not None:
+        held = bare_outside(held, ~_plane(plans, traits.bare_plane), traits)
+    return held
 
 
 def _plane(plans: Plans, index: int) -> BoolArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
-from chord_usd.layout.known import bare_pixel, held_to_plan
+from chord_usd.layout.known import bare_outside, bare_pixel, held_to_plan
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.mosaic import Mosaic, mosaic_of
 from chord_usd.layout.schedule import (
@@ -211,11 +212,20 @@ class LayoutModel:
             return _as_state(rgb)[None]
         return encode(labels, front, self.traits.class_count)[None]
 
-    def estimate(self, state: State, times: Sequence[int], plans: Plans | Mosaic) -> Estimate:
-        """What the network says of a noisy batch (B, C, H, W), and the plan forbids."""
+    def estimate(
+        self, state: State, times: Sequence[int], plans: Plans | Mosaic, *, held: bool = False
+    ) -> Estimate:
+        """What the network says of a noisy batch (B, C, H, W); bare wherever there is no floor.
+
+        held: to what the plan allows on the floor, too.
+        """
         if isinstance(plans, Mosaic):
-            return plans.estimate(state, times, self.estimate, bare_pixel(self.traits))
-        return held_to_plan(self._denoiser.estimate(state, times, plans), plans, self.traits)
+            look = partial(self.estimate, held=held)
+            return plans.estimate(state, times, look, bare_pixel(self.traits))
+        estimate = self._denoiser.estimate(state, times, plans)
+        if held:
+            estimate = held_to_plan(estimate, plans, self.traits)
+        return bare_outside(estimate, plans.inside, self.traits)
 
     def _denoise(self, plans: Plans | Mosaic, run: _Run, kept: _Kept | None) -> State:
         """The reverse process; returns category and front logits, or the clean RGB state."""
@@ -225,7 +235,7 @@ class LayoutModel:
         state = _held(noise, noise, kept, levels[0])
         output = state
         for index, (time, after) in enumerate(zip(sampler.times, [*levels[1:], 1.0], strict=True)):
-            estimate = self.estimate(state, [time] * len(state), plans)
+            estimate = self.estimate(state, [time] * len(state), plans, held=True)
             output = estimate.output
             prediction = output if estimate.clean is None else estimate.clean
             state = _held(sampler.step(prediction, index, state), noise, kept, after)

@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from chord_usd.errors import CheckpointError
+from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.network import LayoutNetwork
 
@@ -23,9 +24,7 @@ def adopt(network: LayoutNetwork, other: LayoutNetwork) -> None:
 
     Raises CheckpointError where anything but the level differs.
     """
-    if replace(other.config, level=network.config.level, default_steps=1) != replace(
-        network.config, default_steps=1
-    ):
+    if replace(_built(other), level=network.config.level) != _built(network):
         raise CheckpointError(
             "the network to start from is built differently",
             expected="the same channels, attention, state and condition",
@@ -37,6 +36,11 @@ def adopt(network: LayoutNetwork, other: LayoutNetwork) -> None:
         found[f"head.{name}"] = _same_labels(found[f"head.{name}"], own, network)
     found["embed_plan.weight"] = _same_ground(network, other)
     network.load_state_dict(found)
+
+
+def _built(network: LayoutNetwork) -> LayoutConfig:
+    """How a network is built, however it is sampled."""
+    return replace(network.config, default_steps=1, default_sampler="ddim")
 
 
 def _same_labels(head: Tensor, own: Tensor, network: LayoutNetwork) -> Tensor:
@@ -63,7 +67,7 @@ def take_up(network: LayoutNetwork, other: LayoutNetwork) -> None:
 
     Raises CheckpointError where they are built differently otherwise.
     """
-    if replace(other.config, programme=network.config.programme) != network.config:
+    if replace(_built(other), programme=network.config.programme) != _built(network):
         raise CheckpointError(
             "the network to start from is built differently",
             expected="the configuration of what is trained",

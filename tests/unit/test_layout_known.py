@@ -8,7 +8,7 @@ import pytest
 from chord_usd.layout.codes import CLASS_COUNT, CODE_BITS, codebook, encode
 from chord_usd.layout.condition import DOOR_FLOOR_PLANE, PIXEL_PLANES, WINDOW_FLOOR_PLANE
 from chord_usd.layout.denoiser import Estimate, Plans
-from chord_usd.layout.known import held_to_plan
+from chord_usd.layout.known import bare_outside, held_to_plan
 from chord_usd.layout.levels import LEVELS
 from chord_usd.palette import category
 
@@ -25,14 +25,14 @@ def said(label: int, second: int) -> Estimate:
 
 
 def plans() -> Plans:
-    """Four pixels: free floor, before a door, before a window, outside."""
+    """Four pixels: free floor, before a door, before a window, and outside before one."""
     pixels = np.zeros((1, PIXEL_PLANES, 1, 4), np.float32)
-    pixels[:, DOOR_FLOOR_PLANE, :, 1] = pixels[:, WINDOW_FLOOR_PLANE, :, 2] = 1.0
+    pixels[:, DOOR_FLOOR_PLANE, :, 1] = pixels[:, WINDOW_FLOOR_PLANE, :, 2:] = 1.0
     return Plans(pixels, None, np.array([[[[True, True, True, False]]]]))
 
 
 @pytest.mark.parametrize(
-    ("label", "shown"), [(BED, [BED, 0, BED, 0]), (SHOWER, [SHOWER, 0, BED, 0])]
+    ("label", "shown"), [(BED, [BED, 0, BED, BED]), (SHOWER, [SHOWER, 0, BED, SHOWER])]
 )
 def test_labels_stand_where_the_plan_lets_them(label: int, shown: list[int]) -> None:
     held = held_to_plan(said(label, BED if label == SHOWER else SHOWER), plans(), HOUSE)
@@ -45,18 +45,21 @@ def test_the_clean_state_follows_the_logits() -> None:
     assert held.clean is not None
     assert before.clean is not None
     words = held.clean[0, :CODE_BITS, 0].T
-    np.testing.assert_allclose(words[[1, 3]], codebook()[[0, 0]])
+    np.testing.assert_allclose(words[1], codebook()[0])
     np.testing.assert_allclose(words[2], codebook()[BED], atol=1e-3)
     np.testing.assert_array_equal(held.clean[..., 0], before.clean[..., 0])
 
 
-def test_other_levels_know_only_their_ground() -> None:
+def test_other_levels_forbid_nothing() -> None:
     estimate = said(BED, SHOWER)
-    table = LEVELS["table"]
-    logits = estimate.output[:, : table.class_count + 1]
-    clean = estimate.clean
-    held = held_to_plan(Estimate(logits, clean), plans(), table)
-    assert clean is not None
-    assert held.clean is not None
-    np.testing.assert_array_equal(held.clean[..., :3], clean[..., :3])
-    assert held.output[0, :-1, 0, 3].argmax() == 0
+    held = held_to_plan(estimate, plans(), LEVELS["table"])
+    assert held.output is estimate.output
+    assert held.clean is estimate.clean
+
+
+def test_nothing_is_off_the_ground() -> None:
+    estimate = said(BED, SHOWER)
+    bare = bare_outside(estimate, plans().inside, HOUSE)
+    assert bare.output[0, :-1, 0].argmax(axis=0).tolist() == [BED, BED, BED, 0]
+    assert bare.clean is not None
+    np.testing.assert_allclose(bare.clean[0, :CODE_BITS, 0, 3], codebook()[0])
