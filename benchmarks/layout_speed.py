@@ -47,7 +47,8 @@ def main() -> None:
         for index in range(options.batch)
     ]
     rows = _one_layout(model, others, images[0]) + _batch(model, images)
-    note = f"{usable_cores()} threads, {model.config.default_steps} steps of DDIM, ONNX Runtime."
+    steps = f"{model.config.default_steps} steps of {model.config.default_sampler.upper()}"
+    note = f"{usable_cores()} threads, {steps}, ONNX Runtime."
     sys.stdout.write(write_section("layout model", rows, note))
 
 

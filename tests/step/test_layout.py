@@ -139,8 +139,8 @@ def test_one_room_of_a_large_house_is_sampled_anew():
     before = paint_layout(plan, labels, labels > 4)
     looked = []
     estimate = model.estimate
-    model.estimate = lambda state, times, plans: (
-        looked.append(state.shape) or estimate(state, times, plans)
+    model.estimate = lambda state, times, plans, **how: (
+        looked.append(state.shape) or estimate(state, times, plans, **how)
     )
     after = model.resample(plan, labels, labels > 4, region, seed=1)
     assert np.array_equal(after.rgb[~region], before[~region])
