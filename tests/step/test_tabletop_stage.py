@@ -99,7 +99,8 @@ class TestTraining:
     def test_a_network_built_otherwise_is_refused(self) -> None:
         with pytest.raises(CheckpointError, match="built differently"):
             adopt(LayoutNetwork(TINY), LayoutNetwork(replace(TINY_HOUSE, channels=(16, 48))))
-        assert replace(TABLE, level="house", default_steps=20) == PRESETS["default"]
+        sampled = {"default_steps": 20, "default_sampler": "ddpm"}
+        assert replace(TABLE, level="house", **sampled) == PRESETS["default"]
 
 
 @pytest.fixture(scope="module")
