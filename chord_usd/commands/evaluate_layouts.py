@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,7 +90,7 @@ def _furnished(
     if options.furnisher or options.source:
         with watch.step("layout"):
             made_by = str(options.source) if options.source else "furnisher"
-            return list(layouts.drawn(cases.cases, sampling)), made_by, sampling
+            return list(layouts.drawn(cases.cases, sampling)), made_by, replace(sampling, steps=0)
     with watch.step("load"):
         model = load_layout_model(options)
     sampling = sampling.settled(model.config)

@@ -100,10 +100,10 @@ class LayoutModel:
         pictures: dict[int, LayoutImage] = {}
         for size in dict.fromkeys(sizes):
             group = [index for index, other in enumerate(sizes) if other == size]
-            run = _Run(
-                steps or self.config.default_steps,
-                sampler or self.config.default_sampler,
-                tuple(seeds[index] for index in group),
+            run = self._run(
+                [seeds[index] for index in group],
+                steps,
+                sampler,
                 _share(progress, len(pictures), len(group), len(sizes)),
             )
             images = [plan_images[index] for index in group]
@@ -131,12 +131,7 @@ class LayoutModel:
         looked at. region: (H, W). Outside of it every pixel is that of the layout given, which the
         noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
         """
-        run = _Run(
-            steps or self.config.default_steps,
-            sampler or self.config.default_sampler,
-            (seed,),
-            progress,
-        )
+        run = self._run([seed], steps, sampler, progress)
         before = self.traits.paint(plan_image, labels, front)
         window = window_of(plan_image.rgb, self._window_size(plan_image))
         kept = _Kept(
@@ -167,8 +162,7 @@ class LayoutModel:
                 expected=f"words of {self.config.word_channels} channels, not {words.shape[-1]}",
                 try_="the checkpoint folder as training left it, its text_encoder within",
             )
-        count = steps or self.config.default_steps
-        run = _Run(count, self.config.default_sampler, tuple(seeds), progress)
+        run = self._run(seeds, steps, None, progress)
         plans = self._described([one.rgb for one in sheets], [one.frame.m_per_px for one in sheets])
         final = self._denoise(replace(plans, words=words), run, kept=None)
         return list(final[:, :-1].argmax(axis=1).astype(np.uint8))
@@ -242,6 +236,22 @@ class LayoutModel:
             if run.progress:
                 run.progress(index + 1, run.steps)
         return state if self.config.state == "rgb" else output
+
+    def _run(
+        self,
+        seeds: Sequence[int],
+        steps: int | None,
+        sampler: str | None,
+        progress: Progress | None,
+    ) -> _Run:
+        """How a batch is sampled: as asked, else as the checkpoint was tuned for."""
+        config = self.config
+        return _Run(
+            steps or config.default_steps,
+            sampler or config.default_sampler,
+            tuple(seeds),
+            progress,
+        )
 
     def _sampler(self, run: _Run) -> Sampler:
         walk = self.checkpoint.walk

@@ -190,9 +190,10 @@ def test_shipped_models_draw_without_torch():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-@pytest.mark.parametrize("sampler", ["ddim", "ddpm"])
-def test_the_written_walk_is_that_of_diffusers(sampler, monkeypatch):
-    config = replace(PRESETS["default"], default_sampler=sampler, default_steps=5)
+@pytest.mark.parametrize(("sampler", "steps", "atol"), [("ddim", 6, 1e-5), ("ddpm", 5, 1e-2)])
+def test_the_written_walk_is_that_of_diffusers(sampler, steps, atol, monkeypatch):
+    """DDPM's weights come from products of rounded alphas in diffusers, hence its tolerance."""
+    config = replace(PRESETS["default"], default_sampler=sampler, default_steps=steps)
     walk = written_walk(config)
     assert all((step.spread > 0) == (sampler == "ddpm") for step in walk[:-1])
     assert walk[-1].spread == 0.0  # the last state is clean
@@ -201,14 +202,14 @@ def test_the_written_walk_is_that_of_diffusers(sampler, monkeypatch):
         "diffusers.schedulers.scheduling_ddpm.randn_tensor",
         lambda shape, **_: torch.zeros(shape),
     )
-    diffusers = DiffusersSampler(config, sampler, 5, [0])
+    diffusers = DiffusersSampler(config, sampler, steps, [0])
     assert written.times == diffusers.times
     rng = np.random.default_rng(0)
     state = rng.standard_normal((1, 3, 4, 4), np.float32)
-    for index in range(5):
+    for index in range(steps):
         clean = rng.standard_normal(state.shape, np.float32)
         after = written.step(clean, index, state)
-        np.testing.assert_allclose(after, diffusers.step(clean, index, state), atol=1e-2)
+        np.testing.assert_allclose(after, diffusers.step(clean, index, state), atol=atol)
         state = after
 
 
