@@ -114,4 +114,4 @@ def _realism(
     real, others = reference_layouts(cases.cases, sampling)
     if len(real) < LEAST_PICTURES:
         warnings.append(f"no FID and KID: they take at least {LEAST_PICTURES} pictures a set")
-    return realism_by_part(furnished[: len(real)], real, others, encoder)
+    return realism_by_part(furnished[: len(real)], real, others, encoder, sampling)

@@ -146,6 +146,15 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
         yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
 
 
+def as_read(one: Furnished, sampling: Sampling) -> Furnished:
+    """With the picture that its items give: the layout without what reading it evens out.
+
+    sampling: as it was made.
+    """
+    plan_image = _plan_image(one.case, sampling)
+    return replace(one, image=raster.layout_image(plan_image, one.scene.items))
+
+
 class _Blind:
     """A detector that proposes nothing: for reading plans."""
 

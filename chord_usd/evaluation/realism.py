@@ -17,7 +17,7 @@ import torch
 from chord_usd import raster
 from chord_usd.errors import MissingExtraError
 from chord_usd.evaluation.cases import Case, procedural_cases
-from chord_usd.evaluation.layouts import Furnished, Sampling, drawn
+from chord_usd.evaluation.layouts import Furnished, Sampling, as_read, drawn
 from chord_usd.geometry import room_polygon
 from chord_usd.types import WALL_THICKNESS_M, ByteArray, FloatArray, Room, RoomKind
 
@@ -26,6 +26,9 @@ LEAST_PICTURES = 10
 
 _OTHER_PLANS = 10**5
 """Procedural test plans from here on are those that both sets are compared with."""
+
+FEATURES = 1280
+"""Of a picture, by the encoder."""
 
 _INPUT_PX = 224
 _BATCH = 16
@@ -64,14 +67,14 @@ class Encoder:
 
     @torch.inference_mode()
     def features(self, pictures: Sequence[ByteArray]) -> FloatArray:
-        """(N, 1280) features of (H, W, 3) pictures."""
+        """(N, FEATURES) features of (H, W, 3) pictures."""
         rows = []
         for start in range(0, len(pictures), _BATCH):
             batch = np.stack([_fitted(rgb) for rgb in pictures[start : start + _BATCH]])
             tensor = torch.from_numpy(batch).permute(0, 3, 1, 2).float()
             maps = self._network.extract_features((tensor - 127.0) / 128.0)
             rows.append(maps.mean(dim=(2, 3)).double().numpy())
-        return np.concatenate(rows)
+        return np.concatenate(rows) if rows else np.empty((0, FEATURES))
 
 
 def _fitted(rgb: ByteArray) -> ByteArray:
@@ -106,21 +109,17 @@ def kernel_distance(a: FloatArray, b: FloatArray) -> float:
     return within(a) + within(b) - 2.0 * float(kernel(a, b).mean())
 
 
-def realism(
-    generated: Sequence[ByteArray],
-    real: Sequence[ByteArray],
-    others: Sequence[ByteArray],
-    encoder: Encoder,
-) -> Realism | None:
+def realism(generated: FloatArray, real: FloatArray, others: FloatArray) -> Realism | None:
     """Generated pictures against real ones of other plans; the floor is real against those.
 
-    real: pictures of the plans the generated ones are of. All three sets are cut to the same
-    size, since both distances depend on it. None where that is below LEAST_PICTURES.
+    All three by their features, (N, D). real: pictures of the plans the generated ones are of. All
+    three sets are cut to the same size, since both distances depend on it. None where that is below
+    LEAST_PICTURES.
     """
     count = min(len(generated), len(real), len(others))
     if count < LEAST_PICTURES:
         return None
-    ours, theirs, rest = (encoder.features(s[:count]) for s in (generated, real, others))
+    ours, theirs, rest = (features[:count] for features in (generated, real, others))
     return Realism(
         fid=frechet_distance(ours, rest),
         fid_floor=frechet_distance(theirs, rest),
@@ -152,25 +151,32 @@ def realism_by_part(
     real: Sequence[Furnished],
     others: Sequence[Furnished],
     encoder: Encoder,
+    sampling: Sampling,
 ) -> dict[str, Realism]:
-    """Realism of whole houses and of the rooms of ROOM_KINDS, each cut out of its house."""
+    """Realism of whole houses and of the rooms of ROOM_KINDS, each cut out of its house.
 
-    def houses(part: Sequence[Furnished]) -> list[ByteArray]:
-        return [one.image.rgb for one in part]
+    Of the pictures as they are and, where a model painted them, `as read`: painted anew from the
+    items that were read, which is what a stage is built from.
+    """
+    read = [as_read(one, sampling) for one in generated if one.image.provenance.checkpoint_hash]
+    found = {}
+    for part in ("house", *ROOM_KINDS):
+        theirs, rest = (encoder.features(_pictures(those, part)) for those in (real, others))
+        for name, those in ((part, generated), (f"{part}, as read", read)):
+            ours = encoder.features(_pictures(those, part))
+            found[name] = realism(ours, theirs, rest)
+    return {name: one for name, one in found.items() if one is not None}
 
-    found = {"house": realism(houses(generated), houses(real), houses(others), encoder)}
-    for kind in ROOM_KINDS:
-        ours, theirs, rest = (_rooms(part, kind) for part in (generated, real, others))
-        found[kind] = realism(ours, theirs, rest, encoder)
-    return {part: one for part, one in found.items() if one is not None}
 
-
-def _rooms(furnished: Sequence[Furnished], kind: RoomKind) -> list[ByteArray]:
+def _pictures(furnished: Sequence[Furnished], part: str) -> list[ByteArray]:
+    """Of whole houses, or of their rooms of a kind."""
+    if part == "house":
+        return [one.image.rgb for one in furnished]
     return [
         room_picture(one, room)
         for one in furnished
         for room in one.case.plan.rooms
-        if room.kind == kind
+        if room.kind == part
     ]
 
 

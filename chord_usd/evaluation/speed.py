@@ -124,9 +124,8 @@ def _run(
 
 def _realism(made: Sequence[Furnished], how: Sampling, encoder: Encoder) -> Realism | None:
     real, others = reference_layouts([one.case for one in made], how)
-    sets = ([one.image.rgb for one in part] for part in (made, real, others))
-    ours, theirs, rest = sets
-    return realism(ours[: len(theirs)], theirs, rest, encoder)
+    sets = ([one.image.rgb for one in part] for part in (made[: len(real)], real, others))
+    return realism(*map(encoder.features, sets))
 
 
 def _time_one(model: LayoutModel, case: Case, how: Sampling) -> tuple[float, float]:

@@ -160,6 +160,40 @@ class TestDistances:
         assert (cut == 0).all(axis=2).any(), "walls"
 
 
+class MeanColour:
+    """An encoder by which a picture is its mean colour."""
+
+    def features(self, pictures):
+        return np.array([rgb.mean(axis=(0, 1)) for rgb in pictures]).reshape(-1, 3)
+
+
+class TestRealismByPart:
+    def by_part(self, generated, cases):
+        real = list(layouts.drawn(cases, layouts.Sampling())) * 5
+        return realism.realism_by_part(
+            generated * 5, real, real[::-1], MeanColour(), layouts.Sampling()
+        )
+
+    def test_ragged_pictures_are_farther_off_than_what_is_read_from_them(self, furnished, cases):
+        def ragged(one):
+            rgb = one.image.rgb.copy()
+            rgb[::3] = 200
+            return replace(one, image=replace(one.image, rgb=rgb))
+
+        clean, torn = (
+            self.by_part(part, cases) for part in (furnished, [ragged(one) for one in furnished])
+        )
+        assert torn["house"].fid > clean["house"].fid
+        assert torn["house, as read"].fid == pytest.approx(clean["house, as read"].fid)
+        assert torn["house, as read"].fid_floor == torn["house"].fid_floor
+        assert {"bedroom", "bedroom, as read"} <= set(torn)
+
+    def test_what_no_model_painted_has_one_row(self, cases):
+        found = self.by_part(list(layouts.drawn(cases, layouts.Sampling(seed=1))), cases)
+        assert "house" in found
+        assert not any("as read" in part for part in found)
+
+
 @pytest.fixture(scope="module")
 def furnished(model, cases):
     return list(layouts.sampled(model, cases, layouts.Sampling(seed=1)))
