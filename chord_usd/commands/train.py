@@ -39,6 +39,7 @@ def add(verbs: Verbs) -> None:
     )
     _add_flats(layout)
     _add_loop_options(layout)
+    _add_guidance(layout)
     table = add_verb(group, "table", run_table, "train the model of what stands on tables")
     _add_training_options(table, minutes=40.0, batch=None)
     _add_loop_options(table)
@@ -116,6 +117,22 @@ def _add_loop_options(parser: Parser) -> None:
     )
 
 
+def _add_guidance(parser: Parser) -> None:
+    parser.add_argument(
+        "--teacher", type=Path, metavar="DIR", help="checkpoint to learn from, guided by --guide"
+    )
+    parser.add_argument(
+        "--guide", type=Path, metavar="DIR", help="less trained checkpoint to lead away from"
+    )
+    parser.add_argument(
+        "--guidance",
+        type=positive,
+        default=2.0,
+        metavar="W",
+        help="how far: 1 is the teacher as it is (2)",
+    )
+
+
 def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
     add_output(parser, "folder of the run; the checkpoint comes to lie in it")
     parser.add_argument(
@@ -137,7 +154,6 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.flats import furnishable, read_flats
     from chord_usd.layout.config import PRESETS
     from chord_usd.training.stream import LayoutStream, StreamConfig
-    from chord_usd.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 
     if options.preset not in PRESETS:
         raise UsageError(
@@ -145,16 +161,38 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
             where="--preset",
             expected=f"one of {', '.join(PRESETS)}",
         )
-    base = PAPER_TRAINING if options.preset == "paper" else TrainingConfig()
-    config = _training(options, base)
+    trainer = _layout_trainer(options, PRESETS[options.preset])
     real = read_flats(options.flats, part="train") if options.flats else []
     flats = furnishable(real)
-    trainer = LayoutTrainer(PRESETS[options.preset], config, options.output)
     stream = LayoutStream(
-        StreamConfig(seed=options.seed), flats, PRESETS[options.preset], config.batch
+        StreamConfig(seed=options.seed), flats, PRESETS[options.preset], trainer.config.batch
     )
     facts = {"real_plans": len(flats), "real_plans_left_out": len(real) - len(flats)}
     return _trained(options, trainer, stream, facts)
+
+
+def _layout_trainer(options: argparse.Namespace, network: LayoutConfig) -> LayoutTrainer:
+    """That of a layout model, which learns from its data or from a guided teacher."""
+    from chord_usd.training.guided import GUIDED_TRAINING, GuidedTrainer
+    from chord_usd.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
+
+    if not options.teacher and not options.guide:
+        base = PAPER_TRAINING if options.preset == "paper" else TrainingConfig()
+        return LayoutTrainer(network, _training(options, base), options.output)
+    if not options.teacher or not options.guide or network.state == "rgb":
+        raise UsageError(
+            "no guided teacher",
+            where="--teacher, --guide",
+            expected="both, of a preset that says categories",
+        )
+    return GuidedTrainer(
+        network,
+        _training(options, GUIDED_TRAINING),
+        options.output,
+        options.teacher,
+        options.guide,
+        options.guidance,
+    )
 
 
 def run_table(options: argparse.Namespace) -> Outcome:

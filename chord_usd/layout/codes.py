@@ -40,8 +40,10 @@ def codebook(count: int = CLASS_COUNT) -> npt.NDArray[np.float32]:
     return 1.0 - 2.0 * np.array(words, np.float32)
 
 
-def encode(labels: ByteArray, front: BoolArray, count: int = CLASS_COUNT) -> StateArray:
+def encode(
+    labels: ByteArray, front: BoolArray, count: int = CLASS_COUNT, front_amplitude: float = 1.0
+) -> StateArray:
     """(STATE_CHANNELS, H, W) clean state of labels (H, W) < count and their front marks."""
     words = codebook(count)[labels].transpose(2, 0, 1)
-    marks = np.where(front & (labels > 0), np.float32(1.0), np.float32(-1.0))
-    return np.concatenate([words, marks[None]])
+    mark = np.float32(front_amplitude)
+    return np.concatenate([words, np.where(front & (labels > 0), mark, -mark)[None]])

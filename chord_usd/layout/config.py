@@ -51,6 +51,9 @@ class LayoutConfig:
     noise_to_signal: tuple[float, float] = (0.7, 150.0)
     """Smallest and largest sigma/alpha of the log_snr schedule. An item is hundreds of equal
     pixels, so noise hides it only when its standard deviation is many times the signal's."""
+    front_amplitude: float = 1.0
+    """Of the front mark's bit, in that of a code word's: as a bit like the others it is drowned by
+    noise that leaves categories plain, and comes out torn."""
     default_steps: int = 20
     """Sampler steps unless asked otherwise."""
     default_sampler: Literal["ddim", "ddpm"] = "ddim"
@@ -86,9 +89,13 @@ class LayoutConfig:
         return cls(**given)
 
 
+FRONT_AMPLITUDE = 8**0.5
+"""Sets front marks as far apart as code words, which differ in 8 bits."""
+
 PRESETS: dict[str, LayoutConfig] = {
-    "default": LayoutConfig(default_sampler="ddpm"),
+    "default": LayoutConfig(default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE),
     "large": LayoutConfig(
+        front_amplitude=FRONT_AMPLITUDE,
         channels=(128, 192, 320, 448),
         blocks_per_level=2,
         feature_channels=128,

@@ -25,7 +25,8 @@ def bare_pixel(traits: LevelTraits) -> tuple[State, State]:
     nothing = np.zeros((1, 1), np.uint8)
     logits = np.full((1, traits.class_count + 1, 1, 1), -_SURE, np.float32)
     logits[:, 0] = _SURE
-    return logits, encode(nothing, nothing > 0, traits.class_count)[None]
+    clean = encode(nothing, nothing > 0, traits.class_count, traits.front_amplitude)
+    return logits, clean[None]
 
 
 def bare_outside(estimate: Estimate, ground: BoolArray, traits: LevelTraits) -> Estimate:

@@ -7,7 +7,7 @@ Network, schedule, sampler and training loop are the same at every level (paper,
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chord_usd import palette, plan_labels
 from chord_usd.layout import condition, floor_condition, table_condition
@@ -48,6 +48,8 @@ class LevelTraits:
     """A region of this area weighs one per pixel in training."""
     weighed_area_m2: tuple[float, float] = (1.0, 1.0)
     """Smaller and larger regions count as these."""
+    front_amplitude: float = 1.0
+    """Of the front mark's bit, in that of a code word's."""
     whole: bool = False
     """Whether the network looks at the whole canvas, and not at what is drawn on it."""
 
@@ -108,5 +110,5 @@ LEVELS: dict[str, LevelTraits] = {
 
 
 def traits_of(config: LayoutConfig) -> LevelTraits:
-    """The traits of the level that a network is configured for."""
-    return LEVELS[config.level]
+    """The traits of the level that a network is configured for, with its coding of the front."""
+    return replace(LEVELS[config.level], front_amplitude=config.front_amplitude)

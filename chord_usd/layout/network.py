@@ -77,7 +77,8 @@ class LayoutNetwork(nn.Module):
     def encode(self, labels: Tensor, front: Tensor) -> Tensor:
         """Labels (B, H, W) and front marks (B, H, W) bool to the clean state (B, 17, H, W)."""
         words = functional.embedding(labels.long(), self.codes).permute(0, 3, 1, 2)
-        return torch.cat([words, front[:, None].to(words.dtype) * 2.0 - 1.0], dim=1)
+        marks = front[:, None].to(words.dtype) * 2.0 - 1.0
+        return torch.cat([words, marks * self.config.front_amplitude], dim=1)
 
     def expected_state(self, output: Tensor) -> Tensor:
         """The mean clean state (B, 17, H, W) under forward's logits: what the scheduler steps to.
@@ -88,7 +89,7 @@ class LayoutNetwork(nn.Module):
         chances = output[:, : self.class_count].float().softmax(dim=1)
         words = torch.einsum("bkhw,kc->bchw", chances, self.codes)
         front = torch.tanh(output[:, self.class_count :].float() / 2.0)  # 2 sigmoid(z) - 1
-        return torch.cat([words, front], dim=1)
+        return torch.cat([words, front * self.config.front_amplitude], dim=1)
 
 
 def _unet(config: LayoutConfig) -> Any:

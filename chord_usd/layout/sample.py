@@ -204,7 +204,8 @@ class LayoutModel:
         """(1, C, H, W) clean state of a layout: its code words, or its (H, W, 3) picture."""
         if self.config.state == "rgb":
             return _as_state(rgb)[None]
-        return encode(labels, front, self.traits.class_count)[None]
+        traits = self.traits
+        return encode(labels, front, traits.class_count, traits.front_amplitude)[None]
 
     def estimate(
         self, state: State, times: Sequence[int], plans: Plans | Mosaic, *, held: bool = False

@@ -35,12 +35,21 @@ def adopt(network: LayoutNetwork, other: LayoutNetwork) -> None:
         own = network.head.get_parameter(name)
         found[f"head.{name}"] = _same_labels(found[f"head.{name}"], own, network)
     found["embed_plan.weight"] = _same_ground(network, other)
+    found["embed_state.weight"] = _same_front(network, other)
     network.load_state_dict(found)
 
 
 def _built(network: LayoutNetwork) -> LayoutConfig:
-    """How a network is built, however it is sampled."""
-    return replace(network.config, default_steps=1, default_sampler="ddim")
+    """How a network is built, however it is sampled and however large its front marks are."""
+    return replace(network.config, default_steps=1, default_sampler="ddim", front_amplitude=1.0)
+
+
+def _same_front(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:
+    """What the embedding of the state says of front marks, whatever their amplitude."""
+    fold = network.config.patch_px**2
+    weight = other.embed_state.weight.clone()
+    weight[:, -fold:] *= other.config.front_amplitude / network.config.front_amplitude
+    return weight
 
 
 def _same_labels(head: Tensor, own: Tensor, network: LayoutNetwork) -> Tensor:
@@ -73,5 +82,6 @@ def take_up(network: LayoutNetwork, other: LayoutNetwork) -> None:
             expected="the configuration of what is trained",
             try_="a checkpoint of the same command",
         )
-    own = network.state_dict()
-    network.load_state_dict({**own, **other.state_dict()})
+    found = {**network.state_dict(), **other.state_dict()}
+    found["embed_state.weight"] = _same_front(network, other)
+    network.load_state_dict(found)

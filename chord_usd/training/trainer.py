@@ -33,6 +33,9 @@ _END_RATE = 0.05
 """Share of the learning rate at which a run ends."""
 LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
 
+PlanTensors = tuple[Tensor, Tensor | None, Tensor | None]
+"""What a network is shown beside the noisy state: pixels, grid, words."""
+
 Report = Callable[[dict[str, float]], None]
 
 
@@ -192,18 +195,21 @@ class LayoutTrainer:
         output = network(noisy, times, *plan)
         if network.config.state == "rgb":
             return {"loss": functional.mse_loss(output.float(), noise)}
-        return self._category_losses(output, batch)
+        return self._category_losses(output, batch, self._wanted(batch, noisy, times, plan))
 
-    def _category_losses(self, output: Tensor, batch: Batch) -> dict[str, Tensor]:
+    def _wanted(self, batch: Batch, noisy: Tensor, times: Tensor, plan: PlanTensors) -> Tensor:
+        """What the network is to say of the categories: labels (B, H, W), or their chances."""
+        return batch["labels"].long()
+
+    def _category_losses(self, output: Tensor, batch: Batch, wanted: Tensor) -> dict[str, Tensor]:
         """Means over pixels of the ground: nothing belongs outside, so nothing is learned there."""
         classes = self.traits.class_count
         logits, front_logit = output[:, :classes], output[:, classes]
-        labels = batch["labels"].long()
-        inside = (batch["pixels"][:, self.traits.ground_plane] > 0) | (labels > 0)
+        item = batch["labels"] > 0
+        inside = (batch["pixels"][:, self.traits.ground_plane] > 0) | item
         weight = inside * self._pixel_weight(batch)
-        category = functional.cross_entropy(logits.float(), labels, reduction="none")
+        category = functional.cross_entropy(logits.float(), wanted, reduction="none")
         category = (category * weight).sum() / weight.sum()
-        item = labels > 0
         front = functional.binary_cross_entropy_with_logits(
             front_logit.float(), batch["front"].float(), reduction="none"
         )
