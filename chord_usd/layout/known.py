@@ -40,16 +40,19 @@ def bare_outside(estimate: Estimate, ground: BoolArray, traits: LevelTraits) -> 
 
 
 def held_to_plan(estimate: Estimate, plans: Plans, traits: LevelTraits) -> Estimate:
-    """The estimate without what the plan forbids on its floor; one of RGB is left alone."""
-    output, clean = estimate.output, estimate.clean
-    if clean is None:
+    """The estimate with nothing off the floor of its plan, nor what the plan forbids there.
+
+    One of RGB is left alone.
+    """
+    if estimate.clean is None:
         return estimate
-    if traits.low_plane is not None:
-        before_window = plans.inside & _plane(plans, traits.low_plane)
-        output, clean = _without_tall(output, clean, before_window[:, 0], traits)
-    held = Estimate(output, clean)
+    ground = plans.inside
     if traits.bare_plane is not None:
-        held = bare_outside(held, ~_plane(plans, traits.bare_plane), traits)
+        ground = ground & ~_plane(plans, traits.bare_plane)
+    held = bare_outside(estimate, ground, traits)
+    if traits.low_plane is not None:
+        before_window = ground & _plane(plans, traits.low_plane)
+        _leave_out_tall(held, before_window[:, 0], traits)
     return held
 
 
@@ -57,15 +60,13 @@ def _plane(plans: Plans, index: int) -> BoolArray:
     return np.asarray(plans.pixels[:, index : index + 1] > 0)
 
 
-def _without_tall(
-    output: State, clean: State, where: BoolArray, traits: LevelTraits
-) -> tuple[State, State]:
-    """Both with no chance for tall labels where (B, H, W) says so."""
-    output, clean = output.copy(), clean.copy()
-    logits = output.transpose(0, 2, 3, 1)[where]
+def _leave_out_tall(estimate: Estimate, where: BoolArray, traits: LevelTraits) -> None:
+    """Leave tall labels no chance where (B, H, W) says so."""
+    assert estimate.clean is not None
+    logits = estimate.output.transpose(0, 2, 3, 1)[where]
     logits[:, traits.tall_labels] = -_SURE
     chances = np.exp(logits[:, :-1] - logits[:, :-1].max(axis=1, keepdims=True))
     chances /= chances.sum(axis=1, keepdims=True)
-    output.transpose(0, 2, 3, 1)[where] = logits
-    clean.transpose(0, 2, 3, 1)[where, :CODE_BITS] = chances @ codebook(traits.class_count)
-    return output, clean
+    estimate.output.transpose(0, 2, 3, 1)[where] = logits
+    words = chances @ codebook(traits.class_count)
+    estimate.clean.transpose(0, 2, 3, 1)[where, :CODE_BITS] = words

@@ -219,7 +219,7 @@ class LayoutModel:
             return plans.estimate(state, times, look, bare_pixel(self.traits))
         estimate = self._denoiser.estimate(state, times, plans)
         if held:
-            estimate = held_to_plan(estimate, plans, self.traits)
+            return held_to_plan(estimate, plans, self.traits)
         return bare_outside(estimate, plans.inside, self.traits)
 
     def _denoise(self, plans: Plans | Mosaic, run: _Run, kept: _Kept | None) -> State:
