@@ -10,7 +10,6 @@ import torch
 
 from chord_usd import raster
 from chord_usd.layout.checkpoint import Checkpoint
-from chord_usd.layout.codes import encode
 from chord_usd.layout.config import PRESETS
 from chord_usd.layout.denoiser import Estimate
 from chord_usd.layout.network import LayoutNetwork
@@ -41,7 +40,8 @@ class Knowing(LayoutModel):
 
     def tell(self, drawing: Drawing) -> None:
         (window,) = self.windows([drawing.plan_image])
-        self.clean = encode(drawing.labels[window], drawing.front[window])[None]
+        labels, front = drawing.labels[window], drawing.front[window]
+        self.clean = self.encode(labels, front, drawing.plan_image.rgb[window])
 
     def estimate(self, state, times, plans):
         return Estimate(state, np.broadcast_to(self.clean, state.shape))

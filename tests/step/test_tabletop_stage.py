@@ -99,8 +99,9 @@ class TestTraining:
     def test_a_network_built_otherwise_is_refused(self) -> None:
         with pytest.raises(CheckpointError, match="built differently"):
             adopt(LayoutNetwork(TINY), LayoutNetwork(replace(TINY_HOUSE, channels=(16, 48))))
-        sampled = {"default_steps": 20, "default_sampler": "ddpm"}
-        assert replace(TABLE, level="house", **sampled) == PRESETS["default"]
+        house = PRESETS["default"]
+        apart = ("level", "default_steps", "default_sampler", "front_amplitude")
+        assert replace(TABLE, **{name: getattr(house, name) for name in apart}) == house
 
 
 @pytest.fixture(scope="module")
