@@ -8,6 +8,7 @@ of guided diffusion models, 2023) costs that once.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import torch
@@ -21,6 +22,11 @@ from chord_usd.training.trainer import LayoutTrainer, PlanTensors, TrainingConfi
 
 GUIDED_TRAINING = TrainingConfig(learning_rate=2e-4, cooldown_share=0.6, ema_decay=0.99)
 """A short run from a network that is nearly there: its average must follow soon."""
+
+
+_LEAST_CHANCE = 0.01
+"""What the teacher believes less is never raised: the ratio of two chances near zero is noise, and
+would be painted as specks on bare floor."""
 
 
 class GuidedTrainer(LayoutTrainer):
@@ -53,7 +59,9 @@ class GuidedTrainer(LayoutTrainer):
             self._said(network, batch, noisy, times, plan)
             for network in (self._teacher, self._guide)
         )
-        return (guide + self._guidance * (teacher - guide)).softmax(dim=1)
+        lead = (self._guidance - 1.0) * (teacher - guide)
+        believed = teacher > math.log(_LEAST_CHANCE)
+        return (teacher + torch.where(believed, lead, lead.clamp(max=0.0))).softmax(dim=1)
 
     def _said(
         self, network: LayoutNetwork, batch: Batch, noisy: Tensor, times: Tensor, plan: PlanTensors
