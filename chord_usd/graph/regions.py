@@ -40,6 +40,7 @@ _LOST_MARK_COST = 0.25
 _PIECE_COST, _PIECE_SHARE = 1.0, 0.15
 """Cost of each further piece, in pixels and as a share of what one piece leaves unexplained: the
 simplest explanation wins, and torn edges are no reason for more pieces."""
+_DOUBLE_SHARE = 0.6
 _ODD_SIZE_COST = 4.0
 """Cost of a piece shorter or longer, or narrower or wider, than pieces of its category are."""
 _ODD_SHARE = (0.65, 1.3)
@@ -284,10 +285,15 @@ def _split_by_marks(patch: Patch, blobs: Sequence[BoolArray], angle_deg: float) 
     kept: list[tuple[Piece, Rectangle]] = []
     for _, piece, mark in found:
         # A doubled mark gives the same piece twice.
-        if all(covered_share(piece.rectangle, other.rectangle) < 0.6 for other, _ in kept):
+        if is_another(piece, [other for other, _ in kept]):
             kept.append((piece, mark))
     pieces, marks = [piece for piece, _ in kept], [mark for _, mark in kept]
     return settle_edges(patch.evidence, pieces, marks)
+
+
+def is_another(piece: Piece, others: Iterable[Piece]) -> bool:
+    """Whether a piece lies in none of the others, which would be itself, read twice."""
+    return all(covered_share(piece.rectangle, other.rectangle) < _DOUBLE_SHARE for other in others)
 
 
 def _refit(patch: Patch, pieces: Sequence[Piece]) -> list[Piece]:

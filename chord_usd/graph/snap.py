@@ -23,7 +23,15 @@ from chord_usd.graph.directions import Directions, raster_directions
 from chord_usd.graph.facing import facing
 from chord_usd.graph.joining import Piece
 from chord_usd.graph.rectangles import Rectangle, covered_share
-from chord_usd.graph.regions import MARGIN_PX, Patch, UsualSize, cut_patch, explain, uncovered
+from chord_usd.graph.regions import (
+    MARGIN_PX,
+    Patch,
+    UsualSize,
+    cut_patch,
+    explain,
+    is_another,
+    uncovered,
+)
 from chord_usd.palette import HOUSE_CATEGORIES, Category
 from chord_usd.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
 from chord_usd.units import fold_deg
@@ -196,7 +204,9 @@ def _explained(
             ),
             marked=patch.marked[rest],
         )
-        result += _explained(left, directions, ())
+        # Torn pixels may be left over by every piece that explains them, and ask for it for ever.
+        again = _explained(left, directions, ())
+        result += [one for one in again if is_another(one[0], pieces)]
     return result
 
 
