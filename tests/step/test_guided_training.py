@@ -16,7 +16,7 @@ from chord_usd.training.trainer import TrainingConfig
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,
-    default_steps=2,
+    default_steps=2, front_amplitude=FRONT_AMPLITUDE,
 )  # fmt: skip
 FAINT = replace(TINY, front_amplitude=1.0)
 QUICK = TrainingConfig(
