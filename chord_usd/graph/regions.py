@@ -41,6 +41,7 @@ _PIECE_COST, _PIECE_SHARE = 1.0, 0.15
 """Cost of each further piece, in pixels and as a share of what one piece leaves unexplained: the
 simplest explanation wins, and torn edges are no reason for more pieces."""
 _DOUBLE_SHARE = 0.6
+"""A piece that lies so far within another is the same one, read twice."""
 _ODD_SIZE_COST = 4.0
 """Cost of a piece shorter or longer, or narrower or wider, than pieces of its category are."""
 _ODD_SHARE = (0.65, 1.3)
