@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.layout.codes import CODE_BITS, codebook, encode
+from chord_usd.layout.codes import codebook, encode
 from chord_usd.layout.denoiser import Estimate, Plans
 from chord_usd.layout.levels import LevelTraits
 from chord_usd.layout.schedule import State
@@ -68,5 +68,8 @@ def _leave_out_tall(estimate: Estimate, where: BoolArray, traits: LevelTraits) -
     chances = np.exp(logits[:, :-1] - logits[:, :-1].max(axis=1, keepdims=True))
     chances /= chances.sum(axis=1, keepdims=True)
     estimate.output.transpose(0, 2, 3, 1)[where] = logits
+    # As LayoutNetwork.expected_state: what is left of the chance of a front goes with the labels.
+    marked = (1.0 - chances[:, 0]) / (1.0 + np.exp(-logits[:, -1]))
+    front = (2.0 * marked - 1.0) * traits.front_amplitude
     words = chances @ codebook(traits.class_count)
-    estimate.clean.transpose(0, 2, 3, 1)[where, :CODE_BITS] = words
+    estimate.clean.transpose(0, 2, 3, 1)[where] = np.hstack([words, front[:, None]])

@@ -88,7 +88,9 @@ class LayoutNetwork(nn.Module):
         """
         chances = output[:, : self.class_count].float().softmax(dim=1)
         words = torch.einsum("bkhw,kc->bchw", chances, self.codes)
-        front = torch.tanh(output[:, self.class_count :].float() / 2.0)  # 2 sigmoid(z) - 1
+        # What the front's logit says holds on items, which alone it learns from; floor has none.
+        marked = output[:, self.class_count :].float().sigmoid() * (1.0 - chances[:, :1])
+        front = 2.0 * marked - 1.0
         return torch.cat([words, front * self.config.front_amplitude], dim=1)
 
 

@@ -104,10 +104,20 @@ def test_a_network_is_taken_up_with_larger_front_marks():
     assert torch.allclose(*embedded, atol=1e-5)
 
 
-def test_the_expected_front_is_between_its_two_values():
+def test_the_expected_front_is_that_of_items_and_bare_floor():
     torch.manual_seed(0)
     network = LayoutNetwork(TINY)
-    sure = torch.zeros(1, network.class_count + 1, 1, 2)
-    sure[0, -1, 0] = torch.tensor([40.0, -40.0])
-    front = network.expected_state(sure)[0, -1, 0]
-    assert torch.allclose(front, torch.tensor([FRONT_AMPLITUDE, -FRONT_AMPLITUDE]))
+    said = torch.zeros(1, network.class_count + 1, 1, 3)
+    said[0, 3, 0, :2] = 40.0
+    said[0, 0, 0, 2] = 40.0
+    said[0, -1, 0] = torch.tensor([40.0, -40.0, 40.0])
+    front = network.expected_state(said)[0, -1, 0]
+    assert torch.allclose(front, FRONT_AMPLITUDE * torch.tensor([1.0, -1.0, -1.0]))
+
+
+def test_the_expected_front_is_as_likely_as_the_item_is():
+    torch.manual_seed(0)
+    network = LayoutNetwork(TINY)
+    even = torch.full((1, network.class_count + 1, 1, 1), -40.0)
+    even[0, [0, 3, -1]] = torch.tensor([0.0, 0.0, 40.0])[:, None, None]
+    assert network.expected_state(even)[0, -1].abs().max() < 1e-5

@@ -49,6 +49,8 @@ def test_the_clean_state_follows_the_logits() -> None:
     words = held.clean[0, :CODE_BITS, 0].T
     np.testing.assert_allclose(words[1], codebook()[0])
     np.testing.assert_allclose(words[2], codebook()[BED], atol=1e-3)
+    # A bed's pixel shows a front as likely as the logit of 2 says, and floor none.
+    np.testing.assert_allclose(held.clean[0, -1, 0, 1:3], [-1.0, np.tanh(1.0)], atol=1e-3)
     np.testing.assert_array_equal(held.clean[..., 0], before.clean[..., 0])
 
 
