@@ -83,6 +83,9 @@ class FreeFloor:
                 if row.height_m[0] > sill_m:
                     free = self._tree.geometries[index]
                     shared = footprint_polygon(standing.on(box)).intersection(free)
+                    # What gave way to one opening may have left another's floor, too.
+                    if shared.area <= MIN_OVERLAP_M2:
+                        continue
                     is_bare = painted and painted.share(shared, row.detector_class) < _BARE
                     most_cut = _MOST_CUT if is_bare else 0.0
                     standing = _backed_off(standing, shared, reach_m, most_cut)
@@ -118,8 +121,6 @@ def _backed_off(
     None where that is farther than reach_m and than most_cut, a share of the side that it cuts.
     """
     rectangle = standing.rectangle
-    if shared.area <= MIN_OVERLAP_M2:
-        return standing
     own = rectangle.local(shapely.get_coordinates(shared))
     low, high = own.min(axis=0), own.max(axis=0)
     places = (float(high[0]), float(low[0]), float(high[1]), float(low[1]))

@@ -53,8 +53,7 @@ class LayoutConfig:
     pixels, so noise hides it only when its standard deviation is many times the signal's."""
     front_amplitude: float = 1.0
     """Of the front mark's bit, in that of a code word's: as a bit like the others it is drowned by
-    noise that leaves categories plain, and comes out torn; sqrt(8) sets it as far apart as code
-    words, which differ in 8 bits."""
+    noise that leaves categories plain, and comes out torn."""
     default_steps: int = 20
     """Sampler steps unless asked otherwise."""
     default_sampler: Literal["ddim", "ddpm"] = "ddim"
@@ -90,9 +89,13 @@ class LayoutConfig:
         return cls(**given)
 
 
+FRONT_AMPLITUDE = 8**0.5
+"""Sets front marks as far apart as code words, which differ in 8 bits."""
+
 PRESETS: dict[str, LayoutConfig] = {
-    "default": LayoutConfig(default_sampler="ddpm"),
+    "default": LayoutConfig(default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE),
     "large": LayoutConfig(
+        front_amplitude=FRONT_AMPLITUDE,
         channels=(128, 192, 320, 448),
         blocks_per_level=2,
         feature_channels=128,

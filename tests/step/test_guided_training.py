@@ -7,17 +7,16 @@ import pytest
 import torch
 
 from chord_usd.layout.checkpoint import save_checkpoint
-from chord_usd.layout.config import PRESETS
+from chord_usd.layout.config import FRONT_AMPLITUDE, PRESETS
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.transfer import take_up
 from chord_usd.training.guided import GuidedTrainer
 from chord_usd.training.stream import LayoutStream, StreamConfig
 from chord_usd.training.trainer import TrainingConfig
 
-FRONT_AMPLITUDE = 8**0.5
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,
-    default_steps=2, front_amplitude=FRONT_AMPLITUDE,
+    default_steps=2,
 )  # fmt: skip
 FAINT = replace(TINY, front_amplitude=1.0)
 QUICK = TrainingConfig(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,13 +34,13 @@ def kept(item: Item) -> Item:
     return free.below_sill(replace(item, box=box))
 
 
-def kept_as_painted(item: Item, painted: Box) -> Item:
+def kept_as_painted(item: Item, painted: Box, openings: Sequence[Opening] = (DOOR, WINDOW)) -> Item:
     """item as it is read where the raster shows painted alone."""
     frame = PixelFrame(0.03, (-0.5, -0.5), 256)
     shown = replace(item, box=painted)
     drawn, _ = draw_items([shown], frame)
     labels = np.where(drawn > 0, drawn - 1, NO_ITEM).astype(np.uint8)
-    free = FreeFloor([ROOM], [DOOR, WINDOW])
+    free = FreeFloor([ROOM], openings)
     standing = Standing.of(item.box)
     row = category(item.category)
     box = free.kept(standing, item.box, row, REACH_M, Painted(labels, frame))
@@ -90,6 +91,15 @@ def test_a_box_keeps_floor_that_shows_its_piece() -> None:
 def test_a_box_gives_up_no_more_than_a_corner() -> None:
     item = cabinet(1.6, 0.5)  # half of it before the door
     assert_alike(kept_as_painted(item, replace(item.box, center_m=(0.6, 0.5, 0.0))), item)
+
+
+def test_a_box_that_gave_way_to_one_door_need_not_to_the_next() -> None:
+    beside = replace(DOOR, id="door2", box=replace(DOOR.box, center_m=(2.02, -0.05, 0.0)))
+    item = cabinet(1.2, 0.5)  # 0.1 m before one door, 0.08 m before the other
+    bare = replace(item.box, center_m=(1.0, 0.5, 0.0))
+    after = kept_as_painted(item, bare, [DOOR, beside])
+    assert after.box == kept_as_painted(item, bare, [DOOR]).box
+    assert not blocked(after)
 
 
 def test_before_a_window_stands_a_low_piece() -> None:
