@@ -13,6 +13,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
+from itertools import takewhile
 from pathlib import Path
 
 from chord_usd.errors import ChordError, DiskFullError, OutputError, reason_of
@@ -104,8 +105,8 @@ class Delivery:
         return hidden / target.name
 
     def _make_parents(self, folder: Path) -> None:
-        missing = [f for f in (folder, *folder.parents) if not f.exists()]
-        for parent in reversed(missing):
+        missing = takewhile(lambda one: not one.exists(), (folder, *folder.parents))
+        for parent in reversed(list(missing)):
             parent.mkdir(exist_ok=True)
             self._made_folders.append(parent)
 
