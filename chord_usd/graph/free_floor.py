@@ -80,15 +80,16 @@ class FreeFloor:
         if row.mount is Mount.FLOOR:
             for index in self._before(standing.on(box)):
                 sill_m = self._openings[index].box.center_m[2]
-                if row.height_m[0] > sill_m:
-                    free = self._tree.geometries[index]
-                    shared = footprint_polygon(standing.on(box)).intersection(free)
-                    # What gave way to one opening may have left another's floor, too.
-                    if shared.area <= MIN_OVERLAP_M2:
-                        continue
-                    is_bare = painted and painted.share(shared, row.detector_class) < _BARE
-                    most_cut = _MOST_CUT if is_bare else 0.0
-                    standing = _backed_off(standing, shared, reach_m, most_cut)
+                if row.height_m[0] <= sill_m:
+                    continue
+                free = self._tree.geometries[index]
+                shared = footprint_polygon(standing.on(box)).intersection(free)
+                # What gave way to one opening may have left another's floor, too.
+                if shared.area <= MIN_OVERLAP_M2:
+                    continue
+                is_bare = painted and painted.share(shared, row.detector_class) < _BARE
+                most_cut = _MOST_CUT if is_bare else 0.0
+                standing = _backed_off(standing, shared, reach_m, most_cut)
         return standing.on(box)
 
     def below_sill(self, item: Item) -> Item:

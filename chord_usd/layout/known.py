@@ -69,7 +69,7 @@ def _leave_out_tall(estimate: Estimate, where: BoolArray, traits: LevelTraits) -
     chances /= chances.sum(axis=1, keepdims=True)
     estimate.output.transpose(0, 2, 3, 1)[where] = logits
     # As LayoutNetwork.expected_state: what is left of the chance of a front goes with the labels.
-    marked = (1.0 - chances[:, 0]) / (1.0 + np.exp(-logits[:, -1]))
+    marked = (1.0 - chances[:, 0]) * (1.0 + np.tanh(logits[:, -1] / 2.0)) / 2.0
     front = (2.0 * marked - 1.0) * traits.front_amplitude
     words = chances @ codebook(traits.class_count)
     estimate.clean.transpose(0, 2, 3, 1)[where] = np.hstack([words, front[:, None]])

@@ -23,7 +23,6 @@ from chord_usd.training.trainer import LayoutTrainer, PlanTensors, TrainingConfi
 GUIDED_TRAINING = TrainingConfig(learning_rate=2e-4, cooldown_share=0.6, ema_decay=0.99)
 """A short run from a network that is nearly there: its average must follow soon."""
 
-
 _LEAST_CHANCE = 0.01
 """What the teacher believes less is never raised: the ratio of two chances near zero is noise, and
 would be painted as specks on bare floor."""
