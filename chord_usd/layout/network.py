@@ -86,12 +86,22 @@ class LayoutNetwork(nn.Module):
         A softmax over code words keeps the estimate inside their hull at every noise level
         (score interpolation, Dieleman et al., 2022), where a regressed sample would leave it.
         """
-        chances = output[:, : self.class_count].float().softmax(dim=1)
-        words = torch.einsum("bkhw,kc->bchw", chances, self.codes)
+        chances = _chances(output[:, : self.class_count].float())
+        # A 1×1 convolution: what ONNX Runtime is made for, unlike the same as an einsum.
+        words = functional.conv2d(chances, self.codes.T[:, :, None, None])
         # What the front's logit says holds on items, which alone it learns from; floor has none.
         marked = output[:, self.class_count :].float().sigmoid() * (1.0 - chances[:, :1])
         front = 2.0 * marked - 1.0
         return torch.cat([words, front * self.config.front_amplitude], dim=1)
+
+
+def _chances(logits: Tensor) -> Tensor:
+    """Softmax of (B, classes, H, W) over the classes.
+
+    Written out: ONNX Runtime's own, along any axis but the last, takes as long as the U-Net.
+    """
+    weights = (logits - logits.amax(dim=1, keepdim=True)).exp()
+    return weights / weights.sum(dim=1, keepdim=True)
 
 
 def _unet(config: LayoutConfig) -> Any:
