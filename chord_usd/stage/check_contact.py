@@ -56,6 +56,14 @@ class Solid:
         shape = mesh_to_convex if self.is_convex else mesh_to_BVH
         return fcl.CollisionObject(shape(self.mesh))
 
+    def placed(self, linear: FloatArray, offset_m: FloatArray) -> Solid:
+        """Each vertex v, as a row, at v @ linear (3, 3) + offset_m (3,)."""
+        vertices = self.mesh.vertices @ linear + offset_m
+        solid = Solid(self.path, trimesh.Trimesh(vertices, self.mesh.faces, process=False))
+        # To find out takes longer than to place it, and no affine map changes it.
+        solid.__dict__["is_convex"] = self.is_convex
+        return solid
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -157,7 +165,7 @@ def _solid_depth_m(a: Solid, b: Solid) -> float:
     steps = np.unique(np.round(np.concatenate([np.eye(3), normals]), 2), axis=0)
     for step in (*steps, *-steps):
         a.collider.setTranslation(step * MIN_DEPTH_M)
-        is_free = not _contacts(a.collider, b.collider)
+        is_free = not _touches(a.collider, b.collider)
         a.collider.setTranslation(np.zeros(3))
         if is_free:
             return MIN_DEPTH_M
@@ -169,6 +177,10 @@ def _contacts(a: Any, b: Any) -> Any:
     result = fcl.CollisionResult()
     fcl.collide(a, b, request, result)
     return result.contacts
+
+
+def _touches(a: Any, b: Any) -> bool:
+    return bool(fcl.collide(a, b, fcl.CollisionRequest(), fcl.CollisionResult()))
 
 
 # --- support ------------------------------------------------------------------------------------

@@ -10,13 +10,14 @@ simulator would throw apart what they hold in each other.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from pxr import UsdGeom, UsdPhysics
+from shapely import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.free_places import free_places
@@ -41,6 +42,27 @@ _WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (0.0, -1.0)])
 Ties go to the first."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """A table, for as long as chairs are tried at it."""
+
+    item: Item
+
+    @cached_property
+    def shape(self) -> Polygon:
+        """Its footprint."""
+        return footprint_polygon(self.item.box)
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """As it is seen, and as it is felt."""
+        return _bodies(self.item)
+
+    def is_near(self, chair: Item) -> bool:
+        """Whether a chair could come to stand under it."""
+        return bool(self.shape.distance(footprint_polygon(chair.box)) < FARTHEST_M)
+
+
 def draw_out_chairs(
     graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
 ) -> SceneGraph:
@@ -50,19 +72,20 @@ def draw_out_chairs(
     Items whose mesh is not there stay, too. Raises StageError for one that cannot be opened.
     """
     caught = []
+    tables = [_Table(one) for one in graph.items if one.category in _TABLES and _has_mesh(one)]
     for chair in graph.items:
         if _may_move(chair, rooms, but):
-            tables = [one for one in graph.items if _is_near(one, chair)]
-            if _runs_into(chair.box, chair, tables):
-                caught.append((chair, tables))
+            near = [table for table in tables if table.is_near(chair)]
+            if _runs_into(chair.box, chair, near):
+                caught.append((chair, near))
     if not caught:
         return graph
     items = {item.id: item for item in graph.items}
     clear = list(clearances(graph.rooms, graph.openings))
     floors = {room.id: room_polygon(room) for room in graph.rooms}
-    for chair, tables in caught:
+    for chair, near in caught:
         free = free_places(chair, floors.get(chair.room_id), items.values(), clear)
-        items[chair.id] = _drawn_out(chair, tables, free)
+        items[chair.id] = _drawn_out(chair, near, free)
     return replace(graph, items=tuple(items.values()))
 
 
@@ -75,15 +98,7 @@ def _has_mesh(item: Item) -> bool:
     return item.asset is not None and item.asset.usd_path.is_file()
 
 
-def _is_near(table: Item, chair: Item) -> bool:
-    """Whether an item is a table that a chair could come to stand under."""
-    if table.category not in _TABLES or not _has_mesh(table):
-        return False
-    gap_m = footprint_polygon(table.box).distance(footprint_polygon(chair.box))
-    return bool(gap_m < FARTHEST_M)
-
-
-def _drawn_out(chair: Item, tables: Sequence[Item], free: FreePlaces) -> Item:
+def _drawn_out(chair: Item, tables: Sequence[_Table], free: FreePlaces) -> Item:
     """The chair at the nearest free place; where it is, if there is none."""
     for distance_m, box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box) and not _runs_into(box, chair, tables):
@@ -91,15 +106,18 @@ def _drawn_out(chair: Item, tables: Sequence[Item], free: FreePlaces) -> Item:
     return chair
 
 
-def _runs_into(box: Box, chair: Item, tables: Sequence[Item]) -> bool:
+def _runs_into(box: Box, chair: Item, tables: Sequence[_Table]) -> bool:
     """Whether a chair in this box collides with one of the tables: mesh with mesh, or collider with
     collider."""
-    seats, shape = _bodies(replace(chair, box=box)), footprint_polygon(box)
-    over = [one for one in tables if footprint_polygon(one.box).intersects(shape)]
+    shape = footprint_polygon(box)
+    over = [table for table in tables if table.shape.intersects(shape)]
+    if not over:
+        return False
+    seats = _bodies(replace(chair, box=box))
     return any(
         collisions([seat], [body])
         for table in over
-        for seat, body in zip(seats, _bodies(table), strict=True)
+        for seat, body in zip(seats, table.bodies, strict=True)
     )
 
 
@@ -112,20 +130,10 @@ def _bodies(item: Item) -> tuple[Body, Body]:
 
 def _body(item: Item, asset: Asset, own: Sequence[Solid]) -> Body:
     """Solids in the frame of an item's asset, brought to where the item stands."""
-    scale = np.array(item.box.size_m) / np.array(asset.size_m)
+    scale = np.diag(np.array(item.box.size_m) / np.array(asset.size_m))
     turn = np.eye(3)
     turn[:2, :2] = rotation_2d(item.box.yaw_deg)
-    solids = tuple(
-        Solid(
-            solid.path,
-            trimesh.Trimesh(
-                (solid.mesh.vertices * scale) @ turn.T + item.box.center_m,
-                solid.mesh.faces,
-                process=False,
-            ),
-        )
-        for solid in own
-    )
+    solids = tuple(solid.placed(scale @ turn.T, np.array(item.box.center_m)) for solid in own)
     return Body(item.id, solids)
 
 
