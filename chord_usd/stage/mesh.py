@@ -106,16 +106,14 @@ def flat(area: Polygon, height_m: float, *, up: bool) -> list[Face]:
 
     Convex areas stay one polygon, others become triangles.
     """
-    area = orient(area)
-    ring = np.asarray(area.exterior.coords)[:-1, :2]
-    pieces = [ring] if not area.interiors and _is_convex(ring) else list(_triangles(area))
-    return [_flat_face(piece if up else piece[::-1], height_m) for piece in pieces]
+    return _sheet(_convex_pieces(orient(area)), height_m, up=up)
 
 
 def prism(area: Polygon, low_m: float, high_m: float) -> list[Face]:
     """A closed solid: an area of the ground plane raised from low_m to high_m."""
     area = orient(area)
-    faces = flat(area, high_m, up=True) + flat(area, low_m, up=False)
+    pieces = _convex_pieces(area)
+    faces = _sheet(pieces, high_m, up=True) + _sheet(pieces, low_m, up=False)
     for ring in (area.exterior, *area.interiors):
         corners = np.asarray(ring.coords)[:, :2]
         along = 0.0
@@ -158,6 +156,16 @@ def corner_normals(corners: FloatArray, counts: IntArray) -> FloatArray:
     lengths = np.linalg.norm(sums, axis=1, keepdims=True)
     units = np.round(sums / np.maximum(lengths, 1e-12), _SAME_POINT_DECIMALS) + 0.0
     return np.repeat(units, counts, axis=0)
+
+
+def _convex_pieces(area: Polygon) -> list[FloatArray]:
+    """Rings (N, 2) of an oriented area, counter-clockwise, that cover it."""
+    ring = np.asarray(area.exterior.coords)[:-1, :2]
+    return [ring] if not area.interiors and _is_convex(ring) else list(_triangles(area))
+
+
+def _sheet(pieces: Iterable[FloatArray], height_m: float, *, up: bool) -> list[Face]:
+    return [_flat_face(piece if up else piece[::-1], height_m) for piece in pieces]
 
 
 def _flat_face(ring: FloatArray, height_m: float) -> Face:
