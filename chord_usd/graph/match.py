@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -73,8 +73,8 @@ def place_items(
     as LayoutPixels.item, what the raster shows.
     """
     floors = _Floors(rooms, frame.m_per_px)
-    free_floor = FreeFloor(rooms, openings)
     painted = None if item_pixels is None else Painted(item_pixels, frame)
+    raster = _Raster(frame.m_per_px, FreeFloor(rooms, openings), painted)
     by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
     for one in found:
         box = box_of(one.detection, frame)
@@ -83,8 +83,7 @@ def place_items(
             by_room[index].append((one, box))
     items: list[Item] = []
     for index, room in enumerate(rooms):
-        floor = floors.polygons[index]
-        items += _items_of(room, floor, free_floor, by_room[index], frame.m_per_px, painted)
+        items += _items_of(room, floors.polygons[index], by_room[index], raster)
     return tuple(items)
 
 
@@ -169,36 +168,34 @@ class _Floors:
         return best if 0.0 < inside >= LEAST_INSIDE * shape.area else None
 
 
+@dataclass(frozen=True, eq=False)
+class _Raster:
+    """What items are read from."""
+
+    m_per_px: float
+    free_floor: FreeFloor
+    """What its openings keep free."""
+    painted: Painted | None
+
+    @property
+    def reach_m(self) -> float:
+        """Edges no farther apart than this are one."""
+        return FLUSH_PX * self.m_per_px
+
+    def kept_free(self, box: Box, row: Category) -> Box:
+        """The box without what only seems to stand before an opening."""
+        return self.free_floor.kept(Standing.of(box), box, row, self.reach_m, self.painted)
+
+
 def _items_of(
-    room: Room,
-    floor: Polygon,
-    free_floor: FreeFloor,
-    found: Sequence[tuple[FoundItem, Box]],
-    m_per_px: float,
-    painted: Painted | None,
+    room: Room, floor: Polygon, found: Sequence[tuple[FoundItem, Box]], raster: _Raster
 ) -> list[Item]:
-    reach_m = FLUSH_PX * m_per_px
-    standings = [
-        align(Standing.of(box), room.polygon_m, _align_within_deg(one.detection.category))
-        for one, box in found
-    ]
-    for index, standing in enumerate(standings):
-        others = standings[:index] + standings[index + 1 :]
-        flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
-        if category(found[index][0].detection.category).mount is Mount.WALL:
-            flush = kept_deep(standing, flush)
-        standings[index] = pull_into(flush, floor)
-    standings = part(standings, reach_m)
     rows = [category(one.detection.category) for one, _ in found]
-    boxes = [
-        end_with_wall(standing.on(box), floor) if row.mount is Mount.WALL else standing.on(box)
-        for (_, box), standing, row in zip(found, standings, rows, strict=True)
-    ]
+    boxes = _flush_boxes(room, floor, found, raster.reach_m)
+    boxes = _with_level_fronts(boxes, rows, raster.m_per_px)
     placed = [
-        (one, free_floor.kept(Standing.of(box), box, row, reach_m, painted))
-        for (one, _), box, row in zip(
-            found, _with_level_fronts(boxes, rows, m_per_px), rows, strict=True
-        )
+        (one, raster.kept_free(box, row))
+        for (one, _), box, row in zip(found, boxes, rows, strict=True)
     ]
     placed.sort(key=lambda pair: reading_order(pair[0].detection.category, pair[1]))
     counts: dict[str, int] = defaultdict(int)
@@ -206,9 +203,32 @@ def _items_of(
     for one, box in placed:
         name = one.detection.category
         item = _item(f"{room.id}/{name}_{counts[name]}", one, box, room.id)
-        items.append(free_floor.below_sill(item))
+        items.append(raster.free_floor.below_sill(item))
         counts[name] += 1
     return items
+
+
+def _flush_boxes(
+    room: Room, floor: Polygon, found: Sequence[tuple[FoundItem, Box]], reach_m: float
+) -> list[Box]:
+    """The boxes of a room, square to its walls, flush with them and with each other."""
+    on_wall = [category(one.detection.category).mount is Mount.WALL for one, _ in found]
+    standings = [
+        align(Standing.of(box), room.polygon_m, _align_within_deg(one.detection.category))
+        for one, box in found
+    ]
+    for index, standing in enumerate(standings):
+        others = standings[:index] + standings[index + 1 :]
+        flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
+        if on_wall[index]:
+            flush = kept_deep(standing, flush)
+        standings[index] = pull_into(flush, floor)
+    boxes = [
+        standing.on(box) for standing, (_, box) in zip(part(standings, reach_m), found, strict=True)
+    ]
+    return [
+        end_with_wall(box, floor) if on else box for box, on in zip(boxes, on_wall, strict=True)
+    ]
 
 
 def _with_level_fronts(
