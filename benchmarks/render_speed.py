@@ -27,7 +27,7 @@ import numpy as np
 from PIL import Image
 from results import write_section
 
-from chord_usd.files import hash_file
+from chord_usd.runtime.files import hash_file
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import StageCamera, read_views
 from chord_usd.image.exr import read_exr, write_exr

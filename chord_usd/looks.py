@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from chord_usd.errors import AssetError
-from chord_usd.locations import materials_folder
+from chord_usd.runtime.locations import materials_folder
 from chord_usd.types import ROOM_KINDS, RoomKind
 
 LOOK_FILE = "look.json"

@@ -18,7 +18,7 @@ from chord_usd.batch.run import Done, run_batch
 from chord_usd.batch.shared import share_files
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import PlanError
-from chord_usd.files import output_folder
+from chord_usd.runtime.files import output_folder
 from chord_usd.pipeline import Settings
 
 FIGURES = {

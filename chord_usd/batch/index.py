@@ -18,7 +18,7 @@ from chord_usd.batch.records import (
 )
 from chord_usd.batch.shared import SHARED_FOLDERS
 from chord_usd.errors import MissingExtraError
-from chord_usd.files import deliver, write_atomic
+from chord_usd.runtime.files import deliver, write_atomic
 
 INDEX_FILE = "index.jsonl"
 PARQUET_FILE = "index.parquet"

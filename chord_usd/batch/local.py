@@ -20,7 +20,7 @@ from typing import NoReturn
 
 from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.units import Unit
-from chord_usd.networks import THREADS_VARIABLE, usable_cores
+from chord_usd.runtime.networks import THREADS_VARIABLE, usable_cores
 
 WORKER_MIB = 1024
 """Memory a worker needs, its Blender not counted (benchmarks/batch_throughput.py)."""

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from chord_usd.files import hash_file, write_atomic
+from chord_usd.runtime.files import hash_file, write_atomic
 
 HOUSE_RECORD = "house.json"
 PICTURES_RECORD = "pictures.json"

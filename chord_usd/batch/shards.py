@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.batch.make import LAYOUT_FILE, PLAN_FILE, SCENE_FILE
-from chord_usd.files import output_folder
+from chord_usd.runtime.files import output_folder
 
 SHARDS_FOLDER = "shards"
 SHARD_BYTES = 512 * 2**20

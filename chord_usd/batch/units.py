@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd import __version__
 from chord_usd.errors import PlanError
-from chord_usd.files import hash_file
-from chord_usd.locations import checkpoint_folder
-from chord_usd.networks import WEIGHTS_FILE
+from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import WEIGHTS_FILE
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions

@@ -20,7 +20,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.files import deliver, output_folder
+from chord_usd.runtime.files import deliver, output_folder
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase

@@ -24,7 +24,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.files import output_folder, write_atomic
+from chord_usd.runtime.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
     from chord_usd.data.foreign import Found

@@ -18,7 +18,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.files import write_atomic
+from chord_usd.runtime.files import write_atomic
 from chord_usd.progress import Stopwatch
 
 if TYPE_CHECKING:

@@ -128,7 +128,7 @@ def load_cases(options: argparse.Namespace) -> Cases:
 def load_layout_model(options: argparse.Namespace, name: str = "plan2layout") -> LayoutModel:
     """The model that the options ask for. Raises CheckpointError, ChordError."""
     from chord_usd.layout.sample import LayoutModel
-    from chord_usd.locations import checkpoint_folder
+    from chord_usd.runtime.locations import checkpoint_folder
 
     folder = options.checkpoint or checkpoint_folder(name)
     return LayoutModel.load(folder, options.device)

@@ -21,7 +21,7 @@ from chord_usd.commands.common import (
     stopwatch,
 )
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
-from chord_usd.files import deliver
+from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
     from chord_usd.pipeline import House

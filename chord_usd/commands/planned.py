@@ -23,7 +23,7 @@ from chord_usd.commands.common import (
     positive,
     stopwatch,
 )
-from chord_usd.files import deliver
+from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
     from chord_usd.pipeline import Settings

@@ -16,7 +16,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.files import deliver
+from chord_usd.runtime.files import deliver
 
 
 def add(verbs: Verbs) -> None:

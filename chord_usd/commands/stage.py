@@ -15,7 +15,7 @@ from chord_usd.commands.common import (
     existing_file,
     stopwatch,
 )
-from chord_usd.files import deliver
+from chord_usd.runtime.files import deliver
 
 
 def add(verbs: Verbs) -> None:

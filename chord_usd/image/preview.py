@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.files import write_atomic
+from chord_usd.runtime.files import write_atomic
 from chord_usd.geometry import (
     footprint,
     footprint_polygon,

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.files import deliver, hash_file, write_atomic
+from chord_usd.runtime.files import deliver, hash_file, write_atomic
 from chord_usd.image.annotations import (
     MaskArray,
     camera_record,

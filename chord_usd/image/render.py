@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import DiskFullError, OutputError, RenderError
-from chord_usd.files import hash_file
+from chord_usd.runtime.files import hash_file
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import (
     DEFAULT_CAMERA,

@@ -22,7 +22,7 @@ from chord_usd.layout.description import (
 )
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import Walk, written_walk
-from chord_usd.networks import WEIGHTS_FILE, read_weights
+from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 
 
 @dataclass(frozen=True, eq=False)

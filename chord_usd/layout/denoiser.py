@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from chord_usd.layout.description import REMEDY, Description, read_description
 from chord_usd.layout.device import choose_device
-from chord_usd.networks import Network, has_graph, load_network
+from chord_usd.runtime.networks import Network, has_graph, load_network
 
 GRAPH_INPUTS = ("state", "time", "pixels", "grid", "words")
 """The last only where the network attends to words."""

@@ -10,7 +10,7 @@ from typing import Any
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.schedule import Step, Walk
-from chord_usd.networks import WEIGHTS_FILE, content_hash
+from chord_usd.runtime.networks import WEIGHTS_FILE, content_hash
 
 CONFIG_FILE = "config.json"
 FORMAT = 1

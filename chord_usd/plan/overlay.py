@@ -11,7 +11,7 @@ import numpy as np
 
 from chord_usd import palette
 from chord_usd.errors import PlanError
-from chord_usd.files import write_atomic
+from chord_usd.runtime.files import write_atomic
 from chord_usd.geometry import footprint
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, frame_of, straightening_of

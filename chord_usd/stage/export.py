@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from chord_usd.errors import OutputError
-from chord_usd.files import deliver
+from chord_usd.runtime.files import deliver
 from chord_usd.stage.gltf import scene_of
 from chord_usd.stage.read import open_stage
 from chord_usd.stage.web import write_web

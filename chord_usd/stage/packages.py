@@ -10,7 +10,7 @@ import shutil
 from pathlib import Path
 
 from chord_usd.errors import AssetError
-from chord_usd.files import hash_file
+from chord_usd.runtime.files import hash_file
 
 
 class Packages:

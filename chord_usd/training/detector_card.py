@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from chord_usd.files import write_atomic
+from chord_usd.runtime.files import write_atomic
 from chord_usd.graph.detect import IMAGE_PX, LEAST_SIDE_PX, Kind
 from chord_usd.training.yolo import ARCHITECTURES
 

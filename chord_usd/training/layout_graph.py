@@ -11,7 +11,7 @@ from chord_usd.layout.codes import STATE_CHANNELS
 from chord_usd.layout.denoiser import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.network import LayoutNetwork
-from chord_usd.networks import has_graph
+from chord_usd.runtime.networks import has_graph
 from chord_usd.training.onnx_file import write_graph
 
 _AXES = {0: "batch", 2: "height", 3: "width"}

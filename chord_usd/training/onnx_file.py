@@ -1,6 +1,6 @@
 """Networks as ONNX files that hold no weights: they stay in the checkpoint's safetensors.
 
-The file says how a network computes; chord_usd/networks.py runs it on a CPU without torch. It
+The file says how a network computes; chord_usd/runtime/networks.py runs it on a CPU without torch. It
 changes with the architecture only, so training needs to write it once.
 """
 
@@ -15,8 +15,8 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from chord_usd.files import deliver
-from chord_usd.networks import GRAPH_FILE, STORED_SUFFIX, WEIGHTS_FILE
+from chord_usd.runtime.files import deliver
+from chord_usd.runtime.networks import GRAPH_FILE, STORED_SUFFIX, WEIGHTS_FILE
 
 OPSET = 18
 

@@ -11,9 +11,9 @@ import torch
 from safetensors.torch import save
 from torch import Tensor
 
-from chord_usd.files import write_atomic
+from chord_usd.runtime.files import write_atomic
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
-from chord_usd.networks import WEIGHTS_FILE
+from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.sketch import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.progress import Progress

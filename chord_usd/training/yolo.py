@@ -35,7 +35,7 @@ from chord_usd.graph.detect import (
     check_config,
     remedy,
 )
-from chord_usd.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
+from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
 from chord_usd.training.onnx_file import write_graph
 
 ARCHITECTURES: dict[Kind, str] = {"items": "yolov8n-obb.yaml", "rooms": "yolov8n-seg.yaml"}

@@ -33,8 +33,8 @@ from chord_usd.graph.detect import (
     scaled,
 )
 from chord_usd.graph.extract import extract_graph
-from chord_usd.locations import checkpoint_folder
-from chord_usd.networks import WEIGHTS_FILE, load_network
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
 from chord_usd.raster import draw_plan, layout_image
 from chord_usd.raster_files import write_raster
 from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector

@@ -179,7 +179,7 @@ def test_the_graph_draws_what_the_network_does(tmp_path):
 def test_shipped_models_draw_without_torch():
     code = (
         "import sys; from chord_usd.layout.sample import LayoutModel;"
-        "from chord_usd.locations import checkpoint_folder;"
+        "from chord_usd.runtime.locations import checkpoint_folder;"
         "from chord_usd.raster import draw_plan; from chord_usd.data.houses import random_plan;"
         "import numpy; plan = draw_plan(random_plan(numpy.random.default_rng(1)));"
         "LayoutModel.load(checkpoint_folder('plan2layout'), 'cpu').sample(plan);"

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from chord_usd.errors import CheckpointError
-from chord_usd.locations import checkpoint_folder
+from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.planner import SKETCH_CHECKPOINT
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.outline import open_shell

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd import files
+from chord_usd.runtime import files
 from chord_usd.errors import OutputError
-from chord_usd.files import deliver, output_folder, write_atomic
+from chord_usd.runtime.files import deliver, output_folder, write_atomic
 
 
 def everything_in(folder: Path) -> dict[str, bytes]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from chord_usd.networks import granted_threads
+from chord_usd.runtime.networks import granted_threads
 
 GPU_BACKENDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 """In the order they are tried."""

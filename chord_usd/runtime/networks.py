@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
-from chord_usd.files import hash_file
+from chord_usd.runtime.files import hash_file
 
 if TYPE_CHECKING:
     import onnxruntime

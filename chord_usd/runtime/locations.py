@@ -14,7 +14,7 @@ from chord_usd.errors import AssetError, CheckpointError
 CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
 """Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
 
-_PACKAGE = Path(__file__).parent
+_PACKAGE = Path(__file__).parents[1]
 
 
 def checkpoint_folder(name: str) -> Path:
