@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
+from chord_usd.data.furnish.mix import count_of
 from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_armchair, put_cabinet
 from chord_usd.data.furnish.walls import MARGIN_M, REACH, SOLID, Wall
@@ -41,23 +42,24 @@ def furnish_bedroom(floor: Floor) -> None:
     """Furnish in the order of importance; what no longer fits is left out."""
     dice = floor.dice
     place = _put_bed(floor)
-    wardrobe = 0.68 if floor.area_m2 > 8.0 else 0.5
+    mix = floor.mix
+    wardrobe = mix.storage if floor.area_m2 > 8.0 else mix.storage_small
     if dice.random() < wardrobe:
         _put_wardrobe(floor)
-    if place and floor.area_m2 > 10.0 and dice.random() < 0.25:
+    if place and floor.area_m2 > 10.0 and dice.random() < mix.bedroom_television:
         _put_television(floor, place)
-    if dice.random() < 0.5:
+    if dice.random() < mix.desk:
         put_desk(floor)
-    if floor.area_m2 > 15.0 and dice.random() < 0.36:
+    if floor.area_m2 > 15.0 and dice.random() < mix.bedroom_armchair:
         put_armchair(floor)
-    if floor.area_m2 > 16.0 and dice.random() < 0.08:
+    if floor.area_m2 > 16.0 and dice.random() < mix.chest_besides:
         put_cabinet(floor, tall=False, longest=1.4)
 
 
 def _put_wardrobe(floor: Floor) -> None:
     """A wardrobe, or a chest of drawers, which is as often all the storage there is."""
     dice = floor.dice
-    if dice.random() < 0.45:
+    if dice.random() < floor.mix.chest:
         put_cabinet(floor, tall=False, longest=dice.uniform(0.8, 1.3))
     else:
         usual = min(2.8, max(0.8, 0.8 + 0.08 * floor.area_m2 + dice.uniform(-0.4, 0.6)))
@@ -90,7 +92,7 @@ def _bed_sizes(floor: Floor) -> Iterator[Size]:
         widest = 0.75 + 0.085 * floor.area_m2 + floor.dice.uniform(-0.1, 0.25)
         if length <= max(0.9, widest):
             yield sizes.bed(floor.dice, length)
-    if floor.is_tight:
+    if floor.squeezed:
         yield sizes.LEAST_BED
 
 
@@ -177,7 +179,8 @@ def _put_bed_group(floor: Floor, place: BedPlace, size: Size, panel: Size | None
 def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool, bool]:
     """None, one or two of the same kind, beside the headboard, flush with the wall."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.64, 0.14, 0.22) if size[0] > 1.3 else (0.66, 0.32, 0.02))[0]
+    mix = floor.mix
+    wanted = count_of(dice, mix.bedside_wide if size[0] > 1.3 else mix.bedside_narrow)
     table = sizes.sampled(dice, "bedside_table", shortest=0.4, longest=0.6)
     table = (table[0], min(table[1], table[0]), table[2])
     gap = dice.choice((0.0, 0.0, MARGIN_M))

@@ -134,9 +134,9 @@ def _u_runs(first: Spot, second: Spot, third: Spot, depth: float) -> list[list[R
 def _fill(floor: Floor, runs: list[Run], depth: float, height: float) -> None:
     dice = floor.dice
     wanted = {"sink_cabinet", "cooker_cabinet"}
-    if dice.random() < 0.35:
+    if dice.random() < floor.mix.refrigerator:
         wanted.add("refrigerator")
-    if dice.random() < 0.4:
+    if dice.random() < floor.mix.electrical:
         wanted.add("electrical_floor_cabinet")
     runs = _trimmed(runs)
     sink_run = _sink_run(floor, runs)
