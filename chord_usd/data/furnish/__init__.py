@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from chord_usd.data.furnish.appliances import add_appliances
 from chord_usd.data.furnish.bathroom import furnish_bathroom
 from chord_usd.data.furnish.bedroom import furnish_bedroom
 from chord_usd.data.furnish.dining import furnish_dining
@@ -45,9 +46,7 @@ MOST_REPAIRS = 4
 """Groups given up at most."""
 
 
-def furnish(
-    plan: Plan, rng: np.random.Generator, statistics: Statistics = "homes"
-) -> SceneGraph:
+def furnish(plan: Plan, rng: np.random.Generator, statistics: Statistics = "homes") -> SceneGraph:
     """The plan with furniture in every room that should have some.
 
     Rooms of unknown kind are furnished as what they look like; the rooms of the result keep their
@@ -64,10 +63,11 @@ def furnish(
     attach_openings(floors, plan.openings)
     attach_fixtures(floors, plan.extra.get("fixtures", ()))
     guess_kinds(floors)
-    laundry = _laundry(floors, dice)
+    laundry = _laundry_balcony(floors, dice)
     for floor in floors:
         if len(floor.corners) >= 3:
             _furnish_well(floor, floors, floor is laundry)
+    add_appliances(floors, dice, mix)
     items = tuple(item for floor in floors for item in _items(floor))
     for floor in floors:
         floor.part()
@@ -129,7 +129,7 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
         case "kitchen":
             furnish_kitchen(floor)
         case "bathroom":
-            furnish_bathroom(floor, with_laundry=is_laundry)
+            furnish_bathroom(floor)
         case "balcony":
             furnish_balcony(floor, with_laundry=is_laundry)
         case "corridor":
@@ -140,13 +140,12 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
             furnish_store(floor)
 
 
-def _laundry(floors: Sequence[Floor], dice: random.Random) -> Floor | None:
-    """The room with the washing machine: a balcony, else the largest bathroom."""
+def _laundry_balcony(floors: Sequence[Floor], dice: random.Random) -> Floor | None:
+    """The balcony with the washing machine, if the house has its laundry on a balcony."""
     balconies = [floor for floor in floors if floor.kind == "balcony"]
-    if balconies and dice.random() < 0.98:
-        return dice.choice(balconies)
-    bathrooms = [floor for floor in floors if floor.kind == "bathroom"]
-    return max(bathrooms, key=lambda floor: floor.area_m2, default=None)
+    if not balconies or dice.random() > 0.98:
+        return None
+    return dice.choice(balconies)
 
 
 def _repair(floor: Floor) -> None:

@@ -27,13 +27,16 @@ _BATHING = ("shower", "bathtub")
 _LONGEST_M = {"shower": 1.4, "bathtub": 1.8}
 
 
-def furnish_bathroom(floor: Floor, *, with_laundry: bool = False) -> None:
+def furnish_bathroom(floor: Floor) -> None:
     """The fullest programme that fits, from generous sizes to the smallest; then the laundry."""
     _place_programme(floor, _programme(floor))
-    share = floor.mix.washing_machine_only if with_laundry else floor.mix.washing_machine
-    has_machine = any(name == "washing_machine" for name, _, _ in floor.hints)
-    if has_machine or (floor.area_m2 > (4.0 if with_laundry else 5.0) and floor.dice.random() < share):
-        place_jointly(floor, [_fitting(floor, "washing_machine", 0.4)], partial(_liking, floor), FEW_TRIES)
+    shown = [name for name, _, _ in floor.hints]
+    # Drawings show washing machines as a second basin.
+    has_machine = "washing_machine" in shown or shown.count("washbasin") > 1
+    share = floor.mix.washing_machine
+    if has_machine or (floor.area_m2 > 5.0 and floor.dice.random() < share):
+        machine = _fitting(floor, "washing_machine", 0.4)
+        place_jointly(floor, [machine], partial(_liking, floor), FEW_TRIES)
 
 
 def _place_programme(floor: Floor, wanted: list[str]) -> None:

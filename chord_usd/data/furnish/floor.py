@@ -64,9 +64,7 @@ class Door(NamedTuple):
 class Floor:
     """The state of one room. Mutable; lives only while `furnish` runs."""
 
-    def __init__(
-        self, room: Room, kind: RoomKind, dice: random.Random, mix: Mix = HOMES
-    ) -> None:
+    def __init__(self, room: Room, kind: RoomKind, dice: random.Random, mix: Mix = HOMES) -> None:
         self.room = room
         self.mix = mix
         self.kind: RoomKind = kind

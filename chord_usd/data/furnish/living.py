@@ -38,11 +38,13 @@ def furnish_living(floor: Floor, *, with_dining: bool) -> None:
     """with_dining: the house has no other place for the dining table."""
     dice, mix = floor.dice, floor.mix
     put_sofa_group(floor)
-    if with_dining and dice.random() < (mix.living_dining if floor.area_m2 > 24.0 else mix.living_dining_small):
+    dining = mix.living_dining if floor.area_m2 > 24.0 else mix.living_dining_small
+    if with_dining and dice.random() < dining:
         put_dining_table(floor)
     if dice.random() < mix.shoe_cabinet:
         put_shoe_cabinet(floor)
-    if dice.random() < (mix.dining_cabinet_at_table if floor.has("dining_table") else mix.dining_cabinet_living):
+    has_table = floor.has("dining_table")
+    if dice.random() < (mix.dining_cabinet_at_table if has_table else mix.dining_cabinet_living):
         put_dining_cabinet(floor, dice.uniform(0.9, 1.8))
     if floor.area_m2 > 14.0 and dice.random() < mix.living_armchair:
         put_armchair(floor)

@@ -30,6 +30,8 @@ Statistics = Literal["homes", "paper"]
 class Mix:
     """Shares in [0, 1]; those of counts run from none on."""
 
+    bed_m_per_m2: float
+    """How much wider the bed is in a larger room."""
     bedside_wide: tuple[float, float, float]
     """Beds with none, one and two bedside tables; wide beds here, narrow ones below."""
     bedside_narrow: tuple[float, float, float]
@@ -67,31 +69,37 @@ class Mix:
     """Bathrooms up to 5.5 m2 with the basin inside, not in front of them."""
     bathtub: float
     washing_machine: float
-    """Bathrooms above 5 m2 with one; of houses whose laundry has no other place below."""
-    washing_machine_only: float
+    """Bathrooms above 5 m2 with one."""
+    refrigerator_anywhere: float
+    """Houses that take one elsewhere where the row of the kitchen has no room for it; houses with a
+    washing machine in any room that can hold one below.
+    """
+    washing_machine_anywhere: float
     balcony_armchair: float
 
 
 PAPER = Mix(
+    bed_m_per_m2=0.085,
     bedside_wide=(0.64, 0.14, 0.22), bedside_narrow=(0.66, 0.32, 0.02), storage=0.68,
     storage_small=0.5, chest=0.45, chest_besides=0.08, desk=0.5, bedroom_television=0.25,
     bedroom_armchair=0.36, shelf=0.5, study_armchair=0.4, store_cabinet=0.4, coffee_table=0.85,
     side_table=0.4, single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.1,
     shoe_cabinet=0.8, living_dining=0.3, living_dining_small=0.06, dining_cabinet=0.75,
-    dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.35, electrical=0.4,
-    washbasin=0.72, bathtub=0.08, washing_machine=0.06, washing_machine_only=0.06,
-    balcony_armchair=0.3,
+    dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.13, electrical=0.22,
+    washbasin=0.72, bathtub=0.08, washing_machine=0.06, refrigerator_anywhere=0.0,
+    washing_machine_anywhere=0.0, balcony_armchair=0.3,
 )  # fmt: skip
 
 HOMES = Mix(
-    bedside_wide=(0.1, 0.2, 0.7), bedside_narrow=(0.3, 0.65, 0.05), storage=0.95,
+    bed_m_per_m2=0.07,
+    bedside_wide=(0.05, 0.15, 0.8), bedside_narrow=(0.2, 0.7, 0.1), storage=0.95,
     storage_small=0.9, chest=0.25, chest_besides=0.4, desk=0.6, bedroom_television=0.3,
     bedroom_armchair=0.4, shelf=0.9, study_armchair=0.4, store_cabinet=0.6, coffee_table=0.95,
-    side_table=0.5, single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.45,
+    side_table=0.6, single_sofas=(0.15, 0.45, 0.4), living_armchair=0.6, living_cabinet=0.6,
     shoe_cabinet=0.8, living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
-    dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=1.0, electrical=0.6,
-    washbasin=1.0, bathtub=0.33, washing_machine=0.3, washing_machine_only=0.9,
-    balcony_armchair=0.3,
+    dining_cabinet_at_table=0.6, dining_cabinet_living=0.5, refrigerator=1.0, electrical=0.7,
+    washbasin=1.0, bathtub=0.33, washing_machine=0.3, refrigerator_anywhere=1.0,
+    washing_machine_anywhere=1.0, balcony_armchair=0.3,
 )  # fmt: skip
 
 MIXES: dict[Statistics, Mix] = {"homes": HOMES, "paper": PAPER}
