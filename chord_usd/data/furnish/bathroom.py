@@ -20,7 +20,7 @@ TOILET_SLOT_M = 0.7
 NARROW_ROOM_M = 1.9
 """Between walls nearer than this there is a way past fittings on one side only."""
 
-FEW_TRIES, MOST_TRIES = 7, 24
+FEW_TRIES, MOST_TRIES = 5, 24
 """Placements tried for one list of fittings: before smaller ones are taken, for the smallest."""
 
 _BATHING = ("shower", "bathtub")

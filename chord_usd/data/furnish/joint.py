@@ -78,9 +78,17 @@ def place_jointly(
     most: placements tried. any_order: so many for every order of the fittings, and narrow ways to
     pieces are borne as long as no door is cut off. Returns whether they stand.
     """
+    if any_order and not all(_has_place(floor, fitting) for fitting in fittings):
+        return False
     orders = permutations(fittings) if any_order else [tuple(fittings)]
     borne = CUT_OFF if any_order else 1
     return any(_place(floor, order, [], liking, [most], borne) for order in orders)
+
+
+def _has_place(floor: Floor, fitting: Fitting) -> bool:
+    """Whether it could stand here if it were alone, to spare orders of what never fits."""
+    slot = max(fitting.slot_m, fitting.size[0])
+    return any(floor.spots(fitting.depth_m, fitting.size[2], fitting.reach_m, slot))
 
 
 def _place(

@@ -10,7 +10,7 @@ from chord_usd.data.furnish.joint import Fitting, Part, place_jointly
 from chord_usd.data.furnish.walls import Wall
 from chord_usd.types import RoomKind
 
-MOST_TRIES = 60
+MOST_TRIES = 24
 """Placements tried for each order of a programme."""
 
 _CHAIR: Size = (0.44, 0.48, 0.85)

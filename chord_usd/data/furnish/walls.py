@@ -44,7 +44,7 @@ Block = tuple[float, float, float, float, int, float]
 class Wall:
     """One side of a room, seen from inside: corners run counter-clockwise, the room is left."""
 
-    __slots__ = ("_blocks", "_things", "edges", "has_door", "has_window", "index", "length",
+    __slots__ = ("_blocks", "_things", "clear_m", "edges", "has_door", "has_window", "index", "length",
                  "margin_m", "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
 
     def __init__(
@@ -60,6 +60,8 @@ class Wall:
         self._things = things
         self._blocks: list[Block] = []
         self.edges: list[tuple[float, float, float, float]] = []
+        self.clear_m = math.inf
+        """No other side of the room is nearer."""
         self.has_door = False
         self.has_window = False
         self.margin_m = 0.0
@@ -88,6 +90,7 @@ class Wall:
                 (s0 > TOUCH_M or s1 > TOUCH_M) and (s0 < end or s1 < end)
             ):
                 self.edges.append((s0, t0, s1, t1))
+                self.clear_m = min(self.clear_m, max(0.0, t0 if t0 < t1 else t1))
             s0, t0 = s1, t1
 
     def forget(self, count: int) -> None:
@@ -111,7 +114,7 @@ class Wall:
         """
         far, margin = near + depth, self.margin_m
         reached = far + reach - TOUCH_M
-        cuts = _edge_cuts(self.edges, far + reach)
+        cuts = _edge_cuts(self.edges, far + reach) if far + reach > self.clear_m else []
         near, far = near + TOUCH_M, far - TOUCH_M
         for s_from, s_to, t_from, t_to, bits, sill in self._seen():
             if t_from >= reached:
@@ -150,6 +153,8 @@ class Wall:
                 and height > sill
             ):
                 return False
+        if t_to <= self.clear_m:
+            return True
         return all(b <= low or a >= high for a, b in _edge_cuts(self.edges, t_to))
 
     def _seen(self) -> list[Block]:
