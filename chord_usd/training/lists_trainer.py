@@ -1,0 +1,163 @@
+"""Training of the list network: resumable, on a time budget, on CPU or CUDA."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors.torch import save
+from torch import Tensor
+
+from chord_usd.layout.description import CONFIG_FILE, FORMAT
+from chord_usd.lists.draw import GRAPH_INPUTS, GRAPH_OUTPUTS
+from chord_usd.lists.pieces import PIECES
+from chord_usd.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
+from chord_usd.progress import Progress
+from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.training.budget import Budget
+from chord_usd.training.lists_data import Batch, Example, batch_of, endless_batches
+from chord_usd.training.lists_network import Drawing, ListNetwork
+from chord_usd.training.onnx_file import write_graph
+from chord_usd.training.weights import Weights, warm_and_cool
+from chord_usd.types import Plan
+
+STATE_FOLDER = "state"
+LOG_FILE = "log.jsonl"
+_SAVE_MINUTES = 3.0
+_LOG_STEPS = 100
+_END_RATE = 0.02
+"""Share of the learning rate at which a run ends."""
+
+
+@dataclass(frozen=True)
+class ListTraining:
+    """How to train."""
+
+    minutes: float = 60.0
+    batch: int = 64
+    learning_rate: float = 1e-3
+    warmup_steps: int = 200
+    cooldown_share: float = 0.5
+    """Last share of the budget in which the learning rate falls to a fiftieth."""
+    weight_decay: float = 0.02
+    ema_decay: float = 0.999
+    gradient_clip: float = 1.0
+    flat_share: float = 0.35
+    """Houses that are real flats, where there are any."""
+    seed: int = 0
+    device: str = "cpu"
+
+
+def train_lists(
+    config: ListTraining,
+    folder: Path,
+    flats: Sequence[Plan],
+    judges: Sequence[Example],
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Run until the minutes are spent, going on where a run in the folder stopped.
+
+    judges: held-out rooms. Returns what the card says of the run; the checkpoint comes to lie in
+    folder/checkpoint, and is renewed whenever the state is saved.
+    """
+    torch.manual_seed(config.seed)
+    network = ListNetwork(PIECES).to(config.device)
+    weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
+    before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
+    step = first_step = int(before["step"])
+    budget, seen = Budget(config.minutes), 0.0
+    facts: dict[str, Any] = {}
+    for batch in _batches(config, flats, step):
+        rate = warm_and_cool(
+            step - first_step, config.warmup_steps, budget.share, config.cooldown_share, _END_RATE
+        )
+        loss = batch_loss(network, batch).mean()
+        weights.step(loss, config.learning_rate * rate, config.gradient_clip, step)
+        step, seen = step + 1, seen + float(loss)
+        if step % _LOG_STEPS == 0:
+            _log(folder, {"step": step, "nats": seen / _LOG_STEPS, "minutes": budget.spent})
+            seen = 0.0
+        if progress and step % 25 == 0:
+            progress(round(budget.spent * 60), round(config.minutes * 60))
+        ended = budget.is_over
+        if ended or budget.is_due("save", _SAVE_MINUTES):
+            minutes = before["minutes"] + budget.spent
+            weights.save(folder / STATE_FOLDER, {"step": step, "minutes": minutes})
+            facts = {
+                **asdict(config), "steps": step, "minutes": round(minutes, 1),
+                "flats": len(flats), "held_out_nats": round(_score(weights.average, judges), 3),
+                "held_out": len(judges),
+            }  # fmt: skip
+            write_checkpoint(folder / "checkpoint", weights.average, PIECES, facts)
+        if ended:
+            break
+    return facts
+
+
+def _batches(config: ListTraining, flats: Sequence[Plan], step: int) -> Iterator[Batch]:
+    endless = endless_batches(flats, config.flat_share, config.batch, config.seed + step)
+    for batch in endless:
+        segments, facts, flags, roles, left, values = (part.to(config.device) for part in batch)
+        yield segments, facts, flags, roles, left, values
+
+
+def _log(folder: Path, row: dict[str, Any]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / LOG_FILE).open("a", encoding="utf-8") as log:
+        log.write(json.dumps(row) + "\n")
+
+
+def batch_loss(network: ListNetwork, batch: Batch) -> Tensor:
+    """(B,) negative log likelihood of each room's list, in nats."""
+    chances: Tensor = network(*batch)
+    return -chances.sum(dim=1)
+
+
+@torch.inference_mode()
+def _score(network: ListNetwork, examples: Sequence[Example]) -> float:
+    """Mean nats a held-out room takes."""
+    if not examples:
+        return float("nan")
+    device = next(network.parameters()).device
+    segments, facts, flags, roles, left, values = (
+        part.to(device) for part in batch_of(examples)
+    )
+    return float(batch_loss(network, (segments, facts, flags, roles, left, values)).mean())
+
+
+def write_checkpoint(
+    folder: Path, network: ListNetwork, vocabulary: Vocabulary, facts: dict[str, Any]
+) -> None:
+    """The weights in half precision, how to draw with them, and where they come from."""
+    folder.mkdir(parents=True, exist_ok=True)
+    halves = {name: t.cpu().to(torch.float16) for name, t in network.state_dict().items()}
+    write_atomic(folder / WEIGHTS_FILE, save(halves))
+    description = json.dumps({"format": FORMAT, "training": facts}, indent=2)
+    write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
+    example = {
+        "segments": torch.ones(1, 2, SEGMENT_FIELDS, dtype=torch.long),
+        "facts": torch.zeros(1, len(vocabulary.facts), dtype=torch.long),
+        "flags": torch.zeros(1, vocabulary.flags),
+        "roles": torch.zeros(1, 2, dtype=torch.long),
+        "left": torch.zeros(1, 2, dtype=torch.long),
+        "values": torch.full((1, 2, len(vocabulary.slots)), NOTHING, dtype=torch.long),
+        "noise": torch.zeros(1, len(vocabulary.slots), vocabulary.size),
+    }
+    free = {0: "batch", 1: "positions"}
+    write_graph(
+        folder,
+        Drawing(network.cpu()),
+        stored={f"network.{name}": name for name in network.state_dict()},
+        inputs={name: example[name] for name in GRAPH_INPUTS},
+        outputs=GRAPH_OUTPUTS,
+        free_axes={
+            "segments": {0: "batch", 1: "segments"},
+            "roles": free, "left": free, "values": free,
+            **dict.fromkeys(("facts", "flags", "noise", *GRAPH_OUTPUTS), {0: "batch"}),
+        },
+    )  # fmt: skip
