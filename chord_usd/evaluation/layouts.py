@@ -15,6 +15,8 @@ from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.lists.draw import ListDrawer
+from chord_usd.lists.house import Drafts, furnish_by_lists
 from chord_usd.metrics.complete import ESSENTIALS
 from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish
@@ -154,6 +156,19 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
     """
     for case in cases:
         scene = case.truth(sampling.seed)
+        plan_image = _plan_image(case, sampling)
+        yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
+
+
+def listed(
+    drawer: ListDrawer, cases: Iterable[Case], sampling: Sampling, drafts: int
+) -> Iterator[Furnished]:
+    """What the list network alone puts in, nothing painted. Case i gets that seed plus i.
+
+    drafts: of each room, of which the best is taken.
+    """
+    for index, case in enumerate(cases):
+        scene = furnish_by_lists(case.plan, drawer, Drafts(sampling.seed + index, drafts))
         plan_image = _plan_image(case, sampling)
         yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
 

@@ -79,10 +79,12 @@ class ListDrawer:
     def _tell(self, lines: _Lines, rng: np.random.Generator, temperature: float) -> None:
         """One more position of every list that is not at its end."""
         inputs = lines.inputs()
-        gumbel = rng.gumbel(size=(len(lines.open), len(self.vocabulary.slots), self.vocabulary.size))
+        gumbel = rng.gumbel(
+            size=(len(lines.open), len(self.vocabulary.slots), self.vocabulary.size)
+        )
         inputs["noise"] = (gumbel * temperature + lines.barred()).astype(np.float32)
         values, chances = self._network.run(inputs)
-        lines.take(values, chances)
+        lines.take(np.asarray(values, np.int64), chances)
 
 
 class _Lines:

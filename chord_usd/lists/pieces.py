@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -45,7 +46,8 @@ SEGMENT_KINDS = ("wall", "door", "window", "low window", "passage", "open side")
 LOW_SILL_M = 0.7
 """A window below it keeps out most furniture."""
 
-TEACHERS = ("homes", "paper")
+Teacher = Literal["homes", "paper"]
+TEACHERS: tuple[Teacher, ...] = ("homes", "paper")
 """Whose houses the network imitates (data.furnish.mix)."""
 AREAS = 24
 _LEAST_AREA_M2, _AREA_STEP = 1.0, 1.2
@@ -118,7 +120,7 @@ def frame_of(room: Room) -> Frame:
 
 
 def rooms_around(
-    graph: SceneGraph, teacher: str, told: Iterable[str] | None = None
+    graph: SceneGraph, teacher: Teacher, told: Iterable[str] | None = None
 ) -> list[Around]:
     """Every room of the house as the network sees it.
 
@@ -218,9 +220,7 @@ def _kind_of(opening: Opening) -> str:
     return "low window" if opening.box.center_m[2] < LOW_SILL_M else "window"
 
 
-def _in_wall(
-    opening: Opening, sides: Sequence[FloatArray], room: Room
-) -> FloatArray | None:
+def _in_wall(opening: Opening, sides: Sequence[FloatArray], room: Room) -> FloatArray | None:
     """(2, 2) the span of an opening on the nearest side of the room, along that; None where it
     belongs to other rooms.
     """
@@ -270,9 +270,7 @@ def pieces_of(
     quarter_turns, mirrored: the room is mirrored in x, then turned so often.
     """
     found = [
-        _element(item, frame, quarter_turns, mirrored)
-        for item in items
-        if item.category in _INDEX
+        _element(item, frame, quarter_turns, mirrored) for item in items if item.category in _INDEX
     ]
     return sorted(found, key=lambda one: (one.category, one.values[1], one.values[2]))
 

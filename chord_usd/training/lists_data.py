@@ -42,7 +42,9 @@ class Example:
     items: tuple[Item, ...]
 
 
-def examples_of(house: SceneGraph, teacher: str, rng: np.random.Generator) -> list[Example]:
+def examples_of(
+    house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
+) -> list[Example]:
     """The rooms of a house; some of those that stand empty are left out.
 
     Each room knows of those that were furnished before it, in random order, or of none.
@@ -62,7 +64,7 @@ def examples_of(house: SceneGraph, teacher: str, rng: np.random.Generator) -> li
 
 def endless_houses(
     flats: Sequence[Plan], flat_share: float, rng: np.random.Generator
-) -> Iterator[tuple[SceneGraph, str]]:
+) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
     """Furnished houses that may be trained on, and whose they imitate."""
     while True:
         teacher = pieces.TEACHERS[int(rng.random() >= HOMES_SHARE)]
@@ -130,9 +132,7 @@ def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None
     return found[0], found[1], found[2], found[3], found[4], found[5]
 
 
-def _told(
-    example: Example, rng: np.random.Generator | None
-) -> tuple[pieces.Ints, Sequences]:
+def _told(example: Example, rng: np.random.Generator | None) -> tuple[pieces.Ints, Sequences]:
     """The segments and the list of a room, in a random pose."""
     turns, mirrored = (int(rng.integers(4)), bool(rng.integers(2))) if rng else (0, False)
     around = example.around

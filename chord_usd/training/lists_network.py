@@ -25,6 +25,10 @@ LEAST_CHANCE = 0.06
 """Values less likely than this share of the likeliest one are not drawn."""
 
 
+_ENDS = ("x", "y", "x", "y")
+"""Of a segment, in vocabulary.SEGMENT_FIELDS."""
+
+
 class ListNetwork(nn.Module):
     """Autoregressive over the positions of a sequence, and over the slots of each position."""
 
@@ -43,7 +47,7 @@ class ListNetwork(nn.Module):
         size = vocabulary.size
         self.segment_kind = nn.Embedding(vocabulary.segments, channels)
         self.segment_place = nn.ModuleList(
-            nn.Embedding(vocabulary.places(name)[1], channels) for name in ("x", "y", "x", "y")
+            nn.Embedding(vocabulary.places(name)[1], channels) for name in _ENDS
         )
         self.facts = nn.ModuleList(nn.Embedding(count, channels) for count in vocabulary.facts)
         self.flags = nn.Linear(vocabulary.flags, channels)
@@ -68,28 +72,26 @@ class ListNetwork(nn.Module):
         generator = torch.Generator().manual_seed(0)
         for name in ("x", "y"):
             first, count = vocabulary.places(name)
+            span = slice(first, first + count)
             waves = _waves(count, channels) * 0.15
-            turn, _ = torch.linalg.qr(torch.randn(channels, channels, generator=generator))
-            self.head.weight[first : first + count] = waves @ turn * 0.3
-            for slot, other in enumerate(vocabulary.slots):
-                if other != name:
-                    continue
-                turn, _ = torch.linalg.qr(torch.randn(channels, channels, generator=generator))
-                told = waves @ turn
-                self.before[slot].weight[first : first + count] = told
+            self.head.weight[span] = waves @ _turn(channels, generator) * 0.3
+            ends = [table for table, axis in zip(self.segment_place, _ENDS, strict=True)
+                    if axis == name]  # fmt: skip
+            slots = [slot for slot, other in enumerate(vocabulary.slots) if other == name]
+            for nth, slot in enumerate(slots):
+                told = waves @ _turn(channels, generator)
+                _weight(self.before[slot])[span] = told
                 if slot < self.slots - 1:
-                    self.own[slot].weight[first : first + count] = told
-                end = [i for i, n in enumerate(("x", "y", "x", "y")) if n == name]
-                nth = [i for i, n in enumerate(vocabulary.slots) if n == name].index(slot)
-                if nth < len(end):
-                    self.segment_place[end[nth]].weight[:] = told
+                    _weight(self.own[slot])[span] = told
+                if nth < len(ends):
+                    _weight(ends[nth])[:] = told
 
     def around(self, segments: Tensor, facts: Tensor, flags: Tensor) -> tuple[Tensor, Tensor]:
         """(B, 1 + S, channels) what lies around, and (B, 1 + S) which of it is there."""
-        told = self.flags(flags)
+        told: Tensor = self.flags(flags)
         for index, table in enumerate(self.facts):
             told = told + table(facts[:, index])
-        lines = self.segment_kind(segments[..., 0])
+        lines: Tensor = self.segment_kind(segments[..., 0])
         for index, table in enumerate(self.segment_place):
             lines = lines + table(segments[..., 1 + index])
         there = functional.pad(segments[..., 0] != NO_SEGMENT, (1, 0), value=True)
@@ -238,6 +240,17 @@ class _Block(nn.Module):
         state = state + self.merge(seen)
         inner: Any = self.narrow(functional.gelu(self.widen(self.norm_2(state))))
         return state + inner
+
+
+def _weight(table: nn.Module) -> Tensor:
+    assert isinstance(table, nn.Embedding)
+    return table.weight
+
+
+def _turn(channels: int, generator: torch.Generator) -> Tensor:
+    """(channels, channels) a random rotation."""
+    found: Tensor = torch.linalg.qr(torch.randn(channels, channels, generator=generator))[0]
+    return found
 
 
 def _waves(count: int, channels: int) -> Tensor:

@@ -124,9 +124,7 @@ def _score(network: ListNetwork, examples: Sequence[Example]) -> float:
     if not examples:
         return float("nan")
     device = next(network.parameters()).device
-    segments, facts, flags, roles, left, values = (
-        part.to(device) for part in batch_of(examples)
-    )
+    segments, facts, flags, roles, left, values = (part.to(device) for part in batch_of(examples))
     return float(batch_loss(network, (segments, facts, flags, roles, left, values)).mean())
 
 
@@ -148,7 +146,8 @@ def write_checkpoint(
         "values": torch.full((1, 2, len(vocabulary.slots)), NOTHING, dtype=torch.long),
         "noise": torch.zeros(1, len(vocabulary.slots), vocabulary.size),
     }
-    free = {0: "batch", 1: "positions"}
+    axes = {0: "batch", 1: "positions"}
+    rows = {name: {0: "batch"} for name in ("facts", "flags", "noise", *GRAPH_OUTPUTS)}
     write_graph(
         folder,
         Drawing(network.cpu()),
@@ -157,7 +156,7 @@ def write_checkpoint(
         outputs=GRAPH_OUTPUTS,
         free_axes={
             "segments": {0: "batch", 1: "segments"},
-            "roles": free, "left": free, "values": free,
-            **dict.fromkeys(("facts", "flags", "noise", *GRAPH_OUTPUTS), {0: "batch"}),
+            **dict.fromkeys(("roles", "left", "values"), axes),
+            **rows,
         },
-    )  # fmt: skip
+    )

@@ -44,8 +44,8 @@ Block = tuple[float, float, float, float, int, float]
 class Wall:
     """One side of a room, seen from inside: corners run counter-clockwise, the room is left."""
 
-    __slots__ = ("_blocks", "_things", "clear_m", "edges", "has_door", "has_window", "index", "length",
-                 "margin_m", "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
+    __slots__ = ("_blocks", "_things", "clear_m", "edges", "has_door", "has_window", "index",
+                 "length", "margin_m", "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
 
     def __init__(
         self, index: int, start: Sequence[float], end: Sequence[float], things: list[Thing]
