@@ -33,6 +33,8 @@ class LayoutConfig:
     """Width of each U-Net level, finest first."""
     attention: tuple[bool, ...] = (False, False, True, True)
     """Which levels attend over the whole house."""
+    draft: bool = False
+    """Whether the network sees a draft of the layout (layout.draft) beside the plan."""
     words: int = 0
     """How many words the network attends to, near its bottleneck (paper, supplementary, "Text-
     conditioned floor planning"); 0 for none."""
@@ -93,7 +95,7 @@ FRONT_AMPLITUDE = 8**0.5
 """Sets front marks as far apart as code words, which differ in 8 bits."""
 
 PRESETS: dict[str, LayoutConfig] = {
-    "default": LayoutConfig(default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE),
+    "default": LayoutConfig(default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE, draft=True),
     "large": LayoutConfig(
         front_amplitude=FRONT_AMPLITUDE,
         channels=(128, 192, 320, 448),

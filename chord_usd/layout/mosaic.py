@@ -20,8 +20,8 @@ from chord_usd.types import BoolArray, ByteArray
 VIEWS_AT_ONCE = 4
 """In one batch: more are no faster on a processor, and take more memory."""
 
-Describe = Callable[[Sequence[ByteArray], Sequence[float]], Plans]
-"""Pictures of one size and their metres per pixel to what the network sees of them."""
+Describe = Callable[[Sequence[ByteArray], Sequence[float], Sequence[State] | None], Plans]
+"""Pictures of one size, their metres per pixel and drafts to what the network sees of them."""
 Look = Callable[[State, Sequence[int], Plans], Estimate]
 """The network: of a noisy batch, its times and its plans."""
 
@@ -69,11 +69,12 @@ def mosaic_of(
     multiple_px: int,
     describe: Describe,
     region: BoolArray | None = None,
+    drafts: Sequence[State] | None = None,
 ) -> Mosaic:
     """Pictures (H, W, 3) of one size as a mosaic.
 
     multiple_px: of which the sides of pictures and views are multiples. region: (H, W) the floor
-    that matters; views that decide about none of it are left out.
+    that matters; views that decide about none of it are left out. drafts: (planes, H, W) of each.
     """
     inside = np.zeros((len(pictures), 1, *pictures[0].shape[:2]), np.bool_)
     places = []
@@ -82,15 +83,19 @@ def mosaic_of(
             inside[index, 0][view.window] |= view.own
             if region is None or (region[view.window] & view.own).any():
                 places.append((index, view))
-    return Mosaic(inside, tuple(_batches(places, m_per_px, describe)))
+    return Mosaic(inside, tuple(_batches(places, m_per_px, describe, drafts)))
 
 
 def _batches(
-    places: Sequence[tuple[int, View]], m_per_px: Sequence[float], describe: Describe
+    places: Sequence[tuple[int, View]],
+    m_per_px: Sequence[float],
+    describe: Describe,
+    drafts: Sequence[State] | None,
 ) -> Iterator[_Batch]:
     for size in dict.fromkeys(view.own.shape for _, view in places):
         group = [place for place in places if place[1].own.shape == size]
         for start in range(0, len(group), VIEWS_AT_ONCE):
             part = group[start : start + VIEWS_AT_ONCE]
             scales = [m_per_px[index] for index, _ in part]
-            yield _Batch(describe([view.rgb for _, view in part], scales), tuple(part))
+            seen = drafts and [drafts[index][:, *view.window] for index, view in part]
+            yield _Batch(describe([view.rgb for _, view in part], scales, seen), tuple(part))

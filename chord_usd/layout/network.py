@@ -50,7 +50,8 @@ class LayoutNetwork(nn.Module):
         """What the network says of a noisy batch.
 
         state: (B, C, H, W) noisy state; time: (B,) training steps in [0, training_steps);
-        pixels: (B, pixel planes or 3, H, W) and grid: (B, grid planes, H/patch, W/patch), or None
+        pixels: (B, pixel planes or 3, H, W), a draft's planes last where the network sees drafts,
+        and grid: (B, grid planes, H/patch, W/patch), or None
         for the RGB condition: the plan or table, as its level describes it; words: (B, words,
         word_channels) where the network attends to words, all 0 for one that is missing. Returns
         (B, class_count + 1, H, W): category logits, then the front mark's logit; for the RGB state
@@ -144,7 +145,8 @@ def _plan_channels(config: LayoutConfig) -> int:
     if config.condition == "rgb":
         return RGB_CHANNELS * fold
     traits = traits_of(config)
-    return traits.pixel_planes * fold + traits.grid_planes
+    draft_planes = STATE_CHANNELS if config.draft else 0
+    return (traits.pixel_planes + draft_planes) * fold + traits.grid_planes
 
 
 def _output_channels(config: LayoutConfig) -> int:

@@ -13,6 +13,7 @@ from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
+from chord_usd.layout.draft import DRAFT_PLANES, Draft
 from chord_usd.layout.known import bare_outside, bare_pixel, held_to_plan
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.mosaic import Mosaic, mosaic_of
@@ -37,6 +38,11 @@ from chord_usd.types import (
 )
 
 RGB_CHANNELS = 3
+
+DRAFTED_SHARE = 0.4
+"""Share of the walk's steps that are taken where a draft says what a house holds."""
+MOSTLY = 0.99
+"""Of the floor, to count as all of it: outlines are rounded to pixels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +96,13 @@ class LayoutModel:
         seeds: Sequence[int],
         steps: int | None = None,
         sampler: str | None = None,
+        drafts: Sequence[Draft | None] = (),
         progress: Progress | None = None,
     ) -> list[LayoutImage]:
         """One layout per plan and seed, in one batch; each is what sample would give it.
 
-        sampler: one of schedule.SAMPLERS; by default the checkpoint's own.
+        sampler: one of schedule.SAMPLERS; by default the checkpoint's own. drafts: one per plan,
+        or none; with them the walk begins late (DRAFT_STEPS).
         """
         sizes = [self._window_size(plan_image) for plan_image in plan_images]
         pictures: dict[int, LayoutImage] = {}
@@ -108,7 +116,9 @@ class LayoutModel:
             )
             images = [plan_images[index] for index in group]
             windows = [window_of(image.rgb, size) for image in images]
-            final = self._denoise(self.plans(images, windows), run, kept=None)
+            own = [drafts[index] for index in group] if drafts else [None] * len(group)
+            seen = self._seen(windows, own)
+            final = self._denoise(self.plans(images, windows, drafts=seen), run, None, seen)
             for place, index in enumerate(group):
                 pictures[index] = self._picture(images[place], final[place], run, place, windows)
         return [pictures[index] for index in range(len(sizes))]
@@ -172,11 +182,13 @@ class LayoutModel:
         plan_images: Sequence[PlanImage],
         windows: Sequence[Window] | None = None,
         region: BoolArray | None = None,
+        drafts: Sequence[State] | None = None,
     ) -> Plans | Mosaic:
         """Plan rasters, or these windows of them, as what the network is conditioned on.
 
         Where they are larger than the canvas that the network was trained on it is shown parts of
-        them. region: (H, W) of a window, the only floor that matters.
+        them. region: (H, W) of a window, the only floor that matters. drafts: (planes, H, W) of
+        each window, for a network that sees drafts.
         """
         pictures = [image.rgb for image in plan_images]
         if windows:
@@ -184,10 +196,15 @@ class LayoutModel:
         scales = [image.frame.m_per_px for image in plan_images]
         if max(pictures[0].shape[:2]) > CANVAS_PX and not self._sees_whole:
             multiple_px = self.config.window_multiple_px
-            return mosaic_of(pictures, scales, multiple_px, self._described, region)
-        return self._described(pictures, scales)
+            return mosaic_of(pictures, scales, multiple_px, self._described, region, drafts)
+        return self._described(pictures, scales, drafts)
 
-    def _described(self, pictures: Sequence[ByteArray], m_per_px: Sequence[float]) -> Plans:
+    def _described(
+        self,
+        pictures: Sequence[ByteArray],
+        m_per_px: Sequence[float],
+        drafts: Sequence[State] | None = None,
+    ) -> Plans:
         cell = self.config.patch_px
         conditions = [
             self.traits.describe(rgb, scale, cell)
@@ -198,7 +215,29 @@ class LayoutModel:
         if self.config.condition == "rgb":
             return Plans(np.stack([_as_state(rgb) for rgb in pictures]), None, inside)
         grid = np.stack([condition.grid for condition in conditions])
-        return Plans(masks.astype(np.float32), grid, inside)
+        pixels = masks.astype(np.float32)
+        if self.config.draft:
+            shape = (len(pixels), DRAFT_PLANES, *pixels.shape[2:])
+            seen = np.zeros(shape, np.float32) if drafts is None else np.stack(drafts)
+            pixels = np.concatenate([pixels, seen], axis=1)
+        return Plans(pixels, grid, inside)
+
+    def _seen(
+        self, windows: Sequence[Window], drafts: Sequence[Draft | None]
+    ) -> list[State] | None:
+        """(planes, H, W) of each draft in its window; None where there is none at all."""
+        if not self.config.draft or not any(drafts):
+            return None
+        traits, seen = self.traits, []
+        for window, draft in zip(windows, drafts, strict=True):
+            rows, columns = (part.stop - part.start for part in window)
+            nothing = np.zeros((DRAFT_PLANES, rows, columns), np.float32)
+            if draft is None:
+                seen.append(nothing)
+            else:
+                planes = draft.planes(traits.class_count, traits.front_amplitude)
+                seen.append(planes[:, *window])
+        return seen
 
     def encode(self, labels: ByteArray, front: BoolArray, rgb: ByteArray) -> State:
         """(1, C, H, W) clean state of a layout: its code words, or its (H, W, 3) picture."""
@@ -222,20 +261,34 @@ class LayoutModel:
             return held_to_plan(estimate, plans, self.traits)
         return bare_outside(estimate, plans.inside, self.traits)
 
-    def _denoise(self, plans: Plans | Mosaic, run: _Run, kept: _Kept | None) -> State:
-        """The reverse process; returns category and front logits, or the clean RGB state."""
+    def _denoise(
+        self,
+        plans: Plans | Mosaic,
+        run: _Run,
+        kept: _Kept | None,
+        drafts: Sequence[State] | None = None,
+    ) -> State:
+        """The reverse process; returns category and front logits, or the clean RGB state.
+
+        Where a draft says something of all floor, the walk begins late, at the draft with noise.
+        """
         sampler = self._sampler(run)
         noise = self._noise(run.seeds, *plans.inside.shape[-2:])
         levels = [float(self._alphas[time]) for time in sampler.times]
-        state = _held(noise, noise, kept, levels[0])
+        first = _first_step(len(levels), plans.inside, drafts)
+        state = _held(noise, noise, kept, levels[first])
+        if first:
+            assert drafts is not None
+            state = noised(np.stack(drafts), noise, levels[first])
         output = state
-        for index, (time, after) in enumerate(zip(sampler.times, [*levels[1:], 1.0], strict=True)):
+        for index in range(first, len(levels)):
+            time, after = sampler.times[index], [*levels[1:], 1.0][index]
             estimate = self.estimate(state, [time] * len(state), plans, held=True)
             output = estimate.output
             prediction = output if estimate.clean is None else estimate.clean
             state = _held(sampler.step(prediction, index, state), noise, kept, after)
             if run.progress:
-                run.progress(index + 1, run.steps)
+                run.progress(index + 1 - first, len(levels) - first)
         return state if self.config.state == "rgb" else output
 
     def _run(
@@ -320,6 +373,14 @@ class _Run:
     sampler: str
     seeds: tuple[int, ...]
     progress: Progress | None
+
+
+def _first_step(steps: int, inside: BoolArray, drafts: Sequence[State] | None) -> int:
+    """Which step of the walk is the first: a later one where drafts know all floor."""
+    if drafts is None:
+        return 0
+    known = (np.stack(drafts) != 0).any(axis=1, keepdims=True)
+    return round(steps * (1.0 - DRAFTED_SHARE)) if known[inside].mean() > MOSTLY else 0
 
 
 def _held(state: State, noise: State, kept: _Kept | None, alpha: float) -> State:

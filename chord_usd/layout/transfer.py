@@ -72,11 +72,13 @@ def _same_ground(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:
 
 
 def take_up(network: LayoutNetwork, other: LayoutNetwork) -> None:
-    """Fill network with another of its level, which may hear no programme: it says nothing then.
+    """Fill network with another of its level, which may hear no programme and see no draft:
+    they say nothing then.
 
     Raises CheckpointError where they are built differently otherwise.
     """
-    if replace(_built(other), programme=network.config.programme) != _built(network):
+    own = network.config
+    if replace(_built(other), programme=own.programme, draft=own.draft) != _built(network):
         raise CheckpointError(
             "the network to start from is built differently",
             expected="the configuration of what is trained",
@@ -84,4 +86,15 @@ def take_up(network: LayoutNetwork, other: LayoutNetwork) -> None:
         )
     found = {**network.state_dict(), **other.state_dict()}
     found["embed_state.weight"] = _same_front(network, other)
+    if own.draft and not other.config.draft:
+        found["embed_plan.weight"] = _without_draft(network, other)
     network.load_state_dict(found)
+
+
+def _without_draft(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:
+    """What the embedding of the condition says of a plan; nothing yet of a draft."""
+    before, weight = other.embed_plan.weight, torch.zeros_like(network.embed_plan.weight)
+    pixels = traits_of(other.config).pixel_planes * other.config.patch_px**2
+    weight[:, :pixels] = before[:, :pixels]
+    weight[:, weight.shape[1] - (before.shape[1] - pixels) :] = before[:, pixels:]
+    return weight

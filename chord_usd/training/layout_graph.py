@@ -9,6 +9,7 @@ from torch import Tensor, nn
 
 from chord_usd.layout.codes import STATE_CHANNELS
 from chord_usd.layout.denoiser import GRAPH_INPUTS, GRAPH_OUTPUTS
+from chord_usd.layout.draft import DRAFT_PLANES
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.runtime.networks import has_graph
@@ -30,7 +31,7 @@ def write_layout_graph(folder: Path, network: LayoutNetwork) -> None:
     example = [
         torch.zeros(1, STATE_CHANNELS, side, side),
         torch.zeros(1, dtype=torch.long),
-        torch.zeros(1, traits.pixel_planes, side, side),
+        torch.zeros(1, traits.pixel_planes + DRAFT_PLANES * config.draft, side, side),
         torch.zeros(1, traits.grid_planes, side // cell, side // cell),
     ]
     if config.words:

@@ -45,7 +45,10 @@ def _sampled(
     images, seeds = [example.image for example in examples], [seed] * len(examples)
     words = [example.words for example in examples if example.words is not None]
     if not words:
-        return [image.rgb for image in model.sample_batch(images, seeds=seeds, steps=steps)]
+        # The first row of samples has drafts, where the network knows them.
+        drafts = [example.draft for example in examples] if seed == 0 else ()
+        layouts = model.sample_batch(images, seeds=seeds, steps=steps, drafts=drafts)
+        return [image.rgb for image in layouts]
     maps = model.sample_labels(images, np.stack(words), seeds=seeds, steps=steps)
     return [
         model.traits.paint(image, labels, np.zeros(labels.shape, np.bool_))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -18,10 +18,12 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.data.tabletops import random_tabletop
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.layout.draft import Draft
 from chord_usd.layout.levels import traits_of
-from chord_usd.layout.window import WindowSize, window_of, window_size
+from chord_usd.layout.window import Window, WindowSize, window_of, window_size
 from chord_usd.palette import Level
 from chord_usd.table_top import draw_table
+from chord_usd.training.drafts import random_draft, rough_draft
 from chord_usd.types import BoolArray, ByteArray, Plan, PlanImage, SceneGraph
 
 Batch = dict[str, Tensor]
@@ -60,6 +62,8 @@ class Drawn:
     front: BoolArray
     words: npt.NDArray[np.float32] | None = None
     """What is said of it, (words, channels)."""
+    draft: Draft | None = None
+    """What the network is shown of it, roughly."""
 
 
 class BatchStream(IterableDataset[Batch]):
@@ -68,7 +72,8 @@ class BatchStream(IterableDataset[Batch]):
     A batch holds, for windows of height H and width W around what is drawn, rgb (B, H, W, 3) uint8
     and pixels (B, planes, H, W) uint8 and grid (B, planes, H/patch, W/patch) float32 of the
     condition, labels (B, H, W) uint8, front (B, H, W) bool, layout (B, H, W, 3) uint8 and, where
-    something is said of them, words (B, words, channels).
+    something is said of them, words (B, words, channels). Where there are drafts, draft_labels,
+    draft_front and draft_known (B, H, W).
     """
 
     config: SeededConfig
@@ -132,7 +137,16 @@ class BatchStream(IterableDataset[Batch]):
             "front": drawn.front[window],
             "layout": layout[window],
             **({} if drawn.words is None else {"words": drawn.words}),
+            **({} if drawn.draft is None else _draft_sample(drawn.draft, window)),
         }
+
+
+def _draft_sample(draft: Draft, window: Window) -> dict[str, np.ndarray]:
+    return {
+        "draft_labels": draft.labels[window],
+        "draft_front": draft.front[window],
+        "draft_known": draft.known[window],
+    }
 
 
 class LayoutStream(BatchStream):
@@ -154,7 +168,10 @@ class LayoutStream(BatchStream):
         house = random_pose(self._furnished_house(rng), rng)
         frame = raster.fit_frame(house.plan, margin_px=int(rng.integers(*self.config.margin_px)))
         shade = bool(rng.random() < self.config.shading_chance)
-        return _drawn_house(house, raster.draw_plan(house.plan, frame, shade=shade))
+        drawn = _drawn_house(house, raster.draw_plan(house.plan, frame, shade=shade))
+        if not self.network.draft:
+            return drawn
+        return replace(drawn, draft=random_draft(house, frame, rng))
 
     def held_out(self, count: int) -> list[Drawn]:
         """Test houses, every other one shaded."""
@@ -162,7 +179,9 @@ class LayoutStream(BatchStream):
         for index in range(count):
             rng = np.random.default_rng(TEST_SEED + index)
             house = furnish(random_plan(rng), rng)
-            drawn.append(_drawn_house(house, raster.draw_plan(house.plan, shade=index % 2 == 0)))
+            image = raster.draw_plan(house.plan, shade=index % 2 == 0)
+            draft = rough_draft(house, image.frame, rng) if self.network.draft else None
+            drawn.append(replace(_drawn_house(house, image), draft=draft))
         return drawn
 
     def _furnished_house(self, rng: np.random.Generator) -> SceneGraph:

@@ -236,7 +236,12 @@ class LayoutTrainer:
     def _plan_pixels(self, batch: Batch) -> Tensor:
         if self.network.config.condition == "rgb":
             return batch["rgb"].permute(0, 3, 1, 2).float() / 127.5 - 1.0
-        return batch["pixels"].float()
+        pixels = batch["pixels"].float()
+        if not self.network.config.draft:
+            return pixels
+        # As Draft.planes has it.
+        seen = self.network.encode(batch["draft_labels"], batch["draft_front"])
+        return torch.cat([pixels, seen * batch["draft_known"][:, None]], dim=1)
 
     def _plan_grid(self, batch: Batch) -> Tensor | None:
         return None if self.network.config.condition == "rgb" else batch["grid"]

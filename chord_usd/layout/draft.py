@@ -1,0 +1,44 @@
+"""A rough layout that the network starts from and may correct: the pieces of a list, painted.
+
+Which pieces a room has is decided before pixels are (lists/); where each of them stands to the
+centimetre is what pictures are good at. The network sees the draft beside the plan, in the code
+words of the state, and nothing at all where there is no list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from chord_usd import raster
+from chord_usd.layout.codes import STATE_CHANNELS, encode
+from chord_usd.layout.schedule import State
+from chord_usd.types import BoolArray, ByteArray, Item, PixelFrame, Room
+
+DRAFT_PLANES = STATE_CHANNELS
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """Pieces painted over a plan raster."""
+
+    labels: ByteArray
+    """(H, W) as raster.draw_items gives them."""
+    front: BoolArray
+    """(H, W)"""
+    known: BoolArray
+    """(H, W) the floor of the rooms that have a list; the draft says nothing elsewhere."""
+
+    @classmethod
+    def of(cls, items: Iterable[Item], rooms: Iterable[Room], frame: PixelFrame) -> Draft:
+        """items: the lists of these rooms, posed in the world."""
+        known = np.zeros((frame.height_px, frame.height_px), np.bool_)
+        for room in rooms:
+            known |= raster.room_pixels(room, frame)
+        return cls(*raster.draw_items(items, frame), known)
+
+    def planes(self, classes: int, front_amplitude: float) -> State:
+        """(DRAFT_PLANES, H, W) what the network sees: the clean state of it, 0 where unknown."""
+        return encode(self.labels, self.front, classes, front_amplitude) * self.known
