@@ -182,6 +182,8 @@ class Wall:
     def _between(self, cuts: list[tuple[float, float]], least: float) -> list[tuple[float, float]]:
         """What the cuts leave of the wall, in pieces of at least this length."""
         least -= TOUCH_M
+        if not cuts:
+            return [(0.0, self.length)] if self.length >= least else []
         cuts.sort()
         gaps = []
         start, end = 0.0, self.length
