@@ -22,6 +22,8 @@ Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
 
 HOMES_SHARE = 0.8
 """Houses furnished as homes; the others as sparsely as the paper's."""
+FLAT_SHARE = 0.35
+"""Houses that are real flats, where there are any."""
 EMPTY_SHARE = 0.3
 """Rooms without any piece that are kept: corridors and stores are soon learnt."""
 UNTOLD_SHARE = 0.4
@@ -63,12 +65,12 @@ def examples_of(
 
 
 def endless_houses(
-    flats: Sequence[Plan], flat_share: float, rng: np.random.Generator
+    flats: Sequence[Plan], rng: np.random.Generator
 ) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
     """Furnished houses that may be trained on, and whose they imitate."""
     while True:
         teacher = pieces.TEACHERS[int(rng.random() >= HOMES_SHARE)]
-        if flats and rng.random() < flat_share:
+        if flats and rng.random() < FLAT_SHARE:
             plan = flats[int(rng.integers(len(flats)))]
             yield furnish(plan, rng, teacher), teacher
             continue
@@ -89,11 +91,11 @@ def held_out(count: int) -> list[Example]:
 
 
 def endless_batches(
-    flats: Sequence[Plan], flat_share: float, batch: int, seed: int, pool: int = POOL
+    flats: Sequence[Plan], batch: int, seed: int, pool: int = POOL
 ) -> Iterator[Batch]:
     """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch."""
     rng = np.random.default_rng(seed)
-    houses = endless_houses(flats, flat_share, rng)
+    houses = endless_houses(flats, rng)
     rooms: list[Example] = []
     while len(rooms) < min(pool, 20 * batch):
         rooms += examples_of(*next(houses), rng)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from chord_usd.training.lists_data import batch_of, endless_batches, held_out
 from chord_usd.training.lists_network import Drawing, ListNetwork
 from chord_usd.training.lists_trainer import (
     ListTraining,
+    Task,
     batch_loss,
     train_lists,
     write_checkpoint,
@@ -113,20 +115,21 @@ def test_a_damaged_checkpoint_says_so(folder: Path, tmp_path: Path) -> None:
 
 def test_a_few_steps_learn_and_a_run_goes_on(tmp_path: Path) -> None:
     config = ListTraining(minutes=0.05, batch=8, warmup_steps=1)
-    first = train_lists(config, tmp_path, [], EXAMPLES[:4])
-    again = train_lists(config, tmp_path, [], EXAMPLES[:4])
+    held = batch_of(EXAMPLES[:4])
+    task = Task(PIECES, partial(endless_batches, [], 8, pool=50), held)
+    first, again = (train_lists(config, tmp_path, task) for _ in range(2))
     assert again["steps"] > first["steps"]
     described = json.loads((tmp_path / "checkpoint" / "config.json").read_text())
     assert described["training"]["steps"] == again["steps"]
     torch.manual_seed(0)
     fresh = ListNetwork(PIECES)
     with torch.inference_mode():
-        assert again["held_out_nats"] < float(batch_loss(fresh, batch_of(EXAMPLES[:4])).mean())
+        assert again["held_out_nats"] < float(batch_loss(fresh, held).mean())
 
 
 def test_batches_depend_on_the_seed_alone() -> None:
     def some(seed: int) -> list[torch.Tensor]:
-        batches = endless_batches([], 0.0, 4, seed, pool=30)
+        batches = endless_batches([], 4, seed, pool=30)
         return [part for _ in range(3) for part in next(batches)]
 
     assert all(map(torch.equal, some(1), some(1)))
