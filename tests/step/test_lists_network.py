@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.cli import main
 from chord_usd.errors import CheckpointError
 from chord_usd.lists import pieces
 from chord_usd.lists.draw import GRAPH_INPUTS, Subject, load_lists
@@ -135,3 +136,23 @@ def test_batches_depend_on_the_seed_alone() -> None:
     assert all(map(torch.equal, some(1), some(1)))
     pairs = zip(some(1), some(2), strict=True)
     assert not all(a.shape == b.shape and torch.equal(a, b) for a, b in pairs)
+
+
+def test_lists_alone_are_scored(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["evaluate", "layouts", "--lists", str(folder), "--drafts", "2", "--n", "2"]
+    assert main([*command, "--no-fid", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["steps"] == 0
+    house = found["rows"]["house"]
+    assert house["complete"]["over"] == "rooms judged"
+    assert house["complete_houses"]["count"] == 2
+
+
+def test_a_run_is_started_from_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["train", "lists", "-o", str(tmp_path / "run"), "--minutes", "0.01"]
+    assert main([*command, "--batch", "2", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["steps"] >= 1
+    assert load_lists(Path(found["checkpoint"]), PIECES).content_hash
