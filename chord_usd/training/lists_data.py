@@ -24,8 +24,6 @@ HOMES_SHARE = 0.8
 """Houses furnished as homes; the others as sparsely as the paper's."""
 FLAT_SHARE = 0.35
 """Houses that are real flats, where there are any."""
-EMPTY_SHARE = 0.3
-"""Rooms without any piece that are kept: corridors and stores are soon learnt."""
 UNTOLD_SHARE = 0.4
 """Houses whose rooms know nothing of what the others hold."""
 POOL = 12_000
@@ -47,10 +45,7 @@ class Example:
 def examples_of(
     house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
 ) -> list[Example]:
-    """The rooms of a house; some of those that stand empty are left out.
-
-    Each room knows of those that were furnished before it, in random order, or of none.
-    """
+    """Rooms of a house: each knows of those furnished before it, in random order, or of none."""
     is_told = rng.random() >= UNTOLD_SHARE
     order = rng.permutation(len(house.rooms))
     told = [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_told else None
@@ -58,9 +53,8 @@ def examples_of(
     known = frozenset(told or ())
     found = []
     for room, around in zip(house.rooms, arounds, strict=True):
-        items = tuple(house.items_of(room.id))
-        if room.id not in known and (items or rng.random() < EMPTY_SHARE):
-            found.append(Example(around, items))
+        if room.id not in known:
+            found.append(Example(around, tuple(house.items_of(room.id))))
     return found
 
 
