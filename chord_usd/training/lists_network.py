@@ -8,6 +8,7 @@ the tables of places start alike, from waves: to stand at a wall is to repeat it
 from __future__ import annotations
 
 import math
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
