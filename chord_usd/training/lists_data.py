@@ -14,7 +14,7 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.lists import pieces
 from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Sequences, sequence_of
-from chord_usd.types import FloatArray, Item, Plan, SceneGraph
+from chord_usd.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
 from chord_usd.units import rotation_2d
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
@@ -26,6 +26,8 @@ FLAT_SHARE = 0.35
 """Houses that are real flats, where there are any."""
 UNTOLD_SHARE = 0.4
 """Houses whose rooms know nothing of what the others hold."""
+UNNAMED_SHARE = 0.05
+"""Rooms whose kind is not told, as on plans without names."""
 POOL = 12_000
 """Rooms that are kept and seen again in other poses."""
 NEW_HOUSES = 3
@@ -122,6 +124,8 @@ def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None
         roles[index, :length], left[index, :length] = one.roles, one.left
         values[index, :length] = one.values
     facts = np.stack([example.around.facts for example in examples])
+    if rng is not None:
+        facts[rng.random(count) < UNNAMED_SHARE, 0] = ROOM_KINDS.index("unknown")
     flags = np.stack([example.around.flags for example in examples])
     arrays = (segments, facts, flags, roles, left, values)
     found = [torch.from_numpy(array) for array in arrays]
