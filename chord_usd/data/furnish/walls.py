@@ -218,6 +218,10 @@ def _edge_cuts(
 
 def _turned_back_deg(dx: float, dy: float) -> float:
     """Yaw of an item with its back to a wall that runs along (dx, dy); exact quarter turns."""
+    if dy == 0.0:
+        return 180.0 if dx > 0.0 else 0.0
+    if dx == 0.0:
+        return -90.0 if dy > 0.0 else 90.0
     yaw_deg = math.degrees(math.atan2(-dy, -dx))
     quarter = round(yaw_deg / 90.0) * 90.0
     yaw_deg = quarter if abs(yaw_deg - quarter) < 1e-6 else yaw_deg
