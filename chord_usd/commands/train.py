@@ -284,8 +284,9 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
 def run_lists(options: argparse.Namespace) -> Outcome:
     """Runs train lists."""
     from chord_usd.data.flats import read_flats
-    from chord_usd.training.lists_data import held_out
-    from chord_usd.training.lists_trainer import ListTraining, train_lists
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.lists_trainer import ListTraining, Task, train_lists
 
     base = ListTraining()
     config = replace(
@@ -297,7 +298,9 @@ def run_lists(options: argparse.Namespace) -> Outcome:
     )
     flats = read_flats(options.flats, part="train") if options.flats else []
     with stopwatch(options).step("train") as progress:
-        facts = train_lists(config, options.output, flats, held_out(50), progress)
+        batches = partial(endless_batches, flats, config.batch)
+        task = Task(PIECES, batches, batch_of(held_out(50)))
+        facts = train_lists(config, options.output, task, progress)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 

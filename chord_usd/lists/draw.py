@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,17 @@ GRAPH_INPUTS = ("segments", "facts", "flags", "roles", "left", "values", "noise"
 GRAPH_OUTPUTS = ("values_drawn", "chances")
 REMEDY = "chord-usd train lists, or reinstall chord-usd"
 
-TEMPERATURE = 0.9
+
+class Heat(NamedTuple):
+    """Temperatures: 1 draws what is as likely as the network says, less what is likelier."""
+
+    categories: float = 0.9
+    """As varied as homes are."""
+    places: float = 0.3
+    """Where a piece stands, which had better be where it fits."""
+
+
+HEAT = Heat()
 _BARRED = -1e4
 
 
@@ -66,23 +77,25 @@ class ListDrawer:
         self,
         subjects: Sequence[Subject],
         rng: np.random.Generator,
-        temperature: float = TEMPERATURE,
+        heat: Heat = HEAT,
     ) -> list[Drawn]:
         """One list for each subject, all drawn together."""
         if not subjects:
             return []
         lines = _Lines(self.vocabulary, subjects)
         while len(lines.open):
-            self._tell(lines, rng, temperature)
+            self._tell(lines, rng, heat)
         return lines.drawn()
 
-    def _tell(self, lines: _Lines, rng: np.random.Generator, temperature: float) -> None:
+    def _tell(self, lines: _Lines, rng: np.random.Generator, heat: Heat) -> None:
         """One more position of every list that is not at its end."""
         inputs = lines.inputs()
         gumbel = rng.gumbel(
             size=(len(lines.open), len(self.vocabulary.slots), self.vocabulary.size)
         )
-        inputs["noise"] = (gumbel * temperature + lines.barred()).astype(np.float32)
+        closed = lines.is_closed[lines.open, None, None]
+        gumbel *= np.where(closed, heat.places, heat.categories)
+        inputs["noise"] = (gumbel + lines.barred()).astype(np.float32)
         values, chances = self._network.run(inputs)
         lines.take(np.asarray(values, np.int64), chances)
 

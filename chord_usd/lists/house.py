@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.lists.draw import TEMPERATURE, Drawn, ListDrawer, Subject, without
+from chord_usd.lists.draw import HEAT, Drawn, Heat, ListDrawer, Subject, without
 from chord_usd.lists.pieces import (
     PIECES,
     Around,
@@ -50,7 +50,7 @@ class Drafts:
     seed: int = 0
     count: int = 1
     """Of each room; the one with the fewest faults is taken, of equal ones the likeliest."""
-    temperature: float = TEMPERATURE
+    heat: Heat = HEAT
     teacher: Teacher = "homes"
 
 
@@ -79,7 +79,7 @@ def furnish_by_lists(
     ]
     subjects = [_subject(around, (asked or {}).get(room.id)) for room, around in jobs]
     rng = np.random.default_rng(drafts.seed)
-    drawn = drawer.draw(subjects * drafts.count, rng, drafts.temperature)
+    drawn = drawer.draw(subjects * drafts.count, rng, drafts.heat)
     tries = [
         [_told(room, around, one) for (room, around), one in zip(jobs, part, strict=True)]
         for part in _parts(drawn, len(jobs))

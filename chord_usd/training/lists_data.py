@@ -14,7 +14,7 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.lists import pieces
 from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Sequences, sequence_of
-from chord_usd.types import FloatArray, Item, Plan, SceneGraph
+from chord_usd.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
 from chord_usd.units import rotation_2d
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
@@ -22,10 +22,12 @@ Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
 
 HOMES_SHARE = 0.8
 """Houses furnished as homes; the others as sparsely as the paper's."""
-EMPTY_SHARE = 0.3
-"""Rooms without any piece that are kept: corridors and stores are soon learnt."""
+FLAT_SHARE = 0.35
+"""Houses that are real flats, where there are any."""
 UNTOLD_SHARE = 0.4
 """Houses whose rooms know nothing of what the others hold."""
+UNNAMED_SHARE = 0.05
+"""Rooms whose kind is not told, as on plans without names."""
 POOL = 12_000
 """Rooms that are kept and seen again in other poses."""
 NEW_HOUSES = 3
@@ -45,10 +47,7 @@ class Example:
 def examples_of(
     house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
 ) -> list[Example]:
-    """The rooms of a house; some of those that stand empty are left out.
-
-    Each room knows of those that were furnished before it, in random order, or of none.
-    """
+    """Rooms of a house: each knows of those furnished before it, in random order, or of none."""
     is_told = rng.random() >= UNTOLD_SHARE
     order = rng.permutation(len(house.rooms))
     told = [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_told else None
@@ -56,19 +55,18 @@ def examples_of(
     known = frozenset(told or ())
     found = []
     for room, around in zip(house.rooms, arounds, strict=True):
-        items = tuple(house.items_of(room.id))
-        if room.id not in known and (items or rng.random() < EMPTY_SHARE):
-            found.append(Example(around, items))
+        if room.id not in known:
+            found.append(Example(around, tuple(house.items_of(room.id))))
     return found
 
 
 def endless_houses(
-    flats: Sequence[Plan], flat_share: float, rng: np.random.Generator
+    flats: Sequence[Plan], rng: np.random.Generator
 ) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
     """Furnished houses that may be trained on, and whose they imitate."""
     while True:
         teacher = pieces.TEACHERS[int(rng.random() >= HOMES_SHARE)]
-        if flats and rng.random() < flat_share:
+        if flats and rng.random() < FLAT_SHARE:
             plan = flats[int(rng.integers(len(flats)))]
             yield furnish(plan, rng, teacher), teacher
             continue
@@ -89,11 +87,11 @@ def held_out(count: int) -> list[Example]:
 
 
 def endless_batches(
-    flats: Sequence[Plan], flat_share: float, batch: int, seed: int, pool: int = POOL
+    flats: Sequence[Plan], batch: int, seed: int, pool: int = POOL
 ) -> Iterator[Batch]:
     """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch."""
     rng = np.random.default_rng(seed)
-    houses = endless_houses(flats, flat_share, rng)
+    houses = endless_houses(flats, rng)
     rooms: list[Example] = []
     while len(rooms) < min(pool, 20 * batch):
         rooms += examples_of(*next(houses), rng)
@@ -126,6 +124,8 @@ def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None
         roles[index, :length], left[index, :length] = one.roles, one.left
         values[index, :length] = one.values
     facts = np.stack([example.around.facts for example in examples])
+    if rng is not None:
+        facts[rng.random(count) < UNNAMED_SHARE, 0] = ROOM_KINDS.index("unknown")
     flags = np.stack([example.around.flags for example in examples])
     arrays = (segments, facts, flags, roles, left, values)
     found = [torch.from_numpy(array) for array in arrays]

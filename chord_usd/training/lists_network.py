@@ -8,13 +8,13 @@ the tables of places start alike, from waves: to stand at a wall is to repeat it
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 from chord_usd.lists.vocabulary import NO_SEGMENT, NOTHING, Vocabulary
+from chord_usd.training.transformer import Block
 
 CHANNELS = 128
 LAYERS = 4
@@ -56,7 +56,7 @@ class ListNetwork(nn.Module):
         self.role = nn.Embedding(vocabulary.roles, channels)
         self.left = nn.Embedding(vocabulary.most + 2, channels)
         self.order = nn.Embedding(2 * vocabulary.most + 2, channels)
-        self.blocks = nn.ModuleList(_Block(channels, heads) for _ in range(layers))
+        self.blocks = nn.ModuleList(Block(channels, heads) for _ in range(layers))
         self.hidden = nn.ModuleList(_Slot(channels) for _ in range(self.slots))
         self.norm = nn.LayerNorm(channels)
         self.head = nn.Linear(channels, size)
@@ -216,29 +216,6 @@ class _Slot(nn.Module):
 
     def forward(self, state: Tensor) -> Tensor:
         inner: Tensor = self.narrow(functional.gelu(self.widen(self.norm(state))))
-        return state + inner
-
-
-class _Block(nn.Module):
-    """A transformer's layer, normalised before."""
-
-    def __init__(self, channels: int, heads: int) -> None:
-        super().__init__()
-        self.heads = heads
-        self.norm_1, self.norm_2 = nn.LayerNorm(channels), nn.LayerNorm(channels)
-        self.attend, self.merge = nn.Linear(channels, 3 * channels), nn.Linear(channels, channels)
-        self.widen = nn.Linear(channels, 4 * channels)
-        self.narrow = nn.Linear(4 * channels, channels)
-
-    def forward(self, state: Tensor, mask: Tensor) -> Tensor:
-        query, key, value = (
-            part.unflatten(-1, (self.heads, -1)).transpose(1, 2)
-            for part in self.attend(self.norm_1(state)).chunk(3, dim=-1)
-        )
-        scores = query @ key.transpose(-1, -2) / query.shape[-1] ** 0.5 + mask
-        seen = (scores.softmax(dim=-1) @ value).transpose(1, 2).flatten(2)
-        state = state + self.merge(seen)
-        inner: Any = self.narrow(functional.gelu(self.widen(self.norm_2(state))))
         return state + inner
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,17 +14,15 @@ from torch import Tensor
 
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.lists.draw import GRAPH_INPUTS, GRAPH_OUTPUTS
-from chord_usd.lists.pieces import PIECES
 from chord_usd.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
 from chord_usd.progress import Progress
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.training.budget import Budget
-from chord_usd.training.lists_data import Batch, Example, batch_of, endless_batches
+from chord_usd.training.lists_data import Batch
 from chord_usd.training.lists_network import Drawing, ListNetwork
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.weights import Weights, warm_and_cool
-from chord_usd.types import Plan
 
 STATE_FOLDER = "state"
 LOG_FILE = "log.jsonl"
@@ -32,6 +30,17 @@ _SAVE_MINUTES = 3.0
 _LOG_STEPS = 100
 _END_RATE = 0.02
 """Share of the learning rate at which a run ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What lists a network learns to write."""
+
+    vocabulary: Vocabulary
+    batches: Callable[[int], Iterator[Batch]]
+    """From a seed: endless."""
+    held_out: Batch | None = None
+    """That no training sees."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +56,6 @@ class ListTraining:
     weight_decay: float = 0.02
     ema_decay: float = 0.999
     gradient_clip: float = 1.0
-    flat_share: float = 0.35
-    """Houses that are real flats, where there are any."""
     seed: int = 0
     device: str = "cpu"
 
@@ -56,29 +63,29 @@ class ListTraining:
 def train_lists(
     config: ListTraining,
     folder: Path,
-    flats: Sequence[Plan],
-    judges: Sequence[Example],
+    task: Task,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Run until the minutes are spent, going on where a run in the folder stopped.
 
-    judges: held-out rooms. Returns what the card says of the run; the checkpoint comes to lie in
-    folder/checkpoint, and is renewed whenever the state is saved.
+    Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, and is
+    renewed whenever the state is saved.
     """
     torch.manual_seed(config.seed)
-    network = ListNetwork(PIECES).to(config.device)
+    network = ListNetwork(task.vocabulary).to(config.device)
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
     before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
     step = first_step = int(before["step"])
     budget, seen = Budget(config.minutes), 0.0
     facts: dict[str, Any] = {}
-    for batch in _batches(config, flats, step):
+    for told in task.batches(config.seed + step):
+        batch = _moved(told, config.device)
         rate = warm_and_cool(
             step - first_step, config.warmup_steps, budget.share, config.cooldown_share, _END_RATE
         )
         loss = batch_loss(network, batch).mean()
         weights.step(loss, config.learning_rate * rate, config.gradient_clip, step)
-        step, seen = step + 1, seen + float(loss)
+        step, seen = step + 1, seen + float(loss.detach())
         if step % _LOG_STEPS == 0:
             _log(folder, {"step": step, "nats": seen / _LOG_STEPS, "minutes": budget.spent})
             seen = 0.0
@@ -90,20 +97,17 @@ def train_lists(
             weights.save(folder / STATE_FOLDER, {"step": step, "minutes": minutes})
             facts = {
                 **asdict(config), "steps": step, "minutes": round(minutes, 1),
-                "flats": len(flats), "held_out_nats": round(_score(weights.average, judges), 3),
-                "held_out": len(judges),
+                "held_out_nats": _score(weights.average, task.held_out, config.device),
             }  # fmt: skip
-            write_checkpoint(folder / "checkpoint", weights.average, PIECES, facts)
+            write_checkpoint(folder / "checkpoint", weights.average, task.vocabulary, facts)
         if ended:
             break
     return facts
 
 
-def _batches(config: ListTraining, flats: Sequence[Plan], step: int) -> Iterator[Batch]:
-    endless = endless_batches(flats, config.flat_share, config.batch, config.seed + step)
-    for batch in endless:
-        segments, facts, flags, roles, left, values = (part.to(config.device) for part in batch)
-        yield segments, facts, flags, roles, left, values
+def _moved(batch: Batch, device: str) -> Batch:
+    segments, facts, flags, roles, left, values = (part.to(device) for part in batch)
+    return segments, facts, flags, roles, left, values
 
 
 def _log(folder: Path, row: dict[str, Any]) -> None:
@@ -113,19 +117,17 @@ def _log(folder: Path, row: dict[str, Any]) -> None:
 
 
 def batch_loss(network: ListNetwork, batch: Batch) -> Tensor:
-    """(B,) negative log likelihood of each room's list, in nats."""
+    """(B,) negative log likelihood of each list, in nats."""
     chances: Tensor = network(*batch)
     return -chances.sum(dim=1)
 
 
 @torch.inference_mode()
-def _score(network: ListNetwork, examples: Sequence[Example]) -> float:
-    """Mean nats a held-out room takes."""
-    if not examples:
-        return float("nan")
-    device = next(network.parameters()).device
-    segments, facts, flags, roles, left, values = (part.to(device) for part in batch_of(examples))
-    return float(batch_loss(network, (segments, facts, flags, roles, left, values)).mean())
+def _score(network: ListNetwork, held_out: Batch | None, device: str) -> float | None:
+    """Mean nats a held-out list takes."""
+    if held_out is None:
+        return None
+    return round(float(batch_loss(network, _moved(held_out, device)).mean()), 3)
 
 
 def write_checkpoint(

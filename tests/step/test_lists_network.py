@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
+from chord_usd.cli import main
 from chord_usd.errors import CheckpointError
 from chord_usd.lists import pieces
 from chord_usd.lists.draw import GRAPH_INPUTS, Subject, load_lists
@@ -19,6 +21,7 @@ from chord_usd.training.lists_data import batch_of, endless_batches, held_out
 from chord_usd.training.lists_network import Drawing, ListNetwork
 from chord_usd.training.lists_trainer import (
     ListTraining,
+    Task,
     batch_loss,
     train_lists,
     write_checkpoint,
@@ -113,22 +116,43 @@ def test_a_damaged_checkpoint_says_so(folder: Path, tmp_path: Path) -> None:
 
 def test_a_few_steps_learn_and_a_run_goes_on(tmp_path: Path) -> None:
     config = ListTraining(minutes=0.05, batch=8, warmup_steps=1)
-    first = train_lists(config, tmp_path, [], EXAMPLES[:4])
-    again = train_lists(config, tmp_path, [], EXAMPLES[:4])
+    held = batch_of(EXAMPLES[:4])
+    task = Task(PIECES, partial(endless_batches, [], 8, pool=50), held)
+    first, again = (train_lists(config, tmp_path, task) for _ in range(2))
     assert again["steps"] > first["steps"]
     described = json.loads((tmp_path / "checkpoint" / "config.json").read_text())
     assert described["training"]["steps"] == again["steps"]
     torch.manual_seed(0)
     fresh = ListNetwork(PIECES)
     with torch.inference_mode():
-        assert again["held_out_nats"] < float(batch_loss(fresh, batch_of(EXAMPLES[:4])).mean())
+        assert again["held_out_nats"] < float(batch_loss(fresh, held).mean())
 
 
 def test_batches_depend_on_the_seed_alone() -> None:
     def some(seed: int) -> list[torch.Tensor]:
-        batches = endless_batches([], 0.0, 4, seed, pool=30)
+        batches = endless_batches([], 4, seed, pool=30)
         return [part for _ in range(3) for part in next(batches)]
 
     assert all(map(torch.equal, some(1), some(1)))
     pairs = zip(some(1), some(2), strict=True)
     assert not all(a.shape == b.shape and torch.equal(a, b) for a, b in pairs)
+
+
+def test_lists_alone_are_scored(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["evaluate", "layouts", "--lists", str(folder), "--drafts", "2", "--n", "2"]
+    assert main([*command, "--no-fid", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["steps"] == 0
+    house = found["rows"]["house"]
+    assert house["complete"]["over"] == "rooms judged"
+    assert house["complete_houses"]["count"] == 2
+
+
+def test_a_run_is_started_from_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["train", "lists", "-o", str(tmp_path / "run"), "--minutes", "0.01"]
+    assert main([*command, "--batch", "2", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["steps"] >= 1
+    assert load_lists(Path(found["checkpoint"]), PIECES).content_hash

@@ -92,6 +92,7 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     if best:
         floor.placed, floor.walked = best[1], -1
         _repair(floor)
+        floor.restore(empty, floor.placed)
     if _missing(floor):
         _furnish_least(floor, empty)
 
@@ -103,7 +104,7 @@ def _furnish_least(floor: Floor, empty: tuple[int, int]) -> None:
     floor.squeeze(2)
     furnish_least(floor)
     if kept and _missing(floor) >= missing:
-        floor.placed = kept
+        floor.restore(empty, kept)
 
 
 def _faults(floor: Floor) -> int:

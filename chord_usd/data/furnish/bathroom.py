@@ -24,6 +24,8 @@ FEW_TRIES, MOST_TRIES = 5, 24
 """Placements tried for one list of fittings: before smaller ones are taken, for the smallest."""
 
 _BATHING = ("shower", "bathtub")
+_OTHER_BATHING = {"shower": "bathtub", "bathtub": "shower"}
+_BY_NEED = ("toilet", "washbasin", "shower", "bathtub")
 _LONGEST_M = {"shower": 1.4, "bathtub": 1.8}
 
 
@@ -80,21 +82,13 @@ def _programme(floor: Floor) -> list[str]:
 
 
 def _fewer(wanted: list[str]) -> list[list[str]]:
-    """Programmes for rooms too small for the one wanted, fullest first.
+    """Programmes for rooms too small for the one wanted: the least needed piece goes first.
 
-    Where a toilet belongs nothing takes its place: a smaller one may still fit (furnish_least).
+    A bathtub is lower than the sill and may stand at a window, where no shower can.
     """
-    if "toilet" in wanted and wanted[0] not in _BATHING:
-        return [["toilet", "washbasin"], ["toilet"]]
-    if len(wanted) < 3:
-        smaller = ["shower" if name == "bathtub" else name for name in wanted]
-        single = sorted(smaller, key=lambda name: name != "toilet")
-        return [smaller, *([name] for name in single), ["toilet"], ["washbasin"]]
-    usual = [["shower", "toilet", "washbasin"]]
-    # A bathtub is lower than the sill and may stand at a window, where no shower can.
-    if wanted[0] == "shower":
-        usual.append(["bathtub", "toilet", "washbasin"])
-    return [*usual, ["toilet", "washbasin"], ["shower", "toilet"], ["toilet"], ["washbasin"]]
+    swapped = [_OTHER_BATHING.get(name, name) for name in wanted]
+    by_need = sorted(wanted, key=_BY_NEED.index)
+    return [swapped, *(by_need[:count] for count in range(len(by_need) - 1, 0, -1))]
 
 
 def _fitting(floor: Floor, category: str, generous: float) -> Fitting:

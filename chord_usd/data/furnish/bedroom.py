@@ -46,9 +46,9 @@ def furnish_bedroom(floor: Floor) -> None:
     _put_storage_and_desk(floor, dice.random() < storage, dice.random() < mix.desk)
     if place and floor.area_m2 > 10.0 and dice.random() < mix.bedroom_television:
         _put_television(floor, place)
-    if floor.area_m2 > 15.0 and dice.random() < mix.bedroom_armchair:
+    if floor.area_m2 > mix.bedroom_armchair_from_m2 and dice.random() < mix.bedroom_armchair:
         put_armchair(floor)
-    if floor.area_m2 > 16.0 and dice.random() < mix.chest_besides:
+    if floor.area_m2 > mix.chest_from_m2 and dice.random() < mix.chest_besides:
         put_cabinet(floor, tall=False, longest=1.4)
 
 

@@ -128,6 +128,16 @@ class Floor:
         for wall in self.walls:
             wall.forget(mark[1])
 
+    def restore(self, empty: tuple[int, int], pieces: Sequence[Placed]) -> None:
+        """Stand these pieces, as they stood before, in a room that is as it was at the mark."""
+        pieces = list(pieces)
+        self.undo(empty)
+        for piece in pieces:
+            self.placed.append(piece)
+            half_length, half_width = piece.size[0] / 2, piece.size[1] / 2
+            self._take(piece.x, piece.y, piece.ux, piece.uy, half_length, half_width, SOLID,
+                       NO_SILL_M)  # fmt: skip
+
     def put(
         self,
         category: str,

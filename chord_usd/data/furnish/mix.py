@@ -41,10 +41,13 @@ class Mix:
     chest: float
     """Of these, low ones."""
     chest_besides: float
-    """Large bedrooms with a chest besides."""
+    """Bedrooms with a chest besides, from an area on."""
+    chest_from_m2: float
     desk: float
     bedroom_television: float
     bedroom_armchair: float
+    """From an area on."""
+    bedroom_armchair_from_m2: float
     shelf: float
     """Studies with a cabinet for books."""
     study_armchair: float
@@ -79,25 +82,25 @@ class Mix:
 
 
 PAPER = Mix(
-    bed_m_per_m2=0.085,
-    bedside_wide=(0.64, 0.14, 0.22), bedside_narrow=(0.66, 0.32, 0.02), storage=0.68,
-    storage_small=0.5, chest=0.45, chest_besides=0.08, desk=0.5, bedroom_television=0.25,
-    bedroom_armchair=0.36, shelf=0.5, study_armchair=0.4, store_cabinet=0.4, coffee_table=0.85,
-    side_table=0.4, single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.1,
+    bed_m_per_m2=0.085, bedside_wide=(0.64, 0.14, 0.22), bedside_narrow=(0.66, 0.32, 0.02),
+    storage=0.68, storage_small=0.5, chest=0.45, chest_besides=0.08, chest_from_m2=16.0,
+    desk=0.5, bedroom_television=0.25, bedroom_armchair=0.36, bedroom_armchair_from_m2=15.0,
+    shelf=0.5, study_armchair=0.4, store_cabinet=0.4, coffee_table=0.85, side_table=0.4,
+    single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.1,
     shoe_cabinet=0.8, living_dining=0.3, living_dining_small=0.06, dining_cabinet=0.75,
-    dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.13, electrical=0.22,
-    washbasin=0.72, bathtub=0.08, washing_machine=0.06, refrigerator_anywhere=0.0,
-    washing_machine_anywhere=0.0, balcony_armchair=0.3,
+    dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.13,
+    electrical=0.22, washbasin=0.72, bathtub=0.08, washing_machine=0.06,
+    refrigerator_anywhere=0.0, washing_machine_anywhere=0.0, balcony_armchair=0.3,
 )  # fmt: skip
 
 HOMES = Mix(
-    bed_m_per_m2=0.07,
-    bedside_wide=(0.05, 0.15, 0.8), bedside_narrow=(0.2, 0.7, 0.1), storage=0.95,
-    storage_small=0.9, chest=0.25, chest_besides=0.4, desk=0.6, bedroom_television=0.3,
-    bedroom_armchair=0.4, shelf=0.9, study_armchair=0.4, store_cabinet=0.6, coffee_table=0.95,
-    side_table=0.6, single_sofas=(0.15, 0.45, 0.4), living_armchair=0.6, living_cabinet=0.6,
-    shoe_cabinet=0.8, living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
-    dining_cabinet_at_table=0.6, dining_cabinet_living=0.5, refrigerator=1.0, electrical=0.7,
+    bed_m_per_m2=0.07, bedside_wide=(0.05, 0.15, 0.8), bedside_narrow=(0.2, 0.7, 0.1),
+    storage=0.95, storage_small=0.9, chest=0.25, chest_besides=0.5, chest_from_m2=12.0,
+    desk=0.6, bedroom_television=0.4, bedroom_armchair=0.4, bedroom_armchair_from_m2=11.0,
+    shelf=0.9, study_armchair=0.4, store_cabinet=0.6, coffee_table=0.95, side_table=0.6,
+    single_sofas=(0.15, 0.45, 0.4), living_armchair=0.6, living_cabinet=0.6, shoe_cabinet=0.8,
+    living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
+    dining_cabinet_at_table=0.6, dining_cabinet_living=0.5, refrigerator=1.0, electrical=0.85,
     washbasin=1.0, bathtub=0.33, washing_machine=0.3, refrigerator_anywhere=1.0,
     washing_machine_anywhere=1.0, balcony_armchair=0.3,
 )  # fmt: skip

@@ -182,6 +182,8 @@ class Wall:
     def _between(self, cuts: list[tuple[float, float]], least: float) -> list[tuple[float, float]]:
         """What the cuts leave of the wall, in pieces of at least this length."""
         least -= TOUCH_M
+        if not cuts:
+            return [(0.0, self.length)] if self.length >= least else []
         cuts.sort()
         gaps = []
         start, end = 0.0, self.length
@@ -216,6 +218,10 @@ def _edge_cuts(
 
 def _turned_back_deg(dx: float, dy: float) -> float:
     """Yaw of an item with its back to a wall that runs along (dx, dy); exact quarter turns."""
+    if dy == 0.0:
+        return 180.0 if dx > 0.0 else 0.0
+    if dx == 0.0:
+        return -90.0 if dy > 0.0 else 90.0
     yaw_deg = math.degrees(math.atan2(-dy, -dx))
     quarter = round(yaw_deg / 90.0) * 90.0
     yaw_deg = quarter if abs(yaw_deg - quarter) < 1e-6 else yaw_deg
