@@ -226,7 +226,7 @@ class LayoutModel:
         self, windows: Sequence[Window], drafts: Sequence[Draft | None]
     ) -> list[State] | None:
         """(planes, H, W) of each draft in its window; None where there is none at all."""
-        if not self.config.draft or not any(drafts):
+        if not any(drafts):
             return None
         traits, seen = self.traits, []
         for window, draft in zip(windows, drafts, strict=True):

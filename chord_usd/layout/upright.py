@@ -15,6 +15,7 @@ import shapely
 
 from chord_usd import raster
 from chord_usd.geometry import room_polygon
+from chord_usd.layout.draft import Draft
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.pose import Pose, posed
 from chord_usd.progress import Progress
@@ -25,6 +26,7 @@ from chord_usd.types import (
     Plan,
     PlanImage,
     Room,
+    SceneGraph,
     frozen_array,
 )
 from chord_usd.units import fold_deg, m_from_px, px_from_m
@@ -45,6 +47,11 @@ class Sheet:
 
     pose: Pose
     image: PlanImage
+
+    def draft(self, listed: SceneGraph) -> Draft:
+        """The pieces of a house painted as they lie on this sheet."""
+        turned = posed(listed, self.pose)
+        return Draft.of(turned.items, turned.rooms, self.image.frame)
 
     def turned_back(
         self, rgb: ByteArray, onto: ByteArray, bare: PlanImage, region: BoolArray
@@ -70,12 +77,16 @@ def sample_upright(
     plan: Plan,
     plan_image: PlanImage,
     *,
+    listed: SceneGraph | None = None,
     seed: int = 0,
     steps: int | None = None,
     sampler: str | None = None,
     progress: Progress | None = None,
 ) -> LayoutImage:
-    """As model.sample of the raster of a plan, each of its rooms upright."""
+    """As model.sample of the raster of a plan, each of its rooms upright.
+
+    listed: the plan with the pieces that lists tell, from which the model starts.
+    """
     groups = rooms_by_direction(plan.rooms)
     sheets = [upright_sheet(plan, rooms, yaw, plan_image) for yaw, rooms in groups.items()]
     layouts = model.sample_batch(
@@ -83,6 +94,7 @@ def sample_upright(
         seeds=[seed] * len(sheets),
         steps=steps,
         sampler=sampler,
+        drafts=[sheet.draft(listed) for sheet in sheets] if listed else (),
         progress=progress,
     )
     if set(groups) == {0.0}:
