@@ -34,11 +34,11 @@ from shapely import LinearRing, LineString, Point, Polygon
 
 from chord_usd import palette
 from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
-from chord_usd.runtime.files import write_atomic
 from chord_usd.geometry import footprint_polygon, room_polygon, rooms_beside
 from chord_usd.json_elements import Element, Names
 from chord_usd.palette import Level
 from chord_usd.room_names import room_kind
+from chord_usd.runtime.files import write_atomic
 from chord_usd.types import (
     ROOM_KINDS,
     WALL_THICKNESS_M,

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import SceneError
-from chord_usd.runtime.files import write_atomic
 from chord_usd.raster import LARGEST_CANVAS_PX
+from chord_usd.runtime.files import write_atomic
 from chord_usd.types import CANVAS_PX, LayoutImage, PixelFrame, PlanImage, Provenance, frozen_array
 
 TEXT_CHUNK = "chord"

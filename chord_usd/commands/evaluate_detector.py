@@ -18,8 +18,8 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.runtime.files import write_atomic
 from chord_usd.progress import Stopwatch
+from chord_usd.runtime.files import write_atomic
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.detector_cases import Case

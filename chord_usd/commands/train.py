@@ -309,8 +309,8 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.splits import split_hash
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
-    from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.pipeline import Settings, load_model
+    from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
     from chord_usd.training.detector_generated import generated_samples

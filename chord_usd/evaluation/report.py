@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.runtime.files import deliver
 from chord_usd.metrics.scores import Score
+from chord_usd.runtime.files import deliver
 from chord_usd.types import ByteArray
 
 if TYPE_CHECKING:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.runtime.files import deliver, hash_file, write_atomic
 from chord_usd.image.annotations import (
     MaskArray,
     camera_record,
@@ -21,6 +20,7 @@ from chord_usd.image.annotations import (
 from chord_usd.image.exr import write_exr
 from chord_usd.image.marks import Thing
 from chord_usd.image.takes import Take
+from chord_usd.runtime.files import deliver, hash_file, write_atomic
 
 PASSES = ("rgb", "depth", "normal", "instance", "semantic")
 

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import DiskFullError, OutputError, RenderError
-from chord_usd.runtime.files import hash_file
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import (
     DEFAULT_CAMERA,
@@ -35,6 +34,7 @@ from chord_usd.image.parts import is_finished_part, merge_parts, part_file, writ
 from chord_usd.image.products import are_finished, product_files, write_coco, write_products
 from chord_usd.image.takes import Take, read_take
 from chord_usd.progress import Progress
+from chord_usd.runtime.files import hash_file
 
 _NO_MARKS = Marks((), ())
 

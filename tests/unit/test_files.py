@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.runtime import files
 from chord_usd.errors import OutputError
+from chord_usd.runtime import files
 from chord_usd.runtime.files import deliver, output_folder, write_atomic
 
 
