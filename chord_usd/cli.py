@@ -47,8 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _answer(words)
     except KeyboardInterrupt as caught:
-        reason = type(caught) if isinstance(caught, interrupts.Interrupted) else None
-        reason = reason or interrupts.Interrupted
+        reason = interrupts.came() or interrupts.Interrupted
         sys.stderr.write(interrupts.told(reason, str(caught)))
         return reason.code
     except BrokenPipeError:
@@ -56,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
+        if reason := interrupts.came():
+            sys.stderr.write(interrupts.told(reason))
+            return reason.code
         if "--debug" in words:
             traceback.print_exc()
         sys.stderr.write(f"error: {_sentence(error)}\n")

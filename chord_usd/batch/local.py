@@ -13,6 +13,7 @@ import signal
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
@@ -27,7 +28,7 @@ from chord_usd.runtime.scratch import scratch_folder
 WORKER_MIB = 1024
 """Memory a worker needs, its Blender not counted (benchmarks/batch_throughput.py)."""
 
-STOP_SECONDS = 5.0
+STOP_SECONDS = 0.8
 """How long a worker has to clean up after SIGTERM."""
 
 _spawn = get_context("spawn")
@@ -69,8 +70,9 @@ class LocalEngine:
             finally:
                 for worker in team:
                     worker.ask_to_end()
+                deadline = time.monotonic() + STOP_SECONDS
                 for worker in team:
-                    worker.end()
+                    worker.end(deadline)
 
 
 def _answers(team: list[_Worker], queue: Queue) -> Iterator[Result]:
@@ -131,9 +133,9 @@ class _Worker:
         if self.unit:
             self._process.terminate()
 
-    def end(self) -> None:
-        """Wait for it, not for long."""
-        self._process.join(STOP_SECONDS)
+    def end(self, deadline: float) -> None:
+        """Wait for it, not for long. deadline: by time.monotonic()."""
+        self._process.join(max(deadline - time.monotonic(), 0.0))
         if self._process.is_alive():
             self._process.kill()
             self._process.join()

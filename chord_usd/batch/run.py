@@ -23,6 +23,7 @@ from chord_usd.batch.shards import write_shards
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import OutputError, reason_of
 from chord_usd.progress import Progress, Stopwatch
+from chord_usd.runtime import interrupts
 from chord_usd.runtime.scratch import sweep
 
 
@@ -70,6 +71,7 @@ def run_batch(
     try:
         with locked(folder):
             _sweep(folder)
+            interrupts.delivered.append(folder)
             try:
                 with watch.step("look") as progress:
                     due = find_due(units, order, progress)

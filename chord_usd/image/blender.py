@@ -17,7 +17,7 @@ from chord_usd.errors import RenderError
 from chord_usd.image.job import EXIT_NO_DEVICE, Job, write_job
 from chord_usd.runtime.scratch import scratch_folder
 
-STOP_SECONDS = 5.0
+STOP_SECONDS = 0.8
 """How long Blender has to end after SIGTERM."""
 
 _FOREIGN_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "PYTHONSTARTUP", "PXR_PLUGINPATH_NAME")

@@ -227,7 +227,7 @@ class Delivery:
 
     def concerns(self, error: OSError) -> bool:
         """Whether the error is about writing the outputs, not about reading some input."""
-        if error.errno in (*_FULL_DISK, errno.EROFS):
+        if _is_full(error) or error.errno == errno.EROFS:
             return bool(self._parcels)
         named = str(error.filename)
         return any(
@@ -332,6 +332,7 @@ def begin_run(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         Manifest(folder).note_run()
+        interrupts.delivered.append(folder)
     except OSError as error:
         raise _output_error(error, folder) from error
 
@@ -399,7 +400,7 @@ def _not_ours(target: Path) -> OutputError:
 
 
 def _output_error(error: OSError, target: Path) -> OutputError:
-    if error.errno in _FULL_DISK:
+    if _is_full(error):
         return DiskFullError("the disk is full", where=str(target), try_=_FREE_SPACE)
     return OutputError(
         f"cannot be written ({reason_of(error)})",
@@ -407,6 +408,12 @@ def _output_error(error: OSError, target: Path) -> OutputError:
         expected="a path in a writable folder",
         try_="another -o path",
     )
+
+
+def _is_full(error: OSError) -> bool:
+    # Copies of whole folders gather what failed, as words.
+    gathered = isinstance(error, shutil.Error) and os.strerror(errno.ENOSPC) in str(error)
+    return gathered or error.errno in _FULL_DISK
 
 
 def _absolute(path: Path) -> Path:

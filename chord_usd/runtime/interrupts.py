@@ -17,7 +17,7 @@ from typing import NoReturn
 INTERRUPTED, TERMINATED = 130, 143
 """Exit codes: 128 and the number of the signal."""
 
-STUBBORN_S = 1.2
+STUBBORN_S = 1.4
 """A library that computes for longer than this without letting Python run is not waited for."""
 
 delivered: list[Path] = []
@@ -90,20 +90,20 @@ def held() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are handled in the main thread only
         return
-    came: list[int] = []
+    put_off: list[int] = []
     before = {}
     with _holding:
         for number in (signal.SIGINT, signal.SIGTERM):
             handler = signal.getsignal(number)
             if callable(handler):
                 before[number] = handler
-                signal.signal(number, lambda signum, frame: came.append(signum))
+                signal.signal(number, lambda signum, frame: put_off.append(signum))
         try:
             yield
         finally:
             for number, handler in before.items():
                 signal.signal(number, handler)
-    for signum in came[:1]:
+    for signum in put_off[:1]:
         signal.raise_signal(signum)
 
 
@@ -111,8 +111,17 @@ _holding = threading.Lock()
 """Taken while an output takes its place, so that the watching thread does not end it there."""
 
 
+_came: list[type[Interrupted]] = []
+
+
+def came() -> type[Interrupted] | None:
+    """The interrupt that came, also where a library has made another exception of it."""
+    return _came[0] if _came else None
+
+
 def _raise(signum: int, frame: FrameType | None) -> NoReturn:
-    raise Terminated if signum == signal.SIGTERM else Interrupted
+    _came.append(Terminated if signum == signal.SIGTERM else Interrupted)
+    raise _came[-1]
 
 
 def _wait_and_end(ours: socket.socket, kernels: socket.socket) -> None:

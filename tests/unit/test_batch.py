@@ -26,7 +26,6 @@ from chord_usd.batch.units import list_units
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.pipeline import Settings
-from chord_usd.runtime.manifest import MANIFEST_FILE
 from chord_usd.runtime.scratch import PREFIX
 
 
@@ -183,7 +182,7 @@ class TestFullDisk:
         with pytest.raises(OutputError, match=r"the disk is full; 1 of 3 houses were made"):
             makers.batch(folder, makers.units("a", "full", "b"), makers.troubled)
         assert makers.made(folder) == ["a"]
-        assert sorted(path.name for path in folder.iterdir()) == [MANIFEST_FILE, "a", "assets"]
+        assert sorted(path.name for path in folder.iterdir()) == ["a", "assets"]
 
 
 @pytest.mark.parametrize(
