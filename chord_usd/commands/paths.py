@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import ChordError
-from chord_usd.runtime.files import check_run_folder
+from chord_usd.runtime.files import check_file_target, check_run_folder
 
 
 class UsageError(ChordError):
@@ -94,7 +94,7 @@ def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iter
 
 def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
     """Raise UsageError where an output is an input, holds one, or is another output,
-    and OutputError for a folder that no training run may go on in."""
+    and OutputError for what is no plain file, or a folder that no training run may go on in."""
     paths = named_paths(parser, options)
     inputs = [one for one in paths if one.role is Path]
     outputs = [one for one in paths if one.role is not Path]
@@ -102,6 +102,8 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
         for given in inputs:
             if output.replaces != given.option or not _same(output, given):
                 _check_input(output, given)
+        if output.role is output_file:
+            check_file_target(output.path)
         if output.role is output_run:
             check_run_folder(output.path)
     for first, second in combinations(outputs, 2):

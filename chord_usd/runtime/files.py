@@ -117,7 +117,7 @@ class Delivery:
         Raises OutputError.
         """
         target = _absolute(target)
-        _refuse_odd(target)
+        check_file_target(target)
         parcel = self._parcel(target.parent, target, {target} if asked else set())
         parcel.sets_aside = not asked
         if ours and target.is_file() and ours(target):
@@ -285,7 +285,7 @@ class _Parcel:
 
         Raises OutputError where target is not ours to replace.
         """
-        _refuse_odd(target)
+        check_file_target(target)
         if same_bytes(source, target):
             return False
         is_ours = target in self.asked or self._manifest.owns(target)
@@ -343,12 +343,12 @@ def may_be_written(path: Path) -> None:
     Raises OutputError where something lies there that this program did not write.
     """
     path = _absolute(path)
-    _refuse_odd(path)
+    check_file_target(path)
     if path.exists() and not Manifest(path.parent).lists(path):
         raise _not_ours(path)
 
 
-def _refuse_odd(target: Path) -> None:
+def check_file_target(target: Path) -> None:
     """Raise OutputError for a target that is there and no plain file."""
     try:
         mode = target.lstat().st_mode

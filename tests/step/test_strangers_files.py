@@ -1,4 +1,4 @@
-"""Whatever a verb is told to write to: files of somebody else, and its own inputs, stay as they are.
+"""Whatever a verb is told to write to: files of somebody else and its own inputs stay.
 
 The verbs and their outputs are read off the parser, so that a new one cannot be forgotten.
 """
@@ -66,6 +66,9 @@ INPUTS: dict[str, tuple[str, ...]] = {
 """What each verb that writes is given to read."""
 
 
+EDITED_IN_PLACE = ("regenerate", "--output")
+
+
 def outputs(parser: ArgumentParser, words: tuple[str, ...] = ()) -> Iterator[tuple[str, str, str]]:
     """(verb, option, kind of output) for everything that the command line can write to."""
     for action in parser._actions:
@@ -81,6 +84,11 @@ FOLDERS = [
     (verb, option) for verb, option, kind in OUTPUTS if kind in ("output_folder", "output_run")
 ]
 FILES = [(verb, option) for verb, option, kind in OUTPUTS if kind == "output_file"]
+SAME_FILE = [
+    (verb, option)
+    for verb, option in FILES
+    if any(Path(word).suffix for word in INPUTS[verb]) and (verb, option) != EDITED_IN_PLACE
+]
 
 
 def test_every_verb_that_writes_is_tried() -> None:
@@ -100,7 +108,7 @@ def template(tmp_path_factory: pytest.TempPathFactory, furnished_house) -> Path:
     (home / "library" / "manifest.json").write_text("[]")
     (home / "mine").mkdir()
     (home / "mine" / "thesis.txt").write_text("years of work")
-    assert main(["stage", str(home / "scene.json"), "-o", str(home / "house.usda")]) == 0
+    (home / "house.usda").write_text('#usda 1.0\n(defaultPrim = "House")\ndef Xform "House" {}\n')
     return home
 
 
@@ -164,13 +172,11 @@ def linked(path: Path, link: Callable[[Path, Path], None]) -> str:
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
-@pytest.mark.parametrize(("verb", "option"), FILES, ids=lambda value: value)
+@pytest.mark.parametrize(("verb", "option"), SAME_FILE, ids=lambda value: value)
 def test_no_output_is_its_own_input(
     verb: str, option: str, spelling: str, home: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    given = next((Path(word) for word in INPUTS[verb] if Path(word).is_file()), None)
-    if given is None or (verb, option) == ("regenerate", "--output"):
-        pytest.skip("reads no file, or edits it in its place")
+    given = next(Path(word) for word in INPUTS[verb] if Path(word).suffix)
     words = [option, SPELLINGS[spelling](home / given)]
     refused(home, verb, *(words if option != "--output" else ["-o", words[1]]), capsys=capsys)
 
