@@ -39,6 +39,7 @@ from chord_usd.commands import (
 )
 from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
+from chord_usd.runtime.offline import stay_offline
 
 VERBS = (
     generate, plan, layout, graph, stage, render, batch, farm, check, describe, regenerate, export,
@@ -62,6 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; returns the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in words
+    stay_offline()
     # Both end by way of the exception handlers, so that a stopped job leaves no half-written
     # output. Who started us with Ctrl-C ignored keeps it ignored.
     signal.signal(signal.SIGTERM, _terminate)

@@ -17,6 +17,7 @@ from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.lock import LOCK_FILE
 from chord_usd.batch.units import Unit
 from chord_usd.errors import ChordError, MissingExtraError, OutputError
+from chord_usd.runtime.offline import refuse_telemetry, stay_offline
 
 KNOCK_SECONDS = 10.0
 """How long a head node may take to answer."""
@@ -79,6 +80,7 @@ class RayWorker:
     """One actor."""
 
     def __init__(self, load: Load, seen: tuple[Path, str]) -> None:
+        stay_offline()
         self._seen = seen
         self._make = load()
 
@@ -152,8 +154,7 @@ def _unable(unit: Unit, how: str) -> Result:
 
 
 def _import_ray() -> Any:
-    # Nothing is told to others unless the user wants it.
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    refuse_telemetry()
     try:
         import ray
     except ImportError:

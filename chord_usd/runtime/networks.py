@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
 from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.offline import refuse_telemetry
 
 if TYPE_CHECKING:
     import onnxruntime
@@ -57,6 +59,16 @@ class Network:
             raise
 
 
+def import_onnxruntime() -> ModuleType:
+    """ONNX Runtime, which reports nothing. Nothing else may import it first."""
+    refuse_telemetry()
+    import onnxruntime
+
+    # For builds that do not know the variable, such as those for Windows.
+    onnxruntime.disable_telemetry_events()
+    return onnxruntime
+
+
 def has_graph(folder: Path) -> bool:
     """Whether a checkpoint folder can be run without torch."""
     return (folder / GRAPH_FILE).is_file()
@@ -88,8 +100,7 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
 
     try_: remedy to name in errors; threads: 0 takes every core. Raises CheckpointError.
     """
-    import onnxruntime
-
+    onnxruntime = import_onnxruntime()
     weights = read_weights(folder / WEIGHTS_FILE, try_)
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads or usable_cores()
