@@ -7,7 +7,6 @@ told in one `error:` line on stderr; 130 interrupted.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import os
 import signal
@@ -39,6 +38,8 @@ from chord_usd.commands import (
 )
 from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
+from chord_usd.progress import held_lines
+from chord_usd.runtime import console
 from chord_usd.runtime.offline import stay_offline
 
 VERBS = (
@@ -105,8 +106,7 @@ def build_parser() -> Parser:
 def _run(options: argparse.Namespace) -> Outcome:
     if not options.debug:
         warnings.simplefilter("ignore")
-    # Libraries that print must not spoil what a script reads.
-    with contextlib.redirect_stdout(sys.stderr):
+    with console.reserved(debug=options.debug), held_lines():
         outcome: Outcome = options.run(options)
     return outcome
 
