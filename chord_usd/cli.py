@@ -7,7 +7,6 @@ told in one `error:` line on stderr; 130 interrupted (Ctrl-C); 143 terminated (S
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import os
 import re
@@ -24,6 +23,9 @@ from chord_usd.runtime import interrupts
 
 if TYPE_CHECKING:
     from chord_usd.commands.common import Outcome, Parser
+from chord_usd.progress import held_lines
+from chord_usd.runtime import console
+from chord_usd.runtime.offline import stay_offline
 
 VERBS = (
     "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",
@@ -40,6 +42,7 @@ LONGEST_ERROR = 600
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; returns the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    stay_offline()
     # Before anything that takes time: a stopped job leaves no half-written output and no traceback.
     interrupts.obey()
     if arguments is None:
@@ -96,8 +99,7 @@ def build_parser() -> Parser:
 def _run(options: argparse.Namespace) -> Outcome:
     if not options.debug:
         warnings.simplefilter("ignore")
-    # Libraries that print must not spoil what a script reads.
-    with contextlib.redirect_stdout(sys.stderr):
+    with console.reserved(debug=options.debug), held_lines():
         outcome: Outcome = options.run(options)
     return outcome
 

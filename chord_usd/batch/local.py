@@ -23,6 +23,7 @@ from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.units import Unit
 from chord_usd.runtime import interrupts
 from chord_usd.runtime.networks import THREADS_VARIABLE, usable_cores
+from chord_usd.runtime.offline import stay_offline
 from chord_usd.runtime.scratch import scratch_folder
 
 WORKER_MIB = 1024
@@ -163,6 +164,7 @@ def _serve(connection: Connection, load: Load, log: Path) -> None:
         # What libraries print must spoil neither the driver's answer nor its progress.
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
+    stay_offline()
     faulthandler.enable()
     threading.Thread(target=_end_with_driver, daemon=True).start()
     try:

@@ -10,6 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from chord_usd.runtime.networks import import_onnxruntime
 from chord_usd.types import ByteArray, FloatArray
 
 _LARGEST_SIDE_PX = 1800
@@ -76,6 +77,7 @@ def warm_up() -> None:
 @cache
 def _engine() -> Any:
     """The OCR engine; loading takes about a second, so that it waits for a picture to read."""
+    import_onnxruntime()
     from rapidocr import RapidOCR
 
     # Threads without a core of their own wait for one another, busily.

@@ -6,13 +6,14 @@ import contextlib
 import os
 import signal
 import socket
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
+
+from chord_usd.runtime import console
 
 INTERRUPTED, TERMINATED = 130, 143
 """Exit codes: 128 and the number of the signal."""
@@ -143,8 +144,8 @@ def _end_hard(reason: type[Interrupted]) -> NoReturn:
         with contextlib.suppress(OSError):
             os.kill(child, signal.SIGKILL)
     with contextlib.suppress(Exception):
-        sys.stderr.write(told(reason))
-        sys.stderr.flush()
+        console.stderr().write(told(reason))
+        console.stderr().flush()
     os._exit(reason.code)
 
 

@@ -20,10 +20,10 @@ _PACKAGE = Path(__file__).parents[1]
 def checkpoint_folder(name: str) -> Path:
     """Folder of a checkpoint, such as "plan2layout" or "detector".
 
-    Raises CheckpointError when there is none of this name, or nothing in it.
+    One that the folder of CHORD_USD_CHECKPOINTS lacks is the shipped one. Raises CheckpointError
+    when there is none of this name, or nothing in it, or where the variable names no folder.
     """
-    own = os.environ.get(CHECKPOINTS_VARIABLE)
-    places = [*([Path(own)] if own else []), _shipped("checkpoints")]
+    places = [*_own_checkpoints(), _shipped("checkpoints")]
     for place in places:
         folder = place / name
         if folder.is_dir() and any(folder.iterdir()):
@@ -34,6 +34,20 @@ def checkpoint_folder(name: str) -> Path:
         expected=f"a folder {name} with safetensors weights and a config",
         try_=f"chord-usd train {name}, or set {CHECKPOINTS_VARIABLE} to a folder that holds it",
     )
+
+
+def _own_checkpoints() -> list[Path]:
+    own = os.environ.get(CHECKPOINTS_VARIABLE)
+    if not own:
+        return []
+    if not Path(own).is_dir():
+        raise CheckpointError(
+            "is no folder" if Path(own).exists() else "there is no such folder",
+            where=f"{CHECKPOINTS_VARIABLE}={own}",
+            expected="a folder of checkpoints, one folder each, such as plan2layout",
+            try_=f"unset {CHECKPOINTS_VARIABLE}, for the checkpoints that come with chord-usd",
+        )
+    return [Path(own)]
 
 
 def materials_folder() -> Path:

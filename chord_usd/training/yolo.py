@@ -35,6 +35,7 @@ from chord_usd.graph.detect import (
     check_config,
     remedy,
 )
+from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
 from chord_usd.training.onnx_file import write_graph
 
@@ -59,24 +60,25 @@ def build_model(kind: Kind) -> nn.Module:
 def save_model(kind: Kind, model: nn.Module, folder: Path, facts: Mapping[str, Any]) -> None:
     """Write weights (fp16), config.json and, once, the graph. facts: more keys of the config."""
     folder.mkdir(parents=True, exist_ok=True)
-    tensors = {
-        name: value.detach().cpu().to(torch.float16).contiguous()
-        for name, value in _floats(model).items()
-    }
-    save_file(tensors, folder / WEIGHTS_FILE)
-    # safetensors leaves the file readable to its owner alone.
-    (folder / WEIGHTS_FILE).chmod(0o644)
-    config = {
-        "format": FORMAT,
-        "kind": kind,
-        "architecture": ARCHITECTURES[kind],
-        "classes": list(CLASSES[kind]),
-        "image_px": IMAGE_PX[kind],
-        **facts,
-    }
-    (folder / CONFIG_FILE).write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
-    if not (folder / GRAPH_FILE).is_file():
-        write_detector_graph(kind, folder)
+    with checkpoint_files(folder):
+        tensors = {
+            name: value.detach().cpu().to(torch.float16).contiguous()
+            for name, value in _floats(model).items()
+        }
+        save_file(tensors, folder / WEIGHTS_FILE)
+        # safetensors leaves the file readable to its owner alone.
+        (folder / WEIGHTS_FILE).chmod(0o644)
+        config = {
+            "format": FORMAT,
+            "kind": kind,
+            "architecture": ARCHITECTURES[kind],
+            "classes": list(CLASSES[kind]),
+            "image_px": IMAGE_PX[kind],
+            **facts,
+        }
+        (folder / CONFIG_FILE).write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
+        if not (folder / GRAPH_FILE).is_file():
+            write_detector_graph(kind, folder)
 
 
 def load_weights(kind: Kind, model: nn.Module, folder: Path) -> None:
