@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import tempfile
-import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
@@ -13,13 +12,15 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from chord_usd.assets.database import SizeM
-from chord_usd.assets.libraries.archives import checked_archive, files_by_folder, unpack
 from chord_usd.assets.libraries.models import AXES, UNITS_M, Library, Model
 from chord_usd.errors import AssetError
+from chord_usd.runtime.archives import Archive
 
 MANIFESTS = ("manifest.json", "manifest.csv")
 FUTURE_INFO = "model_info.json"
 SWEET_HOME_CATALOGUE = "PluginFurnitureCatalog.properties"
+MOST_CATALOGUE_BYTES = 64 * 2**20
+"""A list of 10,000 models has 5 MB."""
 MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".usd", ".usda", ".usdc", ".usdz")
 
 _EXAMPLE = '[{"file": "chair.glb", "category": "chair", "licence": "CC-BY-4.0", "author": "…"}]'
@@ -144,16 +145,8 @@ class SweetHomeLibrary:
 
     def models(self) -> list[Model]:
         """The catalogue's furniture, without doors and windows. Raises AssetError."""
-        archive = self._archive
-        try:
-            text = archive.read(SWEET_HOME_CATALOGUE).decode("latin-1")
-        except (KeyError, OSError, zipfile.BadZipFile) as error:
-            raise AssetError(
-                f"the catalogue cannot be read ({error})",
-                where=str(self._path),
-                expected=f"{SWEET_HOME_CATALOGUE} inside the archive",
-            ) from None
-        library = read_properties(text)
+        data = self._archive.read(SWEET_HOME_CATALOGUE, MOST_CATALOGUE_BYTES)
+        library = read_properties(data.decode("latin-1"))
         return [
             self._model(entry, library, number)
             for number, entry in _by_number(library).items()
@@ -188,17 +181,22 @@ class SweetHomeLibrary:
         """The mesh and what lies beside it in the archive, unpacked for a while."""
         inside = PurePosixPath(model.file)
         with tempfile.TemporaryDirectory() as folder:
-            unpack(self._archive, self._folders.get(str(inside.parent), ()), Path(folder))
-            yield _existing(Path(folder) / inside.name)
+            self._archive.unpack(Path(folder), self._folders.get(inside.parent, ()))
+            yield _existing(Path(folder) / inside)
 
     @cached_property
-    def _archive(self) -> zipfile.ZipFile:
+    def _archive(self) -> Archive:
         """Looked through once: it has thousands of files, and is asked for each of its models."""
-        return checked_archive(self._path)
+        expected = f"a zip archive with {SWEET_HOME_CATALOGUE}"
+        return Archive(self._path, AssetError, expected=expected)
 
     @cached_property
-    def _folders(self) -> dict[str, list[zipfile.ZipInfo]]:
-        return files_by_folder(self._archive)
+    def _folders(self) -> dict[PurePosixPath, list[str]]:
+        """Names of the files by the folder that they lie in."""
+        folders: dict[PurePosixPath, list[str]] = {}
+        for name in self._archive.names:
+            folders.setdefault(PurePosixPath(name).parent, []).append(name)
+        return folders
 
 
 def read_properties(text: str) -> dict[str, str]:
