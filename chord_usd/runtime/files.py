@@ -24,6 +24,18 @@ _NEARLY_FULL_BYTES = 16 * 2**20
 Libraries seldom tell, and what they had half written may be gone before anyone can look."""
 
 
+HIDDEN_PREFIX = ".chord-usd-"
+"""Of the folders that outputs are written in, beside their targets."""
+
+
+def destination(folder: Path) -> Path:
+    """Where what is written in this folder will appear: itself, unless a Delivery hides it."""
+    folder = _absolute(folder)
+    while folder.name.startswith(HIDDEN_PREFIX):
+        folder = folder.parent
+    return folder
+
+
 def write_atomic(path: Path, data: bytes | str) -> None:
     """Write a file whole or not at all; text is UTF-8. Missing parent folders are made.
 
@@ -98,7 +110,7 @@ class Delivery:
             raise OutputError("is a folder", where=str(target), expected="a file name to write")
         try:
             self._make_parents(target.parent)
-            hidden = Path(tempfile.mkdtemp(prefix=".chord-usd-", dir=target.parent))
+            hidden = Path(tempfile.mkdtemp(prefix=HIDDEN_PREFIX, dir=target.parent))
         except OSError as error:
             raise _output_error(error, target) from error
         self._parcels.append(_Parcel(hidden, target, folder))

@@ -88,6 +88,13 @@ def open_known(path: Path, *, load: bool = True) -> Usd.Stage:
         return Usd.Stage.Open(str(path), Usd.Stage.LoadAll if load else Usd.Stage.LoadNone)
 
 
+def open_asset(path: Path) -> Usd.Stage:
+    """The stage of an asset from a folder that the user vouches for, whose files are only looked
+    for: houses have too many for a trial of each. Raises StageError."""
+    walk(path)
+    return open_known(path)
+
+
 def open_layer(path: Path) -> Sdf.Layer:
     """One layer, without what it refers to. Raises StageError when it cannot be opened."""
     from pxr import Sdf
@@ -127,10 +134,10 @@ def files_of(path: Path) -> StageFiles:
     return found
 
 
-def own_files(path: Path) -> StageFiles:
-    """The same for a folder or package that everything has to lie in: that of the stage itself.
+def own_files(path: Path, where: Path | None = None) -> StageFiles:
+    """The same for a stage that everything has to lie in the folder of, or in its package.
 
-    Raises StageError that names the first file outside.
+    where: what errors name, by default path. Raises StageError that names the first file outside.
     """
     files = files_of(path)
     home = path if path.suffix == ".usdz" else path.absolute().parent
@@ -138,7 +145,7 @@ def own_files(path: Path) -> StageFiles:
     if outside is not None:
         raise StageError(
             f"points to {outside}",
-            where=str(path),
+            where=str(where or path),
             expected="a stage whose files lie in its own folder",
             try_="copy that file beside the stage, and refer to it there",
         )
@@ -155,7 +162,8 @@ def look_through(paths: Sequence[Path]) -> tuple[StageFiles, ...]:
         _require_file(path)
     unknown = [path for path in paths if not _is_remembered(path)]
     if unknown:
-        where = str(unknown[0]) if len(unknown) == 1 else "the assets"
+        others = f" and {len(unknown) - 1} others" if len(unknown) > 1 else ""
+        where = f"{unknown[0]}{others}"
         names = tuple(os.path.abspath(path) for path in unknown)  # noqa: PTH100
         found = confined(_try_all, names, where=where, limits=TRIAL, error=StageError)
         for path, files in zip(unknown, found, strict=True):

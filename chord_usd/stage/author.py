@@ -16,7 +16,7 @@ from pxr import Gf, Sdf, UsdUtils
 from chord_usd import __version__
 from chord_usd.errors import OutputError
 from chord_usd.looks import Look, load_looks
-from chord_usd.runtime.files import deliver
+from chord_usd.runtime.files import deliver, destination
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.dressing import Wardrobe
@@ -80,12 +80,13 @@ def author_stage(
     house = _House(graph, name_rooms(graph), seed, load_looks() if looks is None else tuple(looks))
     with deliver() as delivery:
         target = delivery.place(path)
+        final = destination(path.parent)
         if path.suffix == ".usdz":
             content_hash = _pack(house, target, path)
         else:
-            content_hash = _write_house(house, target, path.absolute().parent)
+            content_hash = _write_house(house, target, final)
             layer = Sdf.Layer.FindOrOpen(str(target))
-            write_attribution(layer, (target.parent, path.absolute().parent), target, path)
+            write_attribution(layer, (target.parent, final), target, path)
     _reload(path)
     return StageFile(path, content_hash, graph.provenance)
 
@@ -105,8 +106,8 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
     layer = _open_house(house, target)
     walls = build_walls(house.graph.plan)
     architecture = _architecture(target)
-    assets = Packages(target.parent, final, "assets")
-    materials = Packages(target.parent, final, "materials")
+    assets = Packages(target.parent, [final], "assets")
+    materials = Packages(target.parent, [final], "materials")
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
         for room in house.rooms:
             _open_room(layer, room)
