@@ -22,6 +22,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_place
 from chord_usd.commands.render import add_look, look_of
 
 if TYPE_CHECKING:
@@ -41,7 +42,9 @@ def add(verbs: Verbs) -> None:
         "plans", type=Path, nargs="*", metavar="PLAN",
         help="floor plans as generate takes them, or folders of them",
     )  # fmt: skip
-    add_output(parser, "folder for the houses, one folder each; finished ones in it are kept")
+    add_output(
+        parser, "folder for the houses, one folder each; finished ones in it are kept", output_place
+    )
     _add_houses(parser)
     _add_pictures(parser)
     _add_exports(parser)

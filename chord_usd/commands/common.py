@@ -8,10 +8,13 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from chord_usd.errors import ChordError
+from chord_usd.commands.paths import UsageError, output_file, output_folder
 from chord_usd.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+
+if TYPE_CHECKING:
+    from chord_usd.runtime.files import FolderMode
 
 
 @dataclass(frozen=True)
@@ -38,10 +41,6 @@ Options = argparse._ActionsContainer
 """A parser, or a group of its options."""
 
 
-class UsageError(ChordError):
-    """The command line cannot be understood."""
-
-
 class Parser(argparse.ArgumentParser):
     """An ArgumentParser whose mistakes are errors of one line."""
 
@@ -59,7 +58,7 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
     parser: Parser = verbs.add_parser(
         name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.", **options
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, parser=parser)
     common = parser.add_argument_group("reporting")
     common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
     common.add_argument(
@@ -75,11 +74,26 @@ def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
     return parser.add_subparsers(metavar="VERB", required=True, dest=f"{name}_verb")
 
 
-def add_output(parser: Parser, summary: str, **options: Any) -> None:
-    """The option -o."""
+def add_output(
+    parser: Parser, summary: str, role: Callable[[str], Path] = output_file, **options: Any
+) -> argparse.Action:
+    """The option -o. role: what kind of output, of commands.paths."""
+    options = {"required": True, "metavar": "PATH", **options}
+    return parser.add_argument("-o", "--output", type=role, help=summary, **options)
+
+
+def add_output_folder(parser: Parser, summary: str) -> None:
+    """The options -o and --overwrite of a folder that is one output."""
+    add_output(parser, f"{summary}, new or empty", output_folder)
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="PATH", help=summary, **options
-    )
+        "--overwrite", action="store_true",
+        help="replace what chord-usd wrote into the folder before, and nothing else",
+    )  # fmt: skip
+
+
+def folder_mode(options: argparse.Namespace) -> FolderMode:
+    """What --overwrite asks for, for runtime.files."""
+    return "replace" if options.overwrite else "new"
 
 
 def add_seed(parser: Options) -> None:

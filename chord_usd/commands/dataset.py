@@ -18,12 +18,15 @@ from chord_usd.commands.common import (
     Verbs,
     add_group,
     add_output,
+    add_output_folder,
     add_seed,
     add_verb,
     existing_file,
+    folder_mode,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
@@ -44,10 +47,10 @@ def add(verbs: Verbs) -> None:
         group, "clean", run_clean, "take out what is empty, out of its room, colliding or blocking"
     )
     cleaner.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    add_output(cleaner, "folder for the clean houses, replaced as a whole")
+    add_output_folder(cleaner, "folder for the clean houses")
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
     stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    stats.add_argument("--plot", type=Path, metavar="PNG", help="also draw the tables")
+    stats.add_argument("--plot", type=output_file, metavar="PNG", help="also draw the tables")
     stats.add_argument(
         "--against",
         type=Path,
@@ -69,7 +72,7 @@ def add(verbs: Verbs) -> None:
 
 def _add_synth(group: Verbs) -> None:
     synth = add_verb(group, "synth", run_synth, "draw and furnish procedural houses")
-    add_output(synth, "folder for the houses, replaced as a whole")
+    add_output_folder(synth, "folder for the houses")
     synth.add_argument("--count", type=whole_number(1), default=10, metavar="N", help="(10)")
     synth.add_argument(
         "--rooms", type=whole_number(1), metavar="N", help="rooms per house (as the paper's)"
@@ -94,7 +97,7 @@ def _add_import(group: Verbs) -> None:
         metavar="JSON",
         help="3D-FUTURE's model_info.json or ProcTHOR's asset-database.json",
     )
-    add_output(reader, "folder for the houses, replaced as a whole")
+    add_output_folder(reader, "folder for the houses")
     reader.add_argument(
         "--furnish", action="store_true", help="furnish plans that hold no furniture"
     )
@@ -110,7 +113,10 @@ def run_synth(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.houses import random_plan
 
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("synth") as progress:
+    with (
+        output_folder(options.output, folder_mode(options)) as folder,
+        watch.step("synth") as progress,
+    ):
         for index in range(options.count):
             seed = options.seed + index
             rooms = options.rooms or spread_room_count(seed)
@@ -134,7 +140,7 @@ def run_import(options: argparse.Namespace) -> Outcome:
         existing_file(options.source)
     reading = _Reading()
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("import"):
+    with output_folder(options.output, folder_mode(options)) as folder, watch.step("import"):
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
                 scene = furnish(scene.plan, np.random.default_rng((options.seed, reading.count)))
@@ -176,7 +182,7 @@ def run_clean(options: argparse.Namespace) -> Outcome:
     removed: Counter[str] = Counter()
     dropped: dict[str, str] = {}
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("clean"):
+    with output_folder(options.output, folder_mode(options)) as folder, watch.step("clean"):
         for name, scene in reading.of(_houses(options.houses)):
             cleaned = clean(scene)
             removed.update(cleaned.counts())

@@ -18,6 +18,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.progress import Stopwatch
 from chord_usd.runtime.files import write_atomic
 
@@ -61,10 +62,12 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--rooms", type=Path, metavar="DIR", help="instead of the shipped detector_rooms"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="MD", help="also write the table")
+    parser.add_argument(
+        "-o", "--output", type=output_file, metavar="MD", help="also write the table"
+    )
     parser.add_argument(
         "--sheet",
-        type=Path,
+        type=output_file,
         metavar="PICTURE",
         help="also draw what the networks propose, to look at (.png or .jpg)",
     )

@@ -18,6 +18,7 @@ from chord_usd.commands.common import (
     positive,
     stopwatch,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -39,7 +40,10 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     add_part(read)
     read.add_argument(
-        "--overlay", type=Path, metavar="PNG", help="also draw what was read over the drawing"
+        "--overlay",
+        type=output_file,
+        metavar="PNG",
+        help="also draw what was read over the drawing",
     )
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
     draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")

@@ -146,9 +146,8 @@ def plan_source(
 
     Raises UsageError where none or several are given, ChordError where none can be planned.
     """
-    import tempfile
-
     from chord_usd.chord_json import write_plan
+    from chord_usd.runtime.scratch import scratch_folder
 
     wanted = bool(options.text) or options.outline is not None
     if wanted == (options.plan is not None):
@@ -162,8 +161,8 @@ def plan_source(
         return
     outline = existing_file(options.outline) if options.outline else None
     planned = _planned(options.text, outline, settings, watch)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "planned.json"
+    with scratch_folder() as folder:
+        path = folder / "planned.json"
         write_plan(planned.plan, path)
         yield path, planned
 

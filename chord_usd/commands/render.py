@@ -20,6 +20,7 @@ from chord_usd.commands.common import (
     tile,
     whole_number,
 )
+from chord_usd.commands.paths import output_place
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions
@@ -36,7 +37,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "render", run, "make pictures of a stage with Blender Cycles")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda, or any USD stage")
-    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it")
+    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it", output_place)
     add_what(parser)
     add_how(parser)
     _add_parts(parser)

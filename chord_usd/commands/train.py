@@ -21,6 +21,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_run
 
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
@@ -134,7 +135,7 @@ def _add_guidance(parser: Parser) -> None:
 
 
 def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
-    add_output(parser, "folder of the run; the checkpoint comes to lie in it")
+    add_output(parser, "folder of the run; the checkpoint comes to lie in it", output_run)
     parser.add_argument(
         "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
     )
@@ -212,10 +213,12 @@ def run_text2plan(options: argparse.Namespace) -> Outcome:
     from chord_usd.layout.config import FLOOR
     from chord_usd.planning.encoder import ENCODER_FOLDER, TransformersEncoder
     from chord_usd.planning.words import PROGRAMME_CHANNELS
+    from chord_usd.runtime.files import begin_run
 
     if options.text_encoder is None:
         return _run_floors(options, "text", FLOOR)
     encoder = TransformersEncoder(options.text_encoder)
+    begin_run(options.output)
     encoder.save(options.output / "checkpoint" / ENCODER_FOLDER)
     network = replace(FLOOR, word_channels=encoder.channels + PROGRAMME_CHANNELS)
     load_encoder = partial(TransformersEncoder, options.text_encoder)

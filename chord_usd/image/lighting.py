@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
+from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.runtime.stages import open_layer, open_stage
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
     from pxr import Sdf
 
     below = open_layer(path.absolute())
-    with tempfile.TemporaryDirectory(prefix="chord-usd-over-") as folder:
-        file = Path(folder) / "over.usda"
+    with scratch_folder() as folder:
+        file = folder / "over.usda"
         layer = Sdf.Layer.CreateNew(str(file))
         layer.subLayerPaths.append(str(path.absolute()))
         for key in _KEPT:

@@ -52,7 +52,7 @@ def write_part(take: Take, folder: Path, part: Part, made: dict[str, Any]) -> Pa
     channels = _channels(take)
     note = {"made": made, "exposure_ev": take.exposure_ev, "sha256": _digest(channels)}
     with deliver() as delivery:
-        write_exr(delivery.place(target), channels, {_NOTE: json.dumps(note)})
+        write_exr(delivery.place(target, asked=False), channels, {_NOTE: json.dumps(note)})
     return target
 
 
