@@ -259,7 +259,7 @@ def _try(path: Path) -> StageFiles:
     """Open a stage with everything in it, once its files are known to be files."""
     files = walk(path)
     stage = open_known(path)
-    _count_prims(stage, path)
+    count_prims(stage, path)
     for prim in _prims_once(stage):
         for attribute in prim.GetAuthoredAttributes():
             attribute.Get()
@@ -268,7 +268,8 @@ def _try(path: Path) -> StageFiles:
     return StageFiles((*files.layers, *more), files.others, files.missing)
 
 
-def _count_prims(stage: Usd.Stage, path: Path) -> None:
+def count_prims(stage: Usd.Stage, path: Path) -> None:
+    """Raises StageError for more prims, or more of them in one another, than any house has."""
     from pxr import Usd
 
     for number, prim in enumerate(stage.Traverse(Usd.TraverseInstanceProxies())):
