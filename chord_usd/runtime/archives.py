@@ -159,11 +159,13 @@ class Archive:
                 # One byte more than is allowed tells a lie in the header.
                 chunk = file.read(min(_CHUNK_BYTES, most - done + 1))
                 if not chunk:
-                    return
+                    break
                 done += len(chunk)
                 if done > most:
                     raise self._refused(f"{name} unpacks to more than {most:,} bytes")
                 yield chunk
+            if done != entry.file_size:
+                raise self._refused(f"{name} is shorter than its header says")
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
