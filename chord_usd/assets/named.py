@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from chord_usd.assets.database import AssetDatabase, cache_folder, embedded_assets
+from chord_usd.assets.database import INDEX_NAME, AssetDatabase, cache_folder, embedded_assets
 from chord_usd.errors import AssetError, StageError
 from chord_usd.runtime.stages import LAYER_SUFFIXES, look_through, open_layer
 from chord_usd.types import Asset, Item, SceneGraph
@@ -60,7 +60,7 @@ def _found(path: Path, home: Path, allowed: Sequence[Path]) -> Path | None:
     that is allowed. None where nothing is there."""
     try:
         if os.path.lexists(home / path):
-            return home / path
+            return Path(os.path.abspath(home / path))  # noqa: PTH100 (not through links)
         here = path.absolute()
         return here if here.is_file() and _is_inside(here, allowed) else None
     except (OSError, ValueError):  # too long, or not a path at all
@@ -81,12 +81,19 @@ def _require_inside(place: Path, scene: Path, allowed: Sequence[Path]) -> None:
             f"names the asset {place}",
             where=str(scene),
             expected=_EXPECTED,
-            try_=f"--assets {place.parent}",
+            try_=f"--assets {_database_of(place)}, or copy the asset's folder beside the scene",
         )
     if not place.is_file() or place.suffix not in LAYER_SUFFIXES:
         raise AssetError(
             f"names the asset {place}, which is no USD file", where=str(scene), expected=_EXPECTED
         )
+
+
+def _database_of(place: Path) -> Path | str:
+    """The folder that --assets takes for an asset, where it lies in one."""
+    return next(
+        (one for one in place.resolve().parents if (one / INDEX_NAME).is_file()), "DATABASE"
+    )
 
 
 def _require_layers(places: Sequence[Path]) -> None:

@@ -36,7 +36,7 @@ MOST_PRIMS = 1_000_000
 DEEPEST = 256
 """Prims above one another; a house has ten."""
 
-TRIAL = Limits(memory_bytes=3 * 2**30, cpu_s=40, wall_s=50.0)
+TRIAL = Limits(memory_bytes=3 * 2**29, cpu_s=40, wall_s=50.0)
 """Of the process that a stage is tried in."""
 
 _log = logging.getLogger(__name__)
@@ -309,6 +309,8 @@ class _Walk:
     missing: dict[str, None] = field(default_factory=dict)
     _due: list[str] = field(default_factory=list)
     _seen: set[str] = field(default_factory=set)
+    _below: dict[str, list[str]] = field(default_factory=dict)
+    """Sublayers of each layer."""
     _held: list[Any] = field(default_factory=list)
     """Layers are closed, and would be read again, when nobody holds them."""
 
@@ -319,6 +321,8 @@ class _Walk:
             if len(self._seen) > MOST_LAYERS:
                 raise StageError(f"has more than {MOST_LAYERS:,} layers", where=str(self.path))
             self._open(self._due.pop(0))
+        for name in self._below:
+            self._count_sublayers(name)
 
     def _add(self, name: str) -> None:
         if name not in self._seen:
@@ -341,14 +345,32 @@ class _Walk:
         self.layers[file] = None
         for asset_path in _named_in(name):
             self._meet(asset_path, layer)
+        below = (self._resolved(path, layer) for path in layer.subLayerPaths)
+        self._below[name] = [one for one in below if one]
+
+    def _count_sublayers(self, root: str) -> None:
+        """Raise StageError for a layer with too many below it, counted as often as they occur."""
+        count, due = 0, [(root, frozenset([root]))]
+        while due:
+            name, above = due.pop()
+            count += 1
+            if count > MOST_LAYERS:
+                raise StageError(f"has more than {MOST_LAYERS:,} sublayers", where=str(self.path))
+            new = (one for one in self._below.get(name, ()) if one not in above)
+            due += [(one, above | {one}) for one in new]
+
+    @staticmethod
+    def _resolved(asset_path: str, layer: Sdf.Layer) -> str:
+        from pxr import Ar, Sdf
+
+        anchored = Sdf.ComputeAssetPathRelativeToLayer(layer, asset_path)
+        return str(Ar.GetResolver().Resolve(anchored).GetPathString())
 
     def _meet(self, asset_path: str, layer: Sdf.Layer) -> None:
-        from pxr import Ar, Sdf
 
         if asset_path.startswith(_EXPRESSION) or _UDIM in asset_path:
             return
-        anchored = Sdf.ComputeAssetPathRelativeToLayer(layer, asset_path)
-        resolved = str(Ar.GetResolver().Resolve(anchored).GetPathString())
+        resolved = self._resolved(asset_path, layer)
         if not resolved:
             self.missing[asset_path] = None
             return

@@ -17,6 +17,7 @@ from chord_usd import __version__
 from chord_usd.errors import OutputError
 from chord_usd.looks import Look, load_looks
 from chord_usd.runtime.files import deliver, destination
+from chord_usd.runtime.stages import open_layer
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.dressing import Wardrobe
@@ -85,7 +86,7 @@ def author_stage(
             content_hash = _pack(house, target, path)
         else:
             content_hash = _write_house(house, target, final)
-            layer = Sdf.Layer.FindOrOpen(str(target))
+            layer = open_layer(target)
             write_attribution(layer, (target.parent, final), target, path)
     _reload(path)
     return StageFile(path, content_hash, graph.provenance)
@@ -213,7 +214,7 @@ def _pack(house: _House, target: Path, final: Path) -> str:
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         stage = Path(folder) / f"{target.stem}.usda"
         content_hash = _write_house(house, stage, Path(folder))
-        write_attribution(Sdf.Layer.FindOrOpen(str(stage)), (Path(folder),), target, final)
+        write_attribution(open_layer(stage), (Path(folder),), target, final)
         for file in Path(folder).rglob("*"):  # the archive notes their times
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))

@@ -34,7 +34,7 @@ class Packages:
         also: names of files beside it that go with it where they are there. Raises AssetError when
         the layer is not there, is none, or refers to files outside its folder.
         """
-        interface = interface.absolute()
+        interface = Path(os.path.abspath(interface))  # noqa: PTH100 (not through links)
         if interface not in self._names:
             files = package_files(interface, also)
             taken = set(self._names.values())
@@ -54,7 +54,7 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> dict[Path, Path]
             expected="a USD layer with a default prim",
             try_="chord-usd assets build",
         )
-    source = interface.parent.absolute()
+    source = Path(os.path.abspath(interface.parent))  # noqa: PTH100 (not through links)
     try:
         found = walk(interface)
     except StageError as error:

@@ -125,7 +125,10 @@ def test_a_size_in_a_header_is_not_believed(tmp_path: Path) -> None:
         path.write_bytes(
             raw_archive(zlib.compress(os.urandom(99) * (real // 99))[2:-4], told, ["a"])
         )
-        with Archive(path, PlanError) as archive, pytest.raises(PlanError, match="damaged|shorter"):
+        with (
+            Archive(path, PlanError) as archive,
+            pytest.raises(PlanError, match=r"damaged|shorter"),
+        ):
             archive.read("a")
         out = tmp_path / f"out{told}"
         out.mkdir()
