@@ -157,7 +157,7 @@ def read_index(folder: Path) -> tuple[Asset, ...]:
             expected=f"a folder with {INDEX_NAME}",
             try_=_REBUILD,
         ) from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise AssetError(
             f"the index of the mesh database cannot be read ({error})",
             where=str(path),
@@ -177,6 +177,8 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
     usd_path = folder / entry["path"]
     if not usd_path.is_file():
         raise ValueError(f"{name}: {entry['path']} is missing")
+    if not usd_path.resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"{name}: {entry['path']} lies outside the folder")
     return Asset(
         id=name,
         category=entry["category"],

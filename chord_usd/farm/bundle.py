@@ -216,7 +216,12 @@ def _check(work: Work) -> None:
             raise RenderError(
                 f"{count} {what}", where=work.stage.name, expected=f"1 to {MOST_VALUES} in one job"
             )
-    outside = [file for file in work.files if not file.is_relative_to(_root(work))]
+    root = _root(work)
+    root = _root(work)
+    outside = [file for file in work.files if not file.is_relative_to(root)]
+    # A link in the folder may lead to anything; the stage itself is what the user named.
+    real = {file: file.resolve() for file in work.files[1:]}
+    outside += [file for file in real if not real[file].is_relative_to(root.resolve())]
     if outside:
         raise RenderError(
             f"points to {outside[0]}",

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import open_stage
 from chord_usd.runtime.scratch import scratch_folder
+from chord_usd.runtime.stages import open_layer, open_stage
 
 if TYPE_CHECKING:
     from pxr import Sdf
@@ -46,7 +46,7 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
     """Yield an empty layer over a stage and its file, which goes away afterwards."""
     from pxr import Sdf
 
-    below = Sdf.Layer.FindOrOpen(str(path.absolute()))
+    below = open_layer(path.absolute())
     with scratch_folder() as folder:
         file = folder / "over.usda"
         layer = Sdf.Layer.CreateNew(str(file))
@@ -59,7 +59,7 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
 
 def _check(path: Path, lighting: str) -> str:
     """Name of the prim with the variant set."""
-    stage = open_stage(path)
+    stage = open_stage(path, load=False)
     house = stage.GetDefaultPrim()
     choices = house.GetVariantSet(VARIANT_SET).GetVariantNames() if house else []
     if lighting not in choices:

@@ -25,7 +25,15 @@ from chord_usd.runtime.manifest import MANIFEST_FILE, Manifest
 from chord_usd.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.runtime.scratch import Scratch
 
-__all__ = ["Delivery", "deliver", "hash_file", "may_be_written", "output_folder", "write_atomic"]
+__all__ = [
+    "Delivery",
+    "deliver",
+    "destination",
+    "hash_file",
+    "may_be_written",
+    "output_folder",
+    "write_atomic",
+]
 
 FolderMode = Literal["new", "replace", "renew", "add"]
 """What becomes of a folder that holds something already. new: it is refused. replace: what this
@@ -41,6 +49,17 @@ _NEARLY_FULL_BYTES = 16 * 2**20
 Libraries seldom tell, and what they had half written may be gone before anyone can look."""
 
 _FREE_SPACE = "free some space, or write to another disk"
+
+
+def destination(folder: Path) -> Path:
+    """Where what is written in this folder will appear: itself, unless a Delivery hides it."""
+    folder = _absolute(folder)
+    hidden = (i for i, part in enumerate(folder.parts) if part.startswith(SCRATCH_PREFIX))
+    first = next(hidden, None)
+    if first is None:
+        return folder
+    # A hidden folder has one for what is new in it.
+    return destination(Path(*folder.parts[:first], *folder.parts[first + 2 :]))
 
 
 def write_atomic(path: Path, data: bytes | str, *, asked: bool = True) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import zipfile
 from collections import defaultdict
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -15,6 +14,7 @@ from shapely.geometry import LineString, Polygon
 from chord_usd.errors import PlanError
 from chord_usd.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
 from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
+from chord_usd.runtime.archives import Archive
 from chord_usd.types import FloatArray, OpeningKind
 from chord_usd.units import m_from_cm
 
@@ -42,18 +42,13 @@ def read_sweethome(path: Path) -> list[VectorDrawing]:
 
 
 def _home_xml(path: Path) -> bytes:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            if "Home.xml" not in archive.namelist():
-                raise PlanError(
-                    "holds no Home.xml", where=str(path), expected=_EXPECTED,
-                    try_="save it again with Sweet Home 3D 5.3 or later",
-                )  # fmt: skip
-            with archive.open("Home.xml") as file:
-                # What a zip says of its sizes can be a lie; reading stops at the limit.
-                return file.read(LARGEST_BYTES + 1)
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, OSError) as error:
-        raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
+    with Archive(path, PlanError, expected=_EXPECTED) as archive:
+        if "Home.xml" not in archive.names:
+            raise PlanError(
+                "holds no Home.xml", where=str(path), expected=_EXPECTED,
+                try_="save it again with Sweet Home 3D 5.3 or later",
+            )  # fmt: skip
+        return archive.read("Home.xml", LARGEST_BYTES)
 
 
 def _drawing(elements: list[Element], name: str) -> VectorDrawing:
