@@ -15,6 +15,7 @@ from chord_usd.progress import Stopwatch, held_lines, make_reporter
 NOISE = """
 import ctypes, logging, os, subprocess, sys, warnings
 from chord_usd import cli
+from chord_usd.commands import describe
 from chord_usd.commands.common import Outcome, stopwatch
 from chord_usd.errors import PlanError
 
