@@ -38,12 +38,19 @@ from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
 from chord_usd.geometry import Floors, extent_m, footprint_polygon, rooms_beside
 from chord_usd.json_elements import Element, Names, shown
 from chord_usd.json_text import parse_json
+from chord_usd.limits import (
+    LARGEST_HOUSE_M,
+    MOST_CORNERS,
+    MOST_CORNERS_IN_ALL,
+    MOST_ITEMS,
+    MOST_OPENINGS,
+    MOST_ROOMS,
+)
 from chord_usd.palette import Level
 from chord_usd.room_names import room_kind
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import (
-    LARGEST_HOUSE_M,
     ROOM_KINDS,
     WALL_THICKNESS_M,
     Asset,
@@ -65,15 +72,6 @@ OUT_ROOMS = "outRooms"
 
 SMALLEST_ROOM_M2 = 0.01
 """A file with smaller ones is not in centimetres, or broken."""
-
-MOST_ROOMS = 2000
-MOST_CORNERS = 1000
-MOST_OPENINGS = 10_000
-MOST_ITEMS = 20_000
-"""What one house may hold: rooms, corners of one room, doors and windows, pieces of furniture with
-what lies on them. A hospital has 1,500 rooms; more is several houses, or no house."""
-
-MOST_CORNERS_IN_ALL = 20_000
 
 _DEEPEST_OVERLAP_M = WALL_THICKNESS_M
 """Rooms that lie in each other no deeper than this are sloppy drawing, not an error."""
@@ -119,12 +117,9 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     """A scene graph from parsed JSON. where: what error messages call it. Raises SceneError."""
     house = Element(data, where, SceneError)
     floors, openings, extra = _read_shell(house)
-    names = Names("furniture")
+    names = Names("furniture", MOST_ITEMS)
     elements = house.elements("furniture", "furniture", MOST_ITEMS)
     items = tuple(_read_item(element, names, floors) for element in elements)
-    count = len(items) + sum(len(item.children) for item in items)
-    if count > MOST_ITEMS:
-        raise house.error(f"furniture and children hold {count}", expected=f"at most {MOST_ITEMS}")
     return SceneGraph(floors.rooms, openings, items, _read_provenance(house), extra)
 
 
@@ -148,11 +143,11 @@ def _read_shell(house: Element) -> tuple[Floors, tuple[Opening, ...], dict[str, 
             inner.append(element)
     if not inner:
         raise house.error("rooms holds no room", expected="at least one of roomType 1")
-    names = Names("room")
+    names = Names("room", MOST_ROOMS)
     floors = Floors(_read_room(element, names) for element in inner)
     _refuse_sprawl(floors, house)
     _refuse_overlaps(floors, house)
-    names = Names("opening")
+    names = Names("opening", MOST_OPENINGS)
     elements = house.elements("windowsDoors", "opening", MOST_OPENINGS)
     openings = tuple(_read_opening(element, names, floors) for element in elements)
     extra = house.rest(("rooms", "windowsDoors", "furniture", "provenance"))
@@ -176,7 +171,9 @@ def _read_room(element: Element, names: Names) -> Room:
 
 def _read_polygon(element: Element) -> FloatArray:
     """(N, 2) corners in metres, counter-clockwise, simple and of some area."""
-    points = np.array([[m_from_cm(value) for value in point] for point in element.points(MOST_CORNERS)])
+    points = np.array(
+        [[m_from_cm(value) for value in point] for point in element.points(MOST_CORNERS)]
+    )
     keep = np.any(points != np.roll(points, -1, axis=0), axis=1)
     points = points[keep]
     if len(points) < 3:
@@ -260,9 +257,7 @@ def _read_opening(element: Element, names: Names, floors: Floors) -> Opening:
     return Opening(opening_id, kind, box, room_ids, element.rest(_OPENING_KEYS))  # type: ignore[arg-type]
 
 
-def _read_item(
-    element: Element, names: Names, floors: Floors, parent: Item | None = None
-) -> Item:
+def _read_item(element: Element, names: Names, floors: Floors, parent: Item | None = None) -> Item:
     category = _read_category(element, is_child=parent is not None)
     box = _read_box(element)
     if element.has("roomId"):

@@ -29,10 +29,10 @@ _SHOWN = 60
 
 
 class Names:
-    """The ids of one kind of element: refuses doubles, makes up missing ones."""
+    """The ids of one kind of element: refuses doubles and too many, makes up missing ones."""
 
-    def __init__(self, what: str) -> None:
-        self._what, self._taken = what, set[str]()
+    def __init__(self, what: str, most: int) -> None:
+        self._what, self._most, self._taken = what, most, set[str]()
         self._counts = Counter[str]()
 
     def take(self, element: Element, given: str | None, default: str = "") -> str:
@@ -43,9 +43,12 @@ class Names:
             given = f"{default}_{self._counts[default]}"
         elif given in self._taken:
             raise element.error(
-                f"the id '{shown(given)}' is taken by another {self._what}", expected="an id of its own"
+                f"the id '{shown(given)}' is taken by another {self._what}",
+                expected="an id of its own",
             )
         self._taken.add(given)
+        if len(self._taken) > self._most:
+            raise element.error("is one too many", expected=f"at most {self._most} in one house")
         return given
 
 
@@ -94,11 +97,16 @@ class Element:
     def choice(self, key: str, allowed: Sequence[Any]) -> Any:
         value = self.text(key)
         if value not in allowed:
-            raise self.error(f"unknown {key} '{shown(value)}'", expected=f"one of {', '.join(allowed)}")
+            raise self.error(
+                f"unknown {key} '{shown(value)}'", expected=f"one of {', '.join(allowed)}"
+            )
         return value
 
     def whole(self, key: str) -> int:
-        return int(self._typed(key, (int,), "a whole number"))
+        value = int(self._typed(key, (int,), "a whole number"))
+        if abs(value) >= 2**63:
+            raise self.error(f"{key} has {len(str(abs(value)))} digits", expected="64 bits at most")
+        return value
 
     def number(self, key: str) -> float:
         return self._finite(key, self._typed(key, (int, float), "a number"))
@@ -107,7 +115,8 @@ class Element:
         """A positive length in centimetres."""
         value = self.number(key)
         if not SMALLEST_SIZE_M <= m_from_cm(value) <= LARGEST_LENGTH_M:
-            expected = f"{cm_from_m(SMALLEST_SIZE_M):g} to {cm_from_m(LARGEST_LENGTH_M):g} cm"
+            low, high = cm_from_m(SMALLEST_SIZE_M), cm_from_m(LARGEST_LENGTH_M)
+            expected = f"a positive number of centimetres, {low:g} to {high:.0f}"
             raise self.error(f"{key} is {value:g}", expected=expected)
         return value
 

@@ -1,7 +1,8 @@
 """JSON from anywhere -> Python values that the rest of the program can rely on. Base module.
 
 The standard library's parser lets through what no other program could read back, or what breaks
-later: NaN, numbers beyond all ranges, halves of characters, one key twice, nesting without end.
+later: halves of characters, one key twice, nesting without end. NaN and Infinity are let through
+here, too, for whoever knows their key to name it.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from chord_usd.errors import ChordError
 MOST_NESTED = 100
 """Lists and objects in one another; a scene graph has ten."""
 
-LARGEST_WHOLE = 2**63
-"""Numbers from here on are no counts, ids or seeds of any program."""
+_MOST_DIGITS = 309
+"""Of a whole number; longer ones are beyond a double and read as infinite."""
 
 _PLAIN = "plain JSON, without comments"
 
@@ -24,15 +25,13 @@ _PLAIN = "plain JSON, without comments"
 def parse_json(data: bytes | str, where: str, error: type[ChordError] = ChordError) -> Any:
     """The values in a JSON text; bytes are UTF-8, with a byte order mark or without.
 
-    where: what messages call it. Raises error for what is no JSON, for NaN, Infinity and numbers
-    beyond a double or LARGEST_WHOLE, keys that stand twice in an object, texts that are no Unicode,
-    and what is nested more than MOST_NESTED deep.
+    where: what messages call it. Raises error for what is no JSON, for keys that
+    stand twice in an object, texts that are no Unicode, and what is nested more than MOST_NESTED
+    deep.
     """
     try:
         text = data if isinstance(data, str) else data.decode("utf-8-sig")
-        parsed = json.loads(
-            text, object_pairs_hook=_no_doubles, parse_constant=_no_constant, parse_int=_whole
-        )
+        parsed = json.loads(text, object_pairs_hook=_no_doubles, parse_int=_whole)
         _refuse_odd(parsed)
     except UnicodeDecodeError as problem:
         raise error("is not text", where=where, expected="JSON in UTF-8") from problem
@@ -68,14 +67,9 @@ def _no_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return made
 
 
-def _no_constant(name: str) -> float:
-    raise _OddError(f"holds {name}", "finite numbers")
-
-
-def _whole(digits: str) -> int:
-    if len(digits) > 20 or abs(int(digits)) > LARGEST_WHOLE:
-        raise _OddError(f"holds a whole number of {len(digits)} digits", "64-bit numbers")
-    return int(digits)
+def _whole(digits: str) -> float:
+    # Python refuses to read thousands of digits; no number has them.
+    return int(digits) if len(digits) <= _MOST_DIGITS else math.inf
 
 
 def _refuse_odd(parsed: object) -> None:
@@ -86,8 +80,6 @@ def _refuse_odd(parsed: object) -> None:
         for value in level:
             if isinstance(value, str):
                 _refuse_half_characters(value)
-            elif isinstance(value, float) and not math.isfinite(value):
-                raise _OddError("holds a number too large to be one", "finite numbers")
             elif isinstance(value, list):
                 inner += value
             elif isinstance(value, dict):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import warnings
 from dataclasses import asdict
 from pathlib import Path
@@ -17,10 +18,11 @@ import numpy as np
 
 from chord_usd.errors import SceneError
 from chord_usd.json_text import parse_json
+from chord_usd.limits import M_PER_PX
 from chord_usd.raster import LARGEST_CANVAS_PX
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.types import CANVAS_PX, M_PER_PX, LayoutImage, PixelFrame, PlanImage, Provenance, frozen_array
+from chord_usd.types import CANVAS_PX, LayoutImage, PixelFrame, PlanImage, Provenance, frozen_array
 
 TEXT_CHUNK = "chord"
 
@@ -129,7 +131,7 @@ def read_chunk(text: str) -> tuple[PixelFrame, Provenance | None]:
     x_m, y_m = (_number({"origin_m": value}, "origin_m") for value in origin)
     if not M_PER_PX[0] <= m_per_px <= M_PER_PX[1]:
         raise SceneError(f"m_per_px is {m_per_px:g}", expected=f"{M_PER_PX[0]} to {M_PER_PX[1]:g}")
-    if max(abs(x_m), abs(y_m)) > _FARTHEST_M:
+    if not (abs(x_m) <= _FARTHEST_M and abs(y_m) <= _FARTHEST_M):
         raise SceneError(f"origin_m is beyond {_FARTHEST_M:.0f} m")
     if type(height_px) is not int or not 0 < height_px <= LARGEST_CANVAS_PX:
         raise SceneError("height_px is no number of pixels")
@@ -141,7 +143,10 @@ def _number(data: dict[str, Any], key: str) -> float:
     value = data.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise SceneError(f"{key} is no number")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def _provenance(data: object) -> Provenance:

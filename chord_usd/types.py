@@ -40,15 +40,6 @@ BASE_AND_HEIGHT_M: dict[OpeningKind, tuple[float, float]] = {
 WALL_THICKNESS_M = 0.24
 """Every wall of a plan raster is this thick, which is what gives the raster its scale (paper)."""
 
-LARGEST_HOUSE_M = 500.0
-"""No house is longer. The largest building in one piece that is called one is half as long again;
-at the coarsest scale that a layout is drawn at, more does not fit the largest canvas
-(raster.LARGEST_CANVAS_PX)."""
-
-M_PER_PX = (1e-4, 10.0)
-"""Range of a picture's scale, metres per pixel, and of metres per unit of a vector file: from
-tenths of a millimetre to a town map, on which no door can be told."""
-
 CANVAS_PX = 256
 """Width and height of plan and layout rasters (paper, section 5); those of large houses are
 larger (raster.house_frame)."""

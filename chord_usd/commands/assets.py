@@ -16,6 +16,7 @@ from chord_usd.commands.common import (
     add_group,
     add_output,
     add_verb,
+    file_path,
     size_m,
     stopwatch,
     whole_number,
@@ -46,14 +47,14 @@ def add(verbs: Verbs) -> None:
     adding = add_verb(group, "add", run_add, "convert a library of models for --assets")
     adding.add_argument(
         "library",
-        type=Path,
+        type=file_path,
         metavar="PATH",
         help="a folder with manifest.json, 3D-FUTURE's folder, or a Sweet Home 3D library (.sh3f)",
     )
     add_output(adding, "the folder for --assets; models are added to those that it holds")
     adding.add_argument(
         "--triangles",
-        type=whole_number(100),
+        type=whole_number(100, 10_000_000),
         default=20_000,
         metavar="N",
         help="meshes with more are reduced to it (20000)",
@@ -72,16 +73,16 @@ def _add_nearest(group: Verbs) -> None:
         "--size", type=size_m, required=True, metavar="LxWxH", help="in metres, such as 1.6x2.0x0.9"
     )
     parser.add_argument(
-        "--count", type=whole_number(1), default=8, metavar="N", help="at most so many (8)"
+        "--count", type=whole_number(1, 100_000), default=8, metavar="N", help="at most so many (8)"
     )
     parser.add_argument(
-        "--pictures", type=Path, metavar="DIR", help="also draw a picture of each, ID.png"
+        "--pictures", type=file_path, metavar="DIR", help="also draw a picture of each, ID.png"
     )
     add_assets(parser)
 
 
 def _add_sheet(parser: argparse.ArgumentParser, summary: str) -> None:
-    parser.add_argument("--sheet", type=Path, metavar="PNG", help=summary)
+    parser.add_argument("--sheet", type=file_path, metavar="PNG", help=summary)
 
 
 def run_list(options: argparse.Namespace) -> Outcome:

@@ -10,8 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from chord_usd.errors import ChordError
+from chord_usd.errors import ChordError, visible
+from chord_usd.limits import M_PER_PX
 from chord_usd.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+from chord_usd.runtime.inputs import refuse_odd_file
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,15 @@ class Outcome:
 
 SAMPLERS = ("ddim", "dpm", "ddpm")
 """As layout.schedule has them, which may not be imported for a help page."""
+
+MOST_SEED = 2**31 - 1
+"""Blender and USD count with 32 bits."""
+
+MOST_STEPS = 1000
+"""As many as the models were trained with: there are no further levels of noise."""
+
+_LONGEST_NAME_BYTES = 255
+"""Of a file, on every system."""
 
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
@@ -78,28 +89,29 @@ def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
 def add_output(parser: Parser, summary: str, **options: Any) -> None:
     """The option -o."""
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="PATH", help=summary, **options
+        "-o", "--output", type=file_path, required=True, metavar="PATH", help=summary, **options
     )
 
 
 def add_seed(parser: Options) -> None:
     """The option --seed."""
     parser.add_argument(
-        "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same house (0)"
+        "--seed", type=seed, default=0, metavar="N", help="same seed, same house (0)"
     )
 
 
 def add_steps(parser: Options) -> None:
     """The option --steps."""
     parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+        "--steps", type=whole_number(1, MOST_STEPS), metavar="N",
+        help="sampler steps (the checkpoint's own)",
+    )  # fmt: skip
 
 
 def add_redraws(parser: Options, count: int = 2) -> None:
     """The option --redraws."""
     parser.add_argument(
-        "--redraws", type=whole_number(0), default=count, metavar="N",
+        "--redraws", type=whole_number(0, 100), default=count, metavar="N",
         help=f"draw rooms that came out bare or blocked again, so often ({count})",
     )  # fmt: skip
 
@@ -115,7 +127,7 @@ def add_assets(parser: Options) -> None:
     """The option --assets."""
     parser.add_argument(
         "--assets",
-        type=Path,
+        type=file_path,
         action="append",
         default=[],
         metavar="DIR",
@@ -126,7 +138,7 @@ def add_assets(parser: Options) -> None:
 def add_part(parser: Parser) -> None:
     """The option --part."""
     parser.add_argument(
-        "--part", type=whole_number(1), default=1, metavar="N",
+        "--part", type=whole_number(1, 1000), default=1, metavar="N",
         help="which plan of a sheet, or storey of a file, by floor area (1, the largest)",
     )  # fmt: skip
 
@@ -137,37 +149,70 @@ def stopwatch(options: argparse.Namespace) -> Stopwatch:
 
 
 def existing_file(path: Path) -> Path:
-    """The path, if there is a file. Raises UsageError."""
-    if path.is_dir():
-        raise UsageError("is a folder", where=str(path), expected="a file")
-    if not path.exists():
-        raise UsageError("no such file", where=str(path), try_="check the path")
+    """The path, if there is a file that can be read to its end. Raises UsageError."""
+    refuse_odd_file(path, UsageError)
     return path
 
 
-def whole_number(least: int) -> Callable[[str], int]:
-    """An option type: an integer from least on."""
+def file_path(text: str) -> Path:
+    """An option type: a path that the file system, USD and a terminal can all name."""
+    if not text or not text.isprintable():
+        # Under an ASCII locale whatever is beyond it arrives as lone surrogates.
+        if any("\udc80" <= character <= "\udcff" for character in text):
+            raise argparse.ArgumentTypeError(
+                f"{visible(text)!r} is no path in UTF-8; PYTHONUTF8=1 reads it as such"
+            )
+        raise argparse.ArgumentTypeError(f"{text!r} is no path: it holds a control character")
+    if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in text.split("/")):
+        raise argparse.ArgumentTypeError(f"{text[:40]!r}… has a name of more than 255 bytes")
+    return Path(text)
+
+
+def whole_number(least: int, most: int) -> Callable[[str], int]:
+    """An option type: an integer from least to most, both included."""
 
     def parse(text: str) -> int:
         try:
             value = int(text)
         except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is not a whole number") from None
         if value < least:
-            raise argparse.ArgumentTypeError(f"{text} is less than {least}")
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is less than {least}")
+        if value > most:
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is more than {most}")
         return value
 
     return parse
 
 
+seed = whole_number(0, MOST_SEED)
+"""An option type."""
+
+
+def scale(text: str) -> float:
+    """An option type: metres per pixel of a picture, or per unit of a vector file."""
+    value = positive(text)
+    if not M_PER_PX[0] <= value <= M_PER_PX[1]:
+        raise argparse.ArgumentTypeError(
+            f"{_shown(text)} is beyond {M_PER_PX[0]} to {M_PER_PX[1]:g} metres per pixel"
+        )
+    return value
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= 30 else f"{text[:30]}…")
+
+
 def positive(text: str) -> float:
-    """An option type: a finite number above zero."""
+    """An option type: a number above zero, between a millionth and a million."""
     try:
         value = float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not a number") from None
     if not math.isfinite(value) or value <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text} is not above zero")
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not above zero")
+    if not 1e-6 <= value <= 1e6:
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is beyond 1e-6 to 1e6")
     return value
 
 

@@ -21,6 +21,7 @@ from chord_usd.commands.common import (
     add_seed,
     add_verb,
     existing_file,
+    file_path,
     stopwatch,
     whole_number,
 )
@@ -43,36 +44,38 @@ def add(verbs: Verbs) -> None:
     cleaner = add_verb(
         group, "clean", run_clean, "take out what is empty, out of its room, colliding or blocking"
     )
-    cleaner.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    cleaner.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(cleaner, "folder for the clean houses, replaced as a whole")
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
-    stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    stats.add_argument("--plot", type=Path, metavar="PNG", help="also draw the tables")
+    stats.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
+    stats.add_argument("--plot", type=file_path, metavar="PNG", help="also draw the tables")
     stats.add_argument(
         "--against",
-        type=Path,
+        type=file_path,
         metavar="SOURCE",
         help="also compare sizes and distances with these houses or rooms, e.g. of 3D-FRONT",
     )
     split = add_verb(
         group, "split", run_split, "divide houses into training and test, by their names"
     )
-    split.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    split.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(split, "the split, a JSON file of names")
     draw = add_verb(group, "draw", run_draw, "draw layout rasters on one sheet, to look at")
-    draw.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    draw.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(draw, "the sheet, a PNG")
     draw.add_argument(
-        "--most", type=whole_number(1), default=24, metavar="N", help="houses to draw (24)"
+        "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
     )
 
 
 def _add_synth(group: Verbs) -> None:
     synth = add_verb(group, "synth", run_synth, "draw and furnish procedural houses")
     add_output(synth, "folder for the houses, replaced as a whole")
-    synth.add_argument("--count", type=whole_number(1), default=10, metavar="N", help="(10)")
     synth.add_argument(
-        "--rooms", type=whole_number(1), metavar="N", help="rooms per house (as the paper's)"
+        "--count", type=whole_number(1, 1_000_000), default=10, metavar="N", help="(10)"
+    )
+    synth.add_argument(
+        "--rooms", type=whole_number(1, 100), metavar="N", help="rooms per house (as the paper's)"
     )
     synth.add_argument(
         "--rasters", action="store_true", help="also draw plan and layout rasters beside them"
@@ -84,13 +87,13 @@ def _add_import(group: Verbs) -> None:
     reader = add_verb(group, "import", run_import, "read houses from elsewhere as CHOrD JSON")
     reader.add_argument(
         "source",
-        type=Path,
+        type=file_path,
         metavar="SOURCE",
         help="CHOrD JSON, 3D-FRONT, ProcTHOR or flats: a folder, a .json, a .jsonl or .jsonl.gz",
     )
     reader.add_argument(
         "--models",
-        type=Path,
+        type=file_path,
         metavar="JSON",
         help="3D-FUTURE's model_info.json or ProcTHOR's asset-database.json",
     )

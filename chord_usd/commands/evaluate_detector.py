@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
@@ -15,11 +14,12 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
+    file_path,
     stopwatch,
     whole_number,
 )
-from chord_usd.runtime.files import write_atomic
 from chord_usd.progress import Stopwatch
+from chord_usd.runtime.files import write_atomic
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.detector_cases import Case
@@ -34,21 +34,21 @@ def add(group: Verbs) -> None:
     )
     parser.add_argument(
         "--houses",
-        type=whole_number(0),
+        type=whole_number(0, 1_000_000),
         default=300,
         metavar="N",
         help="drawings of held-out houses (300)",
     )
     parser.add_argument(
         "--generated",
-        type=whole_number(0),
+        type=whole_number(0, 1_000_000),
         default=60,
         metavar="N",
         help="samples of the layout model (60)",
     )
     parser.add_argument(
         "--layouts",
-        type=Path,
+        type=file_path,
         nargs="+",
         default=[],
         metavar="PNG",
@@ -56,15 +56,15 @@ def add(group: Verbs) -> None:
     )
     add_steps(parser)
     parser.add_argument(
-        "--items", type=Path, metavar="DIR", help="instead of the shipped detector_items"
+        "--items", type=file_path, metavar="DIR", help="instead of the shipped detector_items"
     )
     parser.add_argument(
-        "--rooms", type=Path, metavar="DIR", help="instead of the shipped detector_rooms"
+        "--rooms", type=file_path, metavar="DIR", help="instead of the shipped detector_rooms"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="MD", help="also write the table")
+    parser.add_argument("-o", "--output", type=file_path, metavar="MD", help="also write the table")
     parser.add_argument(
         "--sheet",
-        type=Path,
+        type=file_path,
         metavar="PICTURE",
         help="also draw what the networks propose, to look at (.png or .jpg)",
     )

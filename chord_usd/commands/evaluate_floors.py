@@ -44,7 +44,12 @@ def add(group: Verbs) -> None:
 
 def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
     parser.add_argument(
-        "--n", dest="cases", type=whole_number(1), default=500, metavar="N", help=f"{what} (500)"
+        "--n",
+        dest="cases",
+        type=whole_number(1, 1_000_000),
+        default=500,
+        metavar="N",
+        help=f"{what} (500)",
     )
     add_records(parser)
     add_checkpoint(parser, checkpoint)
@@ -55,10 +60,10 @@ def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
 def run_text(options: argparse.Namespace) -> Outcome:
     """Runs evaluate text."""
     from chord_usd.evaluation import floors
-    from chord_usd.runtime.locations import checkpoint_folder
     from chord_usd.pipeline import Settings
     from chord_usd.planner import TEXT_CHECKPOINT, carry_out, commission_of_text, planner_of
     from chord_usd.planning.encoder import encoder_of
+    from chord_usd.runtime.locations import checkpoint_folder
 
     planner = planner_of(load_layout_model(options, TEXT_CHECKPOINT))
     encoder = encoder_of(options.checkpoint or checkpoint_folder(TEXT_CHECKPOINT))

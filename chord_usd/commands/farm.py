@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
@@ -12,6 +11,7 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
+    file_path,
     whole_number,
 )
 from chord_usd.commands.render import add_how, add_what, render_options, words_of
@@ -23,14 +23,18 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(
         group, "bundle", run_bundle, "write an Open Job Description bundle that renders a stage"
     )
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda")
+    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda")
     add_output(parser, "folder of the bundle")
     parts = parser.add_argument_group("division")
     parts.add_argument(
-        "--tiles", type=whole_number(1), default=1, metavar="N", help="bands of each picture (1)"
+        "--tiles",
+        type=whole_number(1, 1000),
+        default=1,
+        metavar="N",
+        help="bands of each picture (1)",
     )
     parts.add_argument(
-        "--sample-blocks", type=whole_number(1), default=1, metavar="N",
+        "--sample-blocks", type=whole_number(1, 1000), default=1, metavar="N",
         help="equal shares of the samples (1)",
     )  # fmt: skip
     parts.add_argument("--gpu", action="store_true", help="ask for workers with a GPU")

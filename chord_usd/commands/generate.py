@@ -17,7 +17,8 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     add_verb,
-    positive,
+    file_path,
+    scale,
     stopwatch,
 )
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
@@ -31,7 +32,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
     parser.add_argument(
-        "plan", type=Path, nargs="?", metavar="PLAN",
+        "plan", type=file_path, nargs="?", metavar="PLAN",
         help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON",
     )  # fmt: skip
     add_sources(parser)
@@ -40,7 +41,7 @@ def add(verbs: Verbs) -> None:
     add_steps(parser)
     add_redraws(parser)
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_part(parser)
     parser.add_argument(
@@ -48,10 +49,12 @@ def add(verbs: Verbs) -> None:
     )
     add_assets(parser)
     add_device(parser)
-    parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
-    parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
+    parser.add_argument("--layout-out", type=file_path, metavar="PNG", help="also write the layout")
     parser.add_argument(
-        "--preview", type=Path, metavar="PNG", help="also draw the house from above, labelled"
+        "--graph-out", type=file_path, metavar="JSON", help="also write the scene graph"
+    )
+    parser.add_argument(
+        "--preview", type=file_path, metavar="PNG", help="also draw the house from above, labelled"
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from chord_usd.commands.common import (
     SAMPLERS,
@@ -15,7 +14,8 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    positive,
+    file_path,
+    scale,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -26,7 +26,7 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(
         verbs, "layout", run, "furnish a plan as a picture: the diffusion model alone"
     )
-    parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
+    parser.add_argument("plan", type=file_path, metavar="PLAN", help="plan picture or CHOrD JSON")
     add_output(parser, "the layout raster, layout.png")
     add_seed(parser)
     add_steps(parser)
@@ -35,7 +35,7 @@ def add(verbs: Verbs) -> None:
         help="ddim, dpm (DPM-Solver++) or ddpm, the paper's (the checkpoint's own)",
     )  # fmt: skip
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_device(parser)
 

@@ -20,7 +20,8 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    positive,
+    file_path,
+    scale,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -41,12 +42,12 @@ def add(group: Verbs) -> None:
         group, "from-outline", run_from_outline, "divide an open plan, outer walls only, into rooms"
     )
     outline.add_argument(
-        "outline", type=Path, metavar="OPEN_PLAN",
+        "outline", type=file_path, metavar="OPEN_PLAN",
         help="drawing of outer walls with windows and doors, or a plan of one room",
     )  # fmt: skip
     outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
     outline.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of the drawing"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of the drawing"
     )
     _add_options(outline)
 
@@ -63,7 +64,7 @@ def add_sources(parser: Parser) -> None:
     source = parser.add_argument_group("instead of PLAN")
     source.add_argument("--text", default="", metavar="TEXT", help="furnish what a text asks for")
     source.add_argument(
-        "--outline", type=Path, metavar="OPEN_PLAN",
+        "--outline", type=file_path, metavar="OPEN_PLAN",
         help="divide an open plan into rooms first; with --text, into these",
     )  # fmt: skip
 

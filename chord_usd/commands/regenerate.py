@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
@@ -13,8 +12,9 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
+    file_path,
+    seed,
     stopwatch,
-    whole_number,
 )
 from chord_usd.runtime.files import deliver
 
@@ -24,7 +24,7 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(
         verbs, "regenerate", run, "furnish one room of a stage anew and leave the rest as it is"
     )
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda or house.usdz")
     parser.add_argument(
         "--room", required=True, metavar="NAME", help="name of the room's prim, such as Bedroom_0"
     )
@@ -33,21 +33,21 @@ def add(verbs: Verbs) -> None:
         help="a piece of the room that stays, such as Bed_0; may be given several times",
     )  # fmt: skip
     parser.add_argument(
-        "--edits", type=Path, metavar="LAYER",
+        "--edits", type=file_path, metavar="LAYER",
         help="a layer over STAGE that moves things: the room is furnished as it is seen there",
     )  # fmt: skip
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="PATH", help="the new stage (STAGE itself)"
+        "-o", "--output", type=file_path, metavar="PATH", help="the new stage (STAGE itself)"
     )
-    parser.add_argument(
-        "--seed", type=whole_number(0), metavar="N", help="(one more than the room's last)"
-    )
+    parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_steps(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )
-    parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
-    parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
+    parser.add_argument("--layout-out", type=file_path, metavar="PNG", help="also write the layout")
+    parser.add_argument(
+        "--graph-out", type=file_path, metavar="JSON", help="also write the scene graph"
+    )
     add_assets(parser)
     add_device(parser)
 

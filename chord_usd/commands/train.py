@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict, replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
@@ -17,6 +16,7 @@ from chord_usd.commands.common import (
     add_output,
     add_seed,
     add_verb,
+    file_path,
     positive,
     stopwatch,
     whole_number,
@@ -54,7 +54,7 @@ def add(verbs: Verbs) -> None:
         if verb == "text2plan":
             floors.add_argument(
                 "--text-encoder",
-                type=Path,
+                type=file_path,
                 metavar="DIR",
                 help="a text model as transformers saves it, such as CLIP; kept in the checkpoint "
                 "(MiniLM, which comes with chord-usd)",
@@ -66,7 +66,7 @@ def add(verbs: Verbs) -> None:
     _add_flats(bubbles)
     bubbles.add_argument(
         "--houses",
-        type=whole_number(1),
+        type=whole_number(1, 10_000_000),
         default=40_000,
         metavar="N",
         help="procedural houses to learn from (40000)",
@@ -81,20 +81,20 @@ def add(verbs: Verbs) -> None:
     )
     detector.add_argument(
         "--start",
-        type=Path,
+        type=file_path,
         metavar="DIR",
         help="checkpoint, of either kind, to take what fits from where no run is there",
     )
     detector.add_argument(
         "--generated",
-        type=whole_number(0),
+        type=whole_number(0, 10_000_000),
         default=0,
         metavar="N",
         help="layouts that plan2layout paints first, half of all that is seen then (0)",
     )
     detector.add_argument(
         "--score-houses",
-        type=whole_number(1),
+        type=whole_number(1, 1_000_000),
         default=200,
         metavar="N",
         help="held-out houses to score the result on (200)",
@@ -103,26 +103,39 @@ def add(verbs: Verbs) -> None:
 
 def _add_flats(parser: Parser) -> None:
     parser.add_argument(
-        "--flats", type=Path, metavar="JSONL", help="real floor plans to learn from beside our own"
+        "--flats",
+        type=file_path,
+        metavar="JSONL",
+        help="real floor plans to learn from beside our own",
     )
 
 
 def _add_loop_options(parser: Parser) -> None:
     """Options of whatever the one training loop trains."""
     parser.add_argument(
-        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
+        "--workers",
+        type=whole_number(0, 4096),
+        default=1,
+        metavar="N",
+        help="processes that draw (1)",
     )
     parser.add_argument(
-        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
+        "--start",
+        type=file_path,
+        metavar="DIR",
+        help="checkpoint to start from where no run is there",
     )
 
 
 def _add_guidance(parser: Parser) -> None:
     parser.add_argument(
-        "--teacher", type=Path, metavar="DIR", help="checkpoint to learn from, guided by --guide"
+        "--teacher",
+        type=file_path,
+        metavar="DIR",
+        help="checkpoint to learn from, guided by --guide",
     )
     parser.add_argument(
-        "--guide", type=Path, metavar="DIR", help="less trained checkpoint to lead away from"
+        "--guide", type=file_path, metavar="DIR", help="less trained checkpoint to lead away from"
     )
     parser.add_argument(
         "--guidance",
@@ -140,7 +153,7 @@ def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) 
     )
     parser.add_argument(
         "--batch",
-        type=whole_number(1),
+        type=whole_number(1, 65_536),
         default=batch,
         metavar="N",
         help=f"({batch or 'the preset decides'})",
@@ -309,8 +322,8 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.splits import split_hash
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
-    from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.pipeline import Settings, load_model
+    from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
     from chord_usd.training.detector_generated import generated_samples

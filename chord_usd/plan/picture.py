@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 SMALLEST_SIDE_PX = 32
 LARGEST_SIDE_PX = 12_000
 
-_FORMATS = ("PNG", "JPEG", "MPO", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000", "TGA")
+_FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000", "TGA")
 """What is opened at all: Pillow hands EPS to Ghostscript, a program of its own."""
 
 _EXPECTED = "a picture of a floor plan (PNG, JPEG, TIFF, BMP, GIF or WebP)"

@@ -13,7 +13,7 @@ from chord_usd.errors import ChordError, reason_of
 _MIB = 2**20
 
 LARGEST_BYTES = {
-    ".json": 64 * _MIB, ".jsonl": 4096 * _MIB, ".svg": 64 * _MIB,
+    ".json": 32 * _MIB, ".jsonl": 4096 * _MIB, ".svg": 64 * _MIB,
     ".pdf": 512 * _MIB, ".dxf": 512 * _MIB, ".ifc": 1024 * _MIB, ".sh3d": 1024 * _MIB,
     ".usd": 4096 * _MIB, ".usda": 4096 * _MIB, ".usdc": 4096 * _MIB, ".usdz": 4096 * _MIB,
     ".zip": 16384 * _MIB, ".gz": 16384 * _MIB,
@@ -34,7 +34,9 @@ def refuse_odd_file(path: Path, error: type[ChordError] = ChordError) -> None:
     try:
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError) as problem:
-        raise error("no such file", where=where, try_="check the path") from problem
+        raise error(
+            "cannot be read (no such file)", where=where, try_="check the path"
+        ) from problem
     except OSError as problem:
         raise error(f"cannot be read ({reason_of(problem)})", where=where) from problem
     if stat.S_ISDIR(found.st_mode):
