@@ -191,12 +191,7 @@ seed = whole_number(0, MOST_SEED)
 
 def scale(text: str) -> float:
     """An option type: metres per pixel of a picture, or per unit of a vector file."""
-    value = positive(text)
-    if not M_PER_PX[0] <= value <= M_PER_PX[1]:
-        raise argparse.ArgumentTypeError(
-            f"{_shown(text)} is beyond {M_PER_PX[0]} to {M_PER_PX[1]:g} metres per pixel"
-        )
-    return value
+    return _within(text, *M_PER_PX, " metres per pixel")
 
 
 def _shown(text: str) -> str:
@@ -205,14 +200,18 @@ def _shown(text: str) -> str:
 
 def positive(text: str) -> float:
     """An option type: a number above zero, between a millionth and a million."""
+    return _within(text, 1e-6, 1e6)
+
+
+def _within(text: str, least: float, most: float, unit: str = "") -> float:
     try:
         value = float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{_shown(text)} is not a number") from None
     if not math.isfinite(value) or value <= 0.0:
         raise argparse.ArgumentTypeError(f"{_shown(text)} is not above zero")
-    if not 1e-6 <= value <= 1e6:
-        raise argparse.ArgumentTypeError(f"{_shown(text)} is beyond 1e-6 to 1e6")
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not from {least:g} to {most:g}{unit}")
     return value
 
 
