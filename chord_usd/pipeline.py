@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import PlanError
-from chord_usd.runtime.files import hash_file
-from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.progress import Progress, Stopwatch
 from chord_usd.redraw import Draw, mend_rooms, redraw_rooms, with_furniture
+from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
     OOD,
     Item,

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 from chord_usd.bubbles import Bubble, stretched, with_bubbles
 from chord_usd.errors import PlanError
-from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.pipeline import Settings, read_plan
 from chord_usd.progress import Progress
+from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import ByteArray, Plan, PlanImage
 from chord_usd.wish import NAMES, Wish
 

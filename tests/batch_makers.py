@@ -18,8 +18,8 @@ from chord_usd.batch.run import Done, run_batch
 from chord_usd.batch.shared import share_files
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import PlanError
-from chord_usd.runtime.files import output_folder
 from chord_usd.pipeline import Settings
+from chord_usd.runtime.files import output_folder
 
 FIGURES = {
     "rooms": 1, "furniture": 2, "items": 2, "openings": 1, "m_per_px": 0.04, "holds": True,

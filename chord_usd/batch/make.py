@@ -21,8 +21,8 @@ from chord_usd.batch.records import (
 )
 from chord_usd.batch.shared import keep_pictures, share_files
 from chord_usd.batch.units import Order, Unit
-from chord_usd.runtime.files import hash_file, output_folder
 from chord_usd.progress import Stopwatch
+from chord_usd.runtime.files import hash_file, output_folder
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions
@@ -68,7 +68,7 @@ class Maker:
 
         watch = Stopwatch()
         settings = replace(self._order.settings, seed=unit.seed)
-        with output_folder(target) as folder:
+        with output_folder(target, "replace") as folder:
             plan_file = _plan_file(unit, folder)
             stage = folder / STAGE_FILE
             house = generate(plan_file, stage, settings, watch, self._models)

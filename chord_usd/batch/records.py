@@ -58,7 +58,7 @@ def hashes_of(files: Iterable[Path], folder: Path) -> dict[str, str]:
 
 def write_record(record: Record, path: Path) -> None:
     """Raises OutputError."""
-    write_atomic(path, json.dumps(asdict(record), indent=1) + "\n")
+    write_atomic(path, json.dumps(asdict(record), indent=1) + "\n", asked=False)
 
 
 def read_record(path: Path) -> Record | None:

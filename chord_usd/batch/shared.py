@@ -46,14 +46,11 @@ def _share(file: Path, kept: Path) -> None:
         try:
             os.link(file, kept)
         except FileExistsError:
-            link = file.with_name(f".{file.name}.link")
+            # Of another version, damaged or somebody's own: it stays, and the house keeps its copy.
             if filecmp.cmp(file, kept, shallow=False):
+                link = file.with_name(f".{file.name}.link")
                 os.link(kept, link)
                 link.replace(file)
-            else:
-                # Damaged, or of another version: whoever has it linked keeps what it has.
-                os.link(file, link)
-                link.replace(kept)
 
 
 @contextlib.contextmanager

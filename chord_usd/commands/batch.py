@@ -18,12 +18,12 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     add_verb,
-    file_path,
     positive,
     scale,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_place
 from chord_usd.commands.render import add_look, look_of
 
 if TYPE_CHECKING:
@@ -40,10 +40,12 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "batch", run, "make many houses, and pictures of them; resumable")
     parser.add_argument(
-        "plans", type=file_path, nargs="*", metavar="PLAN",
+        "plans", type=Path, nargs="*", metavar="PLAN",
         help="floor plans as generate takes them, or folders of them",
     )  # fmt: skip
-    add_output(parser, "folder for the houses, one folder each; finished ones in it are kept")
+    add_output(
+        parser, "folder for the houses, one folder each; finished ones in it are kept", output_place
+    )
     _add_houses(parser)
     _add_pictures(parser)
     _add_exports(parser)

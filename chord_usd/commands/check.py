@@ -6,14 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from chord_usd.commands.common import (
-    Outcome,
-    Verbs,
-    add_verb,
-    existing_file,
-    file_path,
-    stopwatch,
-)
+from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 
 OUTLIERS_TOLD = 3
 """How many of the least expected items the report names."""
@@ -22,7 +15,7 @@ OUTLIERS_TOLD = 3
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "check", run, "certify a stage: valid, walkable, free of collisions")
-    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
 
 
 def run(options: argparse.Namespace) -> Outcome:

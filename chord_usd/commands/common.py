@@ -8,12 +8,15 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from chord_usd.errors import ChordError, visible
+from chord_usd.commands.paths import UsageError, output_file, output_folder
 from chord_usd.limits import M_PER_PX
 from chord_usd.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.runtime.inputs import refuse_odd_file
+
+if TYPE_CHECKING:
+    from chord_usd.runtime.files import FolderMode
 
 
 @dataclass(frozen=True)
@@ -39,18 +42,11 @@ MOST_SEED = 2**31 - 1
 MOST_STEPS = 1000
 """As many as the models were trained with: there are no further levels of noise."""
 
-_LONGEST_NAME_BYTES = 255
-"""Of a file, on every system."""
-
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
 """What ArgumentParser.add_subparsers returns; argparse keeps the class private."""
 Options = argparse._ActionsContainer
 """A parser, or a group of its options."""
-
-
-class UsageError(ChordError):
-    """The command line cannot be understood."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -70,7 +66,7 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
     parser: Parser = verbs.add_parser(
         name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.", **options
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, parser=parser)
     common = parser.add_argument_group("reporting")
     common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
     common.add_argument(
@@ -86,11 +82,26 @@ def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
     return parser.add_subparsers(metavar="VERB", required=True, dest=f"{name}_verb")
 
 
-def add_output(parser: Parser, summary: str, **options: Any) -> None:
-    """The option -o."""
+def add_output(
+    parser: Parser, summary: str, role: Callable[[str], Path] = output_file, **options: Any
+) -> argparse.Action:
+    """The option -o. role: what kind of output, of commands.paths."""
+    options = {"required": True, "metavar": "PATH", **options}
+    return parser.add_argument("-o", "--output", type=role, help=summary, **options)
+
+
+def add_output_folder(parser: Parser, summary: str) -> None:
+    """The options -o and --overwrite of a folder that is one output."""
+    add_output(parser, f"{summary}, new or empty", output_folder)
     parser.add_argument(
-        "-o", "--output", type=file_path, required=True, metavar="PATH", help=summary, **options
-    )
+        "--overwrite", action="store_true",
+        help="replace what chord-usd wrote into the folder before, and nothing else",
+    )  # fmt: skip
+
+
+def folder_mode(options: argparse.Namespace) -> FolderMode:
+    """What --overwrite asks for, for runtime.files."""
+    return "replace" if options.overwrite else "new"
 
 
 def add_seed(parser: Options) -> None:
@@ -127,7 +138,7 @@ def add_assets(parser: Options) -> None:
     """The option --assets."""
     parser.add_argument(
         "--assets",
-        type=file_path,
+        type=Path,
         action="append",
         default=[],
         metavar="DIR",
@@ -152,20 +163,6 @@ def existing_file(path: Path) -> Path:
     """The path, if there is a file that can be read to its end. Raises UsageError."""
     refuse_odd_file(path, UsageError)
     return path
-
-
-def file_path(text: str) -> Path:
-    """An option type: a path that the file system, USD and a terminal can all name."""
-    if not text or not text.isprintable():
-        # Under an ASCII locale whatever is beyond it arrives as lone surrogates.
-        if any("\udc80" <= character <= "\udcff" for character in text):
-            raise argparse.ArgumentTypeError(
-                f"{visible(text)!r} is no path in UTF-8; PYTHONUTF8=1 reads it as such"
-            )
-        raise argparse.ArgumentTypeError(f"{text!r} is no path: it holds a control character")
-    if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in text.split("/")):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r}… has a name of more than 255 bytes")
-    return Path(text)
 
 
 def whole_number(least: int, most: int) -> Callable[[str], int]:

@@ -18,13 +18,15 @@ from chord_usd.commands.common import (
     Verbs,
     add_group,
     add_output,
+    add_output_folder,
     add_seed,
     add_verb,
     existing_file,
-    file_path,
+    folder_mode,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
@@ -44,24 +46,24 @@ def add(verbs: Verbs) -> None:
     cleaner = add_verb(
         group, "clean", run_clean, "take out what is empty, out of its room, colliding or blocking"
     )
-    cleaner.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
-    add_output(cleaner, "folder for the clean houses, replaced as a whole")
+    cleaner.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    add_output_folder(cleaner, "folder for the clean houses")
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
-    stats.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
-    stats.add_argument("--plot", type=file_path, metavar="PNG", help="also draw the tables")
+    stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
+    stats.add_argument("--plot", type=output_file, metavar="PNG", help="also draw the tables")
     stats.add_argument(
         "--against",
-        type=file_path,
+        type=Path,
         metavar="SOURCE",
         help="also compare sizes and distances with these houses or rooms, e.g. of 3D-FRONT",
     )
     split = add_verb(
         group, "split", run_split, "divide houses into training and test, by their names"
     )
-    split.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
+    split.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(split, "the split, a JSON file of names")
     draw = add_verb(group, "draw", run_draw, "draw layout rasters on one sheet, to look at")
-    draw.add_argument("houses", type=file_path, metavar="HOUSES", help="folder of CHOrD JSON")
+    draw.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(draw, "the sheet, a PNG")
     draw.add_argument(
         "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
@@ -70,7 +72,7 @@ def add(verbs: Verbs) -> None:
 
 def _add_synth(group: Verbs) -> None:
     synth = add_verb(group, "synth", run_synth, "draw and furnish procedural houses")
-    add_output(synth, "folder for the houses, replaced as a whole")
+    add_output_folder(synth, "folder for the houses")
     synth.add_argument(
         "--count", type=whole_number(1, 1_000_000), default=10, metavar="N", help="(10)"
     )
@@ -87,17 +89,17 @@ def _add_import(group: Verbs) -> None:
     reader = add_verb(group, "import", run_import, "read houses from elsewhere as CHOrD JSON")
     reader.add_argument(
         "source",
-        type=file_path,
+        type=Path,
         metavar="SOURCE",
         help="CHOrD JSON, 3D-FRONT, ProcTHOR or flats: a folder, a .json, a .jsonl or .jsonl.gz",
     )
     reader.add_argument(
         "--models",
-        type=file_path,
+        type=Path,
         metavar="JSON",
         help="3D-FUTURE's model_info.json or ProcTHOR's asset-database.json",
     )
-    add_output(reader, "folder for the houses, replaced as a whole")
+    add_output_folder(reader, "folder for the houses")
     reader.add_argument(
         "--furnish", action="store_true", help="furnish plans that hold no furniture"
     )
@@ -113,7 +115,10 @@ def run_synth(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.houses import random_plan
 
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("synth") as progress:
+    with (
+        output_folder(options.output, folder_mode(options)) as folder,
+        watch.step("synth") as progress,
+    ):
         for index in range(options.count):
             seed = options.seed + index
             rooms = options.rooms or spread_room_count(seed)
@@ -137,7 +142,7 @@ def run_import(options: argparse.Namespace) -> Outcome:
         existing_file(options.source)
     reading = _Reading()
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("import"):
+    with output_folder(options.output, folder_mode(options)) as folder, watch.step("import"):
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
                 scene = furnish(scene.plan, np.random.default_rng((options.seed, reading.count)))
@@ -179,7 +184,7 @@ def run_clean(options: argparse.Namespace) -> Outcome:
     removed: Counter[str] = Counter()
     dropped: dict[str, str] = {}
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("clean"):
+    with output_folder(options.output, folder_mode(options)) as folder, watch.step("clean"):
         for name, scene in reading.of(_houses(options.houses)):
             cleaned = clean(scene)
             removed.update(cleaned.counts())

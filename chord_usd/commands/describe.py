@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.commands.common import (
-    Outcome,
-    Verbs,
-    add_verb,
-    existing_file,
-    file_path,
-    stopwatch,
-)
+from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 
 if TYPE_CHECKING:
     from chord_usd.stage.describe import Looks, RoomContents
@@ -22,7 +16,7 @@ if TYPE_CHECKING:
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "describe", run, "list a stage's rooms, pieces and choosable looks")
-    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
 
 
 def run(options: argparse.Namespace) -> Outcome:

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
+from pathlib import Path
 
-from chord_usd.commands.common import (
-    Outcome,
-    Verbs,
-    add_verb,
-    existing_file,
-    file_path,
-)
+from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file
 
 
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "diff", run, "say what changed between two stages; exits 1 if any did")
-    parser.add_argument("before", type=file_path, metavar="BEFORE", help="a stage")
-    parser.add_argument("after", type=file_path, metavar="AFTER", help="the stage it became")
+    parser.add_argument("before", type=Path, metavar="BEFORE", help="a stage")
+    parser.add_argument("after", type=Path, metavar="AFTER", help="the stage it became")
 
 
 def run(options: argparse.Namespace) -> Outcome:

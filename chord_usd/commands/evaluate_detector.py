@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
@@ -14,10 +15,10 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    file_path,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.progress import Stopwatch
 from chord_usd.runtime.files import write_atomic
 
@@ -48,7 +49,7 @@ def add(group: Verbs) -> None:
     )
     parser.add_argument(
         "--layouts",
-        type=file_path,
+        type=Path,
         nargs="+",
         default=[],
         metavar="PNG",
@@ -56,15 +57,17 @@ def add(group: Verbs) -> None:
     )
     add_steps(parser)
     parser.add_argument(
-        "--items", type=file_path, metavar="DIR", help="instead of the shipped detector_items"
+        "--items", type=Path, metavar="DIR", help="instead of the shipped detector_items"
     )
     parser.add_argument(
-        "--rooms", type=file_path, metavar="DIR", help="instead of the shipped detector_rooms"
+        "--rooms", type=Path, metavar="DIR", help="instead of the shipped detector_rooms"
     )
-    parser.add_argument("-o", "--output", type=file_path, metavar="MD", help="also write the table")
+    parser.add_argument(
+        "-o", "--output", type=output_file, metavar="MD", help="also write the table"
+    )
     parser.add_argument(
         "--sheet",
-        type=file_path,
+        type=output_file,
         metavar="PICTURE",
         help="also draw what the networks propose, to look at (.png or .jpg)",
     )

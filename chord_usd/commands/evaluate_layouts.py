@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.commands.common import (
-    Outcome,
-    Verbs,
-    add_redraws,
-    add_verb,
-    file_path,
-    stopwatch,
-)
+from chord_usd.commands.common import Outcome, Verbs, add_redraws, add_verb, stopwatch
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
     add_fid,
@@ -47,7 +41,7 @@ def add(group: Verbs) -> None:
         "--furnisher", action="store_true", help="score the training data's furnisher instead"
     )
     parser.add_argument(
-        "--from", dest="source", type=file_path, metavar="DIR",
+        "--from", dest="source", type=Path, metavar="DIR",
         help="score the furnished houses of a folder of CHOrD JSON instead",
     )  # fmt: skip
     add_fid(parser)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
@@ -15,9 +16,9 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     existing_file,
-    file_path,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases
@@ -37,8 +38,8 @@ def add_plans(parser: Parser, count: int) -> None:
         "--n", "--plans", dest="plans", type=whole_number(1, 1_000_000), default=count, metavar="N",
         help=f"plans ({count})",
     )  # fmt: skip
-    parser.add_argument("--flats", type=file_path, metavar="JSONL", help="real floor plans")
-    parser.add_argument("--houses", type=file_path, metavar="DIR", help="a folder of CHOrD JSON")
+    parser.add_argument("--flats", type=Path, metavar="JSONL", help="real floor plans")
+    parser.add_argument("--houses", type=Path, metavar="DIR", help="a folder of CHOrD JSON")
     parser.add_argument(
         "--unshaded", action="store_true", help="plans that do not tell the kind of a room"
     )
@@ -47,7 +48,7 @@ def add_plans(parser: Parser, count: int) -> None:
 def add_checkpoint(parser: Parser, name: str = "plan2layout") -> None:
     """Options that say which model. name: of the one that ships."""
     parser.add_argument(
-        "--checkpoint", type=file_path, metavar="DIR", help=f"instead of the shipped {name}"
+        "--checkpoint", type=Path, metavar="DIR", help=f"instead of the shipped {name}"
     )
     add_seed(parser)
     add_device(parser)
@@ -87,7 +88,7 @@ def load_encoder(options: argparse.Namespace, warnings: list[str]) -> Encoder | 
 def add_records(parser: Parser) -> None:
     """The option --records, of long measurements."""
     parser.add_argument(
-        "--records", type=file_path, metavar="FILE",
+        "--records", type=output_file, metavar="FILE",
         help="keep every score here (JSON lines), and go on from those that are there",
     )  # fmt: skip
 
@@ -95,7 +96,7 @@ def add_records(parser: Parser) -> None:
 def add_report(parser: Parser) -> None:
     """Option -o."""
     parser.add_argument(
-        "-o", "--output", type=file_path, metavar="MD",
+        "-o", "--output", type=output_file, metavar="MD",
         help="also write the report; a .json and .png appear beside it",
     )  # fmt: skip
 

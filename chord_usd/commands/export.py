@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
@@ -10,7 +11,6 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
-    file_path,
     stopwatch,
 )
 
@@ -18,7 +18,7 @@ from chord_usd.commands.common import (
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "export", run, "write a stage as a package for other programs")
-    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
     parser.add_argument(
         "--for",
         dest="package",

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
     add_group,
-    add_output,
+    add_output_folder,
     add_verb,
     existing_file,
-    file_path,
+    folder_mode,
     whole_number,
 )
 from chord_usd.commands.render import add_how, add_what, render_options, words_of
@@ -23,8 +24,8 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(
         group, "bundle", run_bundle, "write an Open Job Description bundle that renders a stage"
     )
-    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda")
-    add_output(parser, "folder of the bundle")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda")
+    add_output_folder(parser, "folder of the bundle")
     parts = parser.add_argument_group("division")
     parts.add_argument(
         "--tiles",
@@ -63,7 +64,7 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
         blocks=options.sample_blocks,
         gpu=options.gpu,
     )
-    files = write_bundle(work, options.output)
+    files = write_bundle(work, options.output, folder_mode(options))
     tasks = len(work.tasks())
     text = f"{options.output}: {tasks} tasks and a merge. Try: openjd run {files[0]}"
     return Outcome(text, {"template": str(files[0]), "tasks": tasks})

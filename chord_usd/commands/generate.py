@@ -17,10 +17,10 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     add_verb,
-    file_path,
     scale,
     stopwatch,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
 from chord_usd.runtime.files import deliver
 
@@ -32,7 +32,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
     parser.add_argument(
-        "plan", type=file_path, nargs="?", metavar="PLAN",
+        "plan", type=Path, nargs="?", metavar="PLAN",
         help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON",
     )  # fmt: skip
     add_sources(parser)
@@ -49,12 +49,17 @@ def add(verbs: Verbs) -> None:
     )
     add_assets(parser)
     add_device(parser)
-    parser.add_argument("--layout-out", type=file_path, metavar="PNG", help="also write the layout")
     parser.add_argument(
-        "--graph-out", type=file_path, metavar="JSON", help="also write the scene graph"
+        "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
     )
     parser.add_argument(
-        "--preview", type=file_path, metavar="PNG", help="also draw the house from above, labelled"
+        "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
+    )
+    parser.add_argument(
+        "--preview",
+        type=output_file,
+        metavar="PNG",
+        help="also draw the house from above, labelled",
     )
 
 

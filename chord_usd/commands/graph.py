@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
@@ -11,7 +12,6 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
-    file_path,
     scale,
     stopwatch,
 )
@@ -21,9 +21,7 @@ from chord_usd.runtime.files import deliver
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "graph", run, "read a layout raster into a scene graph (CHOrD JSON)")
-    parser.add_argument(
-        "layout", type=file_path, metavar="LAYOUT", help="layout raster, layout.png"
-    )
+    parser.add_argument("layout", type=Path, metavar="LAYOUT", help="layout raster, layout.png")
     add_output(parser, "the scene graph, scene.json")
     parser.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="for pictures that do not say it"

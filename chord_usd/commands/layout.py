@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import (
     SAMPLERS,
@@ -14,7 +15,6 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    file_path,
     scale,
     stopwatch,
 )
@@ -26,7 +26,7 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(
         verbs, "layout", run, "furnish a plan as a picture: the diffusion model alone"
     )
-    parser.add_argument("plan", type=file_path, metavar="PLAN", help="plan picture or CHOrD JSON")
+    parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
     add_output(parser, "the layout raster, layout.png")
     add_seed(parser)
     add_steps(parser)

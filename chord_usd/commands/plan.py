@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands import planned
@@ -14,10 +15,10 @@ from chord_usd.commands.common import (
     add_part,
     add_verb,
     existing_file,
-    file_path,
     scale,
     stopwatch,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def add(verbs: Verbs) -> None:
     group = add_group(verbs, "plan", "read and draw floor plans")
     read = add_verb(group, "read", run_read, "turn a drawing into a vector plan (CHOrD JSON)")
     read.add_argument(
-        "image", type=file_path, metavar="IMAGE",
+        "image", type=Path, metavar="IMAGE",
         help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
     )  # fmt: skip
     add_output(read, "the vector plan, plan.json")
@@ -39,10 +40,13 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     add_part(read)
     read.add_argument(
-        "--overlay", type=file_path, metavar="PNG", help="also draw what was read over the drawing"
+        "--overlay",
+        type=output_file,
+        metavar="PNG",
+        help="also draw what was read over the drawing",
     )
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
-    draw.add_argument("plan", type=file_path, metavar="PLAN", help="vector plan, CHOrD JSON")
+    draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
     add_output(draw, "the plan raster, plan.png")
     planned.add(group)
 

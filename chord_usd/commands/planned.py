@@ -20,7 +20,6 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    file_path,
     scale,
     stopwatch,
 )
@@ -42,7 +41,7 @@ def add(group: Verbs) -> None:
         group, "from-outline", run_from_outline, "divide an open plan, outer walls only, into rooms"
     )
     outline.add_argument(
-        "outline", type=file_path, metavar="OPEN_PLAN",
+        "outline", type=Path, metavar="OPEN_PLAN",
         help="drawing of outer walls with windows and doors, or a plan of one room",
     )  # fmt: skip
     outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
@@ -64,7 +63,7 @@ def add_sources(parser: Parser) -> None:
     source = parser.add_argument_group("instead of PLAN")
     source.add_argument("--text", default="", metavar="TEXT", help="furnish what a text asks for")
     source.add_argument(
-        "--outline", type=file_path, metavar="OPEN_PLAN",
+        "--outline", type=Path, metavar="OPEN_PLAN",
         help="divide an open plan into rooms first; with --text, into these",
     )  # fmt: skip
 
@@ -147,9 +146,8 @@ def plan_source(
 
     Raises UsageError where none or several are given, ChordError where none can be planned.
     """
-    import tempfile
-
     from chord_usd.chord_json import write_plan
+    from chord_usd.runtime.scratch import scratch_folder
 
     wanted = bool(options.text) or options.outline is not None
     if wanted == (options.plan is not None):
@@ -163,8 +161,8 @@ def plan_source(
         return
     outline = existing_file(options.outline) if options.outline else None
     planned = _planned(options.text, outline, settings, watch)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "planned.json"
+    with scratch_folder() as folder:
+        path = folder / "planned.json"
         write_plan(planned.plan, path)
         yield path, planned
 

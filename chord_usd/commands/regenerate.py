@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
@@ -12,10 +13,10 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    file_path,
     seed,
     stopwatch,
 )
+from chord_usd.commands.paths import in_place_of, output_file
 from chord_usd.runtime.files import deliver
 
 
@@ -24,7 +25,7 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(
         verbs, "regenerate", run, "furnish one room of a stage anew and leave the rest as it is"
     )
-    parser.add_argument("stage", type=file_path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
     parser.add_argument(
         "--room", required=True, metavar="NAME", help="name of the room's prim, such as Bedroom_0"
     )
@@ -33,20 +34,23 @@ def add(verbs: Verbs) -> None:
         help="a piece of the room that stays, such as Bed_0; may be given several times",
     )  # fmt: skip
     parser.add_argument(
-        "--edits", type=file_path, metavar="LAYER",
+        "--edits", type=Path, metavar="LAYER",
         help="a layer over STAGE that moves things: the room is furnished as it is seen there",
     )  # fmt: skip
-    parser.add_argument(
-        "-o", "--output", type=file_path, metavar="PATH", help="the new stage (STAGE itself)"
+    target = parser.add_argument(
+        "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
     )
+    in_place_of(target, "STAGE")
     parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_steps(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )
-    parser.add_argument("--layout-out", type=file_path, metavar="PNG", help="also write the layout")
     parser.add_argument(
-        "--graph-out", type=file_path, metavar="JSON", help="also write the scene graph"
+        "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
+    )
+    parser.add_argument(
+        "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
     )
     add_assets(parser)
     add_device(parser)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
@@ -13,7 +14,6 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
-    file_path,
     names,
     resolution,
     seed,
@@ -21,6 +21,7 @@ from chord_usd.commands.common import (
     tile,
     whole_number,
 )
+from chord_usd.commands.paths import output_place
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions
@@ -36,10 +37,8 @@ _DRAFT_PX = (640, 360)
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "render", run, "make pictures of a stage with Blender Cycles")
-    parser.add_argument(
-        "stage", type=file_path, metavar="STAGE", help="house.usda, or any USD stage"
-    )
-    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda, or any USD stage")
+    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it", output_place)
     add_what(parser)
     add_how(parser)
     _add_parts(parser)

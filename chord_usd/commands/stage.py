@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
@@ -12,7 +13,6 @@ from chord_usd.commands.common import (
     add_seed,
     add_verb,
     existing_file,
-    file_path,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -21,7 +21,7 @@ from chord_usd.runtime.files import deliver
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "stage", run, "write a scene graph as a USD stage")
-    parser.add_argument("scene", type=file_path, metavar="SCENE", help="scene graph, CHOrD JSON")
+    parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     add_assets(parser)

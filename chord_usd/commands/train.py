@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
@@ -16,11 +17,11 @@ from chord_usd.commands.common import (
     add_output,
     add_seed,
     add_verb,
-    file_path,
     positive,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_run
 
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
@@ -54,7 +55,7 @@ def add(verbs: Verbs) -> None:
         if verb == "text2plan":
             floors.add_argument(
                 "--text-encoder",
-                type=file_path,
+                type=Path,
                 metavar="DIR",
                 help="a text model as transformers saves it, such as CLIP; kept in the checkpoint "
                 "(MiniLM, which comes with chord-usd)",
@@ -81,7 +82,7 @@ def add(verbs: Verbs) -> None:
     )
     detector.add_argument(
         "--start",
-        type=file_path,
+        type=Path,
         metavar="DIR",
         help="checkpoint, of either kind, to take what fits from where no run is there",
     )
@@ -103,10 +104,7 @@ def add(verbs: Verbs) -> None:
 
 def _add_flats(parser: Parser) -> None:
     parser.add_argument(
-        "--flats",
-        type=file_path,
-        metavar="JSONL",
-        help="real floor plans to learn from beside our own",
+        "--flats", type=Path, metavar="JSONL", help="real floor plans to learn from beside our own"
     )
 
 
@@ -120,22 +118,16 @@ def _add_loop_options(parser: Parser) -> None:
         help="processes that draw (1)",
     )
     parser.add_argument(
-        "--start",
-        type=file_path,
-        metavar="DIR",
-        help="checkpoint to start from where no run is there",
+        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
     )
 
 
 def _add_guidance(parser: Parser) -> None:
     parser.add_argument(
-        "--teacher",
-        type=file_path,
-        metavar="DIR",
-        help="checkpoint to learn from, guided by --guide",
+        "--teacher", type=Path, metavar="DIR", help="checkpoint to learn from, guided by --guide"
     )
     parser.add_argument(
-        "--guide", type=file_path, metavar="DIR", help="less trained checkpoint to lead away from"
+        "--guide", type=Path, metavar="DIR", help="less trained checkpoint to lead away from"
     )
     parser.add_argument(
         "--guidance",
@@ -147,7 +139,7 @@ def _add_guidance(parser: Parser) -> None:
 
 
 def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
-    add_output(parser, "folder of the run; the checkpoint comes to lie in it")
+    add_output(parser, "folder of the run; the checkpoint comes to lie in it", output_run)
     parser.add_argument(
         "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
     )
@@ -225,10 +217,12 @@ def run_text2plan(options: argparse.Namespace) -> Outcome:
     from chord_usd.layout.config import FLOOR
     from chord_usd.planning.encoder import ENCODER_FOLDER, TransformersEncoder
     from chord_usd.planning.words import PROGRAMME_CHANNELS
+    from chord_usd.runtime.files import begin_run
 
     if options.text_encoder is None:
         return _run_floors(options, "text", FLOOR)
     encoder = TransformersEncoder(options.text_encoder)
+    begin_run(options.output)
     encoder.save(options.output / "checkpoint" / ENCODER_FOLDER)
     network = replace(FLOOR, word_channels=encoder.channels + PROGRAMME_CHANNELS)
     load_encoder = partial(TransformersEncoder, options.text_encoder)

@@ -27,8 +27,8 @@ from chord_usd.data.floorplans.traced_rooms import TracedRoom, traced_rooms
 from chord_usd.data.furnish import furnish
 from chord_usd.data.splits import Part, part_of
 from chord_usd.errors import PlanError
-from chord_usd.runtime.files import write_atomic
 from chord_usd.metrics.rooms import empty_rooms
+from chord_usd.runtime.files import write_atomic
 from chord_usd.types import Plan, Room, RoomKind, frozen_array
 
 _AREA_M2 = (14.0, 130.0)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.runtime.files import deliver
 from chord_usd.metrics.scores import Score
+from chord_usd.runtime.files import deliver
 from chord_usd.types import ByteArray
 
 if TYPE_CHECKING:
@@ -96,5 +96,5 @@ def write_report(
     with ExitStack() as stack:
         delivery = stack.enter_context(deliver())
         for target, content in contents.items():
-            delivery.place(target).write_bytes(content)
+            delivery.place(target, asked=target == path).write_bytes(content)
     return list(contents)

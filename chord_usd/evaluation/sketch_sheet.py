@@ -11,10 +11,10 @@ from chord_usd import plan_labels
 from chord_usd.bubbles import bubbles_of, with_bubbles
 from chord_usd.evaluation.floors import FloorCase
 from chord_usd.evaluation.report import framed, picture_png
-from chord_usd.runtime.files import write_atomic
 from chord_usd.palette import ROOM_RGB, ROOM_SHADES
 from chord_usd.planning.sheet import on_sheet, sheet_for_area, shell_sheet
 from chord_usd.planning.sketch import Ground, Sketcher, open_ground
+from chord_usd.runtime.files import write_atomic
 from chord_usd.types import ByteArray, PlanImage
 from chord_usd.wish import Wish
 

@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
+from chord_usd.palette import HOUSE_CATEGORIES
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, Network, load_network
-from chord_usd.palette import HOUSE_CATEGORIES
 from chord_usd.types import (
     CANVAS_PX,
     ROOM_KINDS,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
 from chord_usd.image.cameras import open_stage
+from chord_usd.runtime.scratch import scratch_folder
 
 if TYPE_CHECKING:
     from pxr import Sdf
@@ -47,8 +47,8 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
     from pxr import Sdf
 
     below = Sdf.Layer.FindOrOpen(str(path.absolute()))
-    with tempfile.TemporaryDirectory(prefix="chord-usd-over-") as folder:
-        file = Path(folder) / "over.usda"
+    with scratch_folder() as folder:
+        file = folder / "over.usda"
         layer = Sdf.Layer.CreateNew(str(file))
         layer.subLayerPaths.append(str(path.absolute()))
         for key in _KEPT:

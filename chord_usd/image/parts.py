@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import RenderError
-from chord_usd.runtime.files import deliver
 from chord_usd.image.cameras import StageCamera
 from chord_usd.image.exr import Channels, PixelArray, colour_channels, read_exr, write_exr
 from chord_usd.image.job import Part
 from chord_usd.image.takes import Take
+from chord_usd.runtime.files import deliver
 
 _NOTE = "chordPart"
 """Header attribute: how the part was made, as JSON."""
@@ -52,7 +52,7 @@ def write_part(take: Take, folder: Path, part: Part, made: dict[str, Any]) -> Pa
     channels = _channels(take)
     note = {"made": made, "exposure_ev": take.exposure_ev, "sha256": _digest(channels)}
     with deliver() as delivery:
-        write_exr(delivery.place(target), channels, {_NOTE: json.dumps(note)})
+        write_exr(delivery.place(target, asked=False), channels, {_NOTE: json.dumps(note)})
     return target
 
 

@@ -13,7 +13,6 @@ from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.runtime.files import write_atomic
 from chord_usd.geometry import (
     footprint,
     footprint_polygon,
@@ -23,6 +22,7 @@ from chord_usd.geometry import (
     wall_area,
 )
 from chord_usd.palette import CATEGORIES, Rgb
+from chord_usd.runtime.files import write_atomic
 from chord_usd.types import Box, FloatArray, Item, Opening, PixelFrame, Room, RoomKind, SceneGraph
 from chord_usd.units import px_from_m
 

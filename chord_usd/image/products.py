@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.runtime.files import deliver, hash_file, write_atomic
 from chord_usd.image.annotations import (
     MaskArray,
     camera_record,
@@ -21,6 +20,7 @@ from chord_usd.image.annotations import (
 from chord_usd.image.exr import write_exr
 from chord_usd.image.marks import Thing
 from chord_usd.image.takes import Take
+from chord_usd.runtime.files import deliver, hash_file, write_atomic
 
 PASSES = ("rgb", "depth", "normal", "instance", "semantic")
 
@@ -54,13 +54,14 @@ def write_products(
     """
     targets = product_files(folder, take.view.name, passes)
     with deliver() as delivery:
-        placed = {target.name: delivery.place(target) for target in targets}
+        placed = {target.name: delivery.place(target, asked=False) for target in targets}
         _write_colour(take, placed)
         _write_data(take, placed, things)
         sidecar = _sidecar(take, passes, things, made)
         sidecar["files"] = {name: hash_file(path) for name, path in placed.items()}
         # Placed last, so that it is moved last: what it lists is there when it is.
-        delivery.place(sidecar_file(folder, take.view.name)).write_text(_json(sidecar))
+        place = delivery.place(sidecar_file(folder, take.view.name), asked=False)
+        place.write_text(_json(sidecar))
     return targets
 
 
@@ -93,7 +94,7 @@ def write_coco(folder: Path, cameras: Sequence[str]) -> Path:
         mask = read_mask(folder / f"{camera}.instance.png")
         pictures.append((f"{camera}.{shown}", sidecar, mask))
     target = folder / COCO_FILE
-    write_atomic(target, json.dumps(coco(pictures)))
+    write_atomic(target, json.dumps(coco(pictures)), asked=False)
     return target
 
 

@@ -7,7 +7,6 @@ usd-core, `worker` renders it, and what comes back becomes files here.
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -16,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import DiskFullError, OutputError, RenderError
-from chord_usd.runtime.files import hash_file
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import (
     DEFAULT_CAMERA,
@@ -35,6 +33,8 @@ from chord_usd.image.parts import is_finished_part, merge_parts, part_file, writ
 from chord_usd.image.products import are_finished, product_files, write_coco, write_products
 from chord_usd.image.takes import Take, read_take
 from chord_usd.progress import Progress
+from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.scratch import scratch_folder
 
 _NO_MARKS = Marks((), ())
 
@@ -143,11 +143,11 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
     data, colour = options.data and first_block, "rgb" in options.passes
     marks = read_marks(run.lit) if data else _NO_MARKS
     with (
-        tempfile.TemporaryDirectory(prefix="chord-usd-render-") as raw,
+        scratch_folder() as raw,
         marked_stage(run.lit, marks) if marks.numbers else nullcontext(run.lit) as seen,
     ):
         job = Job(
-            folder=raw,
+            folder=str(raw),
             stage=str(seen.absolute()),
             cameras=tuple(cameras),
             width_px=options.resolution_px[0],
@@ -213,20 +213,20 @@ class _Follower:
 
 def _merge(run: _Run, cameras: list[StageCamera]) -> None:
     marks = read_marks(run.lit) if run.options.data else _NO_MARKS
-    with tempfile.TemporaryDirectory(prefix="chord-usd-merge-") as raw:
+    with scratch_folder() as raw:
         takes = [merge_parts(run.folder, view, run.made) for view in cameras]
         negatives = []
         for take in takes:
             if take.colour is None:
                 continue
-            linear = Path(raw) / f"{take.view.name}.exr"
+            linear = raw / f"{take.view.name}.exr"
             write_exr(linear, colour_channels(take.colour))
-            picture = Path(raw) / PICTURE_FILE.format(take.view.name)
+            picture = raw / PICTURE_FILE.format(take.view.name)
             negatives.append(Negative(str(linear), str(picture), take.exposure_ev))
         if negatives:
-            run_blender(Job(folder=raw, negatives=tuple(negatives)), lambda message: None)
+            run_blender(Job(folder=str(raw), negatives=tuple(negatives)), lambda message: None)
         for take in takes:
-            picture = Path(raw) / PICTURE_FILE.format(take.view.name)
+            picture = raw / PICTURE_FILE.format(take.view.name)
             run.write(take.developed(picture), marks)
 
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from chord_usd import palette
 from chord_usd.errors import PlanError
-from chord_usd.runtime.files import write_atomic
 from chord_usd.geometry import footprint
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, frame_of, straightening_of
@@ -19,6 +18,7 @@ from chord_usd.plan.sheet import straightened
 from chord_usd.plan.vector.backdrop import backdrop
 from chord_usd.plan.vector.formats import is_vector
 from chord_usd.plan.vector.pdf import read_pages
+from chord_usd.runtime.files import write_atomic
 from chord_usd.types import ByteArray, FloatArray, Plan
 from chord_usd.units import px_from_m
 

@@ -15,8 +15,8 @@ from pxr import Gf, Sdf, UsdUtils
 
 from chord_usd import __version__
 from chord_usd.errors import OutputError
-from chord_usd.runtime.files import deliver
 from chord_usd.looks import Look, load_looks
+from chord_usd.runtime.files import deliver
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.dressing import Wardrobe

@@ -19,8 +19,8 @@ import shapely
 from pxr import Gf, Sdf, UsdUtils
 
 from chord_usd.errors import StageError
-from chord_usd.runtime.files import deliver, hash_file
 from chord_usd.geometry import footprint_polygon, room_polygon
+from chord_usd.runtime.files import deliver, hash_file
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view

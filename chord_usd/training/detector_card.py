@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from chord_usd.runtime.files import write_atomic
 from chord_usd.graph.detect import IMAGE_PX, LEAST_SIDE_PX, Kind
+from chord_usd.runtime.files import write_atomic
 from chord_usd.training.yolo import ARCHITECTURES
 
 CARD_FILE = "README.md"

@@ -1,7 +1,7 @@
 """Networks as ONNX files that hold no weights: they stay in the checkpoint's safetensors.
 
-The file says how a network computes; chord_usd/runtime/networks.py runs it on a CPU without torch. It
-changes with the architecture only, so training needs to write it once.
+The file says how a network computes; chord_usd/runtime/networks.py runs it on a CPU without torch.
+It changes with the architecture only, so training needs to write it once.
 """
 
 from __future__ import annotations

@@ -11,12 +11,12 @@ import torch
 from safetensors.torch import save
 from torch import Tensor
 
-from chord_usd.runtime.files import write_atomic
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
-from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.sketch import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.progress import Progress
+from chord_usd.runtime.files import begin_run, write_atomic
+from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.training.budget import Budget
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.sketch_data import Batch, Sketched, batch_of, endless_batches
@@ -60,6 +60,7 @@ def train_sketches(
     judges: held-out houses. Returns what the card says of the run; the checkpoint comes to lie in
     folder/checkpoint.
     """
+    begin_run(folder)
     torch.manual_seed(config.seed)
     network = SketchNetwork().to(config.device)
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)

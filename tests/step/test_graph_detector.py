@@ -33,10 +33,10 @@ from chord_usd.graph.detect import (
     scaled,
 )
 from chord_usd.graph.extract import extract_graph
-from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
 from chord_usd.raster import draw_plan, layout_image
 from chord_usd.raster_files import write_raster
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
 from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector
 from chord_usd.training.detector_card import write_card
 from chord_usd.training.detector_data import (
