@@ -102,7 +102,9 @@ def _tell(outcome: Outcome, *, as_json: bool) -> None:
     if not as_json:
         sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
     text = json.dumps(outcome.data) if as_json else outcome.text
-    sys.stdout.write(text + "\n")
+    # A locale without "m²" is no reason to fail after all is done.
+    encoding = sys.stdout.encoding or "utf-8"
+    sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")
     sys.stdout.flush()
 
 

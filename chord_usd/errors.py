@@ -14,13 +14,6 @@ class ChordError(Exception):
         self.what, self.where, self.expected, self.try_ = what, where, expected, try_
         super().__init__(self._sentence())
 
-    def rename(self, path: str, shown: str) -> None:
-        """Call a path by another name, in every part of the sentence."""
-        self.what, self.where, self.expected, self.try_ = (
-            part.replace(path, shown) for part in (self.what, self.where, self.expected, self.try_)
-        )
-        self.args = (self._sentence(),)
-
     def _sentence(self) -> str:
         parts = [self.what]
         if self.where:

@@ -79,8 +79,6 @@ def deliver() -> Iterator[Delivery]:
     except Exception as error:
         full = delivery.disk_is_full()
         delivery.withdraw()
-        if isinstance(error, ChordError):
-            delivery.name_targets(error)
         if not full or isinstance(error, ChordError):
             raise
         raise DiskFullError(
@@ -108,9 +106,9 @@ class Delivery:
         of a stage) appears beside the target. asked: whether the user named this very file; it is
         replaced then, whoever wrote it. Raises OutputError.
         """
-        spelled, target = target.parent, _absolute(target)
+        target = _absolute(target)
         _refuse_odd(target)
-        parcel = self._parcel(target.parent, target, {target} if asked else set(), spelled)
+        parcel = self._parcel(target.parent, target, {target} if asked else set())
         return parcel.new / target.name
 
     def place_folder(self, target: Path, mode: FolderMode = "new") -> Path:
@@ -118,16 +116,16 @@ class Delivery:
 
         Raises OutputError for a target that is no folder, or holds what may not be replaced.
         """
-        spelled, target = target, _absolute(target)
+        target = _absolute(target)
         if target.is_dir():
             target = target.resolve()
             _refuse_folder(target, mode)
-            parcel = self._parcel(target, target, set(), spelled)
+            parcel = self._parcel(target, target, set())
             parcel.whole, parcel.replaces = mode != "add", mode == "replace"
             return parcel.new
         if os.path.lexists(target):
             raise OutputError("is no folder", where=str(target), expected="a folder, or nothing")
-        parcel = self._parcel(target.parent, target, {target}, spelled.parent)
+        parcel = self._parcel(target.parent, target, {target})
         parcel.whole = mode != "add"
         folder = parcel.new / target.name
         folder.mkdir()
@@ -148,10 +146,10 @@ class Delivery:
             interrupts.delivered += [p.target for p in self._parcels if not p.is_scratch]
         self._clean()
 
-    def _parcel(self, home: Path, target: Path, asked: set[Path], spelled: Path) -> _Parcel:
+    def _parcel(self, home: Path, target: Path, asked: set[Path]) -> _Parcel:
         try:
             self._make_parents(home)
-            self._parcels.append(_Parcel(Scratch(home), home, target, asked, spelled))
+            self._parcels.append(_Parcel(Scratch(home), home, target, asked))
         except OSError as error:
             raise _output_error(error, target) from error
         return self._parcels[-1]
@@ -209,13 +207,6 @@ class Delivery:
         """For words about what could not be written."""
         return self._parcels[0].target if self._parcels else Path()
 
-    def name_targets(self, error: ChordError) -> None:
-        """Let an error name the paths that were asked for, not where they are being written."""
-        for parcel in self._parcels:
-            within = "" if parcel.spelled == Path() else f"{parcel.spelled}{os.sep}"
-            error.rename(f"{parcel.new}{os.sep}", within)
-            error.rename(str(parcel.new), str(parcel.spelled))
-
     def concerns(self, error: OSError) -> bool:
         """Whether the error is about writing the outputs, not about reading some input."""
         if error.errno in (*_FULL_DISK, errno.EROFS):
@@ -236,12 +227,8 @@ class Delivery:
 class _Parcel:
     """One hidden folder and the folder that its content goes to."""
 
-    def __init__(
-        self, scratch: Scratch, home: Path, target: Path, asked: set[Path], spelled: Path
-    ) -> None:
+    def __init__(self, scratch: Scratch, home: Path, target: Path, asked: set[Path]) -> None:
         self.scratch, self.home, self.target, self._asked = scratch, home, target, asked
-        self.spelled = spelled
-        """home as the user wrote it."""
         self.new, self._old = scratch.folder / "new", scratch.folder / "old"
         self.new.mkdir()
         self._old.mkdir()
