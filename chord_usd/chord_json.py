@@ -43,6 +43,7 @@ from chord_usd.limits import (
     MOST_CORNERS,
     MOST_CORNERS_IN_ALL,
     MOST_ITEMS,
+    MOST_JSON_BYTES,
     MOST_OPENINGS,
     MOST_ROOMS,
 )
@@ -124,7 +125,7 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
 
 
 def _load(path: Path, error: type[ChordError]) -> object:
-    refuse_odd_file(path, error)
+    refuse_odd_file(path, error, MOST_JSON_BYTES)
     try:
         data = path.read_bytes()
     except OSError as problem:

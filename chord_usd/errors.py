@@ -63,11 +63,11 @@ class MissingExtraError(ChordError):
 def visible(text: str) -> str:
     """Text with what a terminal would obey, or nobody could see, written out: "\\x1b".
 
-    Line breaks stay; whoever needs one line joins them.
+    White space stays; whoever needs one line joins it.
     """
     return "".join(
         character
-        if character.isprintable() or character == "\n"
+        if character.isprintable() or character.isspace()
         else character.encode("unicode_escape").decode()
         for character in text
     )

@@ -25,3 +25,6 @@ MOST_OPENINGS = 10_000
 
 MOST_ITEMS = 20_000
 """Pieces of furniture, and what lies on them."""
+
+MOST_JSON_BYTES = 32 * 2**20
+"""Of a CHOrD JSON file: MOST_ITEMS take half as much."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import unicodedata
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -45,6 +46,9 @@ def output_run(text: str) -> Path:
 _OUTPUTS: tuple[Callable[[str], Path], ...] = (
     output_file, output_folder, output_place, output_run,
 )  # fmt: skip
+
+_NOT_IN_USD = ("\\", ":SDF_FORMAT_ARGS:")
+"""A separator of folders on other systems, and what parts a path from arguments."""
 
 _LONGEST_NAME_BYTES = 255
 """Of a file or folder, on every system."""
@@ -129,8 +133,15 @@ def _refuse_odd_name(one: Named) -> None:
             where=said,
             try_="PYTHONUTF8=1, if the locale is not UTF-8",
         )
-    if not said.isprintable():
+    if any(unicodedata.category(character) in ("Cc", "Zl", "Zp") for character in said):
         raise UsageError(f"{one.option} holds a control character", where=said, expected="a path")
+    for odd in _NOT_IN_USD:
+        if odd in one.path.as_posix():
+            raise UsageError(
+                f"{one.option} holds {odd!r}, which USD takes for something else",
+                where=said,
+                expected="a path without it",
+            )
     if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in one.path.parts):
         raise UsageError(
             f"{one.option} has a name of more than {_LONGEST_NAME_BYTES} bytes",

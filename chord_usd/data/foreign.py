@@ -16,6 +16,7 @@ from chord_usd.data.flats import flat_from_lines
 from chord_usd.data.procthor import Sizes, house_from_procthor, read_asset_sizes
 from chord_usd.data.threed_front import house_from_front, read_models, room_from_record
 from chord_usd.errors import ChordError, SceneError
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import SceneGraph
 
 FORMATS = "CHOrD JSON, 3D-FRONT, ProcTHOR or FloorplanTransformation"
@@ -42,6 +43,7 @@ class Found(NamedTuple):
 def read_models_file(path: Path) -> Models:
     """3D-FUTURE's model_info.json or ProcTHOR's asset-database.json. Raises SceneError."""
     try:
+        refuse_odd_file(path, SceneError)
         is_list = path.read_text(encoding="utf-8").lstrip().startswith("[")
     except (OSError, ValueError) as error:
         raise SceneError(f"cannot be read: {error}", where=str(path)) from None
@@ -66,6 +68,7 @@ def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
 
 
 def _bytes(path: Path) -> bytes:
+    refuse_odd_file(path, SceneError)
     try:
         return path.read_bytes()
     except OSError as error:

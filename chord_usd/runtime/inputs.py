@@ -13,7 +13,7 @@ from chord_usd.errors import ChordError, reason_of
 _MIB = 2**20
 
 LARGEST_BYTES = {
-    ".json": 32 * _MIB, ".jsonl": 4096 * _MIB, ".svg": 64 * _MIB,
+    ".json": 512 * _MIB, ".jsonl": 4096 * _MIB, ".svg": 64 * _MIB,
     ".pdf": 512 * _MIB, ".dxf": 512 * _MIB, ".ifc": 1024 * _MIB, ".sh3d": 1024 * _MIB,
     ".usd": 4096 * _MIB, ".usda": 4096 * _MIB, ".usdc": 4096 * _MIB, ".usdz": 4096 * _MIB,
     ".zip": 16384 * _MIB, ".gz": 16384 * _MIB,
@@ -24,11 +24,13 @@ _LARGEST_OTHER_BYTES = 1024 * _MIB
 """Pictures, mostly: 12,000 pixels a side take 600 MB without compression."""
 
 
-def refuse_odd_file(path: Path, error: type[ChordError] = ChordError) -> None:
+def refuse_odd_file(
+    path: Path, error: type[ChordError] = ChordError, most_bytes: int | None = None
+) -> None:
     """Look at a file without opening it.
 
     Raises error for what is no regular file (a folder, a pipe, a device, a socket), cannot be
-    reached, or is larger than LARGEST_BYTES of its suffix.
+    reached, or is larger than most_bytes, by default LARGEST_BYTES of its suffix.
     """
     where = str(path)
     try:
@@ -48,7 +50,7 @@ def refuse_odd_file(path: Path, error: type[ChordError] = ChordError) -> None:
             expected="a regular file",
             try_="save it to a file first",
         )
-    most = LARGEST_BYTES.get(path.suffix.lower(), _LARGEST_OTHER_BYTES)
+    most = most_bytes or LARGEST_BYTES.get(path.suffix.lower(), _LARGEST_OTHER_BYTES)
     if found.st_size > most:
         raise error(
             f"has {found.st_size / _MIB:,.0f} MiB",
