@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,7 +84,7 @@ def _lines(path: Path, models: Models) -> Iterator[Found]:
     data = _bytes(path)
     try:
         data = gzip.decompress(data) if path.suffix == ".gz" else data
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise SceneError(f"cannot be unpacked: {error}", where=str(path)) from None
     taken: set[str] = set()
     for number, line in enumerate(data.splitlines(), start=1):
@@ -100,7 +101,7 @@ def _found(name: str, data: bytes, models: Models) -> Found:
         return Found(name, house_from_record(json.loads(data.decode("utf-8-sig")), models))
     except ChordError as error:
         return Found(name, None, str(error))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         return Found(name, None, f"no JSON: {error}")
 
 

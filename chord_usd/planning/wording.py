@@ -41,8 +41,8 @@ _UNITS_M2 = {
 _NUMBERS = {
     word: number
     for number, words in enumerate((
-        "zero no without none kein keine keinen ohne sans sin sem ingen inget inga utan ilman ei zonder"
-        " keinerlei aucun aucune ningun ninguna nenhum nenhuma",
+        "zero no without none kein keine keinen ohne sans aucun aucune sin ningun ninguna sem"
+        " nenhum nenhuma ingen inget inga utan ilman zonder",
         "one a an single ein eine einen einer eins une un una um uma ett yksi",
         "two zwei deux dos dois duas tva kaksi kahden double", "three drei trois tres tre kolme",
         "four vier quatre cuatro quatro fyra nelja", "five funf cinq cinco fem viisi",
