@@ -46,8 +46,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         interrupts.watch()
     try:
         return _answer(words)
-    except interrupts.Interrupted as reason:
-        sys.stderr.write(interrupts.told(type(reason), str(reason)))
+    except KeyboardInterrupt as caught:
+        reason = type(caught) if isinstance(caught, interrupts.Interrupted) else None
+        reason = reason or interrupts.Interrupted
+        sys.stderr.write(interrupts.told(reason, str(caught)))
         return reason.code
     except BrokenPipeError:
         # Whoever read stdout has seen enough; keep the interpreter from flushing into the pipe.

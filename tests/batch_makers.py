@@ -84,7 +84,7 @@ def _maker(folder: Path, make: object) -> Make:
 def _write(folder: Path, unit: Unit) -> None:
     with (folder.parent / "made.txt").open("a") as log:
         log.write(f"{unit.name}\n")
-    with output_folder(folder / unit.name) as house:
+    with output_folder(folder / unit.name, "renew") as house:
         (house / STAGE_FILE).write_text(f"#usda 1.0 {unit.name}\n" * 20)
         for name in ("plan.png", "layout.png", "scene.json"):
             (house / name).write_text(f"{name} of {unit.name}\n" * 20)
@@ -104,7 +104,7 @@ def _suffer(folder: Path, unit: Unit) -> None:
         os.kill(os.getppid(), signal.SIGKILL)  # the Ray node this is a worker of
         time.sleep(60.0)
     if "crash" in unit.name:
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_text("half of it")
             os.abort()
     if "killed_once" in unit.name and not (folder.parent / "killed").exists():
@@ -115,18 +115,18 @@ def _suffer(folder: Path, unit: Unit) -> None:
     if "bug" in unit.name:
         raise ZeroDivisionError("two\nlines")
     if "full" in unit.name:
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_text("half of it")
             raise OSError(errno.ENOSPC, "No space left on device", str(house))
     if "large" in unit.name:
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_bytes(bytes(2**20))
     _write(folder, unit)
 
 
 def _dawdle(folder: Path, unit: Unit) -> None:
     if (folder / "first").is_dir():
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_text("half of it")
             (folder.parent / "worker.pid").write_text(str(os.getpid()))
             time.sleep(60.0)

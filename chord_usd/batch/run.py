@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from chord_usd.batch.shards import write_shards
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import OutputError, reason_of
 from chord_usd.progress import Progress, Stopwatch
+from chord_usd.runtime.scratch import sweep
 
 
 @dataclass(frozen=True)
@@ -163,10 +163,9 @@ def _make_folder(folder: Path) -> bool:
 
 
 def _sweep(folder: Path) -> None:
-    """Remove what workers that were killed had half written. Nobody else is at work here."""
-    for place in (".", f"*/{PICTURES_FOLDER}"):
-        for hidden in folder.glob(f"{place}/.chord-usd-*"):
-            shutil.rmtree(hidden, ignore_errors=True)
+    """Remove what workers that were killed had half written."""
+    for place in (folder, *folder.glob("*/"), *folder.glob(f"*/{PICTURES_FOLDER}/")):
+        sweep(place)
 
 
 def _remove_empty(folder: Path) -> None:

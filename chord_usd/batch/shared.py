@@ -33,7 +33,7 @@ def share_files(house: Path, library: Path) -> None:
 
 def keep_pictures(old: Path, new: Path, name: str) -> None:
     """Let the folder name of an old house live on in its new one, which is about to replace it."""
-    for file in files_in(old / name):
+    for file in (path for path in (old / name).rglob("*") if path.is_file()):
         target = new / file.relative_to(old)
         target.parent.mkdir(parents=True, exist_ok=True)
         with _where_links_are():

@@ -133,10 +133,8 @@ def run(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     try:
         done = run_batch(units, order, engine, Exports(options.parquet, options.webdataset), watch)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            "finished houses were kept; run this again to make the others"
-        ) from None
+    except KeyboardInterrupt as reason:
+        raise type(reason)("finished houses were kept; run this again to make the others") from None
     return _outcome(done, options, watch.seconds)
 
 

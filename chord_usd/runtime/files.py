@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import itertools
 import os
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import takewhile
 from pathlib import Path
 from typing import Literal
@@ -26,9 +27,13 @@ from chord_usd.runtime.scratch import Scratch
 
 __all__ = ["Delivery", "deliver", "hash_file", "may_be_written", "output_folder", "write_atomic"]
 
-FolderMode = Literal["new", "replace", "add"]
-"""What becomes of a folder that holds something already: it is refused; what this program wrote
-there as one output is replaced; or new files join those of ours."""
+FolderMode = Literal["new", "replace", "renew", "add"]
+"""What becomes of a folder that holds something already. new: it is refused. replace: what this
+program wrote there as one output is replaced. renew: as replace, and files of ours that were
+damaged or changed are set aside, which replace refuses. add: new files join those of ours."""
+
+CHANGED = ".changed"
+"""Added to the name of a file that is set aside, since somebody may have worked on it."""
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 _NEARLY_FULL_BYTES = 16 * 2**20
@@ -99,16 +104,24 @@ class Delivery:
         self._made_folders: list[Path] = []
         self._undo: list[tuple[_Parcel, Path, Path | None]] = []
 
-    def place(self, target: Path, *, asked: bool = True) -> Path:
+    def place(
+        self, target: Path, *, asked: bool = True, ours: Callable[[Path], bool] | None = None
+    ) -> Path:
         """Where to write what shall appear at target.
 
         The path returned has the target's name; whatever else is written beside it (the folders
         of a stage) appears beside the target. asked: whether the user named this very file; it is
-        replaced then, whoever wrote it. Raises OutputError.
+        replaced then, whoever wrote it. Otherwise it is one of many that a long job writes into a
+        folder, again and again: those that were changed since are set aside. ours: tells of a file
+        that is in no manifest, since it came from another machine, whether it is such a one.
+        Raises OutputError.
         """
         target = _absolute(target)
         _refuse_odd(target)
         parcel = self._parcel(target.parent, target, {target} if asked else set())
+        parcel.sets_aside = not asked
+        if ours and target.is_file() and ours(target):
+            parcel.asked.add(target)
         return parcel.new / target.name
 
     def place_folder(self, target: Path, mode: FolderMode = "new") -> Path:
@@ -121,12 +134,13 @@ class Delivery:
             target = target.resolve()
             _refuse_folder(target, mode)
             parcel = self._parcel(target, target, set())
-            parcel.whole, parcel.replaces = mode != "add", mode == "replace"
+            parcel.whole, parcel.replaces = mode != "add", mode in ("replace", "renew")
+            parcel.sets_aside = mode == "renew"
             return parcel.new
         if os.path.lexists(target):
             raise OutputError("is no folder", where=str(target), expected="a folder, or nothing")
         parcel = self._parcel(target.parent, target, {target})
-        parcel.whole = mode != "add"
+        parcel.whole, parcel.is_new_folder = mode != "add", True
         folder = parcel.new / target.name
         folder.mkdir()
         return folder
@@ -166,6 +180,10 @@ class Delivery:
         if os.path.lexists(target):
             if not parcel.may_take(source, target):
                 return
+            if parcel.is_to_be_set_aside(target):
+                aside = _free_name(target)
+                _link_or_copy(target, aside)
+                self._undo.append((parcel, aside, None))
             kept = parcel.keep()
             # A hard link leaves the old file in its place until the new one takes it.
             _link_or_copy(target, kept)
@@ -228,20 +246,16 @@ class _Parcel:
     """One hidden folder and the folder that its content goes to."""
 
     def __init__(self, scratch: Scratch, home: Path, target: Path, asked: set[Path]) -> None:
-        self.scratch, self.home, self.target, self._asked = scratch, home, target, asked
+        self.scratch, self.home, self.target, self.asked = scratch, home, target, asked
         self.new, self._old = scratch.folder / "new", scratch.folder / "old"
         self.new.mkdir()
         self._old.mkdir()
-        self.whole = self.replaces = False
+        self.whole = self.replaces = self.sets_aside = self.is_new_folder = False
         self._manifest = Manifest(home)
         self._kept = 0
         self.written: list[Path] = []
         """What has taken its place."""
         self._delivered: set[Path] = set()
-
-    @property
-    def _is_new_folder(self) -> bool:
-        return (self.new / self.target.name).is_dir() and self.target in self._asked
 
     @property
     def is_scratch(self) -> bool:
@@ -250,7 +264,7 @@ class _Parcel:
 
     def prepare(self) -> None:
         """What takes time, before anything moves."""
-        if self._is_new_folder:
+        if self.is_new_folder:
             folder = self.new / self.target.name
             Manifest(folder).note(_files_in(folder), whole=self.whole)
         # Only the target: a stage has hundreds of files beside it, and syncing each of them
@@ -260,7 +274,7 @@ class _Parcel:
 
     def moves(self) -> list[tuple[_Parcel, Path, Path]]:
         """(self, from, to), the target itself last: it must not point to files still missing."""
-        if self._is_new_folder:
+        if self.is_new_folder:
             return [(self, self.new / self.target.name, self.target)]
         pairs = [(self, f, self.home / f.relative_to(self.new)) for f in _files_in(self.new)]
         self._delivered = {target for _, _, target in pairs}
@@ -274,9 +288,14 @@ class _Parcel:
         _refuse_odd(target)
         if same_bytes(source, target):
             return False
-        if target not in self._asked and not self._manifest.owns(target):
+        is_ours = target in self.asked or self._manifest.owns(target)
+        if not is_ours and not self.is_to_be_set_aside(target):
             raise _not_ours(target)
         return True
+
+    def is_to_be_set_aside(self, target: Path) -> bool:
+        """Whether target was ours and was changed, and a copy of it shall stay."""
+        return self.sets_aside and self._manifest.lists(target) and not self._manifest.owns(target)
 
     def keep(self) -> Path:
         """A place for what is replaced, until all is well."""
@@ -287,12 +306,12 @@ class _Parcel:
         """Of a folder that is replaced: what is ours and has no successor."""
         if not self.replaces:
             return []
-        return [file for file in self._manifest.files() if file not in self._delivered]
+        return sorted(set(self._manifest.files()) - self._delivered)
 
     def note(self) -> None:
         """List what was written, but for what the user named, which is theirs to name again."""
-        if not self._is_new_folder:
-            ours = [file for file in self.written if file not in self._asked]
+        if not self.is_new_folder:
+            ours = [file for file in self.written if file not in self.asked]
             self._manifest.note(ours, whole=self.whole)
 
 
@@ -324,7 +343,7 @@ def may_be_written(path: Path) -> None:
     """
     path = _absolute(path)
     _refuse_odd(path)
-    if path.exists() and not Manifest(path.parent).owns(path):
+    if path.exists() and not Manifest(path.parent).lists(path):
         raise _not_ours(path)
 
 
@@ -349,7 +368,7 @@ def _refuse_folder(folder: Path, mode: FolderMode) -> None:
     there = sorted(one.name for one in folder.iterdir() if one.name != MANIFEST_FILE)
     there = [name for name in there if not name.startswith(SCRATCH_PREFIX)]
     manifest = Manifest(folder)
-    if not there or (mode == "replace" and manifest.is_of_a_whole_folder):
+    if not there or (mode in ("replace", "renew") and manifest.is_of_a_whole_folder):
         return
     if mode == "add" and manifest.hashes:
         return
@@ -403,6 +422,12 @@ def _files_in(folder: Path) -> list[Path]:
 def _sync(path: Path) -> None:
     with path.open("rb") as file:
         os.fsync(file.fileno())
+
+
+def _free_name(file: Path) -> Path:
+    """Where a file that was changed is kept: beside it, under a name that nothing has."""
+    names = (f"{file.name}{CHANGED}{number or ''}" for number in itertools.count())
+    return next(file.with_name(name) for name in names if not file.with_name(name).exists())
 
 
 def _link_or_copy(source: Path, target: Path) -> None:

@@ -69,6 +69,10 @@ class Manifest:
         found = (_LINE.fullmatch(line) for line in self._lines)
         return {match[2]: match[1] for match in found if match and _stays_inside(match[2])}
 
+    def lists(self, file: Path) -> bool:
+        """Whether this program wrote a file of this name into the folder."""
+        return file.relative_to(self._folder).as_posix() in self.hashes
+
     def owns(self, file: Path) -> bool:
         """Whether this program wrote a file of the folder, and nobody has changed it since."""
         noted = self.hashes.get(file.relative_to(self._folder).as_posix())

@@ -29,7 +29,7 @@ def told(capsys: pytest.CaptureFixture[str], *words: object) -> dict:
 def test_synth_names_houses_by_their_seed(houses: Path) -> None:
     suffixes = (".json", ".layout.png", ".plan.png")
     expected = sorted(f"house_{seed:06d}{suffix}" for seed in (5, 6, 7) for suffix in suffixes)
-    assert sorted(path.name for path in houses.iterdir()) == expected
+    assert sorted(path.name for path in houses.glob("house_*")) == expected
 
 
 def test_a_house_depends_on_its_seed_alone(houses: Path, tmp_path: Path) -> None:

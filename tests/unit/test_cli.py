@@ -15,9 +15,11 @@ import pytest
 
 from chord_usd import cli
 from chord_usd.cli import build_parser, main
+from chord_usd.commands import check
 from chord_usd.commands.common import Outcome
 from chord_usd.commands.render import look_of, words_of
 from chord_usd.errors import ChordError
+from chord_usd.runtime import interrupts
 from tests.verbs import VERBS
 
 ROOT = Path(__file__).parents[2]
@@ -128,7 +130,7 @@ class TestOutcomes:
     @pytest.fixture
     def run_verb(self, monkeypatch: pytest.MonkeyPatch):
         def run(behaviour, *words: str) -> int:
-            monkeypatch.setattr(cli.check, "run", lambda options: behaviour())
+            monkeypatch.setattr(check, "run", lambda options: behaviour())
             return main(["check", "house.usda", *words])
 
         return run
@@ -154,7 +156,7 @@ class TestOutcomes:
         def interrupted() -> Outcome:
             raise KeyboardInterrupt
 
-        assert run_verb(interrupted) == cli.INTERRUPTED
+        assert run_verb(interrupted) == interrupts.INTERRUPTED
         assert "Traceback" not in capsys.readouterr().err
 
     def test_an_interrupt_while_a_dataclass_is_made(self, tmp_path: Path) -> None:
@@ -162,16 +164,17 @@ class TestOutcomes:
         (tmp_path / "job.py").write_text(
             "import os, signal, sys\n"
             "from chord_usd import cli\n"
+            "from chord_usd.commands import describe\n"
             "def run(options):\n"
             "    exec('os.kill(os.getpid(), signal.SIGINT)\\nsignal.pause()')\n"
-            "cli.describe.run = run\n"
+            "describe.run = run\n"
             "sys.exit(cli.main(['describe', 'house.usda']))\n"
         )
         done = subprocess.run(
             [sys.executable, "-m", "job"],
             cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False,
         )  # fmt: skip
-        assert (done.returncode, done.stdout) == (cli.INTERRUPTED, "")
+        assert (done.returncode, done.stdout) == (interrupts.INTERRUPTED, "")
         assert done.stderr == "error: interrupted, nothing was written\n"
 
     @pytest.mark.parametrize(
