@@ -58,9 +58,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
-        if reason := interrupts.came():
-            sys.stderr.write(interrupts.told(reason))
-            return reason.code
+        if hidden := interrupts.came():  # some libraries make errors of their own of it
+            sys.stderr.write(interrupts.told(hidden))
+            return hidden.code
         if "--debug" in words:
             traceback.print_exc()
         sys.stderr.write(f"error: {_sentence(error)}\n")
@@ -108,7 +108,9 @@ def _tell(outcome: Outcome, *, as_json: bool) -> None:
     if not as_json:
         sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
     text = json.dumps(outcome.data) if as_json else outcome.text
-    sys.stdout.write(text + "\n")
+    # A locale without "m²" is no reason to fail after all is done.
+    encoding = sys.stdout.encoding or "utf-8"
+    sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")
     sys.stdout.flush()
 
 

@@ -60,7 +60,7 @@ def add(verbs: Verbs) -> None:
     )
     adding.add_argument(
         "--triangles",
-        type=whole_number(100),
+        type=whole_number(100, 10_000_000),
         default=20_000,
         metavar="N",
         help="meshes with more are reduced to it (20000)",
@@ -79,7 +79,7 @@ def _add_nearest(group: Verbs) -> None:
         "--size", type=size_m, required=True, metavar="LxWxH", help="in metres, such as 1.6x2.0x0.9"
     )
     parser.add_argument(
-        "--count", type=whole_number(1), default=8, metavar="N", help="at most so many (8)"
+        "--count", type=whole_number(1, 100_000), default=8, metavar="N", help="at most so many (8)"
     )
     parser.add_argument(
         "--pictures", type=output_place, metavar="DIR", help="also draw a picture of each, ID.png"

@@ -19,6 +19,7 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     positive,
+    scale,
     stopwatch,
     whole_number,
 )
@@ -55,17 +56,17 @@ def _add_houses(parser: Parser) -> None:
     group = parser.add_argument_group("houses")
     add_seed(group)
     group.add_argument(
-        "--seeds", type=whole_number(1), default=1, metavar="N",
+        "--seeds", type=whole_number(1, 1_000_000), default=1, metavar="N",
         help="houses for each plan, from --seed on (1)",
     )  # fmt: skip
     group.add_argument(
-        "--synth", type=whole_number(1), default=0, metavar="N",
+        "--synth", type=whole_number(1, 1_000_000), default=0, metavar="N",
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
     add_steps(group)
     add_redraws(group)
     group.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
     )
     group.add_argument("--no-tabletop", action="store_true", help="leave tables bare")
     add_assets(group)
@@ -94,14 +95,18 @@ def _add_workers(parser: Parser) -> None:
         help="processes of this machine, or a Ray cluster (local)",
     )  # fmt: skip
     group.add_argument(
-        "--workers", type=whole_number(1), metavar="N",
+        "--workers", type=whole_number(1, 4096), metavar="N",
         help="how many (as many as cores and memory allow)",
     )  # fmt: skip
     group.add_argument(
         "--address", metavar="HOST:PORT", help="of the Ray cluster (one on this machine alone)"
     )
     group.add_argument(
-        "--cpus", type=whole_number(1), default=1, metavar="N", help="cores of a Ray worker (1)"
+        "--cpus",
+        type=whole_number(1, 4096),
+        default=1,
+        metavar="N",
+        help="cores of a Ray worker (1)",
     )
     group.add_argument(
         "--gpus", type=positive, default=0.0, metavar="SHARE",

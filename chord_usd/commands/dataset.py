@@ -66,16 +66,18 @@ def add(verbs: Verbs) -> None:
     draw.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(draw, "the sheet, a PNG")
     draw.add_argument(
-        "--most", type=whole_number(1), default=24, metavar="N", help="houses to draw (24)"
+        "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
     )
 
 
 def _add_synth(group: Verbs) -> None:
     synth = add_verb(group, "synth", run_synth, "draw and furnish procedural houses")
     add_output_folder(synth, "folder for the houses")
-    synth.add_argument("--count", type=whole_number(1), default=10, metavar="N", help="(10)")
     synth.add_argument(
-        "--rooms", type=whole_number(1), metavar="N", help="rooms per house (as the paper's)"
+        "--count", type=whole_number(1, 1_000_000), default=10, metavar="N", help="(10)"
+    )
+    synth.add_argument(
+        "--rooms", type=whole_number(1, 100), metavar="N", help="rooms per house (as the paper's)"
     )
     synth.add_argument(
         "--rasters", action="store_true", help="also draw plan and layout rasters beside them"

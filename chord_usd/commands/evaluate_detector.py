@@ -35,14 +35,14 @@ def add(group: Verbs) -> None:
     )
     parser.add_argument(
         "--houses",
-        type=whole_number(0),
+        type=whole_number(0, 1_000_000),
         default=300,
         metavar="N",
         help="drawings of held-out houses (300)",
     )
     parser.add_argument(
         "--generated",
-        type=whole_number(0),
+        type=whole_number(0, 1_000_000),
         default=60,
         metavar="N",
         help="samples of the layout model (60)",

@@ -35,7 +35,7 @@ def add_plans(parser: Parser, count: int) -> None:
         "--split", default="test", metavar="NAME", help=f"{', '.join(SPLITS)} (test: held out)"
     )
     parser.add_argument(
-        "--n", "--plans", dest="plans", type=whole_number(1), default=count, metavar="N",
+        "--n", "--plans", dest="plans", type=whole_number(1, 1_000_000), default=count, metavar="N",
         help=f"plans ({count})",
     )  # fmt: skip
     parser.add_argument("--flats", type=Path, metavar="JSONL", help="real floor plans")

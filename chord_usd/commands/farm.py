@@ -28,10 +28,14 @@ def add(verbs: Verbs) -> None:
     add_output_folder(parser, "folder of the bundle")
     parts = parser.add_argument_group("division")
     parts.add_argument(
-        "--tiles", type=whole_number(1), default=1, metavar="N", help="bands of each picture (1)"
+        "--tiles",
+        type=whole_number(1, 1000),
+        default=1,
+        metavar="N",
+        help="bands of each picture (1)",
     )
     parts.add_argument(
-        "--sample-blocks", type=whole_number(1), default=1, metavar="N",
+        "--sample-blocks", type=whole_number(1, 1000), default=1, metavar="N",
         help="equal shares of the samples (1)",
     )  # fmt: skip
     parts.add_argument("--gpu", action="store_true", help="ask for workers with a GPU")

@@ -17,7 +17,7 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     add_verb,
-    positive,
+    scale,
     stopwatch,
 )
 from chord_usd.commands.paths import output_file
@@ -41,7 +41,7 @@ def add(verbs: Verbs) -> None:
     add_steps(parser)
     add_redraws(parser)
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_part(parser)
     parser.add_argument(

@@ -12,7 +12,7 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -24,7 +24,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("layout", type=Path, metavar="LAYOUT", help="layout raster, layout.png")
     add_output(parser, "the scene graph, scene.json")
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="for pictures that do not say it"
+        "--scale", type=scale, metavar="M_PER_PX", help="for pictures that do not say it"
     )
     add_assets(parser)
 

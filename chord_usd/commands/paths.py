@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import unicodedata
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -45,6 +46,12 @@ def output_run(text: str) -> Path:
 _OUTPUTS: tuple[Callable[[str], Path], ...] = (
     output_file, output_folder, output_place, output_run,
 )  # fmt: skip
+
+_NOT_IN_USD = ("\\", ":SDF_FORMAT_ARGS:")
+"""A separator of folders on other systems, and what parts a path from arguments."""
+
+_LONGEST_NAME_BYTES = 255
+"""Of a file or folder, on every system."""
 
 _DATA_SUFFIXES = {
     ".json", ".jsonl", ".gz", ".usd", ".usda", ".usdc", ".usdz", ".safetensors", ".onnx", ".obj",
@@ -94,8 +101,11 @@ def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iter
 
 def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
     """Raise UsageError where an output is an input, holds one, or is another output,
-    and OutputError for what is no plain file, or a folder that no training run may go on in."""
+    for a name that cannot be written down, and OutputError for what is no plain file or a folder
+    that no training run may go on in."""
     paths = named_paths(parser, options)
+    for one in paths:
+        _refuse_odd_name(one)
     inputs = [one for one in paths if one.role is Path]
     outputs = [one for one in paths if one.role is not Path]
     for output in outputs:
@@ -113,6 +123,33 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
                 where=str(second.path),
                 expected="a path for each",
             )
+
+
+def _refuse_odd_name(one: Named) -> None:
+    """Refuse names that the file system, USD or a terminal cannot all say."""
+    said = str(one.path)
+    # Under an ASCII locale whatever is beyond it arrives as lone surrogates.
+    if any("\ud800" <= character <= "\udfff" for character in said):
+        raise UsageError(
+            f"{one.option} is no path in UTF-8",
+            where=said,
+            try_="PYTHONUTF8=1, if the locale is not UTF-8",
+        )
+    if any(unicodedata.category(character) in ("Cc", "Zl", "Zp") for character in said):
+        raise UsageError(f"{one.option} holds a control character", where=said, expected="a path")
+    for odd in _NOT_IN_USD:
+        if odd in one.path.as_posix():
+            raise UsageError(
+                f"{one.option} holds {odd!r}, which USD takes for something else",
+                where=said,
+                expected="a path without it",
+            )
+    if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in one.path.parts):
+        raise UsageError(
+            f"{one.option} has a name of more than {_LONGEST_NAME_BYTES} bytes",
+            where=f"{said[:40]}…",
+            expected="a shorter one",
+        )
 
 
 def _check_input(output: Named, given: Named) -> None:

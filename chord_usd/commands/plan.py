@@ -15,7 +15,7 @@ from chord_usd.commands.common import (
     add_part,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
 from chord_usd.commands.paths import output_file
@@ -35,7 +35,7 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     add_output(read, "the vector plan, plan.json")
     read.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX",
+        "--scale", type=scale, metavar="M_PER_PX",
         help="metres per pixel of the drawing, or per unit of a vector file",
     )  # fmt: skip
     add_part(read)

@@ -20,7 +20,7 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -46,7 +46,7 @@ def add(group: Verbs) -> None:
     )  # fmt: skip
     outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
     outline.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of the drawing"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of the drawing"
     )
     _add_options(outline)
 

@@ -13,8 +13,8 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
+    seed,
     stopwatch,
-    whole_number,
 )
 from chord_usd.commands.paths import in_place_of, output_file
 from chord_usd.runtime.files import deliver
@@ -41,9 +41,7 @@ def add(verbs: Verbs) -> None:
         "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
     )
     in_place_of(target, "STAGE")
-    parser.add_argument(
-        "--seed", type=whole_number(0), metavar="N", help="(one more than the room's last)"
-    )
+    parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_steps(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"

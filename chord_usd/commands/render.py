@@ -16,6 +16,7 @@ from chord_usd.commands.common import (
     existing_file,
     names,
     resolution,
+    seed,
     stopwatch,
     tile,
     whole_number,
@@ -55,7 +56,7 @@ def add_what(parser: Parser) -> None:
         help="only cameras in this room; may be given several times",
     )  # fmt: skip
     group.add_argument(
-        "--walkthrough", type=whole_number(1), default=0, metavar="N",
+        "--walkthrough", type=whole_number(1, 10_000), default=0, metavar="N",
         help="instead of the stage's cameras, N views along a walk through the doors",
     )  # fmt: skip
     add_look(group)
@@ -79,7 +80,7 @@ def add_look(group: Options) -> None:
         "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
     )
     group.add_argument(
-        "--samples", type=whole_number(1), metavar="N",
+        "--samples", type=whole_number(1, 65_536), metavar="N",
         help="paths per pixel, at most (8, 128 or 1024, by the quality)",
     )  # fmt: skip
 
@@ -111,9 +112,7 @@ def add_how(parser: Parser) -> None:
         "--device", default="auto", metavar="NAME",
         help="auto, cpu, gpu, or a backend such as cuda (auto: a GPU if there is one)",
     )  # fmt: skip
-    group.add_argument(
-        "--seed", type=whole_number(0), default=0, metavar="N", help="of the noise (0)"
-    )
+    group.add_argument("--seed", type=seed, default=0, metavar="N", help="of the noise (0)")
     group.add_argument(
         "--skip-existing", action="store_true",
         help="keep what is there already, if it is whole and was made with the same options",

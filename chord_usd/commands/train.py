@@ -67,7 +67,7 @@ def add(verbs: Verbs) -> None:
     _add_flats(bubbles)
     bubbles.add_argument(
         "--houses",
-        type=whole_number(1),
+        type=whole_number(1, 10_000_000),
         default=40_000,
         metavar="N",
         help="procedural houses to learn from (40000)",
@@ -88,14 +88,14 @@ def add(verbs: Verbs) -> None:
     )
     detector.add_argument(
         "--generated",
-        type=whole_number(0),
+        type=whole_number(0, 10_000_000),
         default=0,
         metavar="N",
         help="layouts that plan2layout paints first, half of all that is seen then (0)",
     )
     detector.add_argument(
         "--score-houses",
-        type=whole_number(1),
+        type=whole_number(1, 1_000_000),
         default=200,
         metavar="N",
         help="held-out houses to score the result on (200)",
@@ -111,7 +111,11 @@ def _add_flats(parser: Parser) -> None:
 def _add_loop_options(parser: Parser) -> None:
     """Options of whatever the one training loop trains."""
     parser.add_argument(
-        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
+        "--workers",
+        type=whole_number(0, 4096),
+        default=1,
+        metavar="N",
+        help="processes that draw (1)",
     )
     parser.add_argument(
         "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
@@ -141,7 +145,7 @@ def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) 
     )
     parser.add_argument(
         "--batch",
-        type=whole_number(1),
+        type=whole_number(1, 65_536),
         default=batch,
         metavar="N",
         help=f"({batch or 'the preset decides'})",

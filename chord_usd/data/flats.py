@@ -29,6 +29,7 @@ from chord_usd.data.splits import Part, part_of
 from chord_usd.errors import PlanError
 from chord_usd.metrics.rooms import empty_rooms
 from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import Plan, Room, RoomKind, frozen_array
 
 _AREA_M2 = (14.0, 130.0)
@@ -90,6 +91,7 @@ def _is_furnishable(plan: Plan) -> bool:
 
 
 def _records(path: Path) -> Iterator[tuple[str, list[list[Any]]]]:
+    refuse_odd_file(path, PlanError)
     try:
         with gzip.open(path, "rt", encoding="utf-8") as stream:
             for number, text in enumerate(stream, start=1):
@@ -228,6 +230,7 @@ def write_plans(plans: Iterable[Plan], path: Path) -> None:
 def read_plans(path: Path) -> list[Plan]:
     """Plans that write_plans wrote. Raises PlanError naming the line that is none."""
     try:
+        refuse_odd_file(path, PlanError)
         data = path.read_bytes()
         text = (gzip.decompress(data) if path.suffix == ".gz" else data).decode()
         records = [json.loads(line) for line in text.splitlines()]

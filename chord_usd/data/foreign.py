@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,7 @@ from chord_usd.data.flats import flat_from_lines
 from chord_usd.data.procthor import Sizes, house_from_procthor, read_asset_sizes
 from chord_usd.data.threed_front import house_from_front, read_models, room_from_record
 from chord_usd.errors import ChordError, SceneError
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import SceneGraph
 
 FORMATS = "CHOrD JSON, 3D-FRONT, ProcTHOR or FloorplanTransformation"
@@ -42,6 +44,7 @@ class Found(NamedTuple):
 def read_models_file(path: Path) -> Models:
     """3D-FUTURE's model_info.json or ProcTHOR's asset-database.json. Raises SceneError."""
     try:
+        refuse_odd_file(path, SceneError)
         is_list = path.read_text(encoding="utf-8").lstrip().startswith("[")
     except (OSError, ValueError) as error:
         raise SceneError(f"cannot be read: {error}", where=str(path)) from None
@@ -66,6 +69,7 @@ def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
 
 
 def _bytes(path: Path) -> bytes:
+    refuse_odd_file(path, SceneError)
     try:
         return path.read_bytes()
     except OSError as error:
@@ -80,7 +84,7 @@ def _lines(path: Path, models: Models) -> Iterator[Found]:
     data = _bytes(path)
     try:
         data = gzip.decompress(data) if path.suffix == ".gz" else data
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise SceneError(f"cannot be unpacked: {error}", where=str(path)) from None
     taken: set[str] = set()
     for number, line in enumerate(data.splitlines(), start=1):
@@ -97,7 +101,7 @@ def _found(name: str, data: bytes, models: Models) -> Found:
         return Found(name, house_from_record(json.loads(data.decode("utf-8-sig")), models))
     except ChordError as error:
         return Found(name, None, str(error))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         return Found(name, None, f"no JSON: {error}")
 
 

@@ -20,6 +20,7 @@ from shapely.geometry.polygon import orient
 
 from chord_usd.errors import SceneError
 from chord_usd.palette import CATEGORIES
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import Box, FloatArray, Item, Room, RoomKind, SceneGraph, frozen_array
 
 PAPER_REMAP: dict[str, str] = {
@@ -180,6 +181,7 @@ def read_rooms(path: Path) -> Iterator[SceneGraph]:
     floor lists (x, z), objects {pos, rot, size, category}. Each room is a scene of its own.
     Raises SceneError naming the line that is none.
     """
+    refuse_odd_file(path, SceneError)
     try:
         with gzip.open(path, "rt", encoding="utf-8") as stream:
             for number, line in enumerate(stream, start=1):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.errors import PlanError
-from chord_usd.raster_files import TEXT_CHUNK
+from chord_usd.errors import PlanError, SceneError
+from chord_usd.raster_files import TEXT_CHUNK, read_chunk
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import ByteArray, PixelFrame
 
 if TYPE_CHECKING:
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 SMALLEST_SIDE_PX = 32
 LARGEST_SIDE_PX = 12_000
+
+_FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000", "TGA")
+"""What is opened at all: Pillow hands EPS to Ghostscript, a program of its own."""
 
 _EXPECTED = "a picture of a floor plan (PNG, JPEG, TIFF, BMP, GIF or WebP)"
 
@@ -41,13 +44,14 @@ def read_picture(path: Path) -> Picture:
     """
     from PIL import Image, UnidentifiedImageError
 
+    refuse_odd_file(path, PlanError)
     try:
         if path.stat().st_size == 0:
             raise PlanError("is empty", where=str(path), expected=_EXPECTED)
         with warnings.catch_warnings():
             # The sides are checked here, with words of our own.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(path) as image:
+            with Image.open(path, formats=_FORMATS) as image:
                 _check_size(image.size, path)
                 described = getattr(image, "text", {}).get(TEXT_CHUNK)
                 rgb = _upright_rgb(image)
@@ -109,14 +113,12 @@ def _frame(described: str | None, height_px: int, path: Path) -> PixelFrame | No
     if not described:
         return None
     try:
-        data = json.loads(described)
-        if "provenance" in data:
-            raise PlanError(
-                "is a layout, not a plan", where=str(path), try_="chord-usd graph LAYOUT -o X.json"
-            )
-        x_m, y_m = data["frame"]["origin_m"]
-        frame = PixelFrame(float(data["frame"]["m_per_px"]), (float(x_m), float(y_m)), height_px)
-    except (KeyError, TypeError, ValueError):
+        frame, provenance = read_chunk(described)
+    except SceneError:
         return None
+    if provenance is not None:
+        raise PlanError(
+            "is a layout, not a plan", where=str(path), try_="chord-usd graph LAYOUT -o X.json"
+        )
     # A picture that was scaled since keeps the text of the one it was made from.
-    return frame if data["frame"].get("height_px") == height_px and frame.m_per_px > 0 else None
+    return frame if frame.height_px == height_px else None

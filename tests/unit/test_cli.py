@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -83,6 +85,43 @@ def test_an_unusable_command_line_is_one_error_line(
     assert re.fullmatch(r"error: .+\n", told.err)
     assert "unexpected" not in told.err
     assert list(tmp_path.iterdir()) == []
+
+
+def actions_of(parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.Action]]:
+    """Every action of every verb, with the verb's name."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for inner in action.choices.values():
+                yield from actions_of(inner)
+        else:
+            yield parser.prog, action
+
+
+ACTIONS = list(actions_of(build_parser()))
+INTEGERS = [
+    (prog, action)
+    for prog, action in ACTIONS
+    if callable(action.type) and "whole_number" in action.type.__qualname__
+]
+
+
+def test_whole_numbers_are_read_in_one_way() -> None:
+    assert len(INTEGERS) > 20
+    assert not [prog for prog, action in ACTIONS if action.type in (int, float)]
+
+
+@pytest.mark.parametrize(
+    ("prog", "action"), INTEGERS, ids=[f"{p} {a.option_strings[-1]}" for p, a in INTEGERS]
+)
+def test_every_whole_number_has_a_range(prog: str, action: argparse.Action) -> None:
+    """Told before a model is loaded, in a short line."""
+    assert callable(action.type)
+    for text in ("100000000000", "9" * 31, "9" * 5000, "-1", "1e3", "", "0x10", "nan"):
+        with pytest.raises(argparse.ArgumentTypeError) as caught:
+            action.type(text)
+        assert len(str(caught.value)) < 80
+    if action.default is not None:
+        assert action.default == 0 or action.type(str(action.default)) == action.default
 
 
 class TestOutcomes:
