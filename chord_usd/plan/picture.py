@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import warnings
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy as np
 
 from chord_usd.errors import PlanError
 from chord_usd.raster_files import TEXT_CHUNK
+from chord_usd.runtime.confined import confined
 from chord_usd.types import ByteArray, PixelFrame
 
 if TYPE_CHECKING:
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
 
 SMALLEST_SIDE_PX = 32
 LARGEST_SIDE_PX = 12_000
+
+_FORMATS = ("PNG", "JPEG", "GIF", "BMP", "PPM", "TIFF", "WEBP", "JPEG2000")
+"""What Pillow may try. It knows more, some of which start other programs: EPS runs Ghostscript."""
+_SINCE_PILLOW_11 = "AVIF"
 
 _EXPECTED = "a picture of a floor plan (PNG, JPEG, TIFF, BMP, GIF or WebP)"
 
@@ -34,11 +40,15 @@ class Picture:
 
 
 def read_picture(path: Path) -> Picture:
-    """Read a picture of any kind, upright and 8 bits deep.
+    """Read a picture of any kind, upright and 8 bits deep, in a process of its own.
 
     Raises PlanError for what is no picture, is damaged, or has sides beyond SMALLEST_SIDE_PX and
     LARGEST_SIDE_PX; sizes are checked before anything is decoded.
     """
+    return confined(_read, path, where=str(path), error=PlanError)
+
+
+def _read(path: Path) -> Picture:
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -47,7 +57,7 @@ def read_picture(path: Path) -> Picture:
         with warnings.catch_warnings():
             # The sides are checked here, with words of our own.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(path) as image:
+            with Image.open(path, formats=_formats()) as image:
                 _check_size(image.size, path)
                 described = getattr(image, "text", {}).get(TEXT_CHUNK)
                 rgb = _upright_rgb(image)
@@ -69,6 +79,11 @@ def read_picture(path: Path) -> Picture:
         ) from error
     rgb.setflags(write=False)
     return Picture(rgb, _frame(described, rgb.shape[0], path))
+
+
+def _formats() -> tuple[str, ...]:
+    has_avif = importlib.util.find_spec("PIL.AvifImagePlugin") is not None
+    return (*_FORMATS, *([_SINCE_PILLOW_11] if has_avif else ()))
 
 
 def _check_size(size: tuple[int, int], path: Path) -> None:

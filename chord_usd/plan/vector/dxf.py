@@ -45,13 +45,19 @@ _THICKEST_WALL_M = 0.6
 def read_dxf(path: Path) -> list[VectorDrawing]:
     """The drawing in model space. Raises PlanError, MissingExtraError."""
     document = _open(path)
+    if _count(document, document.modelspace(), 0, {}) > _MOST_ENTITIES:
+        raise PlanError(
+            f"has more than {_MOST_ENTITIES:,} entities once its blocks are taken apart",
+            where=str(path), expected=_EXPECTED, try_="purge it, or leave out furniture",
+        )  # fmt: skip
     flat = list(_flattened(document.modelspace(), 0))
-    if len(flat) > _MOST_ENTITIES:
-        raise PlanError("has too many entities", where=str(path), expected=_EXPECTED)
-    m_per_unit = _units(document, flat)
-    sorter = _Sorter(m_per_unit)
-    for entity in flat:
-        sorter.add(entity)
+    try:
+        m_per_unit = _units(document, flat)
+        sorter = _Sorter(m_per_unit)
+        for entity in flat:
+            sorter.add(entity)
+    except ValueError as error:
+        raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
     drawing = sorter.drawing()
     if not drawing.rooms and not drawing.walls:
         layers = sorted({e.dxf.layer for e in flat if e.dxf.hasattr("layer")})[:8]
@@ -79,6 +85,26 @@ def _open(path: Path) -> Any:
     except (ezdxf.DXFError, UnicodeError, ValueError, IndexError) as error:
         raise PlanError(f"is not a DXF drawing ({error})", where=str(path)) from error
     return document
+
+
+def _count(
+    document: Any, entities: Iterable[Any], depth: int, known: dict[tuple[str, int], int]
+) -> int:
+    """How many entities _flattened would yield, without taking anything apart.
+
+    known: entities in each block at each depth, counted once however often it is inserted.
+    """
+    total = 0
+    for entity in entities:
+        if entity.dxftype() != "INSERT" or depth > _DEEPEST_BLOCK:
+            total += 1
+            continue
+        key = str(entity.dxf.name), depth
+        if key not in known:
+            block = document.blocks.get(key[0])
+            known[key] = 0 if block is None else _count(document, block, depth + 1, known)
+        total += known[key]
+    return total
 
 
 def _flattened(entities: Iterable[Any], depth: int) -> Iterator[Any]:
@@ -119,7 +145,14 @@ def _means(entity: Any) -> str:
 
 
 def _points(entity: Any) -> list[tuple[float, float]]:
-    """The entity's points, arcs as they bend."""
+    """The entity's points, arcs as they bend. Raises ValueError where they are no numbers."""
+    points = _drawn(entity)
+    if not np.isfinite(np.array(points, float)).all():
+        raise ValueError(f"a {entity.dxftype()} has coordinates that are no numbers")
+    return points
+
+
+def _drawn(entity: Any) -> list[tuple[float, float]]:
     kind = entity.dxftype()
     if kind == "LINE":
         return [(entity.dxf.start.x, entity.dxf.start.y), (entity.dxf.end.x, entity.dxf.end.y)]
