@@ -19,7 +19,7 @@ from shapely.ops import polygonize, unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.geometry import polygons_of
-from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
 from chord_usd.types import FloatArray, OpeningKind
 
 _EXPECTED = "a DXF drawing with layers for walls or rooms"
@@ -145,11 +145,31 @@ def _means(entity: Any) -> str:
 
 
 def _points(entity: Any) -> list[tuple[float, float]]:
-    """The entity's points, arcs as they bend. Raises ValueError where they are no numbers."""
+    """The entity's points, arcs as they bend.
+
+    Raises ValueError where they are no numbers, or lie beyond FARTHEST.
+    """
+    # Before it is drawn: ezdxf never ends on an arc round a centre that is no number.
+    _refuse_odd(entity, list(_numbers(entity)))
     points = _drawn(entity)
-    if not np.isfinite(np.array(points, float)).all():
-        raise ValueError(f"a {entity.dxftype()} has coordinates that are no numbers")
+    _refuse_odd(entity, points)
     return points
+
+
+def _numbers(entity: Any) -> Iterator[float]:
+    """All that the entity's shape is told with."""
+    for value in entity.dxf.all_existing_dxf_attribs().values():
+        yield from (value.xyz if hasattr(value, "xyz") else [value] * isinstance(value, float))
+    if entity.dxftype() == "LWPOLYLINE":
+        yield from np.ravel(entity.get_points()).tolist()
+    elif entity.dxftype() == "SPLINE":
+        for rows in (entity.control_points, entity.fit_points, entity.knots, entity.weights):
+            yield from np.ravel([tuple(row) for row in rows] if np.ndim(rows) > 1 else rows)
+
+
+def _refuse_odd(entity: Any, values: Any) -> None:
+    if not (np.abs(np.array(values, float)) <= FARTHEST).all():
+        raise ValueError(f"{entity.dxftype()}: coordinates that are no numbers, or too large")
 
 
 def _drawn(entity: Any) -> list[tuple[float, float]]:
@@ -168,6 +188,9 @@ def _drawn(entity: Any) -> list[tuple[float, float]]:
 
 def _sagitta(entity: Any) -> float:
     """How far the polygon of a curve may lie inside it."""
+    if entity.dxftype() == "ELLIPSE":
+        # A curve from here to the moon has not more corners than a column's.
+        return max(2.0, float(entity.dxf.major_axis.magnitude) / 1000.0)
     radius = entity.dxf.radius if entity.dxf.is_supported("radius") else 100.0
     return float(radius) / 50.0
 
@@ -191,7 +214,7 @@ class _Sorter:
             said = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
             place = entity.dxf.insert
             self.labels.append(Label(" ".join(said.split()), np.array([place.x, place.y])))
-        elif kind == "ARC" and self._is_swing(entity):
+        elif kind == "ARC" and _points(entity) and self._is_swing(entity):
             self.arcs.append(entity)
         elif kind == "HATCH" and means == "wall":
             self.areas += list(_hatch(entity))
