@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from chord_usd.plan.picture import LARGEST_SIDE_PX, read_picture
 from chord_usd.plan.read import read_plan_file
 
 LONGEST_S = 60.0
@@ -214,6 +215,16 @@ def test_hostile_files_are_one_error_line_soon_and_within_a_gib(name: str, tmp_p
     assert seconds < LONGEST_S
     assert peak_mib < LARGEST_MIB
     assert sorted(file.name for file in tmp_path.iterdir()) == [name]
+
+
+@pytest.mark.parametrize("mode", ["RGBA", "I;16"])
+def test_the_largest_pictures_that_are_promised_fit_the_limit(mode: str, tmp_path: Path) -> None:
+    side = LARGEST_SIDE_PX
+    Image.new(mode, (side, side)).save(tmp_path / "plan.png", compress_level=1)
+    picture = read_picture(tmp_path / "plan.png")
+    assert picture.rgb.shape == (side, side, 3)
+    # Clear is paper, and the least grey is black.
+    assert picture.rgb[0, 0, 0] == picture.rgb[-1, -1, -1] == (255 if mode == "RGBA" else 0)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
