@@ -22,9 +22,6 @@ from chord_usd.types import CANVAS_PX, LayoutImage, PixelFrame, PlanImage, Prove
 
 TEXT_CHUNK = "chord"
 
-_FORMATS = ("PNG", "JPEG", "GIF", "BMP", "TIFF", "WEBP")
-"""What Pillow may try for a layout: some others start programs, as EPS does Ghostscript."""
-
 
 def write_raster(image: PlanImage | LayoutImage, path: Path) -> None:
     """Write an RGB PNG; the same image gives the same bytes. Raises OutputError."""
@@ -83,7 +80,7 @@ def _open(path: Path) -> tuple[np.ndarray[Any, Any], dict[str, Any] | None]:
         with warnings.catch_warnings():
             # Pillow warns of a possible decompression bomb, then stops at twice that size.
             warnings.simplefilter("error", Image.DecompressionBombWarning)
-            with Image.open(path, formats=_FORMATS) as picture:
+            with Image.open(path) as picture:
                 text = getattr(picture, "text", {}).get(TEXT_CHUNK)
                 rgb = frozen_array(np.asarray(picture.convert("RGB")), np.uint8)
         return rgb, json.loads(text) if text else None

@@ -41,8 +41,6 @@ def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Pla
         raise PlanError(
             "is a folder", where=str(path), expected="a plan: a picture, SVG, DXF, IFC, PDF or JSON"
         )
-    if path.exists() and not path.is_file():
-        raise PlanError("is no regular file", where=str(path), expected="a plan on disk")
     plan = _read(path, scale, part)
     warnings = _warnings(plan)
     return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
