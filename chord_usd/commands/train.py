@@ -317,6 +317,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
     from chord_usd.pipeline import Settings, load_model
+    from chord_usd.runtime.files import begin_run
     from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
@@ -333,6 +334,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     generated: list[Sample] = []
     if options.generated:
+        begin_run(options.output)
         with watch.step("generate") as progress:
             model = load_model(Settings(device=options.device))
             folder = options.output / "generated"
