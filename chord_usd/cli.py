@@ -97,7 +97,11 @@ def build_parser() -> Parser:
 
 
 def _run(options: argparse.Namespace) -> Outcome:
-    if not options.debug:
+    if options.debug:
+        import logging
+
+        logging.getLogger(__package__).setLevel(logging.DEBUG)
+    else:
         warnings.simplefilter("ignore")
     with console.reserved(debug=options.debug), held_lines():
         outcome: Outcome = options.run(options)

@@ -10,8 +10,6 @@ import hashlib
 import json
 import math
 import os
-import shutil
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -19,8 +17,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.errors import AssetError, OutputError
+from chord_usd.json_text import parse_json
 from chord_usd.palette import CATEGORIES, category
 from chord_usd.progress import Progress
+from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.types import Asset
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def read_index(folder: Path) -> tuple[Asset, ...]:
     """Assets of a database folder. Raises AssetError that names the entry at fault."""
     path = folder / INDEX_NAME
     try:
-        entries = json.loads(path.read_text(encoding="utf-8"))["assets"]
+        entries = parse_json(path.read_bytes(), str(path), AssetError)["assets"]
         return tuple([_asset(entry, folder) for entry in entries])
     except FileNotFoundError:
         raise AssetError(
@@ -297,8 +297,7 @@ def _draw_into(folder: Path, asset: Asset) -> None:
 
     design = next(design for design in designs() if design.id == asset.id)
     folder.mkdir(parents=True, exist_ok=True)
-    hidden = Path(tempfile.mkdtemp(prefix=".assets-", dir=folder))
-    try:
+    with scratch_folder(folder) as hidden:
         write_component(design, hidden)
         try:
             (hidden / asset.id).rename(folder / asset.id)
@@ -306,8 +305,6 @@ def _draw_into(folder: Path, asset: Asset) -> None:
             # Another process was faster; what it made is the same.
             if not asset.usd_path.is_file():
                 raise
-    finally:
-        shutil.rmtree(hidden, ignore_errors=True)
 
 
 def _generator_hash() -> str:
