@@ -45,9 +45,9 @@ class Limits:
 
     memory_bytes: int = 2**30
     """Of address space, above what the process has once the function's module is imported."""
-    cpu_s: int = 40
+    cpu_s: int = 30
     """Of all its threads together."""
-    wall_s: float = 55.0
+    wall_s: float = 50.0
     """From the start of the process."""
 
 
@@ -168,6 +168,8 @@ def _outcome(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[
         return "raised", error, traceback.format_exc()
     except Exception as error:
         told = traceback.format_exc()
+        if "bad_alloc" in str(error):  # as libraries in C++ say it
+            return "memory", None, told
         if isinstance(error, OSError) and error.filename and error.errno:
             return "raised", OSError(error.errno, error.strerror, str(error.filename)), told
         return "broken", f"{type(error).__name__}: {error}"[:300], told

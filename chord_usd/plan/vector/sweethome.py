@@ -13,7 +13,14 @@ from shapely.geometry import LineString, Polygon
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
-from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
+from chord_usd.plan.vector.shapes import (
+    FARTHEST,
+    MOST_SHAPES,
+    OpeningShape,
+    RoomShape,
+    VectorDrawing,
+    too_many_shapes,
+)
 from chord_usd.runtime.archives import Archive
 from chord_usd.types import FloatArray, OpeningKind
 from chord_usd.units import m_from_cm
@@ -33,6 +40,8 @@ def read_sweethome(path: Path) -> list[VectorDrawing]:
     for element in home.iter():
         if local_name(element) in ("wall", "room", "doorOrWindow"):
             parts[element.get("level")].append(element)
+    if sum(map(len, parts.values())) > MOST_SHAPES:
+        raise too_many_shapes(path)
     if not parts:
         raise PlanError("holds neither walls nor rooms", where=str(path), expected=_EXPECTED)
     try:
@@ -66,7 +75,7 @@ def _drawing(elements: list[Element], name: str) -> VectorDrawing:
 
 def _number(element: Element, key: str, otherwise: float = 0.0) -> float:
     value = float(element.get(key, otherwise))
-    if not math.isfinite(value):
+    if not abs(value) <= FARTHEST:
         raise ValueError(f"{local_name(element)}: {key} is {value}")
     return value
 
