@@ -114,7 +114,7 @@ def _as_name(source: str) -> str:
 
 def _found(name: str, data: bytes, models: Models) -> Found:
     try:
-        return Found(name, house_from_record(parse_json(data, "the record", SceneError), models))
+        return Found(name, house_from_record(parse_json(data, "", SceneError), models))
     except ChordError as error:
         return Found(name, None, str(error))
 
