@@ -23,7 +23,7 @@ from chord_usd.data.splits import part_of
 from chord_usd.errors import PlanError
 from chord_usd.geometry import footprint_polygon, room_polygon, wall_area
 from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan
-from tests.foreign_records import flat_lines
+from tests.foreign_records import flat_lines, line
 
 
 @pytest.fixture(scope="module")
@@ -100,8 +100,8 @@ def test_fixtures_are_kept_as_hints(plan):
 
 
 def test_a_forgotten_door_is_put_in_and_says_so():
-    lines = [line for line in flat_lines() if line != line(7, 0.6, 7, 1.4, "door")]
-    lines = [line for line in lines if line != line(7.6, 2, 8.4, 2, "door")]
+    lines = [one for one in flat_lines() if one != line(7, 0.6, 7, 1.4, "door")]
+    lines = [one for one in lines if one != line(7.6, 2, 8.4, 2, "door")]
     plan = flat_from_lines("x", lines)
     (inferred,) = (opening for opening in plan.openings if opening.extra.get("inferred"))
     kinds = {plan.room(room).kind for room in inferred.room_ids}
