@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -20,6 +19,7 @@ from chord_usd.errors import AssetError, OutputError
 from chord_usd.json_text import parse_json
 from chord_usd.palette import CATEGORIES, category
 from chord_usd.progress import Progress
+from chord_usd.runtime.locations import CACHE_VARIABLE, cache_folder
 from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.types import Asset
 
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
-CACHE_VARIABLE = "CHORD_USD_CACHE"
-"""Environment variable: folder for what the package draws once and keeps."""
 
 _GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture")
 _REBUILD = "chord-usd assets build -o FOLDER"
@@ -279,15 +277,6 @@ def _generator_folder() -> str:
 def embedded_folder() -> Path:
     """Where this version of the embedded database is kept."""
     return cache_folder() / _generator_folder()
-
-
-def cache_folder() -> Path:
-    """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
-    own = os.environ.get(CACHE_VARIABLE)
-    if own:
-        return Path(own)
-    shared = os.environ.get("XDG_CACHE_HOME")
-    return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
 
 
 def _draw_into(folder: Path, asset: Asset) -> None:

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from shapely import affinity
+from shapely.errors import ShapelyError
 from shapely.geometry import LineString
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
@@ -102,6 +103,13 @@ def _records(path: Path) -> Iterator[tuple[str, list[list[Any]]]]:
 
 def flat_from_lines(flat_id: str, lines: Sequence[Sequence[Any]]) -> Plan:
     """One flat from its labelled lines in pixels. Raises PlanError saying what is unsound."""
+    try:
+        return _flat_from_lines(flat_id, lines)
+    except (ArithmeticError, LookupError, TypeError, ValueError, ShapelyError) as error:
+        raise PlanError(f"lines that are none ({error!r:.200})") from error
+
+
+def _flat_from_lines(flat_id: str, lines: Sequence[Sequence[Any]]) -> Plan:
     walls, doors, marks = _sorted_lines(lines)
     cells = closed_cells(walls)
     scale = px_per_m(cells, marks, doors)
