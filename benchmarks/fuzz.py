@@ -1,7 +1,9 @@
 """Every reader and every verb with inputs made wrong, under watch: until nothing is found.
 
-    python benchmarks/fuzz.py [--minutes N] [--seed N] [--only KIND]...   a run; exit code 1 is a finding
-    python benchmarks/fuzz.py --seed N --case KIND/NUMBER                one case of it again
+    python benchmarks/fuzz.py [--minutes N] [--seed N] [--only KIND]...
+    python benchmarks/fuzz.py --seed N --case KIND/NUMBER    one case of it again
+
+Exit code 1 says that something was found.
 
 A run is good if it ends with exit code 0, 1 or 2, on 2 with one error line and nothing else, never
 with a traceback or an "unexpected" error, in under 60 s, with under 1 GiB more of resident memory
@@ -73,20 +75,15 @@ class Bench:
         (place / "out").mkdir()
         if kind in WORDS:
             words = WORDS[kind](rng)
-            self._lay(
-                place / "in", {one for one in os.listdir(self.samples) if f"in/{one}" in str(words)}
-            )
-            words = [
-                word.replace("{in}", "case/in").replace("{out}", "case/out/made") for word in words
-            ]
-            return Case(f"{kind}/{number}", words)
+            said, there = " ".join(words), self.samples.iterdir()
+            self._lay(place / "in", {one.name for one in there if f"{{in}}/{one.name}" in said})
+            return Case(f"{kind}/{number}", [_filled(word, "") for word in words])
         chosen = KINDS[kind]
         sample = rng.choice(chosen.samples)
         words = list(rng.choice(chosen.commands))
         said = " ".join(words)
-        self._lay(
-            place / "in", {sample, *(one for one in NEEDS["{dir}"] if f"{{dir}}/{one}" in said)}
-        )
+        beside = {one for one in NEEDS if f"{{dir}}/{one}" in said}
+        self._lay(place / "in", {sample, *beside})
         changed = place / "in" / sample
         if changed.is_dir():
             files = [one for pattern in chosen.changed for one in sorted(changed.rglob(pattern))]
@@ -94,15 +91,8 @@ class Bench:
         data = mutator_of(changed.name)(changed.read_bytes(), rng)
         changed.unlink()  # it may be a link to the sample
         changed.write_bytes(data)
-        names = {"{in}": f"case/in/{sample}", "{dir}": "case/in", "{out}": "case/out/made"}
-
-        def filled(word: str) -> str:
-            for mark, name in names.items():
-                word = word.replace(mark, name)
-            return word
-
-        return Case(f"{kind}/{number}", [filled(word) for word in words],
-                    {key: filled(value) for key, value in chosen.env.items()})  # fmt: skip
+        env = {key: _filled(value, sample) for key, value in chosen.env.items()}
+        return Case(f"{kind}/{number}", [_filled(word, sample) for word in words], env)
 
     def _lay(self, place: Path, names: set[str]) -> None:
         for name in names:
@@ -134,6 +124,19 @@ class Bench:
         return kept
 
 
+def _filled(word: str, sample: str) -> str:
+    names = {"{in}": f"case/in/{sample}", "{dir}": "case/in", "{out}": "case/out/made"}
+    for mark, name in names.items():
+        word = word.replace(mark, name)
+    return word
+
+
+def say(*lines: object) -> None:
+    """Tell the terminal, at once."""
+    sys.stdout.write("".join(f"{line}\n" for line in lines))
+    sys.stdout.flush()
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--minutes", type=float, default=30.0)
@@ -159,7 +162,7 @@ def again(bench: Bench, name: str) -> int:
     kind, number = name.rsplit("/", 1)
     case = bench.case(kind, int(number))
     run, faults = bench.run(case, whole=True)
-    print(" ".join(map(repr, case.words)), run, *faults, sep="\n")
+    say(" ".join(map(repr, case.words)), run, *faults)
     return 1 if faults else 0
 
 
@@ -184,21 +187,19 @@ def fuzz(bench: Bench, kinds: list[str], seconds: float, write: bool) -> int:
         if faults:
             kept = bench.keep(case, run, faults)
             found[kind] += 1
-            print(
-                f"{case.name}: {'; '.join(faults)[:300]}\n    {run.told.strip()[-300:]}\n    {kept}",
-                flush=True,
-            )
+            say(f"{case.name}: {'; '.join(faults)[:300]}", f"    {run.told.strip()[-300:]}",
+                f"    {kept}")  # fmt: skip
     rows = [
         ("runs", f"{runs.total()}, {wholes} of them as whole processes, in {seconds / 60:.0f} min"),
         ("by kind", ", ".join(f"{kind} {runs[kind]}" for kind in kinds)),
-        ("exit codes", ", ".join(f"{code}: {count}" for code, count in sorted(codes.items(), key=str))),
+        ("exit codes", ", ".join(f"{code}: {codes[code]}" for code in sorted(codes, key=str))),
         ("findings", str(found.total())),
         ("longest run", f"{longest:.1f} s; most computing in one run {most_cpu:.1f} s"),
         ("most resident memory above the start", f"{largest / 2**20:.0f} MiB in one process"),
     ]  # fmt: skip
     if write:
         write_section("Inputs made wrong", rows, f"`python benchmarks/fuzz.py --seed {bench.seed}`")
-    print(*(f"{name}: {value}" for name, value in rows), sep="\n")
+    say(*(f"{name}: {value}" for name, value in rows))
     return 1 if found else 0
 
 

@@ -59,7 +59,8 @@ KINDS: dict[str, Kind] = {
     "sh3d": Kind(("plan.sh3d",), (READ,)),
     "plan json": Kind(
         ("plan.json",),
-        (("plan", "draw", "{in}", "-o", "{out}.png"), READ, ("plan", "draw", "{in}", "-o", "{out}.png")),
+        (("plan", "draw", "{in}", "-o", "{out}.png"), READ, ("plan", "draw", "{in}", "-o",
+        "{out}.png")),
     ),
     "scene json": Kind(
         ("small.json", "scene.json"),
@@ -69,7 +70,8 @@ KINDS: dict[str, Kind] = {
     "layout png": Kind(
         ("layout.png", "plan.png"),
         (("call", "chord_usd.raster_files:read_layout", "{in}"),) * 9
-        + (("graph", "{in}", "-o", "{out}.json"), ("layout", "{in}", "-o", "{out}.png", "--steps", "1")),
+        + (("graph", "{in}", "-o", "{out}.json"), ("layout", "{in}", "-o", "{out}.png", "--steps",
+        "1")),
     ),
     "stage": Kind(
         ("house",),
@@ -79,7 +81,8 @@ KINDS: dict[str, Kind] = {
             ("export", "{in}/house.usda", "--for", "web", "-o", "{out}.usdz"),
             ("export", "{in}/house.usda", "--for", "gltf", "-o", "{out}.glb"),
             ("farm", "bundle", "{in}/house.usda", "-o", "{out}"),
-            ("regenerate", "{in}/house.usda", "--room", "Bedroom_0", "--steps", "1", "--no-tabletop",
+            ("regenerate", "{in}/house.usda", "--room", "Bedroom_0", "--steps", "1",
+            "--no-tabletop",
              "-o", "{out}.usda"),
         ),
         ("house.usda", "house.usda", "*.usda", "*.usdc", "*.png", "*.jpg"),
@@ -94,7 +97,8 @@ KINDS: dict[str, Kind] = {
     "package": Kind(
         ("house.usdz",),
         (("check", "{in}"), ("describe", "{in}"), ("diff", "{in}", "{in}"),
-         ("regenerate", "{in}", "--room", "Bedroom_0", "--steps", "1", "--no-tabletop", "-o", "{out}.usdz"),
+         ("regenerate", "{in}", "--room", "Bedroom_0", "--steps", "1", "--no-tabletop", "-o",
+         "{out}.usdz"),
          ("export", "{in}", "--for", "gltf", "-o", "{out}.glb")),
     ),
     "edits": Kind(
@@ -143,5 +147,5 @@ KINDS: dict[str, Kind] = {
     ),
 }  # fmt: skip
 
-NEEDS = {"{dir}": ("house.usdz", "small.json", "mixed.jsonl", "houses")}
-"""What commands name beside the changed file; it is put there whole."""
+NEEDS = ("house.usdz", "small.json", "mixed.jsonl", "houses")
+"""What commands name beside the changed file, in {dir}; it is put there whole."""

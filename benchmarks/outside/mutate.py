@@ -21,13 +21,15 @@ Mutator = Callable[[bytes, Random], bytes]
 LARGEST_BYTES = 8 * 2**20
 
 NUMBERS = (
-    "0", "-0", "-1", "1", "0.5", "1e-300", "1e300", "-1e300", "1e308", "1e999", "-1e999", "nan", "inf",
+    "0", "-0", "-1", "1", "0.5", "1e-300", "1e300", "-1e300", "1e308", "1e999", "-1e999", "nan",
+    "inf",
     "-inf", "NaN", "Infinity", "2147483647", "2147483648", "-2147483649", "4294967296",
     "9223372036854775807", "18446744073709551616", "1" * 40, "1" * 400, "0x10", "1e-9", "100000",
     "1000000000", "65535", "256", "3.4e38", "1,5", "1.2.3", "", "--1", "٣",
 )  # fmt: skip
 TEXTS = (
-    "", " ", "\x00", "\n", "a" * 300, "é", "\u202e", "\ufeff", "../../stranger/thesis.txt", "/", ".", "..",
+    "", " ", "\x00", "\n", "a" * 300, "é", "\u202e", "\ufeff", "../../stranger/thesis.txt", "/",
+    ".", "..",
     "stranger/thesis.txt", "file:///etc/hostname", "https://example.invalid/x", "%s%n", "${HOME}",
     "\ud800", "null", "None", "wall", "door", "bedroom", "House", "CON", "a\tb", "@", "\\", '"',
 )  # fmt: skip
@@ -190,7 +192,7 @@ def _containers(root: Any) -> list[Any]:
 
 
 def json_lines(data: bytes, rng: Random) -> bytes:
-    """JSON lines, gzipped or not: a line changed as JSON, the lines as lines, the packing as bytes."""
+    """JSON lines, gzipped or not: one of them, all of them, or their packing changed."""
     packed = data.startswith(b"\x1f\x8b")
     text = gzip.decompress(data) if packed else data
     how = rng.randrange(8)
@@ -243,7 +245,8 @@ def _attribute(data: bytes, rng: Random) -> bytes:
         return generic(data, rng)
     one, other = rng.choice(found), rng.choice(found)
     value = rng.choice((
-        number(one[3], rng), number(one[3], rng), other[3], rng.choice(TEXTS).encode("utf-8", "replace"),
+        number(one[3], rng), number(one[3], rng), other[3], rng.choice(TEXTS).encode("utf-8",
+        "replace"),
         one[3] * rng.choice((2, 100, 10_000 // (len(one[3]) + 1) + 1)),
     ))  # fmt: skip
     return data[: one.start(3)] + value + data[one.end(3) :]
@@ -270,7 +273,7 @@ def _element(data: bytes, rng: Random) -> bytes:
 
 
 def png(data: bytes, rng: Random) -> bytes:
-    """Chunks changed with their check sums put right, so that readers come to see what is in them."""
+    """Chunks changed, their check sums put right, so that readers see what is in them."""
     if rng.random() < 0.2 or not data.startswith(b"\x89PNG"):
         return generic(data, rng)
     chunks = _chunks(data)
@@ -290,7 +293,8 @@ def png(data: bytes, rng: Random) -> bytes:
         elif how == 1:
             chunks[at:at] = [chunks[at]] * rng.choice((1, 100))
         elif how == 2:
-            chunks[at:at] = [(rng.choice((b"tEXt", b"zTXt", b"iTXt", b"eXIf", b"PLTE", b"tRNS", b"acTL")),
+            chunks[at:at] = [(rng.choice((b"tEXt", b"zTXt", b"iTXt", b"eXIf", b"PLTE", b"tRNS",
+            b"acTL")),
                               rng.randbytes(rng.choice((0, 3, 50))))]  # fmt: skip
         else:
             chunks[at] = kind, generic(body, rng)
@@ -382,7 +386,8 @@ def glb(data: bytes, rng: Random) -> bytes:
 
 _ASSET = re.compile(rb"@([^@\n]*)@")
 _TARGETS = (
-    "../stranger/house.usda", "../../stranger/private.png", "/etc/hostname", "./house.usda", "", "a.usdz[x.usda]",
+    "../stranger/house.usda", "../../stranger/private.png", "/etc/hostname", "./house.usda", "",
+    "a.usdz[x.usda]",
     "house.usda", "http://example.invalid/a.usda", "a" * 5000, "../stranger/pipe", "/dev/zero",
 )  # fmt: skip
 _PARTS = (
@@ -394,8 +399,8 @@ _PARTS = (
     'def Xform "Deep"\n{\n' * 400 + "}\n" * 400,
     'def Camera "Cam"\n{\n    float focalLength = 0\n    float2 clippingRange = (nan, -1)\n}\n',
     'class "C" (\n    inherits = </C>\n)\n{\n}\n',
-    'def Scope "S" (\n    variants = {\n        string v = "x"\n    }\n    prepend variantSets = "v"\n)\n'
-    '{\n    variantSet "v" = {\n        "x" {\n        }\n    }\n}\n',
+    'def Scope "S" (\n    variants = {\n        string v = "x"\n    }\n'
+    '    prepend variantSets = "v"\n)\n{\n    variantSet "v" = {\n        "x" {\n        }\n    }\n}\n',
 )  # fmt: skip
 
 

@@ -12,9 +12,11 @@ from chord_usd.commands.paths import output_file, output_folder, output_place, o
 from outside.mutate import NUMBERS, TEXTS
 
 _PHRASES = (
-    "two bedrooms", "a living room of 20 m2", "minus 5 bedrooms", "1e9 bathrooms", "no kitchen", "Küche",
+    "two bedrooms", "a living room of 20 m2", "minus 5 bedrooms", "1e9 bathrooms", "no kitchen",
+    "Küche",
     "bedroom next to kitchen", "90 square metres", "-3 m wide", "a study north of the living room",
-    "0 rooms", "99999999999999999999 rooms", "three floors", "open plan", "一个卧室", "and", ",", ";", "(",
+    "0 rooms", "99999999999999999999 rooms", "three floors", "open plan", "\u4e00\u4e2a", "and", ",", ";",
+    "(",
     "3.5 bedrooms", "bedroom", "x" * 2000, "two two two", "NaN square metres", "not a flat",
 )  # fmt: skip
 
@@ -47,6 +49,8 @@ def options(rng: Random) -> list[str]:
     verb = rng.choice(sorted(verb for verb in verbs if verb in INPUTS))
     words = [_known(word) for word in INPUTS[verb]]
     actions = [action for action in verbs[verb]._actions if _takes_value(action)]
+    if verb.startswith(_LONG):
+        actions = [action for action in actions if _is_number(action)]
     for action in rng.sample(actions, min(len(actions), rng.choice((1, 1, 2, 3)))):
         # A value that begins with a dash is one only after an equals sign.
         words.append(f"{action.option_strings[-1]}={_value(action, verb, rng)}")
@@ -79,9 +83,13 @@ def _takes_value(action: argparse.Action) -> bool:
     )
 
 
+def _is_number(action: argparse.Action) -> bool:
+    return action.type not in (None, Path, str) and action.dest not in ("passes", "resolution")
+
+
 def _value(action: argparse.Action, verb: str, rng: Random) -> str:
-    counts = action.type is not None and action.type is not Path
-    if verb.startswith(_LONG) and counts:
+    counts = _is_number(action)
+    if verb.startswith(_LONG):
         return rng.choice(_REFUSED)
     if action.choices and rng.random() < 0.5:
         return str(rng.choice(list(action.choices)))

@@ -1,4 +1,4 @@
-"""The process behind watch.Server: a command line a line on stdin, a JSON answer a line on stdout."""
+"""The process behind watch.Server: requests on stdin, answers on stdout, a JSON line each."""
 
 from __future__ import annotations
 
