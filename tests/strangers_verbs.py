@@ -86,3 +86,11 @@ def make_home(home: Path, house: SceneGraph) -> Path:
     (home / "mine" / "thesis.txt").write_text("years of work")
     (home / "house.usda").write_text('#usda 1.0\n(defaultPrim = "House")\ndef Xform "House" {}\n')
     return home
+
+
+def option_strings(parser: ArgumentParser, verb: str) -> set[str]:
+    """All options of a verb, such as "dataset synth"."""
+    for word in verb.split():
+        group = next(one for one in parser._actions if isinstance(one, _SubParsersAction))
+        parser = group.choices[word]
+    return {option for action in parser._actions for option in action.option_strings}
