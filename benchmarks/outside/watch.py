@@ -27,7 +27,7 @@ LONGEST_S = 60.0
 MOST_BYTES = 2**30
 
 _ERROR = re.compile(r"error: [^\n]+\n")
-_PEAK = re.compile(r"^VmHWM:\s*(\d+) kB", re.MULTILINE)
+_MEMORY = re.compile(r"^Vm(?:HWM|RSS):\s*(\d+) kB", re.MULTILINE)
 _LOOK_S = 0.05
 _SERVER = Path(__file__).with_name("server.py")
 
@@ -100,27 +100,38 @@ def _read(process: subprocess.Popen[bytes], until: float, peaks: _Peaks) -> str 
 
 
 class _Peaks:
-    """The highest resident memory of the processes below one, from /proc (Linux).
+    """The most resident memory of one of the processes below another, from /proc (Linux).
 
     The kernel keeps each process's peak, so that looking now and then misses only what a process
-    takes in its last moment. The figure of wait4 would count what its parent had at the fork.
+    takes in its last moment. The figure of wait4 would count what its parent had at the fork. For
+    the same reason a fork counts from what it has when it is first seen.
     """
 
     def __init__(self, pid: int, *, with_itself: bool) -> None:
         self._pid, self._with_itself = pid, with_itself
+        self._starts: dict[tuple[int, bytes], int] = {}
         self.highest = 0
 
     def look(self) -> None:
-        pending, first = [self._pid], not self._with_itself
+        """Look at all of them."""
+        pending = [(self._pid, b"")]
         while pending:
-            pid = pending.pop()
+            pid, parent = pending.pop()
             with contextlib.suppress(OSError, ValueError):
-                for task in Path(f"/proc/{pid}/task").iterdir():
-                    pending += map(int, (task / "children").read_text().split())
-                if not first:
-                    peak = _PEAK.search(Path(f"/proc/{pid}/status").read_text())
-                    self.highest = max(self.highest, int(peak[1]) * 1024 if peak else 0)
-            first = False
+                process = Path(f"/proc/{pid}")
+                command = (process / "cmdline").read_bytes()
+                for task in (process / "task").iterdir():
+                    children = (task / "children").read_text().split()
+                    pending += [(int(child), command) for child in children]
+                if pid != self._pid or self._with_itself:
+                    self._count(pid, command, (process / "status").read_text(), command == parent)
+
+    def _count(self, pid: int, command: bytes, status: str, is_fork: bool) -> None:
+        found = _MEMORY.findall(status)
+        if len(found) == 2:
+            peak, now = (int(kilobytes) * 1024 for kilobytes in found)
+            start = self._starts.setdefault((pid, command), now if is_fork else 0)
+            self.highest = max(self.highest, peak - start)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
