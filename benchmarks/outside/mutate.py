@@ -400,7 +400,8 @@ _PARTS = (
     'def Camera "Cam"\n{\n    float focalLength = 0\n    float2 clippingRange = (nan, -1)\n}\n',
     'class "C" (\n    inherits = </C>\n)\n{\n}\n',
     'def Scope "S" (\n    variants = {\n        string v = "x"\n    }\n'
-    '    prepend variantSets = "v"\n)\n{\n    variantSet "v" = {\n        "x" {\n        }\n    }\n}\n',
+    '    prepend variantSets = "v"\n)\n{\n'
+    '    variantSet "v" = {\n        "x" {\n        }\n    }\n}\n',
 )  # fmt: skip
 
 
