@@ -72,7 +72,13 @@ class Target:
 
     path: Path
     """Absolute, its links not followed."""
-    is_file: bool
+    kind: str
+    """Which of commands.paths."""
+
+    @property
+    def is_file(self) -> bool:
+        """Or else a folder."""
+        return self.kind == "output_file"
 
 
 def make_tree(tree: Path) -> None:
@@ -133,7 +139,7 @@ def command(rng: Random, tree: Path) -> tuple[str, list[str], list[Target]]:
             words.append(f"{'-o' if option == '--output' else option}")
             words.append(named if not named.startswith("-") else f"./{named}")
             path = Path(os.path.abspath(tree / named))  # noqa: PTH100 (its links are not followed)
-            targets.append(Target(path, kind == "output_file"))
+            targets.append(Target(path, kind))
     if "--overwrite" in option_strings(build_parser(), verb) and rng.random() < 0.5:
         words.append("--overwrite")
     return verb, words, targets
@@ -175,9 +181,15 @@ def _asked(
     name: str, was_there: bool, run: watch.Run, base: Path, owned: set[str], targets: list[Target]
 ) -> bool:
     path = base / name
-    if run.code not in (0, 1) and not (run.code is None and PREFIX in name):
+    # A training that was stopped goes on from what lies in its folder.
+    stopped = run.code is None
+    if run.code not in (0, 1) and not stopped:
         return False
+    if stopped and PREFIX in name:
+        return True
     for target in targets:
+        if stopped and target.kind != "output_run":
+            continue
         real = Path(os.path.realpath(target.path))
         home = real.parent if target.is_file else real
         if was_there and path in (target.path, real) and target.is_file:
