@@ -210,8 +210,9 @@ class Delivery:
 
     def _parcel(self, home: Path, target: Path, asked: set[Path]) -> _Parcel:
         try:
-            self._make_parents(home)
-            self._parcels.append(_Parcel(Scratch(home), home, target, asked))
+            with interrupts.held():
+                self._make_parents(home)
+                self._parcels.append(_Parcel(Scratch(home), home, target, asked))
         except OSError as error:
             raise _output_error(error, target) from error
         return self._parcels[-1]

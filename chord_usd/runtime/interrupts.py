@@ -130,9 +130,11 @@ def _wait_and_end(ours: socket.socket, kernels: socket.socket) -> None:
     while True:
         numbers = ours.recv(64)
         for number in numbers:
-            if number in (signal.SIGINT, signal.SIGTERM) and signal.getsignal(number) is _raise:
-                time.sleep(STUBBORN_S)
-                with _holding:
+            if number not in (signal.SIGINT, signal.SIGTERM):
+                continue
+            time.sleep(STUBBORN_S)
+            with _holding:
+                if signal.getsignal(number) is _raise:  # and neither done nor told to ignore it
                     _end_hard(Terminated if number == signal.SIGTERM else Interrupted)
 
 

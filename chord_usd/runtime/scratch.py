@@ -11,7 +11,10 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
+
+from chord_usd.runtime import interrupts
 
 try:
     import fcntl
@@ -27,7 +30,10 @@ class Scratch:
     """A folder of our own and the lock on it."""
 
     def __init__(self, parent: Path) -> None:
-        """Make a hidden folder in parent, after clearing away those of the dead. Raises OSError."""
+        """Make a hidden folder in parent, after clearing away those of the dead. Raises OSError.
+
+        To be called while interrupts are held, until somebody has it who will remove it.
+        """
         sweep(parent)
         self.folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
         self._handle = os.open(self.folder / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
@@ -46,11 +52,11 @@ class Scratch:
 @contextlib.contextmanager
 def scratch_folder(parent: Path | None = None) -> Iterator[Path]:
     """A folder that is gone after the block; parent: by default that of temporary files."""
-    scratch = Scratch(parent or Path(tempfile.gettempdir()))
-    try:
+    with ExitStack() as stack:
+        with interrupts.held():
+            scratch = Scratch(parent or Path(tempfile.gettempdir()))
+            stack.callback(scratch.remove)
         yield scratch.folder
-    finally:
-        scratch.remove()
 
 
 def sweep(parent: Path) -> None:
