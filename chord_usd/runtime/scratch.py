@@ -36,6 +36,14 @@ class Scratch:
         """
         sweep(parent)
         self.folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        self._handle = -1
+        try:
+            self._claim()
+        except OSError:
+            self.remove()  # a full disk: without its mark nobody would clear it away
+            raise
+
+    def _claim(self) -> None:
         self._handle = os.open(self.folder / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
         _lock(self._handle)
         # Marked once it is locked: who finds a mark and no lock knows that its maker is dead.
