@@ -133,8 +133,9 @@ def _not_swept(place: Path, env: dict[str, str]) -> list[str]:
     left = list(place.rglob(".chord-usd-*/"))
     for folder in {one.parent for one in left}:
         words = ["plan", "draw", "plan.json", "-o", str(folder / "next.png"), "--progress", "none"]
-        subprocess.run([sys.executable, "-m", "chord_usd.cli", *words], cwd=place.parent / "samples",
-                       env=env, check=False, capture_output=True)  # fmt: skip
+        command = [sys.executable, "-m", "chord_usd.cli", *words]
+        cwd = place.parent / "samples"
+        subprocess.run(command, cwd=cwd, env=env, check=False, capture_output=True)
     still = [one.name for one in left if one.exists()]
     return [f"not cleared away: {still}"] if still else []
 

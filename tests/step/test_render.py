@@ -26,6 +26,7 @@ from chord_usd.image.exr import read_exr
 from chord_usd.image.options import RenderOptions
 from chord_usd.image.products import are_finished
 from chord_usd.image.render import Rendered, render_stage
+from chord_usd.runtime.manifest import MANIFEST_FILE
 
 
 @pytest.fixture(scope="module")
