@@ -174,7 +174,7 @@ def _read_polygon(element: Element) -> FloatArray:
     """(N, 2) corners in metres, counter-clockwise, simple and of some area."""
     points = np.array(
         [[m_from_cm(value) for value in point] for point in element.points(MOST_CORNERS)]
-    )
+    ).reshape(-1, 2)
     keep = np.any(points != np.roll(points, -1, axis=0), axis=1)
     points = points[keep]
     if len(points) < 3:

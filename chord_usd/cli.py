@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from chord_usd.commands.common import Outcome, Parser
 from chord_usd.progress import held_lines
 from chord_usd.runtime import console
+from chord_usd.runtime.locations import keep_caches
 from chord_usd.runtime.offline import stay_offline
 
 VERBS = (
@@ -43,6 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; returns the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     stay_offline()
+    keep_caches()
     # Before anything that takes time: a stopped job leaves no half-written output and no traceback.
     interrupts.obey()
     if arguments is None:
@@ -97,7 +99,11 @@ def build_parser() -> Parser:
 
 
 def _run(options: argparse.Namespace) -> Outcome:
-    if not options.debug:
+    if options.debug:
+        import logging
+
+        logging.getLogger(__package__).setLevel(logging.DEBUG)
+    else:
         warnings.simplefilter("ignore")
     with console.reserved(debug=options.debug), held_lines():
         outcome: Outcome = options.run(options)

@@ -16,6 +16,9 @@ from chord_usd.errors import ChordError
 MOST_NESTED = 100
 """Lists and objects in one another; a scene graph has ten."""
 
+MOST_VALUES = 6_000_000
+"""In one text. Python takes up to 120 bytes for each, where the text has two."""
+
 _MOST_DIGITS = 309
 """Of a whole number; longer ones are beyond a double and read as infinite."""
 
@@ -26,11 +29,12 @@ def parse_json(data: bytes | str, where: str, error: type[ChordError] = ChordErr
     """The values in a JSON text; bytes are UTF-8, with a byte order mark or without.
 
     where: what messages call it. Raises error for what is no JSON, for keys that
-    stand twice in an object, texts that are no Unicode, and what is nested more than MOST_NESTED
-    deep.
+    stand twice in an object, texts that are no Unicode, what is nested more than MOST_NESTED
+    deep, and more than MOST_VALUES values.
     """
     try:
         text = data if isinstance(data, str) else data.decode("utf-8-sig")
+        _refuse_many(text)
         parsed = json.loads(text, object_pairs_hook=_no_doubles, parse_int=_whole)
         _refuse_odd(parsed)
     except UnicodeDecodeError as problem:
@@ -70,6 +74,12 @@ def _no_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def _whole(digits: str) -> float:
     # Python refuses to read thousands of digits; no number has them.
     return int(digits) if len(digits) <= _MOST_DIGITS else math.inf
+
+
+def _refuse_many(text: str) -> None:
+    # Marks inside of texts count too: nobody writes millions of those either.
+    if len(text) > MOST_VALUES and sum(map(text.count, ",:[{")) > MOST_VALUES:
+        raise _OddError("holds too many values", f"at most {MOST_VALUES:,}")
 
 
 def _refuse_odd(parsed: object) -> None:

@@ -153,7 +153,7 @@ def nearest(category: str, size_m: Size, pictures: Path, assets: str = "") -> li
 
 def build_assets(folder: Path) -> list[str]:
     """Arguments that draw the whole mesh database, with a picture of each model."""
-    return ["assets", "build", "-o", str(folder), "--pictures", *_REPORT]
+    return ["assets", "build", "-o", str(folder), "--overwrite", "--pictures", *_REPORT]
 
 
 def render(house: Path, folder: Path, settings: RenderSettings) -> list[str]:

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from chord_usd.assets.database import INDEX_NAME, AssetDatabase, cache_folder, embedded_assets
+from chord_usd.assets.database import INDEX_NAME, AssetDatabase, embedded_assets
 from chord_usd.errors import AssetError, StageError
+from chord_usd.runtime.locations import cache_folder
 from chord_usd.runtime.stages import LAYER_SUFFIXES, look_through, open_layer
 from chord_usd.types import Asset, Item, SceneGraph
 

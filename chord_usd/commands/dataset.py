@@ -239,11 +239,14 @@ def _write_house(scene: SceneGraph, stem: Path, rasters: bool) -> None:
     from chord_usd.raster import draw_plan, layout_image
     from chord_usd.raster_files import write_raster
 
-    write_scene(scene, stem.with_suffix(".json"))
+    def file(suffix: str) -> Path:
+        return stem.with_name(f"{stem.name}{suffix}")
+
+    write_scene(scene, file(".json"))
     if rasters:
         plan_image = draw_plan(scene.plan)
-        write_raster(plan_image, stem.with_suffix(".plan.png"))
-        write_raster(layout_image(plan_image, scene.items), stem.with_suffix(".layout.png"))
+        write_raster(plan_image, file(".plan.png"))
+        write_raster(layout_image(plan_image, scene.items), file(".layout.png"))
 
 
 @dataclass

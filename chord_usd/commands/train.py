@@ -138,6 +138,12 @@ def _add_guidance(parser: Parser) -> None:
     )
 
 
+def _device(options: argparse.Namespace) -> str:
+    from chord_usd.layout.device import choose_device
+
+    return choose_device(options.device)
+
+
 def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
     add_output(parser, "folder of the run; the checkpoint comes to lie in it", output_run)
     parser.add_argument(
@@ -150,7 +156,7 @@ def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) 
         metavar="N",
         help=f"({batch or 'the preset decides'})",
     )
-    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu or cuda (cpu)")
+    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu, cuda or cuda:1 (cpu)")
     add_seed(parser)
 
 
@@ -267,7 +273,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
         minutes=options.minutes,
         batch=options.batch or base.batch,
         seed=options.seed,
-        device=options.device,
+        device=_device(options),
     )
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
@@ -290,7 +296,7 @@ def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConf
         batch=options.batch or base.batch,
         workers=options.workers,
         seed=options.seed,
-        device=options.device,
+        device=_device(options),
     )
 
 
@@ -327,7 +333,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
         minutes=options.minutes,
         batch=options.batch,
         seed=options.seed,
-        device=options.device,
+        device=_device(options),
         start=options.start,
     )
     resumed = (options.output / WEIGHTS_FILE).exists()
@@ -336,7 +342,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     if options.generated:
         begin_run(options.output)
         with watch.step("generate") as progress:
-            model = load_model(Settings(device=options.device))
+            model = load_model(Settings(device=_device(options)))
             folder = options.output / "generated"
             generated = generated_samples(model, options.generated, folder, progress)
     with watch.step("train") as progress:

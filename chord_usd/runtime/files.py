@@ -29,6 +29,7 @@ __all__ = [
     "Delivery",
     "deliver",
     "destination",
+    "folder_for_many",
     "hash_file",
     "may_be_written",
     "output_folder",
@@ -81,6 +82,34 @@ def output_folder(path: Path, mode: FolderMode = "new") -> Iterator[Path]:
     """
     with deliver() as delivery:
         yield delivery.place_folder(path, mode)
+
+
+@contextlib.contextmanager
+def folder_for_many(folder: Path) -> Iterator[None]:
+    """See early that a folder can be written, for a job that takes long and writes file by file.
+
+    It is made where it is not there; where nothing came into it, it is gone again after the block.
+    Raises OutputError.
+    """
+    missing = [one for one in (_absolute(folder), *_absolute(folder).parents) if not one.exists()]
+
+    def unmake() -> None:
+        with contextlib.suppress(OSError):  # rmdir removes no folder that holds anything
+            for one in missing:
+                one.rmdir()
+
+    interrupts.on_hard_end.append(unmake)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        raise _output_error(error, folder) from error
+    try:
+        yield
+    finally:
+        unmake()
+        interrupts.on_hard_end.remove(unmake)
 
 
 @contextlib.contextmanager

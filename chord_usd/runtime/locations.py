@@ -11,6 +11,9 @@ from pathlib import Path
 
 from chord_usd.errors import AssetError, CheckpointError
 
+CACHE_VARIABLE = "CHORD_USD_CACHE"
+"""Environment variable: folder for what is computed once and kept."""
+
 CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
 """Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
 
@@ -48,6 +51,21 @@ def _own_checkpoints() -> list[Path]:
             try_=f"unset {CHECKPOINTS_VARIABLE}, for the checkpoints that come with chord-usd",
         )
     return [Path(own)]
+
+
+def cache_folder() -> Path:
+    """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
+    own = os.environ.get(CACHE_VARIABLE)
+    if own:
+        return Path(own)
+    shared = os.environ.get("XDG_CACHE_HOME")
+    return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
+
+
+def keep_caches() -> None:
+    """Have libraries keep what they compute once beside our own, not all over the machine."""
+    for name, folder in (("MPLCONFIGDIR", "matplotlib"), ("TORCHINDUCTOR_CACHE_DIR", "torch")):
+        os.environ.setdefault(name, str(cache_folder() / folder))
 
 
 def materials_folder() -> Path:

@@ -35,16 +35,19 @@ class Scratch:
         To be called while interrupts are held, until somebody has it who will remove it.
         """
         sweep(parent)
-        self.folder, self._handle = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent)), -1
+        self.folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        self._handle = -1
         try:
-            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL
-            self._handle = os.open(self.folder / LOCK_FILE, flags, 0o600)
-            _lock(self._handle)
-            # Marked once it is locked: who finds a mark and no lock knows that its maker is dead.
-            os.write(self._handle, _MARK)
+            self._claim()
         except OSError:
-            self.remove()
+            self.remove()  # a full disk: without its mark nobody would clear it away
             raise
+
+    def _claim(self) -> None:
+        self._handle = os.open(self.folder / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+        _lock(self._handle)
+        # Marked once it is locked: who finds a mark and no lock knows that its maker is dead.
+        os.write(self._handle, _MARK)
 
     def remove(self) -> None:
         """Remove the folder with all that is left in it."""

@@ -232,16 +232,18 @@ _delegates: list[Any] = []
 
 
 def silence() -> None:
-    """Keep USD's own diagnostics off standard error from now on; they go to the log (DEBUG).
+    """Keep USD's own diagnostics off standard error from now on.
 
     They name our temporary files and come by the dozen. What matters of them is in our errors and
-    in what `check` reports.
+    in what `check` reports. With the log at DEBUG, as --debug sets it, USD says them itself, at
+    once.
     """
     from pxr import UsdUtils
 
+    if _log.isEnabledFor(logging.DEBUG):
+        return
     if _delegates:
-        for one in _delegates[0].TakeUncoalescedDiagnostics():
-            _log.debug("%s", one.commentary)
+        _delegates[0].TakeUncoalescedDiagnostics()  # else they would pile up
     else:
         _delegates.append(UsdUtils.CoalescingDiagnosticDelegate())
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -37,6 +36,7 @@ from chord_usd.graph.detect import (
 )
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
+from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.training.onnx_file import write_graph
 
 ARCHITECTURES: dict[Kind, str] = {"items": "yolov8n-obb.yaml", "rooms": "yolov8n-seg.yaml"}
@@ -182,8 +182,8 @@ def _ultralytics() -> _Library:
     logging.getLogger("ultralytics").setLevel(logging.ERROR)
     settings = {"YOLO_OFFLINE": "true", "YOLO_VERBOSE": "false"}
     before = {name: os.environ.get(name) for name in (*settings, "YOLO_CONFIG_DIR")}
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ.update(settings, YOLO_CONFIG_DIR=folder)
+    with scratch_folder() as folder:
+        os.environ.update(settings, YOLO_CONFIG_DIR=str(folder))
         try:
             import torchvision  # noqa: F401  the suppression imports it while it is traced
             from ultralytics.cfg import get_cfg

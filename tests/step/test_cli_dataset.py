@@ -93,7 +93,7 @@ def test_broken_files_are_passed_over_counted_and_listed(
     assert list(data["skipped"]) == ["broken"]
     assert told(capsys, "dataset", "stats", folder)["houses"] == HOUSES
     assert main(["dataset", "stats", str(folder), "--progress", "none"]) == DONE
-    assert "warning: broken: no JSON" in capsys.readouterr().err
+    assert "warning: broken: is not JSON" in capsys.readouterr().err
 
 
 def test_clean_leaves_good_houses_alone(

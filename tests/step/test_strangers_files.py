@@ -9,77 +9,18 @@ import hashlib
 import os
 import re
 import shutil
-from argparse import ArgumentParser, _SubParsersAction
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from chord_usd.chord_json import write_plan, write_scene
-from chord_usd.cli import UNUSABLE, build_parser, main
-from chord_usd.commands.paths import output_file, output_folder, output_place, output_run
-from chord_usd.pipeline import draw_plan
-from chord_usd.raster_files import write_raster
+from chord_usd.cli import UNUSABLE, main
 from chord_usd.runtime.files import hash_file
-
-INPUTS: dict[str, tuple[str, ...]] = {
-    "generate": ("plan.png",),
-    "plan read": ("plan.png",),
-    "plan draw": ("plan.json",),
-    "plan from-text": ("two bedrooms",),
-    "plan from-outline": ("plan.png",),
-    "layout": ("plan.png",),
-    "graph": ("plan.png",),
-    "stage": ("scene.json",),
-    "render": ("house.usda",),
-    "batch": ("plan.png",),
-    "farm bundle": ("house.usda",),
-    "regenerate": ("house.usda", "--room", "Bedroom_0"),
-    "export": ("house.usda", "--for", "web"),
-    "dataset synth": ("--count", "1"),
-    "dataset import": ("scene.json",),
-    "dataset clean": ("houses",),
-    "dataset stats": ("houses",),
-    "dataset split": ("houses",),
-    "dataset draw": ("houses",),
-    "train plan2layout": (),
-    "train table": (),
-    "train text2plan": (),
-    "train outline2plan": (),
-    "train bubbles": (),
-    "train detector": (),
-    "evaluate layouts": ("--from", "houses"),
-    "evaluate ood": ("--houses", "houses"),
-    "evaluate speed": ("--houses", "houses"),
-    "evaluate diversity": ("--houses", "houses"),
-    "evaluate detector": ("--layouts", "plan.png"),
-    "evaluate plans": (),
-    "evaluate tabletops": (),
-    "evaluate text": (),
-    "evaluate outlines": (),
-    "assets list": (),
-    "assets nearest": ("bed", "--size", "2x2x1"),
-    "assets show": ("Bed",),
-    "assets add": ("library",),
-    "assets build": (),
-}
-"""What each verb that writes is given to read."""
-
+from tests.strangers_verbs import INPUTS, OUTPUTS, make_home
 
 EDITED_IN_PLACE = ("regenerate", "--output")
 
 
-def outputs(parser: ArgumentParser, words: tuple[str, ...] = ()) -> Iterator[tuple[str, str, str]]:
-    """(verb, option, kind of output) for everything that the command line can write to."""
-    for action in parser._actions:
-        if isinstance(action, _SubParsersAction):
-            for name, child in action.choices.items():
-                yield from outputs(child, (*words, name))
-        elif action.type in (output_file, output_folder, output_place, output_run):
-            yield " ".join(words), action.option_strings[-1], action.type.__name__
-
-
-OUTPUTS = sorted(set(outputs(build_parser())))
 FOLDERS = [
     (verb, option) for verb, option, kind in OUTPUTS if kind in ("output_folder", "output_run")
 ]
@@ -97,19 +38,7 @@ def test_every_verb_that_writes_is_tried() -> None:
 
 @pytest.fixture(scope="module")
 def template(tmp_path_factory: pytest.TempPathFactory, furnished_house) -> Path:
-    """A stranger's folder with all kinds of inputs, a house of ours, and a thesis."""
-    home = tmp_path_factory.mktemp("home")
-    write_plan(furnished_house.plan, home / "plan.json")
-    write_scene(furnished_house, home / "scene.json")
-    write_raster(draw_plan(furnished_house.plan), home / "plan.png")
-    (home / "houses").mkdir()
-    write_scene(furnished_house, home / "houses" / "one.json")
-    (home / "library").mkdir()
-    (home / "library" / "manifest.json").write_text("[]")
-    (home / "mine").mkdir()
-    (home / "mine" / "thesis.txt").write_text("years of work")
-    (home / "house.usda").write_text('#usda 1.0\n(defaultPrim = "House")\ndef Xform "House" {}\n')
-    return home
+    return make_home(tmp_path_factory.mktemp("home"), furnished_house)
 
 
 @pytest.fixture

@@ -107,6 +107,8 @@ def _require_sound(mesh: Mesh, path: Path) -> None:
             try_="reduce it in Blender first",
         )
     for sheet in mesh.sheets:
+        if sheet.points.shape[1:] != (3,):
+            raise AssetError("the mesh has points that are none in space", where=path.name)
         scalars = (sheet.roughness, sheet.metallic, sheet.opacity)
         uvs = np.zeros(0) if sheet.uvs is None else sheet.uvs
         if not all(np.isfinite(values).all() for values in (sheet.points, uvs, scalars)):

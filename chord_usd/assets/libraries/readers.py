@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
@@ -15,7 +13,9 @@ from typing import Any
 from chord_usd.assets.database import SizeM
 from chord_usd.assets.libraries.models import AXES, UNITS_M, Library, Model
 from chord_usd.errors import AssetError
+from chord_usd.json_text import parse_json
 from chord_usd.runtime.archives import Archive
+from chord_usd.runtime.scratch import scratch_folder
 
 MANIFESTS = ("manifest.json", "manifest.csv")
 FUTURE_INFO = "model_info.json"
@@ -65,7 +65,8 @@ class ManifestLibrary:
         """The entries of the manifest. Raises AssetError that names the one at fault."""
         try:
             text = _text_of(self._manifest)
-            rows = _json_rows(text) if self._manifest.suffix == ".json" else _csv_rows(text)
+            where = str(self._manifest)
+            rows = _json_rows(text, where) if where.endswith(".json") else _csv_rows(text)
         except (OSError, ValueError, RecursionError, csv.Error) as error:
             raise AssetError(
                 f"the manifest cannot be read ({error})",
@@ -111,7 +112,7 @@ class FutureLibrary:
     def models(self) -> list[Model]:
         """The models that are there; the data set comes in parts."""
         try:
-            rows = json.loads(_text_of(self._info))
+            rows = parse_json(_text_of(self._info), str(self._info), AssetError)
             found = [(str(row["model_id"]), row) for row in rows]
         except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise AssetError(
@@ -185,9 +186,9 @@ class SweetHomeLibrary:
     def opened(self, model: Model) -> Iterator[Path]:
         """The mesh and what lies beside it in the archive, unpacked for a while."""
         inside = PurePosixPath(model.file)
-        with tempfile.TemporaryDirectory() as folder:
-            self._archive.unpack(Path(folder), self._folders.get(inside.parent, ()))
-            yield _existing(Path(folder) / inside)
+        with scratch_folder() as folder:
+            self._archive.unpack(folder, self._folders.get(inside.parent, ()))
+            yield _existing(folder / inside)
 
     @cached_property
     def _archive(self) -> Archive:
@@ -253,8 +254,8 @@ def _told(row: Mapping[str, Any], *keys: str) -> str:
     return text.encode("utf-8", "replace").decode("utf-8")
 
 
-def _json_rows(text: str) -> list[Mapping[str, Any]]:
-    data = json.loads(text)
+def _json_rows(text: str, where: str) -> list[Mapping[str, Any]]:
+    data = parse_json(text, where, AssetError)
     rows = data.get("models") if isinstance(data, dict) else data
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise ValueError("it is no list of objects")

@@ -8,8 +8,10 @@ room layer, else what the walls enclose.
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,7 @@ from shapely.ops import polygonize, unary_union
 from chord_usd.errors import PlanError
 from chord_usd.geometry import polygons_of
 from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.runtime.locations import cache_folder
 from chord_usd.types import FloatArray, OpeningKind
 
 _EXPECTED = "a DXF drawing with layers for walls or rooms"
@@ -68,12 +71,26 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
     return [drawing]
 
 
+@contextmanager
+def _fonts_kept() -> Iterator[None]:
+    """While ezdxf is imported: its list of fonts goes to our cache, not into the user's home."""
+    before = os.environ.get("XDG_CACHE_HOME")
+    os.environ["XDG_CACHE_HOME"] = str(cache_folder())
+    try:
+        yield
+    finally:
+        del os.environ["XDG_CACHE_HOME"]
+        if before is not None:
+            os.environ["XDG_CACHE_HOME"] = before
+
+
 def _open(path: Path) -> Any:
     from chord_usd.plan.vector.formats import missing
 
     try:
-        import ezdxf
-        from ezdxf import recover
+        with _fonts_kept():
+            import ezdxf
+            from ezdxf import recover
     except ImportError as error:
         raise missing("ezdxf", "dxf") from error
     if path.stat().st_size > _LARGEST_BYTES:
