@@ -72,6 +72,11 @@ def add(verbs: Verbs) -> None:
         metavar="N",
         help="procedural houses to learn from (40000)",
     )
+    lists = add_verb(
+        group, "lists", run_lists, "train the model that writes down what is in a room"
+    )
+    _add_training_options(lists, minutes=60.0, batch=None)
+    _add_flats(lists)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -285,6 +290,30 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
     with watch.step("draw"):
         sketcher = load_sketcher(options.output / "checkpoint")
         draw_sketches(sketcher, held_out_cases(3, aligned=True), options.output / "sheet.png")
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+
+
+def run_lists(options: argparse.Namespace) -> Outcome:
+    """Runs train lists."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.lists_trainer import ListTraining, Task, train_lists
+
+    base = ListTraining()
+    config = replace(
+        base,
+        minutes=options.minutes,
+        batch=options.batch or base.batch,
+        seed=options.seed,
+        device=options.device,
+    )
+    flats = read_flats(options.flats, part="train") if options.flats else []
+    with stopwatch(options).step("train") as progress:
+        batches = partial(endless_batches, flats, config.batch)
+        task = Task(PIECES, batches, batch_of(held_out(50)))
+        facts = train_lists(config, options.output, task, progress)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
