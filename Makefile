@@ -41,6 +41,7 @@ house: setup
 	$(BIN)/chord-usd render out/house.usda -o out/pictures $(CAMERAS:%=--camera %) --samples 32 --resolution 960x540
 
 test: setup
+	@command -v strace >/dev/null || $(call install,strace)
 	$(BIN)/python -m pytest -n 2 tests/unit
 	$(BIN)/python -m pytest tests/step tests/end_to_end
 

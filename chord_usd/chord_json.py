@@ -30,15 +30,27 @@ from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
-from shapely import LinearRing, LineString, Point, Polygon
+import shapely
+from shapely import LinearRing, Point, Polygon
 
 from chord_usd import palette
 from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
-from chord_usd.geometry import footprint_polygon, room_polygon, rooms_beside
-from chord_usd.json_elements import Element, Names
+from chord_usd.geometry import Floors, extent_m, footprint_polygon, rooms_beside
+from chord_usd.json_elements import Element, Names, shown
+from chord_usd.json_text import parse_json
+from chord_usd.limits import (
+    LARGEST_HOUSE_M,
+    MOST_CORNERS,
+    MOST_CORNERS_IN_ALL,
+    MOST_ITEMS,
+    MOST_JSON_BYTES,
+    MOST_OPENINGS,
+    MOST_ROOMS,
+)
 from chord_usd.palette import Level
 from chord_usd.room_names import room_kind
 from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import (
     ROOM_KINDS,
     WALL_THICKNESS_M,
@@ -98,60 +110,51 @@ def read_scene(path: Path) -> SceneGraph:
 def plan_from_json(data: object, where: str = "plan") -> Plan:
     """A plan from parsed JSON. where: what error messages call it. Raises PlanError."""
     house = Element(data, where, PlanError)
-    rooms, openings, extra = _read_shell(house)
-    return Plan(rooms, openings, extra)
+    floors, openings, extra = _read_shell(house)
+    return Plan(floors.rooms, openings, extra)
 
 
 def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     """A scene graph from parsed JSON. where: what error messages call it. Raises SceneError."""
     house = Element(data, where, SceneError)
-    rooms, openings, extra = _read_shell(house)
-    names = Names("furniture")
-    elements = house.elements("furniture", "furniture")
-    items = tuple(_read_item(element, names, rooms) for element in elements)
-    return SceneGraph(rooms, openings, items, _read_provenance(house), extra)
+    floors, openings, extra = _read_shell(house)
+    names = Names("furniture", MOST_ITEMS)
+    elements = house.elements("furniture", "furniture", MOST_ITEMS)
+    items = tuple(_read_item(element, names, floors) for element in elements)
+    return SceneGraph(floors.rooms, openings, items, _read_provenance(house), extra)
 
 
 def _load(path: Path, error: type[ChordError]) -> object:
+    refuse_odd_file(path, error, MOST_JSON_BYTES)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-        return json.loads(text)
+        data = path.read_bytes()
     except OSError as problem:
         raise error(f"cannot be read ({reason_of(problem)})", where=str(path)) from problem
-    except UnicodeDecodeError as problem:
-        raise error("is not text", where=str(path), expected="CHOrD JSON in UTF-8") from problem
-    except json.JSONDecodeError as problem:
-        spot = f"{problem.msg[:1].lower()}{problem.msg[1:]}, line {problem.lineno}"
-        raise error(
-            f"is not JSON ({spot}, column {problem.colno})",
-            where=str(path),
-            expected="plain JSON, without comments",
-        ) from problem
-    except RecursionError as problem:
-        raise error("is nested too deeply", where=str(path), expected="CHOrD JSON") from problem
+    return parse_json(data, str(path), error)
 
 
-def _read_shell(house: Element) -> tuple[tuple[Room, ...], tuple[Opening, ...], dict[str, Any]]:
+def _read_shell(house: Element) -> tuple[Floors, tuple[Opening, ...], dict[str, Any]]:
     """Rooms, openings and everything else of the file's top level."""
     inner: list[Element] = []
     out_rooms: list[Any] = []
-    for element in house.elements("rooms", "room", name_key="roomId"):
+    for element in house.elements("rooms", "room", MOST_ROOMS, name_key="roomId"):
         if element.whole("roomType") == 0:
             out_rooms.append(element.raw())
         else:
             inner.append(element)
     if not inner:
         raise house.error("rooms holds no room", expected="at least one of roomType 1")
-    names = Names("room")
-    rooms = tuple(_read_room(element, names) for element in inner)
-    _refuse_overlaps(rooms, house)
-    names = Names("opening")
-    elements = house.elements("windowsDoors", "opening")
-    openings = tuple(_read_opening(element, names, rooms) for element in elements)
+    names = Names("room", MOST_ROOMS)
+    floors = Floors(_read_room(element, names) for element in inner)
+    _refuse_sprawl(floors, house)
+    _refuse_overlaps(floors, house)
+    names = Names("opening", MOST_OPENINGS)
+    elements = house.elements("windowsDoors", "opening", MOST_OPENINGS)
+    openings = tuple(_read_opening(element, names, floors) for element in elements)
     extra = house.rest(("rooms", "windowsDoors", "furniture", "provenance"))
     if out_rooms:
         extra[OUT_ROOMS] = out_rooms
-    return rooms, openings, extra
+    return floors, openings, extra
 
 
 def _read_room(element: Element, names: Names) -> Room:
@@ -169,7 +172,9 @@ def _read_room(element: Element, names: Names) -> Room:
 
 def _read_polygon(element: Element) -> FloatArray:
     """(N, 2) corners in metres, counter-clockwise, simple and of some area."""
-    points = np.array([[m_from_cm(value) for value in point] for point in element.points()])
+    points = np.array(
+        [[m_from_cm(value) for value in point] for point in element.points(MOST_CORNERS)]
+    ).reshape(-1, 2)
     keep = np.any(points != np.roll(points, -1, axis=0), axis=1)
     points = points[keep]
     if len(points) < 3:
@@ -195,66 +200,80 @@ def _read_polygon(element: Element) -> FloatArray:
 
 def _crossing_corner(points: FloatArray) -> int | None:
     """The first corner whose wall crosses or touches a wall that is not its neighbour."""
-    walls = [LineString([a, b]) for a, b in zip(points, np.roll(points, -1, axis=0), strict=True)]
-    for first in range(len(walls)):
-        last = len(walls) - (first == 0)
-        if any(walls[first].intersects(other) for other in walls[first + 2 : last]):
-            return first
-    return None
+    count = len(points)
+    walls = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
+    first, second = shapely.STRtree(walls).query(walls, predicate="intersects")
+    apart = (second - first) % count
+    crossing = first[(apart > 1) & (apart < count - 1)]
+    return int(crossing.min()) if len(crossing) else None
 
 
-def _refuse_overlaps(rooms: Sequence[Room], house: Element) -> None:
+def _refuse_sprawl(floors: Floors, house: Element) -> None:
+    """Refuse a house that is larger than any, or too finely cut to be one."""
+    corners = sum(len(room.polygon_m) for room in floors.rooms)
+    if corners > MOST_CORNERS_IN_ALL:
+        raise house.error(
+            f"the rooms have {corners} corners", expected=f"at most {MOST_CORNERS_IN_ALL} in all"
+        )
+    across_m = extent_m(floors.rooms)
+    if across_m > LARGEST_HOUSE_M:
+        raise house.error(
+            f"the house is {across_m:.0f} m across",
+            expected=f"at most {LARGEST_HOUSE_M:.0f} m, and lengths in centimetres",
+        )
+
+
+def _refuse_overlaps(floors: Floors, house: Element) -> None:
     """Refuse rooms that lie in each other by more than rounding and sloppy drawing explain."""
-    polygons = [room_polygon(room) for room in rooms]
-    for index, polygon in enumerate(polygons):
-        for other in range(index):
-            if not polygon.intersects(polygons[other]):
+    for index, polygon in enumerate(floors.polygons):
+        for other in floors.near(polygon):
+            if other >= index or not polygon.intersects(floors.polygons[other]):
                 continue
-            if not polygon.intersection(polygons[other]).buffer(-_DEEPEST_OVERLAP_M / 2).is_empty:
+            shared = polygon.intersection(floors.polygons[other])
+            if not shared.buffer(-_DEEPEST_OVERLAP_M / 2).is_empty:
+                one, two = floors.rooms[index].id, floors.rooms[other].id
                 raise house.error(
-                    f"room '{rooms[index].id}' crosses room '{rooms[other].id}'",
+                    f"room '{shown(one)}' crosses room '{shown(two)}'",
                     expected="rooms side by side",
                     try_="correct the wallPoints of one of them",
                 )
 
 
-def _read_opening(element: Element, names: Names, rooms: Sequence[Room]) -> Opening:
+def _read_opening(element: Element, names: Names, floors: Floors) -> Opening:
     kinds = get_args(OpeningKind)
     spelled = _spelling(element.text("type"))
     kind = _OPENING_SYNONYMS.get(spelled, spelled)
     if kind not in kinds:
         raise element.error(
-            f"unknown type '{element.text('type')}'", expected=f"one of {', '.join(kinds)}"
+            f"unknown type '{shown(element.text('type'))}'", expected=f"one of {', '.join(kinds)}"
         )
     box = _read_box(element)
     if element.has("roomIds"):
         room_ids = element.texts("roomIds")
         for room_id in room_ids:
-            _known_room(element, room_id, rooms)
+            _known_room(element, room_id, floors)
     else:
-        room_ids = rooms_beside(box, rooms)
+        room_ids = rooms_beside(box, floors)
     opening_id = names.take(element, _optional_id(element), default=str(kind))
     return Opening(opening_id, kind, box, room_ids, element.rest(_OPENING_KEYS))  # type: ignore[arg-type]
 
 
-def _read_item(
-    element: Element, names: Names, rooms: Sequence[Room], parent: Item | None = None
-) -> Item:
+def _read_item(element: Element, names: Names, floors: Floors, parent: Item | None = None) -> Item:
     category = _read_category(element, is_child=parent is not None)
     box = _read_box(element)
     if element.has("roomId"):
         room_id = element.text("roomId")
         if room_id:
-            _known_room(element, room_id, rooms)
+            _known_room(element, room_id, floors)
     else:
-        room_id = _room_under(box, rooms) if parent is None else ""
+        room_id = _room_under(box, floors) if parent is None else ""
     item_id = names.take(element, _optional_id(element), default=category)
     score = element.number("score") if element.has("score") else 1.0
     item = Item(item_id, category, box, room_id)
     children: tuple[Item, ...] = ()
     if element.has("children"):
-        parts = element.elements("children", "child")
-        children = tuple(_read_item(part, names, rooms, item) for part in parts)
+        parts = element.elements("children", "child", MOST_ITEMS)
+        children = tuple(_read_item(part, names, floors, item) for part in parts)
     asset = _read_asset(element.element("asset")) if element.has("asset") else None
     extra = element.rest(_ITEM_KEYS)
     return Item(item_id, category, box, room_id, asset, children, score, extra)
@@ -266,13 +285,13 @@ def _read_category(element: Element, *, is_child: bool) -> str:
         row = palette.category(_spelling(given))
     except SceneError as problem:
         raise element.error(
-            f"unknown category '{given}'", expected=problem.expected, try_=problem.try_
+            f"unknown category '{shown(given)}'", expected=problem.expected, try_=problem.try_
         ) from None
     if row.level is Level.PLAN:
         raise element.error(f"'{given}' is no furniture", try_="move it to windowsDoors")
     if row.level is Level.TABLE and not is_child:
         raise element.error(
-            f"'{given}' is a tabletop category",
+            f"'{shown(given)}' is a tabletop category",
             expected="a piece that stands in the room",
             try_="put it into the children of what carries it",
         )
@@ -282,7 +301,7 @@ def _read_category(element: Element, *, is_child: bool) -> str:
 def _read_box(element: Element) -> Box:
     x, y, z = (m_from_cm(value) for value in element.numbers("pos", 3))
     length, width, height = (m_from_cm(element.size(key)) for key in ("length", "width", "height"))
-    return Box((x, y, z), (length, width, height), element.number("rotate"))
+    return Box((x, y, z), (length, width, height), element.angle("rotate"))
 
 
 def _read_asset(element: Element) -> Asset:
@@ -291,7 +310,7 @@ def _read_asset(element: Element) -> Asset:
         id=element.text("id"),
         category=element.text("category"),
         size_m=(length, width, height),
-        usd_path=Path(element.text("usdPath")),
+        usd_path=element.path("usdPath"),
         licence=element.text("licence") if element.has("licence") else "",
         author=element.text("author") if element.has("author") else "",
     )
@@ -316,26 +335,28 @@ def _optional_id(element: Element) -> str | None:
     return element.text("id") if element.has("id") else None
 
 
-def _known_room(element: Element, room_id: str, rooms: Sequence[Room]) -> None:
-    if all(room.id != room_id for room in rooms):
-        near = get_close_matches(room_id, [room.id for room in rooms], n=1)
+def _known_room(element: Element, room_id: str, floors: Floors) -> None:
+    if room_id not in floors.index_of:
+        near = get_close_matches(room_id[:100], list(floors.index_of)[:MOST_ROOMS], n=1)
         raise element.error(
-            f"room '{room_id}' does not exist",
+            f"room '{shown(room_id)}' does not exist",
             expected="the roomId of a room",
-            try_=f"'{near[0]}'" if near else "",
+            try_=f"'{shown(near[0])}'" if near else "",
         )
 
 
-def _room_under(box: Box, rooms: Sequence[Room]) -> str:
+def _room_under(box: Box, floors: Floors) -> str:
     """The room that holds the box's centre, else most of its footprint, else "" for none."""
-    center = Point(box.center_m[:2])
-    for room in rooms:
-        if room_polygon(room).covers(center):
-            return room.id
-    shape = footprint_polygon(box)
-    shared = {room.id: room_polygon(room).intersection(shape).area for room in rooms}
-    best = max(shared, key=lambda room_id: shared[room_id])
-    return best if shared[best] > 0 else ""
+    center, shape = Point(box.center_m[:2]), footprint_polygon(box)
+    for index in floors.near(center):
+        if floors.polygons[index].covers(center):
+            return floors.rooms[index].id
+    shared = {
+        floors.rooms[index].id: floors.polygons[index].intersection(shape).area
+        for index in floors.near(shape)
+    }
+    best = max(shared, key=lambda room_id: shared[room_id], default="")
+    return best if best and shared[best] > 0 else ""
 
 
 def _spelling(name: str) -> str:

@@ -1,93 +1,91 @@
 """The command line: a verb per step of the line.
 
 Exit codes: 0 done; 1 ran, and a check did not hold; 2 the input or the command line is unusable,
-told in one `error:` line on stderr; 130 interrupted.
+told in one `error:` line on stderr; 130 interrupted (Ctrl-C); 143 terminated (SIGTERM).
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import os
-import signal
+import re
 import sys
 import traceback
 import warnings
 from collections.abc import Sequence
-from typing import NoReturn
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from chord_usd import __version__
-from chord_usd.commands import (
-    assets,
-    batch,
-    check,
-    dataset,
-    describe,
-    diff,
-    evaluate,
-    export,
-    farm,
-    generate,
-    graph,
-    layout,
-    plan,
-    regenerate,
-    render,
-    stage,
-    train,
-)
-from chord_usd.commands.common import Outcome, Parser, UsageError
 from chord_usd.errors import ChordError
+from chord_usd.runtime import interrupts
+
+if TYPE_CHECKING:
+    from chord_usd.commands.common import Outcome, Parser
+from chord_usd.progress import held_lines
+from chord_usd.runtime import console
+from chord_usd.runtime.locations import keep_caches
+from chord_usd.runtime.offline import stay_offline
 
 VERBS = (
-    generate, plan, layout, graph, stage, render, batch, farm, check, describe, regenerate, export,
-    diff, dataset, train, evaluate, assets,
+    "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",
+    "regenerate", "export", "diff", "dataset", "train", "evaluate", "assets",
 )  # fmt: skip
-"""In the order of the line, then the workshop."""
+"""Modules of chord_usd.commands, in the order of the line, then the workshop."""
 
-DONE, NOT_HELD, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
-TERMINATED = 143
+DONE, NOT_HELD, UNUSABLE = 0, 1, 2
 
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C.
-
-    CPython 3.11 dies of SIGINT in place of returning our exit code when a KeyboardInterrupt, of
-    that very type, once left an `exec` of source text: the way every dataclass is made.
-    """
+LONGEST_ERROR = 600
+"""Characters of the error line; some libraries say their all."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; returns the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    debug = "--debug" in words
-    # Both end by way of the exception handlers, so that a stopped job leaves no half-written
-    # output. Who started us with Ctrl-C ignored keeps it ignored.
-    signal.signal(signal.SIGTERM, _terminate)
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
+    stay_offline()
+    keep_caches()
+    # Before anything that takes time: a stopped job leaves no half-written output and no traceback.
+    interrupts.obey()
+    if arguments is None:
+        interrupts.watch()
     try:
-        options = build_parser().parse_args(words)
-        outcome = _run(options)
-        _tell(outcome, as_json=options.json)
-        return DONE if outcome.holds else NOT_HELD
-    except KeyboardInterrupt as error:
-        sys.stderr.write(f"error: interrupted, {str(error) or 'nothing was written'}\n")
-        return INTERRUPTED
+        return _answer(words)
+    except KeyboardInterrupt as caught:
+        reason = interrupts.came() or interrupts.Interrupted
+        sys.stderr.write(interrupts.told(reason, str(caught)))
+        return reason.code
     except BrokenPipeError:
         # Whoever read stdout has seen enough; keep the interpreter from flushing into the pipe.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
-        if debug:
+        if hidden := interrupts.came():  # some libraries make errors of their own of it
+            sys.stderr.write(interrupts.told(hidden))
+            return hidden.code
+        if "--debug" in words:
             traceback.print_exc()
         sys.stderr.write(f"error: {_sentence(error)}\n")
         return UNUSABLE
+    finally:
+        if arguments is None:
+            interrupts.ignore()
+
+
+def _answer(words: Sequence[str]) -> int:
+    from chord_usd.commands.paths import check_paths
+
+    options = build_parser().parse_args(words)
+    check_paths(options.parser, options)
+    outcome = _run(options)
+    _tell(outcome, as_json=options.json)
+    return DONE if outcome.holds else NOT_HELD
 
 
 def build_parser() -> Parser:
     """The whole command line."""
+    from chord_usd.commands.common import Parser
+
     parser = Parser(
         prog="chord-usd",
         description="A floor plan picture becomes a furnished, hierarchical OpenUSD house.",
@@ -96,15 +94,18 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"chord-usd {__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True, dest="verb")
     for verb in VERBS:
-        verb.add(verbs)
+        import_module(f"chord_usd.commands.{verb}").add(verbs)
     return parser
 
 
 def _run(options: argparse.Namespace) -> Outcome:
-    if not options.debug:
+    if options.debug:
+        import logging
+
+        logging.getLogger(__package__).setLevel(logging.DEBUG)
+    else:
         warnings.simplefilter("ignore")
-    # Libraries that print must not spoil what a script reads.
-    with contextlib.redirect_stdout(sys.stderr):
+    with console.reserved(debug=options.debug), held_lines():
         outcome: Outcome = options.run(options)
     return outcome
 
@@ -113,7 +114,9 @@ def _tell(outcome: Outcome, *, as_json: bool) -> None:
     if not as_json:
         sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
     text = json.dumps(outcome.data) if as_json else outcome.text
-    sys.stdout.write(text + "\n")
+    # A locale without "m²" is no reason to fail after all is done.
+    encoding = sys.stdout.encoding or "utf-8"
+    sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")
     sys.stdout.flush()
 
 
@@ -123,23 +126,26 @@ def _sentence(error: Exception) -> str:
         sentence = str(error)
     elif isinstance(error, OSError) and error.filename:
         reason = (error.strerror or "cannot be opened").lower()
-        sentence = str(UsageError(reason, where=str(error.filename), try_="check the path"))
+        sentence = str(ChordError(reason, where=str(error.filename), try_="check the path"))
     elif isinstance(error, MemoryError):
         sentence = "out of memory. Try: a machine with more memory, or a smaller job"
     else:
         sentence = (
-            f"unexpected {type(error).__name__}: {error}. "
+            f"unexpected {type(error).__name__}: {_short(str(error))}. "
             "Try: the same command with --debug, and report what it shows"
         )
-    return " ".join(sentence.split())
+    # Users know nothing of the hidden folders in which their outputs are made.
+    return _short(_HIDDEN.sub("", " ".join(sentence.split())))
 
 
-def _terminate(signum: int, frame: object) -> NoReturn:
-    raise SystemExit(TERMINATED)
+_HIDDEN = re.compile(r"\.chord-usd-\w+/(?:new/)?")
 
 
-def _interrupt(signum: int, frame: object) -> NoReturn:
-    raise Interrupted
+def _short(sentence: str) -> str:
+    if len(sentence) <= LONGEST_ERROR:
+        return sentence
+    half = LONGEST_ERROR // 2
+    return f"{sentence[:half]} [...] {sentence[-half:]}"
 
 
 if __name__ == "__main__":

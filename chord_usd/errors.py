@@ -21,7 +21,7 @@ class ChordError(Exception):
         if self.expected:
             parts.append(f"expected {self.expected}")
         sentence = "; ".join(parts)
-        return f"{sentence}. Try: {self.try_}" if self.try_ else sentence
+        return visible(f"{sentence}. Try: {self.try_}" if self.try_ else sentence)
 
 
 class PlanError(ChordError):
@@ -58,6 +58,19 @@ class DiskFullError(OutputError):
 
 class MissingExtraError(ChordError):
     """An optional package is not installed; the message names the extra to install."""
+
+
+def visible(text: str) -> str:
+    """Text with what a terminal would obey, or nobody could see, written out: "\\x1b".
+
+    White space stays; whoever needs one line joins it.
+    """
+    return "".join(
+        character
+        if character.isprintable() or character.isspace()
+        else character.encode("unicode_escape").decode()
+        for character in text
+    )
 
 
 def reason_of(error: OSError) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
+from shapely import STRtree
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
@@ -66,6 +67,12 @@ def room_polygon(room: Room) -> Polygon:
     return Polygon(room.polygon_m)
 
 
+def extent_m(rooms: Iterable[Room]) -> float:
+    """The longer side of the upright rectangle round all rooms, metres; 0 for none."""
+    corners = [room.polygon_m for room in rooms]
+    return float(np.ptp(np.concatenate(corners), axis=0).max()) if corners else 0.0
+
+
 def room_sides(room: Room) -> list[tuple[FloatArray, FloatArray]]:
     """Start and end, (2,) metres, of each side of a room, counter-clockwise as its polygon is."""
     return list(zip(room.polygon_m, np.roll(room.polygon_m, -1, axis=0), strict=True))
@@ -80,14 +87,28 @@ def wall_area(rooms: Iterable[Room], thickness_m: float = WALL_THICKNESS_M) -> B
     return floors.buffer(thickness_m, join_style="mitre", mitre_limit=3.0).difference(floors)
 
 
-def rooms_beside(box: Box, rooms: Sequence[Room]) -> tuple[str, ...]:
+class Floors:
+    """The floors of rooms, found by where they lie, so that not every one is asked each time."""
+
+    def __init__(self, rooms: Iterable[Room]) -> None:
+        self.rooms = tuple(rooms)
+        self.polygons = [room_polygon(room) for room in self.rooms]
+        self.index_of = {room.id: index for index, room in enumerate(self.rooms)}
+        self._tree = STRtree(self.polygons)
+
+    def near(self, shape: BaseGeometry) -> list[int]:
+        """Indices of the rooms whose bounds meet those of a shape, in the rooms' order."""
+        return sorted(self._tree.query(shape).tolist())
+
+
+def rooms_beside(box: Box, rooms: Sequence[Room] | Floors) -> tuple[str, ...]:
     """Ids of the rooms that an opening's box joins: the one on its +y side, then on its -y side.
 
     A side counts for the room that takes most of the strip, one wall thick, beyond the wall's face
     there; a side where no room does is left out.
     """
     reach_m = max(box.size_m[1], WALL_THICKNESS_M) / 2 + WALL_THICKNESS_M
-    floors = [(room.id, room_polygon(room)) for room in rooms]
+    floors = rooms if isinstance(rooms, Floors) else Floors(rooms)
     beside: list[str] = []
     for side in (1.0, -1.0):
         half_length = box.size_m[0] / 4
@@ -96,7 +117,10 @@ def rooms_beside(box: Box, rooms: Sequence[Room]) -> tuple[str, ...]:
              [-half_length, side * reach_m]]
         )  # fmt: skip
         strip = Polygon(to_world(box, own))
-        shares = {room_id: floor.intersection(strip).area for room_id, floor in floors}
+        shares = {
+            floors.rooms[index].id: floors.polygons[index].intersection(strip).area
+            for index in floors.near(strip)
+        }
         best = max(shares, key=lambda room_id: shares[room_id], default="")
         if best and shares[best] > 0.1 * strip.area and best not in beside:
             beside.append(best)

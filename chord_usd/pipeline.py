@@ -17,7 +17,6 @@ from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
     OOD,
-    Item,
     LayoutImage,
     Plan,
     PlanImage,
@@ -369,9 +368,9 @@ def regenerate(
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     with watch.step("read"):
-        from chord_usd.stage.refurnish import read_house
+        from chord_usd.stage.refurnish import read_edited_house, read_house
 
-        house = read_house(edits or source)
+        house = read_edited_house(edits, source) if edits else read_house(source)
         room = house.room(room_name, source)
         kept_ids = house.furniture(room_name, keep, source)
         seed = house.seeds[room_name] + 1 if seed is None else seed
@@ -410,17 +409,17 @@ def write_regenerated(made: Regenerated, target: Path) -> StageFile:
 
 
 def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:
-    """Scene graph file -> SceneGraph; items without a mesh on this machine get the nearest one."""
+    """Scene graph file -> SceneGraph; items without a mesh on this machine get the nearest one.
+
+    Raises SceneError, and AssetError for a mesh that is neither beside the scene nor in a folder
+    of the settings.
+    """
     from chord_usd.assets.database import load_database
+    from chord_usd.assets.named import with_found_assets
     from chord_usd.chord_json import read_scene
     from chord_usd.graph.match import match_assets
 
-    graph = read_scene(scene_file)
-    items = tuple(_without_lost_meshes(item) for item in graph.items)
-    return match_assets(replace(graph, items=items), load_database(settings.asset_folders))
-
-
-def _without_lost_meshes(item: Item) -> Item:
-    asset = item.asset if item.asset and item.asset.usd_path.is_file() else None
-    children = tuple(_without_lost_meshes(child) for child in item.children)
-    return replace(item, asset=asset, children=children)
+    folders = settings.asset_folders
+    database = load_database(folders)
+    graph = with_found_assets(read_scene(scene_file), scene_file, folders, database)
+    return match_assets(graph, database)

@@ -62,6 +62,8 @@ class Commission:
     """(words, channels), planning.words."""
     shell: Plan | None = None
     """The open plan that it is planned in; None where the house's shape is left open."""
+    unheard: tuple[str, ...] = ()
+    """What of the text is not heard, and why."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +123,7 @@ class Planned:
         if self.chosen.area_missed:
             area_m2 = self.chosen.area_m2
             missed.append(f"asked for {self.commission.wish.area_m2:.0f} m², planned {area_m2:.0f}")
-        return [*missed, *self.chosen.faults]
+        return [*self.commission.unheard, *missed, *self.chosen.faults]
 
 
 def load_planner(name: str, settings: Settings) -> Planner:
@@ -174,7 +176,7 @@ def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Co
     said = text if found.english else wish.sentence
     encoder = load_encoder()
     words = condition_words(wish, encoder.encode([said])[0], encoder.channels)
-    return Commission(wish, found.told, words)
+    return Commission(wish, found.told, words, unheard=found.warnings)
 
 
 def commission_in_shell(shell: Plan, text: str = "") -> Commission:
@@ -185,7 +187,10 @@ def commission_in_shell(shell: Plan, text: str = "") -> Commission:
 
     found = read_wish(text) if text else None
     wish = replace(found.wish, area_m2=None) if found else Wish()
-    return Commission(wish, found.told if found else "", condition_words(wish), shell)
+    words = condition_words(wish)
+    if not found:
+        return Commission(wish, "", words, shell)
+    return Commission(wish, found.told, words, shell, found.warnings)
 
 
 def carry_out(

@@ -6,11 +6,12 @@ Steps take a plain callable `progress(done, total)`; a Reporter makes one for ea
 from __future__ import annotations
 
 import json
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Literal, Protocol
+
+from chord_usd.runtime import console
 
 Progress = Callable[[int, int], None]
 """Called with how many of how many parts are done."""
@@ -120,6 +121,50 @@ class LineReporter(SilentReporter):
         _say(f"{name}: {seconds:.1f} s")
 
 
+class HeldReporter(SilentReporter):
+    """As LineReporter, but lines wait until the verb has ended well, so that an error stands alone.
+
+    A verb that takes longer than HOLD_SECONDS is followed live.
+    """
+
+    def __init__(self) -> None:
+        self._live_from = time.monotonic() + HOLD_SECONDS
+
+    def step(self, name: str) -> Progress:
+        self._look_at_clock()
+        return lambda done, total: self._look_at_clock()
+
+    def finish(self, name: str, seconds: float) -> None:
+        _held.append(f"{name}: {seconds:.1f} s")
+        self._look_at_clock()
+
+    def _look_at_clock(self) -> None:
+        if _held and time.monotonic() >= self._live_from:
+            _say_held()
+
+
+HOLD_SECONDS = 60.0
+_held: list[str] = []
+"""Lines of the verb that runs."""
+
+
+@contextmanager
+def held_lines() -> Iterator[None]:
+    """Around a verb: its lines that wait are said when it ends well, and dropped when it fails."""
+    _held.clear()
+    try:
+        yield
+        _say_held()
+    finally:
+        _held.clear()
+
+
+def _say_held() -> None:
+    for line in _held:
+        _say(line)
+    _held.clear()
+
+
 class BarReporter(SilentReporter):
     """A progress bar per step, for terminals."""
 
@@ -129,7 +174,9 @@ class BarReporter(SilentReporter):
     def step(self, name: str) -> Progress:
         from tqdm import tqdm
 
-        self._bar = bar = tqdm(total=1, desc=name, leave=True, file=sys.stderr, bar_format=_BAR)
+        self._bar = bar = tqdm(
+            total=1, desc=name, leave=True, file=console.stderr(), bar_format=_BAR
+        )
 
         def progress(done: int, total: int) -> None:
             bar.total, bar.n = total, done
@@ -149,10 +196,12 @@ _BAR = "{desc:>8} {percentage:3.0f}% |{bar:30}| {n_fmt}/{total_fmt} {elapsed}"
 
 
 def make_reporter(style: ProgressStyle) -> Reporter:
-    """The reporter of a style; auto is a bar on a terminal and a line per step otherwise."""
-    if style == "auto":
-        style = "bar" if sys.stderr.isatty() else "lines"
+    """The reporter of a style; auto is a bar on a terminal, and otherwise a line per step that is
+    held back as HeldReporter does."""
+    if style == "auto" and console.stderr().isatty():
+        style = "bar"
     reporters: dict[str, type[Any]] = {
+        "auto": HeldReporter,
         "bar": BarReporter,
         "lines": LineReporter,
         "json": JsonReporter,
@@ -167,5 +216,5 @@ def _ignore(done: int, total: int) -> None:
 
 
 def _say(line: str) -> None:
-    sys.stderr.write(line + "\n")
-    sys.stderr.flush()
+    console.stderr().write(line + "\n")
+    console.stderr().flush()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import warnings
 from dataclasses import asdict
 from pathlib import Path
@@ -16,11 +17,17 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import SceneError
+from chord_usd.json_text import parse_json
+from chord_usd.limits import M_PER_PX
 from chord_usd.raster import LARGEST_CANVAS_PX
 from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import CANVAS_PX, LayoutImage, PixelFrame, PlanImage, Provenance, frozen_array
 
 TEXT_CHUNK = "chord"
+
+_FARTHEST_M = 2000.0
+"""From the world's origin to a canvas: no CHOrD JSON file reaches beyond half of it."""
 
 
 def write_raster(image: PlanImage | LayoutImage, path: Path) -> None:
@@ -45,14 +52,7 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
     (0, 0). Raises SceneError for what is no such picture.
     """
     rgb, described = _open(path)
-    height_px, width_px = rgb.shape[:2]
-    if height_px != width_px or not CANVAS_PX <= height_px <= LARGEST_CANVAS_PX:
-        raise SceneError(
-            f"is {width_px}×{height_px} pixels",
-            where=str(path),
-            expected=f"a layout raster of {CANVAS_PX}×{CANVAS_PX}, or a larger square",
-            try_="chord-usd layout plan.png -o layout.png",
-        )
+    height_px = rgb.shape[0]
     if m_per_px is not None:
         return LayoutImage(rgb, PixelFrame(m_per_px, (0.0, 0.0), height_px))
     if described is None:
@@ -62,7 +62,14 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
             expected="a layout written by chord-usd layout",
             try_="--scale M_PER_PX",
         )
-    frame, provenance = _frame_and_provenance(described, path)
+    try:
+        frame, provenance = read_chunk(described)
+    except SceneError as error:
+        raise SceneError(
+            f"the {TEXT_CHUNK!r} text in the picture is damaged: {error}",
+            where=str(path),
+            try_="--scale M_PER_PX",
+        ) from error
     if frame.height_px != height_px:
         raise SceneError(
             f"was drawn {frame.height_px} pixels high and is {height_px} now",
@@ -70,22 +77,24 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
             expected="a layout at the size it was written in",
             try_="--scale M_PER_PX",
         )
-    return LayoutImage(rgb, frame, provenance)
+    return LayoutImage(rgb, frame, provenance or Provenance())
 
 
-def _open(path: Path) -> tuple[np.ndarray[Any, Any], dict[str, Any] | None]:
+def _open(path: Path) -> tuple[np.ndarray[Any, Any], str | None]:
+    """RGB, and the text of the "chord" chunk."""
     from PIL import Image, UnidentifiedImageError
 
+    refuse_odd_file(path, SceneError)
     try:
         with warnings.catch_warnings():
             # Pillow warns of a possible decompression bomb, then stops at twice that size.
             warnings.simplefilter("error", Image.DecompressionBombWarning)
-            with Image.open(path) as picture:
+            with Image.open(path, formats=("PNG",)) as picture:
+                # Before a pixel is decoded: a small file may stand for gigabytes of them.
+                _refuse_odd_size(picture.size, path)
                 text = getattr(picture, "text", {}).get(TEXT_CHUNK)
                 rgb = frozen_array(np.asarray(picture.convert("RGB")), np.uint8)
-        return rgb, json.loads(text) if text else None
-    except FileNotFoundError:
-        raise
+        return rgb, text
     except (
         UnidentifiedImageError, OSError, SyntaxError, ValueError,
         Image.DecompressionBombWarning, Image.DecompressionBombError,
@@ -95,17 +104,56 @@ def _open(path: Path) -> tuple[np.ndarray[Any, Any], dict[str, Any] | None]:
         ) from error
 
 
-def _frame_and_provenance(described: dict[str, Any], path: Path) -> tuple[PixelFrame, Provenance]:
-    try:
-        frame = described["frame"]
-        x_m, y_m = frame["origin_m"]
-        return (
-            PixelFrame(float(frame["m_per_px"]), (float(x_m), float(y_m)), frame["height_px"]),
-            Provenance(**described.get("provenance", {})),
-        )
-    except (KeyError, TypeError, ValueError) as error:
+def _refuse_odd_size(size: tuple[int, int], path: Path) -> None:
+    width_px, height_px = size
+    if height_px != width_px or not CANVAS_PX <= height_px <= LARGEST_CANVAS_PX:
         raise SceneError(
-            f"the {TEXT_CHUNK!r} text in the picture is damaged",
+            f"is {width_px}×{height_px} pixels",
             where=str(path),
-            try_="--scale M_PER_PX",
-        ) from error
+            expected=f"a layout raster of {CANVAS_PX}×{CANVAS_PX}, or a larger square",
+            try_="chord-usd layout plan.png -o layout.png",
+        )
+
+
+def read_chunk(text: str) -> tuple[PixelFrame, Provenance | None]:
+    """What the "chord" text of a picture says; provenance is that of a layout, None of a plan.
+
+    Anyone can have written it. Raises SceneError for what is no frame of a house.
+    """
+    data = parse_json(text, "the chunk", SceneError)
+    if not isinstance(data, dict) or not isinstance(data.get("frame"), dict):
+        raise SceneError("holds no frame")
+    frame, provenance = data["frame"], data.get("provenance")
+    m_per_px, height_px = _number(frame, "m_per_px"), frame.get("height_px")
+    origin = frame.get("origin_m")
+    if not isinstance(origin, list) or len(origin) != 2:
+        raise SceneError("origin_m is no point")
+    x_m, y_m = (_number({"origin_m": value}, "origin_m") for value in origin)
+    if not M_PER_PX[0] <= m_per_px <= M_PER_PX[1]:
+        raise SceneError(f"m_per_px is {m_per_px:g}", expected=f"{M_PER_PX[0]} to {M_PER_PX[1]:g}")
+    if not (abs(x_m) <= _FARTHEST_M and abs(y_m) <= _FARTHEST_M):
+        raise SceneError(f"origin_m is beyond {_FARTHEST_M:.0f} m")
+    if type(height_px) is not int or not 0 < height_px <= LARGEST_CANVAS_PX:
+        raise SceneError("height_px is no number of pixels")
+    known = None if provenance is None else _provenance(provenance)
+    return PixelFrame(m_per_px, (x_m, y_m), height_px), known
+
+
+def _number(data: dict[str, Any], key: str) -> float:
+    value = data.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise SceneError(f"{key} is no number")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _provenance(data: object) -> Provenance:
+    usual = asdict(Provenance())
+    if not isinstance(data, dict) or not set(data) <= set(usual):
+        raise SceneError("provenance is not one of ours")
+    for key, value in data.items():
+        if not isinstance(value, type(usual[key])):
+            raise SceneError(f"provenance: {key} is of the wrong kind")
+    return Provenance(**data)

@@ -18,8 +18,8 @@ from chord_usd.batch.run import Done, run_batch
 from chord_usd.batch.shared import share_files
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import PlanError
-from chord_usd.runtime.files import output_folder
 from chord_usd.pipeline import Settings
+from chord_usd.runtime.files import output_folder
 
 FIGURES = {
     "rooms": 1, "furniture": 2, "items": 2, "openings": 1, "m_per_px": 0.04, "holds": True,
@@ -85,7 +85,7 @@ def _maker(folder: Path, make: object) -> Make:
 def _write(folder: Path, unit: Unit) -> None:
     with (folder.parent / "made.txt").open("a") as log:
         log.write(f"{unit.name}\n")
-    with output_folder(folder / unit.name) as house:
+    with output_folder(folder / unit.name, "renew") as house:
         (house / STAGE_FILE).write_text(f"#usda 1.0 {unit.name}\n" * 20)
         for name in ("plan.png", "layout.png", "scene.json"):
             (house / name).write_text(f"{name} of {unit.name}\n" * 20)
@@ -105,7 +105,7 @@ def _suffer(folder: Path, unit: Unit) -> None:
         os.kill(os.getppid(), signal.SIGKILL)  # the Ray node this is a worker of
         time.sleep(60.0)
     if "crash" in unit.name:
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_text("half of it")
             os.abort()
     if "killed_once" in unit.name and not (folder.parent / "killed").exists():
@@ -116,18 +116,18 @@ def _suffer(folder: Path, unit: Unit) -> None:
     if "bug" in unit.name:
         raise ZeroDivisionError("two\nlines")
     if "full" in unit.name:
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_text("half of it")
             raise OSError(errno.ENOSPC, "No space left on device", str(house))
     if "large" in unit.name:
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_bytes(bytes(2**20))
     _write(folder, unit)
 
 
 def _dawdle(folder: Path, unit: Unit) -> None:
     if (folder / "first").is_dir():
-        with output_folder(folder / unit.name) as house:
+        with output_folder(folder / unit.name, "renew") as house:
             (house / STAGE_FILE).write_text("half of it")
             (folder.parent / "worker.pid").write_text(str(os.getpid()))
             time.sleep(60.0)

@@ -153,7 +153,7 @@ def nearest(category: str, size_m: Size, pictures: Path, assets: str = "") -> li
 
 def build_assets(folder: Path) -> list[str]:
     """Arguments that draw the whole mesh database, with a picture of each model."""
-    return ["assets", "build", "-o", str(folder), "--pictures", *_REPORT]
+    return ["assets", "build", "-o", str(folder), "--overwrite", "--pictures", *_REPORT]
 
 
 def render(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
@@ -164,7 +164,16 @@ def render(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
 def farm(house: Path, folder: Path, settings: RenderSettings) -> list[str]:
     """Arguments that write the same pictures as a job for render farms. Raises InputError."""
     tiles = max(1, round(settings.resolution[1] / FARM_TILE_PX))
-    words = ["farm", "bundle", _seen(house), "-o", str(folder), "--tiles", str(tiles)]
+    words = [
+        "farm",
+        "bundle",
+        _seen(house),
+        "-o",
+        str(folder),
+        "--overwrite",
+        "--tiles",
+        str(tiles),
+    ]
     return [*words, *_pictures(settings), *_REPORT]
 
 

@@ -50,10 +50,16 @@ def _is_free_or_ours(folder: Path) -> bool:
         return True
     if not folder.is_dir():
         return False
-    held = list(folder.iterdir())
-    others = [one for one in held if one.name not in (MODELS, CATALOGS)]
-    is_built = (folder / MODELS / INDEX).is_file()
-    return not held or (is_built and all(one.suffix.startswith(".blend") for one in others))
+    held = {one.name for one in folder.iterdir()}
+    if not held:
+        return True
+    try:
+        categories = models(folder)
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+    # A library whose making was stopped has no catalogs yet, and perhaps not all of its files.
+    ours = {f"{category}.blend{number}" for category in categories for number in ("", "1", "2")}
+    return held <= {MODELS, CATALOGS, *ours}
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ A house is one layer; the folders beside it only ever gain files. Putting the la
 from __future__ import annotations
 
 import hashlib
+import re
 import shutil
 from pathlib import Path
 
@@ -30,7 +31,8 @@ def keep(house: Path) -> None:
     partial = copy.with_name(copy.name + ".part")
     shutil.copyfile(house, partial)
     partial.replace(copy)
-    own = [one for one in folder.iterdir() if one.name.startswith(f"{house.stem}-")]
+    name = re.compile(rf"{re.escape(house.stem)}-[0-9a-f]{{16}}{re.escape(house.suffix)}")
+    own = [one for one in folder.iterdir() if name.fullmatch(one.name)]
     for old in sorted(own, key=lambda one: one.stat().st_mtime_ns)[:-KEPT]:
         old.unlink()
 

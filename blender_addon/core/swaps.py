@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import filecmp
 import math
+import os
 import shutil
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,13 @@ COLOUR = "colour"
 
 ASSETS = "assets"
 """The folder beside a house that holds its models."""
+
+
+MODEL_SUFFIXES = (
+    ".usd", ".usda", ".usdc", ".usdz", ".mtlx",
+    ".png", ".jpg", ".jpeg", ".exr", ".hdr", ".tga", ".tif", ".tiff", ".webp",
+)  # fmt: skip
+"""Of files that a model is made of: layers and textures."""
 
 
 @dataclass(frozen=True)
@@ -96,21 +104,51 @@ def raised(matrix: Matrix, by_m: float) -> Matrix:
 
 
 def bring_model(usd: Path, house: Path) -> str:
-    """Copy a model's folder beside the house, unless it is there; returns its relative path.
+    """Copy a model beside the house, unless it is there; returns its relative path.
 
-    What is in a folder of that name stays. Raises OSError.
+    With it goes what lies in its folder and can belong to a model; nothing else, and no links. A
+    folder of that name is completed; where it has other files under the same names, they stay, and
+    the model goes into a folder of another name. Raises OSError.
     """
-    source, target = usd.parent, house.parent / ASSETS / usd.parent.name
+    files = _model_files(usd.parent)
+    target = house.parent / ASSETS / usd.parent.name
+    number = 1
+    while not (target / usd.name).is_file() and _is_in_the_way(target, usd.parent, files):
+        number += 1
+        target = target.with_name(f"{usd.parent.name}_{number}")
     if not (target / usd.name).is_file():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".", dir=target.parent) as partial:
-            whole = Path(partial) / target.name
-            shutil.copytree(source, whole, copy_function=shutil.copyfile)
-            if target.exists():
-                shutil.copytree(whole, target, copy_function=shutil.copyfile, dirs_exist_ok=True)
-            else:
-                whole.rename(target)
+        _bring(usd, files, target)
     return f"{ASSETS}/{target.name}/{usd.name}"
+
+
+def _model_files(folder: Path) -> list[Path]:
+    """What lies in a folder and can be part of a model, relative to it."""
+    found = (one for one in folder.rglob("*") if one.suffix.lower() in MODEL_SUFFIXES)
+    return [one.relative_to(folder) for one in found if one.is_file() and not one.is_symlink()]
+
+
+def _is_in_the_way(target: Path, source: Path, files: list[Path]) -> bool:
+    if not os.path.lexists(target):
+        return False
+    if target.is_symlink() or not target.is_dir():
+        return True
+    there = (file for file in files if os.path.lexists(target / file))
+    return any(
+        not (target / file).is_file()
+        or not filecmp.cmp(source / file, target / file, shallow=False)
+        for file in there
+    )
+
+
+def _bring(usd: Path, files: list[Path], target: Path) -> None:
+    """Copy what is not there, each file whole; the model itself last, which makes it complete."""
+    for file in sorted(files, key=lambda one: one == Path(usd.name)):
+        place = target / file
+        if not place.exists():
+            place.parent.mkdir(parents=True, exist_ok=True)
+            partial = place.with_name(f"{place.name}.part")
+            shutil.copyfile(usd.parent / file, partial)
+            partial.replace(place)
 
 
 def size_text(size_m: Size) -> str:

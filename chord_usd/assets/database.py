@@ -9,9 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import os
-import shutil
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -19,8 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.errors import AssetError, OutputError
+from chord_usd.json_text import parse_json
 from chord_usd.palette import CATEGORIES, category
 from chord_usd.progress import Progress
+from chord_usd.runtime.locations import CACHE_VARIABLE, cache_folder
+from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.types import Asset
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
-CACHE_VARIABLE = "CHORD_USD_CACHE"
-"""Environment variable: folder for what the package draws once and keeps."""
 
 _GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture")
 _REBUILD = "chord-usd assets build -o FOLDER"
@@ -148,7 +146,7 @@ def read_index(folder: Path) -> tuple[Asset, ...]:
     """Assets of a database folder. Raises AssetError that names the entry at fault."""
     path = folder / INDEX_NAME
     try:
-        entries = json.loads(path.read_text(encoding="utf-8"))["assets"]
+        entries = parse_json(path.read_bytes(), str(path), AssetError)["assets"]
         return tuple([_asset(entry, folder) for entry in entries])
     except FileNotFoundError:
         raise AssetError(
@@ -157,7 +155,7 @@ def read_index(folder: Path) -> tuple[Asset, ...]:
             expected=f"a folder with {INDEX_NAME}",
             try_=_REBUILD,
         ) from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise AssetError(
             f"the index of the mesh database cannot be read ({error})",
             where=str(path),
@@ -177,6 +175,8 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
     usd_path = folder / entry["path"]
     if not usd_path.is_file():
         raise ValueError(f"{name}: {entry['path']} is missing")
+    if not usd_path.resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"{name}: {entry['path']} lies outside the folder")
     return Asset(
         id=name,
         category=entry["category"],
@@ -279,15 +279,6 @@ def embedded_folder() -> Path:
     return cache_folder() / _generator_folder()
 
 
-def cache_folder() -> Path:
-    """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
-    own = os.environ.get(CACHE_VARIABLE)
-    if own:
-        return Path(own)
-    shared = os.environ.get("XDG_CACHE_HOME")
-    return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
-
-
 def _draw_into(folder: Path, asset: Asset) -> None:
     """Draw beside the target and rename, so that nobody ever sees half a component."""
     from chord_usd.assets.component import write_component
@@ -295,8 +286,7 @@ def _draw_into(folder: Path, asset: Asset) -> None:
 
     design = next(design for design in designs() if design.id == asset.id)
     folder.mkdir(parents=True, exist_ok=True)
-    hidden = Path(tempfile.mkdtemp(prefix=".assets-", dir=folder))
-    try:
+    with scratch_folder(folder) as hidden:
         write_component(design, hidden)
         try:
             (hidden / asset.id).rename(folder / asset.id)
@@ -304,8 +294,6 @@ def _draw_into(folder: Path, asset: Asset) -> None:
             # Another process was faster; what it made is the same.
             if not asset.usd_path.is_file():
                 raise
-    finally:
-        shutil.rmtree(hidden, ignore_errors=True)
 
 
 def _generator_hash() -> str:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chord_usd.errors import AssetError
+from chord_usd.errors import AssetError, StageError
 from chord_usd.progress import Progress
+from chord_usd.runtime.stages import open_asset, open_known
 from chord_usd.types import Asset, ByteArray, FloatArray
 
 if TYPE_CHECKING:
@@ -83,19 +84,18 @@ def draw_asset(asset: Asset, side_px: int = TILE_PX, colourway: str = "") -> Byt
 
 def colourways(asset: Asset) -> list[str]:
     """Names of the colours an asset comes in; one empty name where it has no choice."""
-    from pxr import Usd
 
-    stage = Usd.Stage.Open(str(asset.usd_path), Usd.Stage.LoadNone)
+    stage = open_known(asset.usd_path, load=False)
     return stage.GetDefaultPrim().GetVariantSet("colour").GetVariantNames() or [""]
 
 
 def _read(path: Path, colourway: str) -> Picture:
     """The triangles of a component, their colours from its materials."""
-    from pxr import Tf, Usd, UsdGeom
+    from pxr import Usd, UsdGeom
 
     try:
-        stage = Usd.Stage.Open(str(path))
-    except Tf.ErrorException as error:
+        stage = open_asset(path)
+    except StageError as error:
         raise AssetError("the mesh cannot be opened", where=str(path)) from error
     root = stage.GetDefaultPrim()
     if colourway:

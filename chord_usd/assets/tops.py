@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from chord_usd.errors import AssetError
+from chord_usd.errors import AssetError, StageError
 from chord_usd.relief import LEAST_HEIGHT, Relief
+from chord_usd.runtime.stages import open_asset
 from chord_usd.types import Asset, FloatArray
 
 if TYPE_CHECKING:
@@ -65,11 +66,11 @@ def _triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
 
     Both in the frame of the asset. Of a cube that collides, its upper side.
     """
-    from pxr import Tf, Usd, UsdGeom, UsdPhysics
+    from pxr import UsdGeom, UsdPhysics
 
     try:
-        stage = Usd.Stage.Open(str(path))
-    except Tf.ErrorException as error:
+        stage = open_asset(path)
+    except StageError as error:
         raise AssetError("the mesh cannot be opened", where=str(path)) from error
     transforms = UsdGeom.XformCache()
     seen, felt = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))]

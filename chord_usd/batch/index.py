@@ -62,7 +62,7 @@ def rows(folder: Path, failures: Iterable[Result] = ()) -> list[dict[str, Any]]:
 def write_index(rows: Iterable[Mapping[str, Any]], folder: Path) -> Path:
     """Write the rows as JSON lines. Raises OutputError."""
     path = folder / INDEX_FILE
-    write_atomic(path, "".join(json.dumps(row) + "\n" for row in rows))
+    write_atomic(path, "".join(json.dumps(row) + "\n" for row in rows), asked=False)
     return path
 
 
@@ -85,7 +85,7 @@ def write_parquet(rows: list[dict[str, Any]], folder: Path) -> Path:
     path = folder / PARQUET_FILE
     with deliver() as delivery:
         table = pyarrow.Table.from_pylist(rows, schema=pyarrow.schema(types))
-        pyarrow.parquet.write_table(table, delivery.place(path))
+        pyarrow.parquet.write_table(table, delivery.place(path, asked=False))
     return path
 
 

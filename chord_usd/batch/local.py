@@ -10,25 +10,27 @@ import faulthandler
 import os
 import re
 import signal
+import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import NoReturn
 
 from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.units import Unit
+from chord_usd.runtime import interrupts
 from chord_usd.runtime.networks import THREADS_VARIABLE, usable_cores
+from chord_usd.runtime.offline import stay_offline
+from chord_usd.runtime.scratch import scratch_folder
 
 WORKER_MIB = 1024
 """Memory a worker needs, its Blender not counted (benchmarks/batch_throughput.py)."""
 
-STOP_SECONDS = 5.0
+STOP_SECONDS = 0.8
 """How long a worker has to clean up after SIGTERM."""
-
-_TERMINATED = 143
 
 _spawn = get_context("spawn")
 """Fresh interpreters: networks and USD have threads, which do not survive a fork."""
@@ -55,22 +57,23 @@ class LocalEngine:
         queue = Queue(units)
         count = min(self._count, len(units))
         threads = max(usable_cores() // max(count, 1), 1)
-        with tempfile.TemporaryDirectory(prefix="chord-usd-batch-") as logs:
+        with scratch_folder() as logs:
             team: list[_Worker] = []
             try:
                 while queue or any(worker.unit for worker in team):
                     idle = [worker for worker in team if not worker.unit]
                     while queue and (idle or len(team) < count):
                         if not idle:
-                            idle.append(_Worker(load, Path(logs), threads))
+                            idle.append(_Worker(load, logs, threads))
                             team.append(idle[0])
                         idle.pop().begin(queue.take())
                     yield from _answers(team, queue)
             finally:
                 for worker in team:
                     worker.ask_to_end()
+                deadline = time.monotonic() + STOP_SECONDS
                 for worker in team:
-                    worker.end()
+                    worker.end(deadline)
 
 
 def _answers(team: list[_Worker], queue: Queue) -> Iterator[Result]:
@@ -131,9 +134,9 @@ class _Worker:
         if self.unit:
             self._process.terminate()
 
-    def end(self) -> None:
-        """Wait for it, not for long."""
-        self._process.join(STOP_SECONDS)
+    def end(self, deadline: float) -> None:
+        """Wait for it, not for long. deadline: by time.monotonic()."""
+        self._process.join(max(deadline - time.monotonic(), 0.0))
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
@@ -156,22 +159,22 @@ def _serve(connection: Connection, load: Load, log: Path) -> None:
     """The worker's own main function."""
     # Ctrl-C reaches the whole terminal; the driver tells its workers when to stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, _terminate)
+    interrupts.obey()
     with log.open("w") as file:
         # What libraries print must spoil neither the driver's answer nor its progress.
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
+    stay_offline()
     faulthandler.enable()
     threading.Thread(target=_end_with_driver, daemon=True).start()
-    make = load()
-    with contextlib.suppress(EOFError, ConnectionError):
-        while True:
-            unit: Unit = connection.recv()
-            connection.send(attempt(make, unit))
-
-
-def _terminate(signum: int, frame: object) -> NoReturn:
-    raise SystemExit(_TERMINATED)
+    try:
+        make = load()
+        with contextlib.suppress(EOFError, ConnectionError):
+            while True:
+                unit: Unit = connection.recv()
+                connection.send(attempt(make, unit))
+    except interrupts.Terminated:
+        sys.exit(interrupts.TERMINATED)
 
 
 def _end_with_driver() -> None:
@@ -179,4 +182,4 @@ def _end_with_driver() -> None:
     driver = parent_process()
     assert driver is not None
     wait([driver.sentinel])
-    os._exit(_TERMINATED)
+    os._exit(interrupts.TERMINATED)

@@ -68,7 +68,7 @@ class Maker:
 
         watch = Stopwatch()
         settings = replace(self._order.settings, seed=unit.seed)
-        with output_folder(target) as folder:
+        with output_folder(target, "renew") as folder:
             plan_file = _plan_file(unit, folder)
             stage = folder / STAGE_FILE
             house = generate(plan_file, stage, settings, watch, self._models)

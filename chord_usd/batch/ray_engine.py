@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import os
 import socket
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,21 @@ from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.lock import LOCK_FILE
 from chord_usd.batch.units import Unit
 from chord_usd.errors import ChordError, MissingExtraError, OutputError
+from chord_usd.runtime.offline import refuse_telemetry, stay_offline
 
 KNOCK_SECONDS = 10.0
 """How long a head node may take to answer."""
+
+_ALONE = {
+    # Loopback is this node's address, and where its services listen: what Ray does by itself where
+    # a firewall would ask. It also asks the way to a public name server otherwise.
+    "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0",
+    # Ray asks the metadata services of three clouds where it runs, usage reports or not, and looks
+    # up a name for it. Whatever it asks by HTTP goes where nobody listens.
+    **dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9"),
+    "no_proxy": "127.0.0.1,localhost",
+}
+"""Environment of a cluster on this machine that nobody else can see."""
 
 
 class RayEngine:
@@ -40,8 +52,11 @@ class RayEngine:
         """As Engine.run. Raises MissingExtraError without ray, ChordError without a cluster."""
         if not units:
             return
-        ray = _import_ray()
-        with _connected(ray, self._address):
+        with _environment(_ALONE if self._address is None else {}):
+            ray = _import_ray()
+            connection = ExitStack()
+            connection.enter_context(_connected(ray, self._address))
+        with connection:
             count = min(self._workers or self._room(ray), len(units))
             team = _Team(ray, self._actor_class(ray), (load, self._seen()))
             try:
@@ -79,6 +94,7 @@ class RayWorker:
     """One actor."""
 
     def __init__(self, load: Load, seen: tuple[Path, str]) -> None:
+        stay_offline()
         self._seen = seen
         self._make = load()
 
@@ -152,8 +168,7 @@ def _unable(unit: Unit, how: str) -> Result:
 
 
 def _import_ray() -> Any:
-    # Nothing is told to others unless the user wants it.
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    refuse_telemetry()
     try:
         import ray
     except ImportError:
@@ -161,6 +176,20 @@ def _import_ray() -> Any:
             "the Ray engine needs ray", where="--engine ray", try_="pip install 'chord-usd[ray]'"
         ) from None
     return ray
+
+
+@contextmanager
+def _environment(variables: Mapping[str, str]) -> Iterator[None]:
+    """What is imported or started meanwhile sees these variables."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value
 
 
 @contextmanager

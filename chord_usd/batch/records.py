@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.runtime.files import hash_file, write_atomic
+from chord_usd.runtime.manifest import MANIFEST_FILE
 
 HOUSE_RECORD = "house.json"
 PICTURES_RECORD = "pictures.json"
@@ -47,8 +48,9 @@ class Digests:
 
 
 def files_in(folder: Path) -> list[Path]:
-    """All files below a folder, by name."""
-    return sorted(path for path in folder.rglob("*") if path.is_file())
+    """All files below a folder, by name, without the manifests, which grow."""
+    files = (path for path in folder.rglob("*") if path.name != MANIFEST_FILE)
+    return sorted(path for path in files if path.is_file())
 
 
 def hashes_of(files: Iterable[Path], folder: Path) -> dict[str, str]:
@@ -58,7 +60,7 @@ def hashes_of(files: Iterable[Path], folder: Path) -> dict[str, str]:
 
 def write_record(record: Record, path: Path) -> None:
     """Raises OutputError."""
-    write_atomic(path, json.dumps(asdict(record), indent=1) + "\n")
+    write_atomic(path, json.dumps(asdict(record), indent=1) + "\n", asked=False)
 
 
 def read_record(path: Path) -> Record | None:

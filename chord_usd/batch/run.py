@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
@@ -24,6 +23,8 @@ from chord_usd.batch.shards import write_shards
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import OutputError, reason_of
 from chord_usd.progress import Progress, Stopwatch
+from chord_usd.runtime import interrupts
+from chord_usd.runtime.scratch import sweep
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ def run_batch(
     try:
         with locked(folder):
             _sweep(folder)
+            interrupts.delivered.append(folder)
             try:
                 with watch.step("look") as progress:
                     due = find_due(units, order, progress)
@@ -163,10 +165,9 @@ def _make_folder(folder: Path) -> bool:
 
 
 def _sweep(folder: Path) -> None:
-    """Remove what workers that were killed had half written. Nobody else is at work here."""
-    for place in (".", f"*/{PICTURES_FOLDER}"):
-        for hidden in folder.glob(f"{place}/.chord-usd-*"):
-            shutil.rmtree(hidden, ignore_errors=True)
+    """Remove what workers that were killed had half written."""
+    for place in (folder, *folder.glob("*/"), *folder.glob(f"*/{PICTURES_FOLDER}/")):
+        sweep(place)
 
 
 def _remove_empty(folder: Path) -> None:

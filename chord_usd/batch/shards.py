@@ -32,11 +32,11 @@ def write_shards(
     house, or the house and the camera. Raises OutputError.
     """
     done = [row for row in rows if row["status"] == "done"]
-    with output_folder(folder / SHARDS_FOLDER) as shards:
+    with output_folder(folder / SHARDS_FOLDER, "renew") as shards:
         for kind in ("house", "picture"):
             samples = (_sample(row, folder) for row in done if row["kind"] == kind)
             _write(samples, shards, f"{kind}s", shard_bytes)
-    return sorted((folder / SHARDS_FOLDER).iterdir())
+    return sorted((folder / SHARDS_FOLDER).glob("*.tar"))
 
 
 def _sample(row: Mapping[str, Any], folder: Path) -> list[tuple[str, Path]]:

@@ -33,7 +33,7 @@ def share_files(house: Path, library: Path) -> None:
 
 def keep_pictures(old: Path, new: Path, name: str) -> None:
     """Let the folder name of an old house live on in its new one, which is about to replace it."""
-    for file in files_in(old / name):
+    for file in (path for path in (old / name).rglob("*") if path.is_file()):
         target = new / file.relative_to(old)
         target.parent.mkdir(parents=True, exist_ok=True)
         with _where_links_are():
@@ -46,14 +46,11 @@ def _share(file: Path, kept: Path) -> None:
         try:
             os.link(file, kept)
         except FileExistsError:
-            link = file.with_name(f".{file.name}.link")
+            # Of another version, damaged or somebody's own: it stays, and the house keeps its copy.
             if filecmp.cmp(file, kept, shallow=False):
+                link = file.with_name(f".{file.name}.link")
                 os.link(kept, link)
                 link.replace(file)
-            else:
-                # Damaged, or of another version: whoever has it linked keeps what it has.
-                os.link(file, link)
-                link.replace(kept)
 
 
 @contextlib.contextmanager

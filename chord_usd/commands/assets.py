@@ -15,17 +15,22 @@ from chord_usd.commands.common import (
     add_assets,
     add_group,
     add_output,
+    add_output_folder,
     add_verb,
+    folder_mode,
     size_m,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file, output_place
 from chord_usd.runtime.files import deliver, output_folder
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
     from chord_usd.progress import Stopwatch
     from chord_usd.types import Asset
+
+_HIDDEN = shutil.ignore_patterns(".*")
 
 PICTURE_PX = 128
 """Side of the picture of one mesh, as lists of them show it."""
@@ -50,16 +55,18 @@ def add(verbs: Verbs) -> None:
         metavar="PATH",
         help="a folder with manifest.json, 3D-FUTURE's folder, or a Sweet Home 3D library (.sh3f)",
     )
-    add_output(adding, "the folder for --assets; models are added to those that it holds")
+    add_output(
+        adding, "the folder for --assets; models are added to those that it holds", output_place
+    )
     adding.add_argument(
         "--triangles",
-        type=whole_number(100),
+        type=whole_number(100, 10_000_000),
         default=20_000,
         metavar="N",
         help="meshes with more are reduced to it (20000)",
     )
     build = add_verb(group, "build", run_build, "build the parametric furniture as USD components")
-    add_output(build, "folder for the components, replaced as a whole")
+    add_output_folder(build, "folder for the components")
     build.add_argument(
         "--pictures", action="store_true", help="also draw a picture of each into PATH/pictures"
     )
@@ -72,16 +79,16 @@ def _add_nearest(group: Verbs) -> None:
         "--size", type=size_m, required=True, metavar="LxWxH", help="in metres, such as 1.6x2.0x0.9"
     )
     parser.add_argument(
-        "--count", type=whole_number(1), default=8, metavar="N", help="at most so many (8)"
+        "--count", type=whole_number(1, 100_000), default=8, metavar="N", help="at most so many (8)"
     )
     parser.add_argument(
-        "--pictures", type=Path, metavar="DIR", help="also draw a picture of each, ID.png"
+        "--pictures", type=output_place, metavar="DIR", help="also draw a picture of each, ID.png"
     )
     add_assets(parser)
 
 
 def _add_sheet(parser: argparse.ArgumentParser, summary: str) -> None:
-    parser.add_argument("--sheet", type=Path, metavar="PNG", help=summary)
+    parser.add_argument("--sheet", type=output_file, metavar="PNG", help=summary)
 
 
 def run_list(options: argparse.Namespace) -> Outcome:
@@ -139,7 +146,7 @@ def _draw_pictures(assets: Sequence[Asset], folder: Path, watch: Stopwatch) -> d
         for done, asset in enumerate(assets):
             progress(done, len(assets))
             if not _is_younger(files[asset.id], asset.usd_path):
-                target = delivery.place(files[asset.id])
+                target = delivery.place(files[asset.id], asked=False)
                 Image.fromarray(draw_asset(asset, PICTURE_PX)).save(target, format="PNG")
         progress(len(assets), len(assets))
     return files
@@ -175,7 +182,7 @@ def run_build(options: argparse.Namespace) -> Outcome:
     from chord_usd.assets.database import build_assets
 
     watch = stopwatch(options)
-    with output_folder(options.output) as folder:
+    with output_folder(options.output, folder_mode(options)) as folder:
         with watch.step("assets") as progress:
             assets = build_assets(folder, progress)
         if options.pictures:
@@ -189,9 +196,9 @@ def run_add(options: argparse.Namespace) -> Outcome:
     from chord_usd.assets.libraries.add import add_library
 
     folder: Path = options.output
-    with output_folder(folder) as target, stopwatch(options).step("assets") as progress:
+    with output_folder(folder, "add") as target, stopwatch(options).step("assets") as progress:
         if folder.is_dir():
-            shutil.copytree(folder, target, dirs_exist_ok=True)
+            shutil.copytree(folder, target, dirs_exist_ok=True, ignore=_HIDDEN)
         added = add_library(
             options.library, target, most_triangles=options.triangles, progress=progress
         )

@@ -19,9 +19,11 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     positive,
+    scale,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_place
 from chord_usd.commands.render import add_look, look_of
 
 if TYPE_CHECKING:
@@ -41,7 +43,9 @@ def add(verbs: Verbs) -> None:
         "plans", type=Path, nargs="*", metavar="PLAN",
         help="floor plans as generate takes them, or folders of them",
     )  # fmt: skip
-    add_output(parser, "folder for the houses, one folder each; finished ones in it are kept")
+    add_output(
+        parser, "folder for the houses, one folder each; finished ones in it are kept", output_place
+    )
     _add_houses(parser)
     _add_pictures(parser)
     _add_exports(parser)
@@ -52,17 +56,17 @@ def _add_houses(parser: Parser) -> None:
     group = parser.add_argument_group("houses")
     add_seed(group)
     group.add_argument(
-        "--seeds", type=whole_number(1), default=1, metavar="N",
+        "--seeds", type=whole_number(1, 1_000_000), default=1, metavar="N",
         help="houses for each plan, from --seed on (1)",
     )  # fmt: skip
     group.add_argument(
-        "--synth", type=whole_number(1), default=0, metavar="N",
+        "--synth", type=whole_number(1, 1_000_000), default=0, metavar="N",
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
     add_steps(group)
     add_redraws(group)
     group.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
     )
     group.add_argument("--no-tabletop", action="store_true", help="leave tables bare")
     add_assets(group)
@@ -91,14 +95,18 @@ def _add_workers(parser: Parser) -> None:
         help="processes of this machine, or a Ray cluster (local)",
     )  # fmt: skip
     group.add_argument(
-        "--workers", type=whole_number(1), metavar="N",
+        "--workers", type=whole_number(1, 4096), metavar="N",
         help="how many (as many as cores and memory allow)",
     )  # fmt: skip
     group.add_argument(
         "--address", metavar="HOST:PORT", help="of the Ray cluster (one on this machine alone)"
     )
     group.add_argument(
-        "--cpus", type=whole_number(1), default=1, metavar="N", help="cores of a Ray worker (1)"
+        "--cpus",
+        type=whole_number(1, 4096),
+        default=1,
+        metavar="N",
+        help="cores of a Ray worker (1)",
     )
     group.add_argument(
         "--gpus", type=positive, default=0.0, metavar="SHARE",
@@ -125,10 +133,8 @@ def run(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     try:
         done = run_batch(units, order, engine, Exports(options.parquet, options.webdataset), watch)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            "finished houses were kept; run this again to make the others"
-        ) from None
+    except KeyboardInterrupt as reason:
+        raise type(reason)("finished houses were kept; run this again to make the others") from None
     return _outcome(done, options, watch.seconds)
 
 

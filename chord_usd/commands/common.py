@@ -8,10 +8,15 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from chord_usd.errors import ChordError
+from chord_usd.commands.paths import UsageError, output_file, output_folder
+from chord_usd.limits import M_PER_PX
 from chord_usd.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+from chord_usd.runtime.inputs import refuse_odd_file
+
+if TYPE_CHECKING:
+    from chord_usd.runtime.files import FolderMode
 
 
 @dataclass(frozen=True)
@@ -31,15 +36,17 @@ class Outcome:
 SAMPLERS = ("ddim", "dpm", "ddpm")
 """As layout.schedule has them, which may not be imported for a help page."""
 
+MOST_SEED = 2**31 - 1
+"""Blender and USD count with 32 bits."""
+
+MOST_STEPS = 1000
+"""As many as the models were trained with: there are no further levels of noise."""
+
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
 """What ArgumentParser.add_subparsers returns; argparse keeps the class private."""
 Options = argparse._ActionsContainer
 """A parser, or a group of its options."""
-
-
-class UsageError(ChordError):
-    """The command line cannot be understood."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -59,7 +66,7 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
     parser: Parser = verbs.add_parser(
         name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.", **options
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, parser=parser)
     common = parser.add_argument_group("reporting")
     common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
     common.add_argument(
@@ -75,31 +82,47 @@ def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
     return parser.add_subparsers(metavar="VERB", required=True, dest=f"{name}_verb")
 
 
-def add_output(parser: Parser, summary: str, **options: Any) -> None:
-    """The option -o."""
+def add_output(
+    parser: Parser, summary: str, role: Callable[[str], Path] = output_file, **options: Any
+) -> argparse.Action:
+    """The option -o. role: what kind of output, of commands.paths."""
+    options = {"required": True, "metavar": "PATH", **options}
+    return parser.add_argument("-o", "--output", type=role, help=summary, **options)
+
+
+def add_output_folder(parser: Parser, summary: str) -> None:
+    """The options -o and --overwrite of a folder that is one output."""
+    add_output(parser, f"{summary}, new or empty", output_folder)
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="PATH", help=summary, **options
-    )
+        "--overwrite", action="store_true",
+        help="replace what chord-usd wrote into the folder before, and nothing else",
+    )  # fmt: skip
+
+
+def folder_mode(options: argparse.Namespace) -> FolderMode:
+    """What --overwrite asks for, for runtime.files."""
+    return "replace" if options.overwrite else "new"
 
 
 def add_seed(parser: Options) -> None:
     """The option --seed."""
     parser.add_argument(
-        "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same house (0)"
+        "--seed", type=seed, default=0, metavar="N", help="same seed, same house (0)"
     )
 
 
 def add_steps(parser: Options) -> None:
     """The option --steps."""
     parser.add_argument(
-        "--steps", type=whole_number(1), metavar="N", help="sampler steps (the checkpoint's own)"
-    )
+        "--steps", type=whole_number(1, MOST_STEPS), metavar="N",
+        help="sampler steps (the checkpoint's own)",
+    )  # fmt: skip
 
 
 def add_redraws(parser: Options, count: int = 2) -> None:
     """The option --redraws."""
     parser.add_argument(
-        "--redraws", type=whole_number(0), default=count, metavar="N",
+        "--redraws", type=whole_number(0, 100), default=count, metavar="N",
         help=f"draw rooms that came out bare or blocked again, so often ({count})",
     )  # fmt: skip
 
@@ -126,7 +149,7 @@ def add_assets(parser: Options) -> None:
 def add_part(parser: Parser) -> None:
     """The option --part."""
     parser.add_argument(
-        "--part", type=whole_number(1), default=1, metavar="N",
+        "--part", type=whole_number(1, 1000), default=1, metavar="N",
         help="which plan of a sheet, or storey of a file, by floor area (1, the largest)",
     )  # fmt: skip
 
@@ -137,37 +160,55 @@ def stopwatch(options: argparse.Namespace) -> Stopwatch:
 
 
 def existing_file(path: Path) -> Path:
-    """The path, if there is a file. Raises UsageError."""
-    if path.is_dir():
-        raise UsageError("is a folder", where=str(path), expected="a file")
-    if not path.exists():
-        raise UsageError("no such file", where=str(path), try_="check the path")
+    """The path, if there is a file that can be read to its end. Raises UsageError."""
+    refuse_odd_file(path, UsageError)
     return path
 
 
-def whole_number(least: int) -> Callable[[str], int]:
-    """An option type: an integer from least on."""
+def whole_number(least: int, most: int) -> Callable[[str], int]:
+    """An option type: an integer from least to most, both included."""
 
     def parse(text: str) -> int:
         try:
             value = int(text)
         except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is not a whole number") from None
         if value < least:
-            raise argparse.ArgumentTypeError(f"{text} is less than {least}")
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is less than {least}")
+        if value > most:
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is more than {most}")
         return value
 
     return parse
 
 
+seed = whole_number(0, MOST_SEED)
+"""An option type."""
+
+
+def scale(text: str) -> float:
+    """An option type: metres per pixel of a picture, or per unit of a vector file."""
+    return _within(text, *M_PER_PX, " metres per pixel")
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= 30 else f"{text[:30]}…")
+
+
 def positive(text: str) -> float:
-    """An option type: a finite number above zero."""
+    """An option type: a number above zero, between a millionth and a million."""
+    return _within(text, 1e-6, 1e6)
+
+
+def _within(text: str, least: float, most: float, unit: str = "") -> float:
     try:
         value = float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not a number") from None
     if not math.isfinite(value) or value <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text} is not above zero")
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not above zero")
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not from {least:g} to {most:g}{unit}")
     return value
 
 

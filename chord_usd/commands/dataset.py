@@ -18,12 +18,15 @@ from chord_usd.commands.common import (
     Verbs,
     add_group,
     add_output,
+    add_output_folder,
     add_seed,
     add_verb,
     existing_file,
+    folder_mode,
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
@@ -44,10 +47,10 @@ def add(verbs: Verbs) -> None:
         group, "clean", run_clean, "take out what is empty, out of its room, colliding or blocking"
     )
     cleaner.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    add_output(cleaner, "folder for the clean houses, replaced as a whole")
+    add_output_folder(cleaner, "folder for the clean houses")
     stats = add_verb(group, "stats", run_stats, "count what the paper's data set tables count")
     stats.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    stats.add_argument("--plot", type=Path, metavar="PNG", help="also draw the tables")
+    stats.add_argument("--plot", type=output_file, metavar="PNG", help="also draw the tables")
     stats.add_argument(
         "--against",
         type=Path,
@@ -63,16 +66,18 @@ def add(verbs: Verbs) -> None:
     draw.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
     add_output(draw, "the sheet, a PNG")
     draw.add_argument(
-        "--most", type=whole_number(1), default=24, metavar="N", help="houses to draw (24)"
+        "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
     )
 
 
 def _add_synth(group: Verbs) -> None:
     synth = add_verb(group, "synth", run_synth, "draw and furnish procedural houses")
-    add_output(synth, "folder for the houses, replaced as a whole")
-    synth.add_argument("--count", type=whole_number(1), default=10, metavar="N", help="(10)")
+    add_output_folder(synth, "folder for the houses")
     synth.add_argument(
-        "--rooms", type=whole_number(1), metavar="N", help="rooms per house (as the paper's)"
+        "--count", type=whole_number(1, 1_000_000), default=10, metavar="N", help="(10)"
+    )
+    synth.add_argument(
+        "--rooms", type=whole_number(1, 100), metavar="N", help="rooms per house (as the paper's)"
     )
     synth.add_argument(
         "--rasters", action="store_true", help="also draw plan and layout rasters beside them"
@@ -102,7 +107,7 @@ def _add_import(group: Verbs) -> None:
         metavar="JSON",
         help="3D-FUTURE's model_info.json or ProcTHOR's asset-database.json",
     )
-    add_output(reader, "folder for the houses, replaced as a whole")
+    add_output_folder(reader, "folder for the houses")
     reader.add_argument(
         "--furnish", action="store_true", help="furnish plans that hold no furniture"
     )
@@ -119,7 +124,10 @@ def run_synth(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.houses import random_plan
 
     watch, lacks = stopwatch(options), _Lacking()
-    with output_folder(options.output) as folder, watch.step("synth") as progress:
+    with (
+        output_folder(options.output, folder_mode(options)) as folder,
+        watch.step("synth") as progress,
+    ):
         for index in range(options.count):
             seed = options.seed + index
             rooms = options.rooms or spread_room_count(seed)
@@ -147,7 +155,7 @@ def run_import(options: argparse.Namespace) -> Outcome:
         existing_file(options.source)
     reading, lacks = _Reading(), _Lacking()
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("import"):
+    with output_folder(options.output, folder_mode(options)) as folder, watch.step("import"):
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
                 rng = np.random.default_rng((options.seed, reading.count))
@@ -195,7 +203,7 @@ def run_clean(options: argparse.Namespace) -> Outcome:
     removed: Counter[str] = Counter()
     dropped: dict[str, str] = {}
     watch = stopwatch(options)
-    with output_folder(options.output) as folder, watch.step("clean"):
+    with output_folder(options.output, folder_mode(options)) as folder, watch.step("clean"):
         for name, scene in reading.of(_houses(options.houses)):
             cleaned = clean(scene)
             removed.update(cleaned.counts())
@@ -250,11 +258,14 @@ def _write_house(scene: SceneGraph, stem: Path, rasters: bool) -> None:
     from chord_usd.raster import draw_plan, layout_image
     from chord_usd.raster_files import write_raster
 
-    write_scene(scene, stem.with_suffix(".json"))
+    def file(suffix: str) -> Path:
+        return stem.with_name(f"{stem.name}{suffix}")
+
+    write_scene(scene, file(".json"))
     if rasters:
         plan_image = draw_plan(scene.plan)
-        write_raster(plan_image, stem.with_suffix(".plan.png"))
-        write_raster(layout_image(plan_image, scene.items), stem.with_suffix(".layout.png"))
+        write_raster(plan_image, file(".plan.png"))
+        write_raster(layout_image(plan_image, scene.items), file(".layout.png"))
 
 
 @dataclass

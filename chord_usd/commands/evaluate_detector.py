@@ -18,6 +18,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.progress import Stopwatch
 from chord_usd.runtime.files import write_atomic
 
@@ -34,14 +35,14 @@ def add(group: Verbs) -> None:
     )
     parser.add_argument(
         "--houses",
-        type=whole_number(0),
+        type=whole_number(0, 1_000_000),
         default=300,
         metavar="N",
         help="drawings of held-out houses (300)",
     )
     parser.add_argument(
         "--generated",
-        type=whole_number(0),
+        type=whole_number(0, 1_000_000),
         default=60,
         metavar="N",
         help="samples of the layout model (60)",
@@ -61,10 +62,12 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--rooms", type=Path, metavar="DIR", help="instead of the shipped detector_rooms"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="MD", help="also write the table")
+    parser.add_argument(
+        "-o", "--output", type=output_file, metavar="MD", help="also write the table"
+    )
     parser.add_argument(
         "--sheet",
-        type=Path,
+        type=output_file,
         metavar="PICTURE",
         help="also draw what the networks propose, to look at (.png or .jpg)",
     )

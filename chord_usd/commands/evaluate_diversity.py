@@ -24,7 +24,7 @@ def add(group: Verbs) -> None:
     add_checkpoint(parser)
     add_sampling(parser)
     parser.add_argument(
-        "--seeds", type=whole_number(2), default=8, metavar="N", help="layouts per plan (8)"
+        "--seeds", type=whole_number(2, 10_000), default=8, metavar="N", help="layouts per plan (8)"
     )
     add_report(parser)
 

@@ -44,7 +44,12 @@ def add(group: Verbs) -> None:
 
 def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
     parser.add_argument(
-        "--n", dest="cases", type=whole_number(1), default=500, metavar="N", help=f"{what} (500)"
+        "--n",
+        dest="cases",
+        type=whole_number(1, 1_000_000),
+        default=500,
+        metavar="N",
+        help=f"{what} (500)",
     )
     add_records(parser)
     add_checkpoint(parser, checkpoint)

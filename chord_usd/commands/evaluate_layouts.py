@@ -52,7 +52,7 @@ def add(group: Verbs) -> None:
         help="score what this checkpoint of train lists writes down instead, nothing painted",
     )  # fmt: skip
     parser.add_argument(
-        "--drafts", type=whole_number(1), default=1, metavar="N",
+        "--drafts", type=whole_number(1, 100), default=1, metavar="N",
         help="lists drawn of each room, of which the best is taken (1)",
     )  # fmt: skip
     parser.add_argument(

@@ -23,10 +23,14 @@ def add(group: Verbs) -> None:
     add_plans(parser, count=20)
     add_checkpoint(parser)
     parser.add_argument(
-        "--draws", type=whole_number(1), default=100, metavar="N", help="noises per layout (100)"
+        "--draws",
+        type=whole_number(1, 100_000),
+        default=100,
+        metavar="N",
+        help="noises per layout (100)",
     )
     parser.add_argument(
-        "--per-room", type=whole_number(1), default=1, metavar="N",
+        "--per-room", type=whole_number(1, 100), default=1, metavar="N",
         help="pieces moved into others in each room (1)",
     )  # fmt: skip
     add_report(parser)

@@ -18,6 +18,7 @@ from chord_usd.commands.common import (
     existing_file,
     whole_number,
 )
+from chord_usd.commands.paths import output_file
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases
@@ -34,7 +35,7 @@ def add_plans(parser: Parser, count: int) -> None:
         "--split", default="test", metavar="NAME", help=f"{', '.join(SPLITS)} (test: held out)"
     )
     parser.add_argument(
-        "--n", "--plans", dest="plans", type=whole_number(1), default=count, metavar="N",
+        "--n", "--plans", dest="plans", type=whole_number(1, 1_000_000), default=count, metavar="N",
         help=f"plans ({count})",
     )  # fmt: skip
     parser.add_argument("--flats", type=Path, metavar="JSONL", help="real floor plans")
@@ -87,7 +88,7 @@ def load_encoder(options: argparse.Namespace, warnings: list[str]) -> Encoder | 
 def add_records(parser: Parser) -> None:
     """The option --records, of long measurements."""
     parser.add_argument(
-        "--records", type=Path, metavar="FILE",
+        "--records", type=output_file, metavar="FILE",
         help="keep every score here (JSON lines), and go on from those that are there",
     )  # fmt: skip
 
@@ -95,7 +96,7 @@ def add_records(parser: Parser) -> None:
 def add_report(parser: Parser) -> None:
     """Option -o."""
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="MD",
+        "-o", "--output", type=output_file, metavar="MD",
         help="also write the report; a .json and .png appear beside it",
     )  # fmt: skip
 

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch, whole_number
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_verb,
+    seed,
+    stopwatch,
+    whole_number,
+)
 from chord_usd.commands.evaluate_options import add_records, add_report, told
 
 
@@ -12,10 +19,14 @@ def add(group: Verbs) -> None:
     """Adds the verb to the verbs of evaluate."""
     parser = add_verb(group, "plans", run, "score the reader on plans drawn in many styles")
     parser.add_argument(
-        "--count", type=whole_number(1), default=10, metavar="N", help="plans per style (10)"
+        "--count",
+        type=whole_number(1, 100_000),
+        default=10,
+        metavar="N",
+        help="plans per style (10)",
     )
     parser.add_argument(
-        "--seed", type=whole_number(0), default=0, metavar="N", help="same seed, same drawings (0)"
+        "--seed", type=seed, default=0, metavar="N", help="same seed, same drawings (0)"
     )
     parser.add_argument(
         "--unseen", action="store_true", help="the styles that the reader was not made on"

@@ -33,11 +33,11 @@ def add(group: Verbs) -> None:
     """Adds the verb to the verbs of evaluate."""
     parser = add_verb(group, "tabletops", run, "score the table model, before and after placing")
     parser.add_argument(
-        "--n", dest="tops", type=whole_number(1), default=200, metavar="N",
+        "--n", dest="tops", type=whole_number(1, 1_000_000), default=200, metavar="N",
         help="held-out procedural tops (200)",
     )  # fmt: skip
     parser.add_argument(
-        "--houses", type=whole_number(0), default=10, metavar="N",
+        "--houses", type=whole_number(0, 100_000), default=10, metavar="N",
         help="held-out houses, furnished by the layout model, whose pieces are laid (10)",
     )  # fmt: skip
     add_checkpoint(parser, "table")

@@ -9,9 +9,10 @@ from chord_usd.commands.common import (
     Outcome,
     Verbs,
     add_group,
-    add_output,
+    add_output_folder,
     add_verb,
     existing_file,
+    folder_mode,
     whole_number,
 )
 from chord_usd.commands.render import add_how, add_what, render_options, words_of
@@ -24,13 +25,17 @@ def add(verbs: Verbs) -> None:
         group, "bundle", run_bundle, "write an Open Job Description bundle that renders a stage"
     )
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda")
-    add_output(parser, "folder of the bundle")
+    add_output_folder(parser, "folder of the bundle")
     parts = parser.add_argument_group("division")
     parts.add_argument(
-        "--tiles", type=whole_number(1), default=1, metavar="N", help="bands of each picture (1)"
+        "--tiles",
+        type=whole_number(1, 1000),
+        default=1,
+        metavar="N",
+        help="bands of each picture (1)",
     )
     parts.add_argument(
-        "--sample-blocks", type=whole_number(1), default=1, metavar="N",
+        "--sample-blocks", type=whole_number(1, 1000), default=1, metavar="N",
         help="equal shares of the samples (1)",
     )  # fmt: skip
     parts.add_argument("--gpu", action="store_true", help="ask for workers with a GPU")
@@ -59,7 +64,7 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
         blocks=options.sample_blocks,
         gpu=options.gpu,
     )
-    files = write_bundle(work, options.output)
+    files = write_bundle(work, options.output, folder_mode(options))
     tasks = len(work.tasks())
     text = f"{options.output}: {tasks} tasks and a merge. Try: openjd run {files[0]}"
     return Outcome(text, {"template": str(files[0]), "tasks": tasks})

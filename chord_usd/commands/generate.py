@@ -17,9 +17,10 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     add_verb,
-    positive,
+    scale,
     stopwatch,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
 from chord_usd.runtime.files import deliver
 
@@ -40,7 +41,7 @@ def add(verbs: Verbs) -> None:
     add_steps(parser)
     add_redraws(parser)
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_part(parser)
     parser.add_argument(
@@ -48,10 +49,17 @@ def add(verbs: Verbs) -> None:
     )
     add_assets(parser)
     add_device(parser)
-    parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
-    parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
     parser.add_argument(
-        "--preview", type=Path, metavar="PNG", help="also draw the house from above, labelled"
+        "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
+    )
+    parser.add_argument(
+        "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
+    )
+    parser.add_argument(
+        "--preview",
+        type=output_file,
+        metavar="PNG",
+        help="also draw the house from above, labelled",
     )
 
 

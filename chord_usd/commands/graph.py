@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
     Outcome,
@@ -12,10 +14,15 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
+from chord_usd.errors import SceneError
+from chord_usd.limits import LARGEST_HOUSE_M
 from chord_usd.runtime.files import deliver
+
+if TYPE_CHECKING:
+    from chord_usd.types import Room
 
 
 def add(verbs: Verbs) -> None:
@@ -24,7 +31,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("layout", type=Path, metavar="LAYOUT", help="layout raster, layout.png")
     add_output(parser, "the scene graph, scene.json")
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="for pictures that do not say it"
+        "--scale", type=scale, metavar="M_PER_PX", help="for pictures that do not say it"
     )
     add_assets(parser)
 
@@ -44,6 +51,7 @@ def run(options: argparse.Namespace) -> Outcome:
             reader = load_reader(settings)
         with watch.step("graph"):
             graph = reader.read(layout)
+        _refuse_sprawl(graph.rooms, options)
         write_scene(graph, target)
     data = {
         "graph": str(options.output),
@@ -57,3 +65,17 @@ def run(options: argparse.Namespace) -> Outcome:
         f"{data['openings']} doors, windows and passages",
         data,
     )
+
+
+def _refuse_sprawl(rooms: Iterable[Room], options: argparse.Namespace) -> None:
+    """Refuse what no later step would read, since the scale is wrong."""
+    from chord_usd.geometry import extent_m
+
+    across_m = extent_m(rooms)
+    if across_m > LARGEST_HOUSE_M:
+        raise SceneError(
+            f"the house would be {across_m:,.0f} m across",
+            where=str(options.layout),
+            expected=f"at most {LARGEST_HOUSE_M:.0f} m",
+            try_="a smaller --scale",
+        )

@@ -15,7 +15,7 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -35,7 +35,7 @@ def add(verbs: Verbs) -> None:
         help="ddim, dpm (DPM-Solver++) or ddpm, the paper's (the checkpoint's own)",
     )  # fmt: skip
     parser.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of a plan picture"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_device(parser)
 

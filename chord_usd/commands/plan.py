@@ -15,9 +15,10 @@ from chord_usd.commands.common import (
     add_part,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
+from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -34,12 +35,15 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     add_output(read, "the vector plan, plan.json")
     read.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX",
+        "--scale", type=scale, metavar="M_PER_PX",
         help="metres per pixel of the drawing, or per unit of a vector file",
     )  # fmt: skip
     add_part(read)
     read.add_argument(
-        "--overlay", type=Path, metavar="PNG", help="also draw what was read over the drawing"
+        "--overlay",
+        type=output_file,
+        metavar="PNG",
+        help="also draw what was read over the drawing",
     )
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
     draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")

@@ -20,7 +20,7 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
-    positive,
+    scale,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -46,7 +46,7 @@ def add(group: Verbs) -> None:
     )  # fmt: skip
     outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
     outline.add_argument(
-        "--scale", type=positive, metavar="M_PER_PX", help="metres per pixel of the drawing"
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of the drawing"
     )
     _add_options(outline)
 
@@ -146,9 +146,8 @@ def plan_source(
 
     Raises UsageError where none or several are given, ChordError where none can be planned.
     """
-    import tempfile
-
     from chord_usd.chord_json import write_plan
+    from chord_usd.runtime.scratch import scratch_folder
 
     wanted = bool(options.text) or options.outline is not None
     if wanted == (options.plan is not None):
@@ -162,8 +161,8 @@ def plan_source(
         return
     outline = existing_file(options.outline) if options.outline else None
     planned = _planned(options.text, outline, settings, watch)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "planned.json"
+    with scratch_folder() as folder:
+        path = folder / "planned.json"
         write_plan(planned.plan, path)
         yield path, planned
 

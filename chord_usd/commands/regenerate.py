@@ -13,9 +13,10 @@ from chord_usd.commands.common import (
     add_steps,
     add_verb,
     existing_file,
+    seed,
     stopwatch,
-    whole_number,
 )
+from chord_usd.commands.paths import in_place_of, output_file
 from chord_usd.runtime.files import deliver
 
 
@@ -36,18 +37,21 @@ def add(verbs: Verbs) -> None:
         "--edits", type=Path, metavar="LAYER",
         help="a layer over STAGE that moves things: the room is furnished as it is seen there",
     )  # fmt: skip
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="PATH", help="the new stage (STAGE itself)"
+    target = parser.add_argument(
+        "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
     )
-    parser.add_argument(
-        "--seed", type=whole_number(0), metavar="N", help="(one more than the room's last)"
-    )
+    in_place_of(target, "STAGE")
+    parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_steps(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )
-    parser.add_argument("--layout-out", type=Path, metavar="PNG", help="also write the layout")
-    parser.add_argument("--graph-out", type=Path, metavar="JSON", help="also write the scene graph")
+    parser.add_argument(
+        "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
+    )
+    parser.add_argument(
+        "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
+    )
     add_assets(parser)
     add_device(parser)
 

@@ -16,10 +16,12 @@ from chord_usd.commands.common import (
     existing_file,
     names,
     resolution,
+    seed,
     stopwatch,
     tile,
     whole_number,
 )
+from chord_usd.commands.paths import output_place
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions
@@ -36,7 +38,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "render", run, "make pictures of a stage with Blender Cycles")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda, or any USD stage")
-    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it")
+    add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it", output_place)
     add_what(parser)
     add_how(parser)
     _add_parts(parser)
@@ -54,7 +56,7 @@ def add_what(parser: Parser) -> None:
         help="only cameras in this room; may be given several times",
     )  # fmt: skip
     group.add_argument(
-        "--walkthrough", type=whole_number(1), default=0, metavar="N",
+        "--walkthrough", type=whole_number(1, 10_000), default=0, metavar="N",
         help="instead of the stage's cameras, N views along a walk through the doors",
     )  # fmt: skip
     add_look(group)
@@ -78,7 +80,7 @@ def add_look(group: Options) -> None:
         "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
     )
     group.add_argument(
-        "--samples", type=whole_number(1), metavar="N",
+        "--samples", type=whole_number(1, 65_536), metavar="N",
         help="paths per pixel, at most (8, 128 or 1024, by the quality)",
     )  # fmt: skip
 
@@ -110,9 +112,7 @@ def add_how(parser: Parser) -> None:
         "--device", default="auto", metavar="NAME",
         help="auto, cpu, gpu, or a backend such as cuda (auto: a GPU if there is one)",
     )  # fmt: skip
-    group.add_argument(
-        "--seed", type=whole_number(0), default=0, metavar="N", help="of the noise (0)"
-    )
+    group.add_argument("--seed", type=seed, default=0, metavar="N", help="of the noise (0)")
     group.add_argument(
         "--skip-existing", action="store_true",
         help="keep what is there already, if it is whole and was made with the same options",

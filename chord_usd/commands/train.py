@@ -21,6 +21,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import output_run
 
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
@@ -66,7 +67,7 @@ def add(verbs: Verbs) -> None:
     _add_flats(bubbles)
     bubbles.add_argument(
         "--houses",
-        type=whole_number(1),
+        type=whole_number(1, 10_000_000),
         default=40_000,
         metavar="N",
         help="procedural houses to learn from (40000)",
@@ -92,14 +93,14 @@ def add(verbs: Verbs) -> None:
     )
     detector.add_argument(
         "--generated",
-        type=whole_number(0),
+        type=whole_number(0, 10_000_000),
         default=0,
         metavar="N",
         help="layouts that plan2layout paints first, half of all that is seen then (0)",
     )
     detector.add_argument(
         "--score-houses",
-        type=whole_number(1),
+        type=whole_number(1, 1_000_000),
         default=200,
         metavar="N",
         help="held-out houses to score the result on (200)",
@@ -115,7 +116,11 @@ def _add_flats(parser: Parser) -> None:
 def _add_loop_options(parser: Parser) -> None:
     """Options of whatever the one training loop trains."""
     parser.add_argument(
-        "--workers", type=whole_number(0), default=1, metavar="N", help="processes that draw (1)"
+        "--workers",
+        type=whole_number(0, 4096),
+        default=1,
+        metavar="N",
+        help="processes that draw (1)",
     )
     parser.add_argument(
         "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
@@ -138,19 +143,25 @@ def _add_guidance(parser: Parser) -> None:
     )
 
 
+def _device(options: argparse.Namespace) -> str:
+    from chord_usd.layout.device import choose_device
+
+    return choose_device(options.device)
+
+
 def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
-    add_output(parser, "folder of the run; the checkpoint comes to lie in it")
+    add_output(parser, "folder of the run; the checkpoint comes to lie in it", output_run)
     parser.add_argument(
         "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
     )
     parser.add_argument(
         "--batch",
-        type=whole_number(1),
+        type=whole_number(1, 65_536),
         default=batch,
         metavar="N",
         help=f"({batch or 'the preset decides'})",
     )
-    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu or cuda (cpu)")
+    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu, cuda or cuda:1 (cpu)")
     add_seed(parser)
 
 
@@ -217,10 +228,12 @@ def run_text2plan(options: argparse.Namespace) -> Outcome:
     from chord_usd.layout.config import FLOOR
     from chord_usd.planning.encoder import ENCODER_FOLDER, TransformersEncoder
     from chord_usd.planning.words import PROGRAMME_CHANNELS
+    from chord_usd.runtime.files import begin_run
 
     if options.text_encoder is None:
         return _run_floors(options, "text", FLOOR)
     encoder = TransformersEncoder(options.text_encoder)
+    begin_run(options.output)
     encoder.save(options.output / "checkpoint" / ENCODER_FOLDER)
     network = replace(FLOOR, word_channels=encoder.channels + PROGRAMME_CHANNELS)
     load_encoder = partial(TransformersEncoder, options.text_encoder)
@@ -265,7 +278,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
         minutes=options.minutes,
         batch=options.batch or base.batch,
         seed=options.seed,
-        device=options.device,
+        device=_device(options),
     )
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
@@ -312,7 +325,7 @@ def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConf
         batch=options.batch or base.batch,
         workers=options.workers,
         seed=options.seed,
-        device=options.device,
+        device=_device(options),
     )
 
 
@@ -339,6 +352,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
     from chord_usd.pipeline import Settings, load_model
+    from chord_usd.runtime.files import begin_run
     from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
@@ -348,15 +362,16 @@ def run_detector(options: argparse.Namespace) -> Outcome:
         minutes=options.minutes,
         batch=options.batch,
         seed=options.seed,
-        device=options.device,
+        device=_device(options),
         start=options.start,
     )
     resumed = (options.output / WEIGHTS_FILE).exists()
     watch = stopwatch(options)
     generated: list[Sample] = []
     if options.generated:
+        begin_run(options.output)
         with watch.step("generate") as progress:
-            model = load_model(Settings(device=options.device))
+            model = load_model(Settings(device=_device(options)))
             folder = options.output / "generated"
             generated = generated_samples(model, options.generated, folder, progress)
     with watch.step("train") as progress:

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from shapely import affinity
+from shapely.errors import ShapelyError
 from shapely.geometry import LineString
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
@@ -27,8 +28,10 @@ from chord_usd.data.floorplans.traced_rooms import TracedRoom, traced_rooms
 from chord_usd.data.furnish import furnish
 from chord_usd.data.splits import Part, part_of
 from chord_usd.errors import PlanError
+from chord_usd.json_text import parse_json
 from chord_usd.metrics.rooms import empty_rooms
 from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.json_lines import read_lines
 from chord_usd.types import Plan, Room, RoomKind, frozen_array
 
 _AREA_M2 = (14.0, 130.0)
@@ -90,23 +93,23 @@ def _is_furnishable(plan: Plan) -> bool:
 
 
 def _records(path: Path) -> Iterator[tuple[str, list[list[Any]]]]:
-    try:
-        with gzip.open(path, "rt", encoding="utf-8") as stream:
-            for number, text in enumerate(stream, start=1):
-                record = json.loads(text)
-                if not isinstance(record, Mapping) or not {"id", "lines"} <= record.keys():
-                    raise PlanError(
-                        "no flat", where=f"{path} line {number}", expected='{"id", "lines"}'
-                    )
-                yield record["id"], record["lines"]
-    except (OSError, ValueError, EOFError) as error:
-        raise PlanError(
-            f"cannot be read: {error}", where=str(path), expected="JSON lines, gzipped"
-        ) from None
+    for number, line in read_lines(path, PlanError):
+        where = f"{path} line {number}"
+        record = parse_json(line, where, PlanError)
+        if not isinstance(record, Mapping) or not {"id", "lines"} <= record.keys():
+            raise PlanError("no flat", where=where, expected='{"id", "lines"}')
+        yield str(record["id"]), record["lines"]
 
 
 def flat_from_lines(flat_id: str, lines: Sequence[Sequence[Any]]) -> Plan:
     """One flat from its labelled lines in pixels. Raises PlanError saying what is unsound."""
+    try:
+        return _flat_from_lines(flat_id, lines)
+    except (ArithmeticError, LookupError, TypeError, ValueError, ShapelyError) as error:
+        raise PlanError(f"lines that are none ({error!r:.200})") from error
+
+
+def _flat_from_lines(flat_id: str, lines: Sequence[Sequence[Any]]) -> Plan:
     walls, doors, marks = _sorted_lines(lines)
     cells = closed_cells(walls)
     scale = px_per_m(cells, marks, doors)
@@ -227,15 +230,5 @@ def write_plans(plans: Iterable[Plan], path: Path) -> None:
 
 def read_plans(path: Path) -> list[Plan]:
     """Plans that write_plans wrote. Raises PlanError naming the line that is none."""
-    try:
-        data = path.read_bytes()
-        text = (gzip.decompress(data) if path.suffix == ".gz" else data).decode()
-        records = [json.loads(line) for line in text.splitlines()]
-    except (OSError, ValueError, EOFError) as error:
-        raise PlanError(
-            f"cannot be read: {error}", where=str(path), expected="a file of write_plans"
-        ) from None
-    return [
-        plan_from_json(record, where=f"{path} line {number}")
-        for number, record in enumerate(records, start=1)
-    ]
+    wheres = ((f"{path} line {number}", line) for number, line in read_lines(path, PlanError))
+    return [plan_from_json(parse_json(line, at, PlanError), where=at) for at, line in wheres]

@@ -4,21 +4,43 @@ its reason.
 
 from __future__ import annotations
 
-import gzip
-import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
+from shapely.errors import ShapelyError
 
 from chord_usd.chord_json import scene_from_json
 from chord_usd.data.flats import flat_from_lines
 from chord_usd.data.procthor import Sizes, house_from_procthor, read_asset_sizes
 from chord_usd.data.threed_front import house_from_front, read_models, room_from_record
 from chord_usd.errors import ChordError, SceneError
+from chord_usd.geometry import extent_m
+from chord_usd.json_text import parse_json
+from chord_usd.limits import (
+    LARGEST_HOUSE_M,
+    MOST_CORNERS_IN_ALL,
+    MOST_ITEMS,
+    MOST_OPENINGS,
+    MOST_ROOMS,
+)
+from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.json_lines import MOST_LINE_BYTES, read_lines
 from chord_usd.types import SceneGraph
 
 FORMATS = "CHOrD JSON, 3D-FRONT, ProcTHOR or FloorplanTransformation"
+
+_MALFORMED = (
+    ArithmeticError, AttributeError, LookupError, TypeError, ValueError, ShapelyError,
+)  # fmt: skip
+"""What other people's records make of readers that take their form for granted."""
+
+_FARTHEST_M = 1e5
+_LONGEST_NAME = 100
+_NOT_IN_NAMES = re.compile(r"[^\w-]+")
 
 
 @dataclass(frozen=True)
@@ -42,6 +64,7 @@ class Found(NamedTuple):
 def read_models_file(path: Path) -> Models:
     """3D-FUTURE's model_info.json or ProcTHOR's asset-database.json. Raises SceneError."""
     try:
+        refuse_odd_file(path, SceneError)
         is_list = path.read_text(encoding="utf-8").lstrip().startswith("[")
     except (OSError, ValueError) as error:
         raise SceneError(f"cannot be read: {error}", where=str(path)) from None
@@ -65,46 +88,74 @@ def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
         yield from _lines(source, models)
 
 
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror}", where=str(path)) from None
-
-
 def _read(path: Path, models: Models) -> Found:
-    return _found(path.stem, _bytes(path), models)
+    try:
+        refuse_odd_file(path, SceneError, MOST_LINE_BYTES)
+        return _found(path.stem, path.read_bytes(), models)
+    except ChordError as error:
+        return Found(path.stem, None, str(error))
 
 
 def _lines(path: Path, models: Models) -> Iterator[Found]:
-    data = _bytes(path)
-    try:
-        data = gzip.decompress(data) if path.suffix == ".gz" else data
-    except (OSError, EOFError) as error:
-        raise SceneError(f"cannot be unpacked: {error}", where=str(path)) from None
     taken: set[str] = set()
-    for number, line in enumerate(data.splitlines(), start=1):
+    for number, line in read_lines(path, SceneError):
         found = _found(f"{path.name.split('.')[0]}_{number:06d}", line, models)
-        own = str(found.house.extra.get("source", "")).replace("/", "_") if found.house else ""
-        # Houses that call themselves the same are still two.
-        name = own if own and own not in taken else found.name
-        taken.add(name)
+        own = _as_name(str(found.house.extra.get("source", ""))) if found.house else ""
+        # Houses that call themselves the same are still two, also where case does not count.
+        name = own if own and own.casefold() not in taken else found.name
+        taken.add(name.casefold())
         yield found._replace(name=name)
+
+
+def _as_name(source: str) -> str:
+    """What a house calls itself, as the name of a file on any system."""
+    return _NOT_IN_NAMES.sub("_", source)[:_LONGEST_NAME]
 
 
 def _found(name: str, data: bytes, models: Models) -> Found:
     try:
-        return Found(name, house_from_record(json.loads(data.decode("utf-8-sig")), models))
+        return Found(name, house_from_record(parse_json(data, "", SceneError), models))
     except ChordError as error:
         return Found(name, None, str(error))
-    except ValueError as error:
-        return Found(name, None, f"no JSON: {error}")
 
 
 def house_from_record(record: Any, models: Models) -> SceneGraph:
-    """One house by its keys. Raises ChordError where it is none of FORMATS or is broken."""
+    """One house by its keys. Raises ChordError where it is none of FORMATS, is broken, or is
+    larger than any house (limits.py)."""
     if not isinstance(record, Mapping):
         raise SceneError("no house", expected=FORMATS)
+    try:
+        house = _house(record, models)
+        _refuse_wild(house)
+    except _MALFORMED as error:
+        raise SceneError(f"cannot be understood ({error!r:.200})", expected=FORMATS) from error
+    return house
+
+
+def _refuse_wild(house: SceneGraph) -> None:
+    """Refuse numbers that are none, and houses that are none; CHOrD JSON's reader did already."""
+    boxes = [*(one.box for one in house.openings), *(one.box for one in house.items)]
+    numbers = np.array([(*box.center_m, *box.size_m, box.yaw_deg) for box in boxes]).reshape(-1, 7)
+    across_m = extent_m(house.rooms)
+    near = np.abs(numbers[:, :6]) < _FARTHEST_M
+    if not (np.isfinite(across_m) and np.isfinite(numbers).all() and near.all()):
+        raise SceneError("holds numbers beyond any house", expected="metres")
+    if across_m > LARGEST_HOUSE_M:
+        raise SceneError(
+            f"is {across_m:,.0f} m across", expected=f"at most {LARGEST_HOUSE_M:.0f} m"
+        )
+    corners = sum(len(room.polygon_m) for room in house.rooms)
+    for count, most, what in (
+        (len(house.rooms), MOST_ROOMS, "rooms"),
+        (corners, MOST_CORNERS_IN_ALL, "corners"),
+        (len(house.openings), MOST_OPENINGS, "openings"),
+        (len(house.items), MOST_ITEMS, "pieces"),
+    ):
+        if count > most:
+            raise SceneError(f"has {count:,} {what}", expected=f"at most {most:,}")
+
+
+def _house(record: Mapping[str, Any], models: Models) -> SceneGraph:
     keys = record.keys()
     if keys >= {"scene", "furniture", "mesh"}:
         return house_from_front(record, models.categories)

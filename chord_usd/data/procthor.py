@@ -8,7 +8,6 @@ wall all round, and what stood against a wall moves in with it.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from shapely.geometry.polygon import orient
 from chord_usd.data.nudge import nudged
 from chord_usd.errors import SceneError
 from chord_usd.geometry import room_polygon
+from chord_usd.json_text import parse_json
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import (
     WALL_THICKNESS_M,
@@ -69,7 +69,7 @@ Sizes = Mapping[str, tuple[float, float, float]]
 def read_asset_sizes(path: Path) -> Sizes:
     """ProcTHOR's asset-database.json: the bounding boxes of all assets. Raises SceneError."""
     try:
-        database = json.loads(path.read_text(encoding="utf-8"))
+        database = parse_json(path.read_bytes(), str(path), SceneError)
         return {
             asset["assetId"]: _size(asset["boundingBox"])
             for assets in database.values()
@@ -114,7 +114,7 @@ def _room(own: Mapping[str, Any]) -> Room:
         raise SceneError("a room is narrower than its walls", where=str(own["id"]))
     corners = frozen_array(orient(face).simplify(1e-3).exterior.coords[:-1])
     kind = _KINDS.get(own["roomType"], "unknown")
-    return Room(str(own["id"]), kind, corners, own["roomType"])
+    return Room(str(own["id"]), kind, corners, str(own["roomType"]))
 
 
 def _opening(

@@ -7,8 +7,6 @@ use: read it to measure and to train for oneself, ship nothing made from it.
 
 from __future__ import annotations
 
-import gzip
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,7 +17,9 @@ from shapely import Polygon, unary_union
 from shapely.geometry.polygon import orient
 
 from chord_usd.errors import SceneError
+from chord_usd.json_text import parse_json
 from chord_usd.palette import CATEGORIES
+from chord_usd.runtime.json_lines import read_lines
 from chord_usd.types import Box, FloatArray, Item, Room, RoomKind, SceneGraph, frozen_array
 
 PAPER_REMAP: dict[str, str] = {
@@ -101,7 +101,7 @@ def kind_of(room_type: str) -> RoomKind:
 def read_models(path: Path) -> dict[str, str]:
     """3D-FUTURE's model_info.json: the category of every model. Raises SceneError."""
     try:
-        records = json.loads(path.read_text(encoding="utf-8"))
+        records = parse_json(path.read_bytes(), str(path), SceneError)
         return {record["model_id"]: record["category"] or "" for record in records}
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise SceneError(
@@ -125,7 +125,7 @@ def house_from_front(record: Mapping[str, Any], models: Mapping[str, str]) -> Sc
             polygon = _floor([floors[c["ref"]] for c in own["children"] if c["ref"] in floors])
             if polygon is None:
                 continue
-            room = Room(own["instanceid"], kind_of(own["type"]), polygon, own["type"])
+            room = Room(str(own["instanceid"]), kind_of(own["type"]), polygon, own["type"])
             rooms.append(room)
             for child in own["children"]:
                 item = _placed(child, furniture.get(child["ref"]), models, room.id, len(items))
@@ -180,14 +180,9 @@ def read_rooms(path: Path) -> Iterator[SceneGraph]:
     floor lists (x, z), objects {pos, rot, size, category}. Each room is a scene of its own.
     Raises SceneError naming the line that is none.
     """
-    try:
-        with gzip.open(path, "rt", encoding="utf-8") as stream:
-            for number, line in enumerate(stream, start=1):
-                yield room_from_record(json.loads(line), f"{path} line {number}")
-    except (OSError, EOFError, ValueError) as error:
-        raise SceneError(
-            f"cannot be read: {error}", where=str(path), expected="JSON lines, gzipped"
-        ) from None
+    for number, line in read_lines(path, SceneError):
+        where = f"{path} line {number}"
+        yield room_from_record(parse_json(line, where, SceneError), where)
 
 
 def room_from_record(record: Mapping[str, Any], where: str = "") -> SceneGraph:

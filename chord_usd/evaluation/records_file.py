@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from chord_usd.errors import OutputError
+from chord_usd.runtime.files import write_atomic
 
 Entry = TypeVar("Entry")
 
@@ -28,9 +29,6 @@ def read_records(
     """
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     whole = text[: text.rfind("\n") + 1]
-    if whole != text:
-        # A run that was stopped may have left half a line.
-        path.write_text(whole, encoding="utf-8")
     found = []
     for place, line in enumerate(whole.splitlines(), 1):
         try:
@@ -40,6 +38,9 @@ def read_records(
                 f"is no score of {what}",
                 where=f"{path}: line {place}",
                 expected=f"the file that {verb} --records wrote",
-                try_="delete this line",
+                try_="another file",
             ) from error
+    # A run that was stopped may have left half a line. Somebody else's file is not cut short.
+    if whole != text and (found or text.startswith('{"')):
+        write_atomic(path, whole)
     return found

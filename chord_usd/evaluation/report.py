@@ -96,5 +96,5 @@ def write_report(
     with ExitStack() as stack:
         delivery = stack.enter_context(deliver())
         for target, content in contents.items():
-            delivery.place(target).write_bytes(content)
+            delivery.place(target, asked=target == path).write_bytes(content)
     return list(contents)

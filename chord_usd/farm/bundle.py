@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import RenderError
-from chord_usd.runtime.files import output_folder
+from chord_usd.runtime.files import FolderMode, output_folder
 
 TEMPLATE_FILE = "template.json"
 TASKS_FILE = "tasks.jsonl"
@@ -60,7 +60,7 @@ class Work:
         return [{"Camera": c, "Tile": t, "Block": b} for c, t, b in everything]
 
 
-def write_bundle(work: Work, folder: Path) -> list[Path]:
+def write_bundle(work: Work, folder: Path, mode: FolderMode = "new") -> list[Path]:
     """Write the bundle, whole or not at all; returns its own files, without the stage's.
 
     Raises RenderError for more than a template can say or a stage that points out of its folder,
@@ -74,7 +74,7 @@ def write_bundle(work: Work, folder: Path) -> list[Path]:
         MERGE_FILE: _merge_script(),
         SUBMIT_FILE: _submit_script(),
     }
-    with output_folder(folder) as bundle:
+    with output_folder(folder, mode) as bundle:
         _copy_stage(work, bundle / SCENE_FOLDER)
         for name, text in written.items():
             (bundle / name).write_text(text)
@@ -216,7 +216,12 @@ def _check(work: Work) -> None:
             raise RenderError(
                 f"{count} {what}", where=work.stage.name, expected=f"1 to {MOST_VALUES} in one job"
             )
-    outside = [file for file in work.files if not file.is_relative_to(_root(work))]
+    root = _root(work)
+    root = _root(work)
+    outside = [file for file in work.files if not file.is_relative_to(root)]
+    # A link in the folder may lead to anything; the stage itself is what the user named.
+    real = {file: file.resolve() for file in work.files[1:]}
+    outside += [file for file in real if not real[file].is_relative_to(root.resolve())]
     if outside:
         raise RenderError(
             f"points to {outside[0]}",

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
 from chord_usd.palette import HOUSE_CATEGORIES
+from chord_usd.runtime.checksums import check_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, Network, load_network
 from chord_usd.types import (
@@ -158,7 +159,7 @@ def check_config(kind: Kind, folder: Path) -> None:
     path = folder / CONFIG_FILE
     try:
         config = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise CheckpointError(
             f"the configuration cannot be read ({error})", where=str(path), try_=remedy(kind)
         ) from error
@@ -171,6 +172,7 @@ def check_config(kind: Kind, folder: Path) -> None:
                 expected=str(value),
                 try_=remedy(kind),
             )
+    check_file(path)
 
 
 def _load(kind: Kind, folder: Path | None) -> Network:

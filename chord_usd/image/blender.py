@@ -15,8 +15,9 @@ from typing import Any, TextIO
 import chord_usd
 from chord_usd.errors import RenderError
 from chord_usd.image.job import EXIT_NO_DEVICE, Job, write_job
+from chord_usd.runtime.scratch import scratch_folder
 
-STOP_SECONDS = 5.0
+STOP_SECONDS = 0.8
 """How long Blender has to end after SIGTERM."""
 
 _FOREIGN_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "PYTHONSTARTUP", "PXR_PLUGINPATH_NAME")
@@ -30,7 +31,7 @@ def run_blender(job: Job, on_message: Callable[[dict[str, Any]], None]) -> None:
     last thing Blender said.
     """
     with (
-        tempfile.TemporaryDirectory(prefix="chord-usd-blender-") as home,
+        scratch_folder() as home,
         tempfile.TemporaryFile("w+", dir=home) as said,
         _started(home, said) as process,
     ):
@@ -49,7 +50,7 @@ def run_blender(job: Job, on_message: Callable[[dict[str, Any]], None]) -> None:
 
 
 @contextmanager
-def _started(home: str, said: TextIO) -> Iterator[subprocess.Popen[str]]:
+def _started(home: Path, said: TextIO) -> Iterator[subprocess.Popen[str]]:
     environment = {k: v for k, v in os.environ.items() if k not in _FOREIGN_VARIABLES}
     environment.update(
         # The package may have been found by a path that only this process knows.
@@ -57,7 +58,7 @@ def _started(home: str, said: TextIO) -> Iterator[subprocess.Popen[str]]:
         # A file in the working folder must not pass for a module.
         PYTHONSAFEPATH="1",
         # Preferences and add-ons of an installed Blender must not change the pictures.
-        BLENDER_USER_RESOURCES=home,
+        BLENDER_USER_RESOURCES=str(home),
     )
     process = subprocess.Popen(
         [sys.executable, "-m", "chord_usd.image.worker"],

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.errors import StageError
+from chord_usd.runtime.stages import files_of, open_stage, reading, silence
 
 if TYPE_CHECKING:
     from pxr import Gf, Sdf, Usd
@@ -59,9 +58,13 @@ class StageViews:
 
 def read_views(path: Path) -> StageViews:
     """The views a stage offers, without loading its payloads. Raises StageError."""
+    with reading(path):
+        return _views(open_stage(path, load=False))
+
+
+def _views(stage: Usd.Stage) -> StageViews:
     from pxr import Usd, UsdGeom, UsdLux
 
-    stage = open_stage(path)
     rooms = [room.GetName() for room in room_prims(stage)]
     prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
     found = [prim for prim in prims if prim.IsA(UsdGeom.Camera)]
@@ -87,45 +90,19 @@ def _distinct_names(paths: list[Sdf.Path]) -> list[str]:
     ]
 
 
-def open_stage(path: Path) -> Usd.Stage:
-    """Open a stage with its payloads left out. Raises StageError."""
-    from pxr import Tf, Usd
-
-    if not path.is_file():
-        raise StageError(
-            "there is no such file",
-            where=str(path),
-            expected="a .usda, .usdc or .usdz stage",
-            try_=f"chord-usd generate plan.png -o {path.name}",
-        )
-    try:
-        return Usd.Stage.Open(str(path), Usd.Stage.LoadNone)
-    except Tf.ErrorException as error:
-        raise StageError(
-            "cannot be opened as a stage",
-            where=str(path),
-            expected="a .usda, .usdc or .usdz stage",
-            try_=f"chord-usd check {path.name}",
-        ) from error
-
-
 def missing_files(path: Path) -> list[str]:
     """Files a stage points to and that are not there."""
     from pxr import UsdUtils
 
+    silence()
     _, _, missing = UsdUtils.ComputeAllDependencies(str(path))
     return sorted(missing)
 
 
 def stage_files(path: Path) -> list[Path]:
     """All files a stage is made of, itself first, absolute. Raises StageError."""
-    from pxr import UsdUtils
-
-    open_stage(path)
-    layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path.absolute()))
-    # Files in a package are named package[file].
-    found = [str(layer.realPath) for layer in layers] + list(assets)
-    return list(dict.fromkeys(Path(os.path.abspath(name.split("[")[0])) for name in found))  # noqa: PTH100
+    files = files_of(path)
+    return [*files.layers, *files.others]
 
 
 def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:

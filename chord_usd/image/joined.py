@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.image.cameras import open_stage, room_prims
+from chord_usd.image.cameras import room_prims
+from chord_usd.runtime.stages import open_stage
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -21,7 +22,7 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
 
     Loads the walls, not the furniture. Raises StageError.
     """
-    stage = open_stage(path)
+    stage = open_stage(path, load=False)
     rooms = room_prims(stage)
     for room in rooms:
         walls = room.GetChild("Architecture")

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import open_stage
+from chord_usd.runtime.scratch import scratch_folder
+from chord_usd.runtime.stages import open_layer, open_stage
 
 if TYPE_CHECKING:
     from pxr import Sdf
@@ -46,9 +46,9 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
     """Yield an empty layer over a stage and its file, which goes away afterwards."""
     from pxr import Sdf
 
-    below = Sdf.Layer.FindOrOpen(str(path.absolute()))
-    with tempfile.TemporaryDirectory(prefix="chord-usd-over-") as folder:
-        file = Path(folder) / "over.usda"
+    below = open_layer(path.absolute())
+    with scratch_folder() as folder:
+        file = folder / "over.usda"
         layer = Sdf.Layer.CreateNew(str(file))
         layer.subLayerPaths.append(str(path.absolute()))
         for key in _KEPT:
@@ -59,7 +59,7 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
 
 def _check(path: Path, lighting: str) -> str:
     """Name of the prim with the variant set."""
-    stage = open_stage(path)
+    stage = open_stage(path, load=False)
     house = stage.GetDefaultPrim()
     choices = house.GetVariantSet(VARIANT_SET).GetVariantNames() if house else []
     if lighting not in choices:

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import Matrix, open_stage, rigid
+from chord_usd.image.cameras import Matrix, rigid
 from chord_usd.image.lighting import layer_over
+from chord_usd.runtime.stages import open_stage
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -61,7 +62,7 @@ def read_marks(path: Path) -> Marks:
     """The things of a stage. Raises StageError, RenderError for more than a mask can hold."""
     from pxr import Usd
 
-    stage = open_stage(path)
+    stage = open_stage(path, load=False)
     stage.Load()
     owners: dict[str, int] = {}
     numbers = []

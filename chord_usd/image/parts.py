@@ -52,8 +52,18 @@ def write_part(take: Take, folder: Path, part: Part, made: dict[str, Any]) -> Pa
     channels = _channels(take)
     note = {"made": made, "exposure_ev": take.exposure_ev, "sha256": _digest(channels)}
     with deliver() as delivery:
-        write_exr(delivery.place(target), channels, {_NOTE: json.dumps(note)})
+        write_exr(
+            delivery.place(target, asked=False, ours=_is_part), channels, {_NOTE: json.dumps(note)}
+        )
     return target
+
+
+def _is_part(path: Path) -> bool:
+    """Whether it is a part, a damaged one too: nobody works on these by hand."""
+    try:
+        return _NOTE in read_exr(path)[1]
+    except (OSError, RuntimeError, ValueError):
+        return False
 
 
 def is_finished_part(folder: Path, camera: str, part: Part, made: dict[str, Any]) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -54,19 +55,39 @@ def write_products(
     """
     targets = product_files(folder, take.view.name, passes)
     with deliver() as delivery:
-        placed = {target.name: delivery.place(target) for target in targets}
+        ours = partial(_is_product, take.view.name)
+        placed = {target.name: delivery.place(target, asked=False, ours=ours) for target in targets}
         _write_colour(take, placed)
         _write_data(take, placed, things)
         sidecar = _sidecar(take, passes, things, made)
         sidecar["files"] = {name: hash_file(path) for name, path in placed.items()}
         # Placed last, so that it is moved last: what it lists is there when it is.
-        delivery.place(sidecar_file(folder, take.view.name)).write_text(_json(sidecar))
+        place = delivery.place(sidecar_file(folder, take.view.name), asked=False, ours=ours)
+        place.write_text(_json(sidecar))
     return targets
 
 
 def sidecar_file(folder: Path, camera: str) -> Path:
     """Where the words on a camera's files are."""
     return folder / f"{camera}.json"
+
+
+def _is_product(camera: str, path: Path) -> bool:
+    """Whether a camera's sidecar says so: pictures travel between machines without manifests."""
+    listed = _listed_files(path.parent, camera)
+    if path == sidecar_file(path.parent, camera):
+        return bool(listed)
+    return listed.get(path.name) == hash_file(path)
+
+
+def _listed_files(folder: Path, camera: str) -> dict[str, str]:
+    """Hashes of a camera's files, by its sidecar; none where there is no sidecar of ours."""
+    try:
+        sidecar = json.loads(sidecar_file(folder, camera).read_text())
+        files: dict[str, str] = sidecar["files"] if sidecar["made"] else {}
+        return files if isinstance(files, dict) else {}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
 
 
 def are_finished(folder: Path, camera: str, made: dict[str, Any]) -> bool:
@@ -93,7 +114,7 @@ def write_coco(folder: Path, cameras: Sequence[str]) -> Path:
         mask = read_mask(folder / f"{camera}.instance.png")
         pictures.append((f"{camera}.{shown}", sidecar, mask))
     target = folder / COCO_FILE
-    write_atomic(target, json.dumps(coco(pictures)))
+    write_atomic(target, json.dumps(coco(pictures)), asked=False)
     return target
 
 

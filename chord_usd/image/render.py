@@ -6,8 +6,6 @@ usd-core, `worker` renders it, and what comes back becomes files here.
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -15,7 +13,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from chord_usd.errors import DiskFullError, OutputError, RenderError
+from chord_usd.errors import DiskFullError, RenderError
 from chord_usd.image.blender import run_blender
 from chord_usd.image.cameras import (
     DEFAULT_CAMERA,
@@ -34,7 +32,8 @@ from chord_usd.image.parts import is_finished_part, merge_parts, part_file, writ
 from chord_usd.image.products import are_finished, product_files, write_coco, write_products
 from chord_usd.image.takes import Take, read_take
 from chord_usd.progress import Progress
-from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.files import folder_for_many, hash_file
+from chord_usd.runtime.scratch import scratch_folder
 
 _NO_MARKS = Marks((), ())
 
@@ -73,12 +72,13 @@ def render_stage(
     with lit_stage(stage, options.lighting) as lit:
         views = read_views(lit)
         cameras = _chosen(stage, lit, views, options)
-        if not options.merge:
-            _make_folder(folder)
         run = _Run(stage, lit, folder, views, options)
         due = [camera for camera in cameras if not run.is_finished(camera.name)]
-        if due:
-            _merge(run, due) if options.merge else _render(run, due, progress)
+        if due and options.merge:
+            _merge(run, due)
+        elif due:
+            with folder_for_many(folder):
+                _render(run, due, progress)
     files = [file for camera in cameras for file in run.files(camera.name)]
     if "instance" in options.passes and options.part is None:
         files.append(write_coco(folder, [camera.name for camera in cameras]))
@@ -143,11 +143,11 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
     data, colour = options.data and first_block, "rgb" in options.passes
     marks = read_marks(run.lit) if data else _NO_MARKS
     with (
-        tempfile.TemporaryDirectory(prefix="chord-usd-render-") as raw,
+        scratch_folder() as raw,
         marked_stage(run.lit, marks) if marks.numbers else nullcontext(run.lit) as seen,
     ):
         job = Job(
-            folder=raw,
+            folder=str(raw),
             stage=str(seen.absolute()),
             cameras=tuple(cameras),
             width_px=options.resolution_px[0],
@@ -213,33 +213,21 @@ class _Follower:
 
 def _merge(run: _Run, cameras: list[StageCamera]) -> None:
     marks = read_marks(run.lit) if run.options.data else _NO_MARKS
-    with tempfile.TemporaryDirectory(prefix="chord-usd-merge-") as raw:
+    with scratch_folder() as raw:
         takes = [merge_parts(run.folder, view, run.made) for view in cameras]
         negatives = []
         for take in takes:
             if take.colour is None:
                 continue
-            linear = Path(raw) / f"{take.view.name}.exr"
+            linear = raw / f"{take.view.name}.exr"
             write_exr(linear, colour_channels(take.colour))
-            picture = Path(raw) / PICTURE_FILE.format(take.view.name)
+            picture = raw / PICTURE_FILE.format(take.view.name)
             negatives.append(Negative(str(linear), str(picture), take.exposure_ev))
         if negatives:
-            run_blender(Job(folder=raw, negatives=tuple(negatives)), lambda message: None)
+            run_blender(Job(folder=str(raw), negatives=tuple(negatives)), lambda message: None)
         for take in takes:
-            picture = Path(raw) / PICTURE_FILE.format(take.view.name)
+            picture = raw / PICTURE_FILE.format(take.view.name)
             run.write(take.developed(picture), marks)
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        writable = os.access(folder, os.W_OK | os.X_OK)
-    except OSError:
-        writable = False
-    if not writable:
-        raise OutputError(
-            "cannot be written to", where=str(folder), expected="a folder for pictures", try_="-o"
-        )
 
 
 # --- what to render -----------------------------------------------------------------------------

@@ -16,7 +16,8 @@ from shapely.ops import polylabel, unary_union
 
 from chord_usd.errors import RenderError
 from chord_usd.geometry import polygons_of
-from chord_usd.image.cameras import StageCamera, open_stage, room_prims
+from chord_usd.image.cameras import StageCamera, room_prims
+from chord_usd.runtime.stages import open_stage
 from chord_usd.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _camera(name: str, place_m: FloatArray, heading: FloatArray, house: _House) 
 def _read_house(path: Path) -> _House:
     from pxr import Usd
 
-    stage = open_stage(path)
+    stage = open_stage(path, load=False)
     stage.Load()
     rooms, doors, items = {}, [], []
     for room in room_prims(stage):

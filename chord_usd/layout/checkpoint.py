@@ -22,6 +22,7 @@ from chord_usd.layout.description import (
 )
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import Walk, written_walk
+from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 
 
@@ -47,23 +48,28 @@ def _walk(config: LayoutConfig) -> Walk:
 
 
 def save_checkpoint(folder: Path, network: LayoutNetwork, training: dict[str, Any]) -> None:
-    """Writes config.json and weights.safetensors (fp16) into folder, each atomically."""
+    """Writes config.json, weights.safetensors (fp16) and hashes into folder, each atomically."""
     folder.mkdir(parents=True, exist_ok=True)
-    state = {
-        name: tensor.detach().cpu().to(torch.float16).contiguous()
-        for name, tensor in network.state_dict().items()
-    }
-    partial = folder / (WEIGHTS_FILE + ".part")
-    # Not save_file: it leaves a file that only its owner can read.
-    partial.write_bytes(save(state))
-    partial.replace(folder / WEIGHTS_FILE)
-    config = network.config
-    values: dict[str, Any] = {"format": FORMAT, "network": config.to_dict(), "training": training}
-    if walk := _walk(config):
-        values["walk"] = walk
-    partial = folder / (CONFIG_FILE + ".part")
-    partial.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
-    partial.replace(folder / CONFIG_FILE)
+    with checkpoint_files(folder):
+        state = {
+            name: tensor.detach().cpu().to(torch.float16).contiguous()
+            for name, tensor in network.state_dict().items()
+        }
+        partial = folder / (WEIGHTS_FILE + ".part")
+        # Not save_file: it leaves a file that only its owner can read.
+        partial.write_bytes(save(state))
+        partial.replace(folder / WEIGHTS_FILE)
+        config = network.config
+        values: dict[str, Any] = {
+            "format": FORMAT,
+            "network": config.to_dict(),
+            "training": training,
+        }
+        if walk := _walk(config):
+            values["walk"] = walk
+        partial = folder / (CONFIG_FILE + ".part")
+        partial.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
+        partial.replace(folder / CONFIG_FILE)
 
 
 def load_checkpoint(folder: Path, device: str = "cpu") -> Checkpoint:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from difflib import get_close_matches
-from typing import Any, Literal
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from chord_usd.errors import CheckpointError
 
@@ -88,7 +89,25 @@ class LayoutConfig:
         given: dict[str, Any] = {
             key: tuple(value) if isinstance(value, list) else value for key, value in values.items()
         }
+        default, kinds = cls(), get_type_hints(cls)
+        for key, value in given.items():
+            choices = get_args(kinds[key]) if get_origin(kinds[key]) is Literal else (value,)
+            if not _alike(value, getattr(default, key)) or value not in choices:
+                raise CheckpointError(
+                    f"configuration key '{key}' is {json.dumps(values[key])[:60]}",
+                    expected=f"a value such as {json.dumps(default.to_dict()[key])}",
+                    try_="copy the checkpoint again",
+                )
         return cls(**given)
+
+
+def _alike(value: Any, usual: Any) -> bool:
+    """Whether a value is of the type of another, tuples member by member."""
+    if isinstance(usual, tuple):
+        return isinstance(value, tuple) and all(_alike(one, usual[0]) for one in value)
+    if isinstance(usual, float):
+        return type(value) in (int, float)
+    return type(value) is type(usual)
 
 
 FRONT_AMPLITUDE = 8**0.5

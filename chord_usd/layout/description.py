@@ -10,6 +10,7 @@ from typing import Any
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.schedule import Step, Walk
+from chord_usd.runtime.checksums import check_file
 from chord_usd.runtime.networks import WEIGHTS_FILE, content_hash
 
 CONFIG_FILE = "config.json"
@@ -39,6 +40,7 @@ def read_description(folder: Path) -> Description:
     values = _read_values(folder)
     try:
         config = LayoutConfig.from_dict(values["network"])
+        training = dict(values.get("training", {}))
         walk = tuple(Step(int(time), *map(float, rest)) for time, *rest in values.get("walk", ()))
     except CheckpointError as error:
         raise CheckpointError(
@@ -49,7 +51,8 @@ def read_description(folder: Path) -> Description:
     weights = folder / WEIGHTS_FILE
     if not weights.is_file():
         raise CheckpointError("weights are missing", where=str(weights), try_=REMEDY)
-    return Description(config, content_hash(folder), dict(values.get("training", {})), walk)
+    check_file(path)
+    return Description(config, content_hash(folder), training, walk)
 
 
 def describes_no_network(error: Exception, path: Path) -> CheckpointError:
@@ -75,7 +78,7 @@ def _read_values(folder: Path) -> dict[str, Any]:
         values = json.loads(path.read_text(encoding="utf-8"))
         found = values["format"]
         values["network"]
-    except (ValueError, KeyError, TypeError, UnicodeDecodeError) as error:
+    except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise CheckpointError(
             "the checkpoint's configuration is damaged",
             where=str(path),

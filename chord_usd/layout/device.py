@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -18,7 +19,10 @@ _NO_MEMORY_WORDS = ("not enough memory", "can't allocate memory", "out of memory
 
 
 def choose_device(name: str) -> str:
-    """auto, cpu or cuda to what torch takes. Raises ChordError where CUDA is absent."""
+    """auto, cpu, cuda or cuda:1 to what torch takes. Raises ChordError where there is no such
+    device."""
+    if not re.fullmatch(r"auto|cpu|cuda(:\d{1,3})?", name):
+        raise ChordError("unknown device", where=f"--device {name:.40}", expected="cpu or cuda")
     if name == "cpu":
         return name
     has_cuda = _has_cuda()

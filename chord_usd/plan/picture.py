@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chord_usd.errors import PlanError
-from chord_usd.raster_files import TEXT_CHUNK
+from chord_usd.errors import PlanError, SceneError
+from chord_usd.raster_files import TEXT_CHUNK, read_chunk
+from chord_usd.runtime.confined import confined
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import ByteArray, PixelFrame
 
 if TYPE_CHECKING:
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
 
 SMALLEST_SIDE_PX = 32
 LARGEST_SIDE_PX = 12_000
+
+_BAND_PX = 64
+
+_FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000", "TGA")
+"""What is opened at all: Pillow hands EPS to Ghostscript, a program of its own."""
 
 _EXPECTED = "a picture of a floor plan (PNG, JPEG, TIFF, BMP, GIF or WebP)"
 
@@ -34,20 +40,25 @@ class Picture:
 
 
 def read_picture(path: Path) -> Picture:
-    """Read a picture of any kind, upright and 8 bits deep.
+    """Read a picture of any kind, upright and 8 bits deep, in a process of its own.
 
     Raises PlanError for what is no picture, is damaged, or has sides beyond SMALLEST_SIDE_PX and
     LARGEST_SIDE_PX; sizes are checked before anything is decoded.
     """
+    return confined(_read, path, where=str(path), error=PlanError)
+
+
+def _read(path: Path) -> Picture:
     from PIL import Image, UnidentifiedImageError
 
+    refuse_odd_file(path, PlanError)
     try:
         if path.stat().st_size == 0:
             raise PlanError("is empty", where=str(path), expected=_EXPECTED)
         with warnings.catch_warnings():
             # The sides are checked here, with words of our own.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(path) as image:
+            with Image.open(path, formats=_FORMATS) as image:
                 _check_size(image.size, path)
                 described = getattr(image, "text", {}).get(TEXT_CHUNK)
                 rgb = _upright_rgb(image)
@@ -82,41 +93,57 @@ def _check_size(size: tuple[int, int], path: Path) -> None:
 
 
 def _upright_rgb(image: Image.Image) -> ByteArray:
-    from PIL import Image, ImageOps
+    """(H, W, 3), made in bands: the largest picture shall not lie in memory four times."""
+    from PIL import ImageOps
 
-    image = ImageOps.exif_transpose(image)
-    if image.mode.startswith(("I", "F")):
-        return np.repeat(_eight_bits(np.asarray(image))[:, :, None], 3, axis=2)
-    if "A" in image.mode or "transparency" in image.info:
-        layer = image.convert("RGBA")
-        image = Image.new("RGB", layer.size, "white")
-        image.paste(layer, mask=layer)
-    return np.asarray(image.convert("RGB") if image.mode != "RGB" else image)
+    ImageOps.exif_transpose(image, in_place=True)
+    is_deep = image.mode.startswith(("I", "F"))
+    white = _white(image) if is_deep else 255.0
+    width, height = image.size
+    rgb = np.empty((height, width, 3), np.uint8)
+    for top in range(0, height, _BAND_PX):
+        band = image.crop((0, top, width, min(top + _BAND_PX, height)))
+        rows = rgb[top : top + _BAND_PX]
+        if is_deep:
+            rows[:] = np.clip(np.rint(np.asarray(band) * (255.0 / white)), 0, 255)[:, :, None]
+        else:
+            rows[:] = np.asarray(_opaque(band))
+    return rgb
 
 
-def _eight_bits(values: np.ndarray[Any, Any]) -> ByteArray:
-    """Grey values of 16 or 32 bits, or floats, as 8 bits; the full range of the type is white."""
-    highest = 65535.0 if values.dtype.kind in "ui" else 1.0
-    if float(values.max(initial=0)) > highest:
-        highest = float(values.max())
+def _opaque(image: Image.Image) -> Image.Image:
+    """In RGB, over white."""
+    from PIL import Image
+
+    if "A" not in image.mode and "transparency" not in image.info:
+        return image.convert("RGB")
+    layer = image.convert("RGBA")
+    paper = Image.new("RGB", layer.size, "white")
+    paper.paste(layer, mask=layer)
+    return paper
+
+
+def _white(image: Image.Image) -> float:
+    """The value of white in grey of 16 or 32 bits, or floats: the full range of the type."""
+    highest = 1.0 if image.mode.startswith("F") else 65535.0
+    # Of a picture with one band; only the types know more.
+    most = float(image.getextrema()[1])  # type: ignore[arg-type]
+    if most > highest:
+        return most
     # Twelve-bit scanners save in sixteen bits.
-    if highest == 65535.0 and values.max(initial=0) < 4096:
-        highest = 4095.0
-    return np.clip(np.rint(values * (255.0 / highest)), 0, 255).astype(np.uint8)
+    return 4095.0 if highest == 65535.0 and most < 4096 else highest
 
 
 def _frame(described: str | None, height_px: int, path: Path) -> PixelFrame | None:
     if not described:
         return None
     try:
-        data = json.loads(described)
-        if "provenance" in data:
-            raise PlanError(
-                "is a layout, not a plan", where=str(path), try_="chord-usd graph LAYOUT -o X.json"
-            )
-        x_m, y_m = data["frame"]["origin_m"]
-        frame = PixelFrame(float(data["frame"]["m_per_px"]), (float(x_m), float(y_m)), height_px)
-    except (KeyError, TypeError, ValueError):
+        frame, provenance = read_chunk(described)
+    except SceneError:
         return None
+    if provenance is not None:
+        raise PlanError(
+            "is a layout, not a plan", where=str(path), try_="chord-usd graph LAYOUT -o X.json"
+        )
     # A picture that was scaled since keeps the text of the one it was made from.
-    return frame if data["frame"].get("height_px") == height_px and frame.m_per_px > 0 else None
+    return frame if frame.height_px == height_px else None

@@ -11,12 +11,15 @@ import numpy as np
 from chord_usd import palette
 from chord_usd.chord_json import read_plan
 from chord_usd.errors import PlanError
+from chord_usd.geometry import extent_m
+from chord_usd.limits import LARGEST_HOUSE_M
 from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, WARNINGS
 from chord_usd.plan.vector.formats import is_vector, read_vector
 from chord_usd.plan.vector.pdf import PdfPage, read_pages
+from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
@@ -37,11 +40,16 @@ def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Pla
     largest being 1. What is worth knowing, such as that no doors were found, is listed in
     extra["warnings"]. Raises PlanError.
     """
-    if path.is_dir():
-        raise PlanError(
-            "is a folder", where=str(path), expected="a plan: a picture, SVG, DXF, IFC, PDF or JSON"
-        )
+    refuse_odd_file(path, PlanError)
     plan = _read(path, scale, part)
+    across_m = extent_m(plan.rooms)
+    if across_m > LARGEST_HOUSE_M:
+        raise PlanError(
+            f"the house would be {across_m:,.0f} m across",
+            where=str(path),
+            expected=f"at most {LARGEST_HOUSE_M:.0f} m",
+            try_="a smaller --scale, if that is not what it is",
+        )
     warnings = _warnings(plan)
     return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
 

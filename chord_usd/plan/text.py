@@ -10,6 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from chord_usd.runtime.networks import import_onnxruntime
 from chord_usd.types import ByteArray, FloatArray
 
 _LARGEST_SIDE_PX = 1800
@@ -17,6 +18,9 @@ _SMALLEST_SIDE_PX = 1200
 """Letters of a smaller picture are too small for the detector; it is enlarged."""
 
 _LEAST_SCORE = 0.6
+
+_LONGEST_STRIP = 5
+"""So many times as long as wide are pictures at most when they reach the engine."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +62,8 @@ def read_texts(rgb: ByteArray) -> tuple[Text, ...]:
     sized = rgb if scale == 1.0 else cv2.resize(rgb, None, fx=scale, fy=scale, interpolation=how)
     # The engine takes BGR, as OpenCV does; without its classifier lines that run up are read
     # upside down.
-    found = _engine()(np.ascontiguousarray(sized[:, :, ::-1]), use_cls=True)
+    broad = _broadened(np.asarray(sized, np.uint8))
+    found = _engine()(np.ascontiguousarray(broad[:, :, ::-1]), use_cls=True)
     if found.txts is None:
         return ()
     return tuple(
@@ -66,6 +71,22 @@ def read_texts(rgb: ByteArray) -> tuple[Text, ...]:
         for text, corners, score in zip(found.txts, found.boxes, found.scores, strict=True)
         if score >= _LEAST_SCORE
     )
+
+
+def _broadened(rgb: ByteArray) -> ByteArray:
+    """A long strip with paper at its right or lower side; others as they are.
+
+    The engine scales pictures until their shorter side is 736 px: a strip of 12000 x 33 would come
+    out with 200 million pixels and take 22 GB.
+    """
+    height, width = rgb.shape[:2]
+    least = -(-max(height, width) // _LONGEST_STRIP)
+    if min(height, width) >= least:
+        return rgb
+    below, beside = max(least - height, 0), max(least - width, 0)
+    white = (255, 255, 255)
+    padded = cv2.copyMakeBorder(rgb, 0, below, 0, beside, cv2.BORDER_CONSTANT, value=white)
+    return np.asarray(padded, np.uint8)
 
 
 def warm_up() -> None:
@@ -76,6 +97,7 @@ def warm_up() -> None:
 @cache
 def _engine() -> Any:
     """The OCR engine; loading takes about a second, so that it waits for a picture to read."""
+    import_onnxruntime()
     from rapidocr import RapidOCR
 
     # Threads without a core of their own wait for one another, busily.

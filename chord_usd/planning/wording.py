@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from chord_usd.errors import ChordError
 from chord_usd.room_names import kind_of_word, kinds_in_han
 from chord_usd.types import RoomKind
-from chord_usd.wish import NAMES, Wish, listed
+from chord_usd.wish import NAMES, WISHED_KINDS, Wish, listed
 
 MOST_CHARACTERS = 2000
 MOST_ROOMS = 24
@@ -41,7 +41,8 @@ _UNITS_M2 = {
 _NUMBERS = {
     word: number
     for number, words in enumerate((
-        "zero no without none kein keine keinen ohne sans sin sem ingen inget utan ilman zonder",
+        "zero no without none kein keine keinen ohne sans aucun aucune sin ningun ninguna sem"
+        " nenhum nenhuma ingen inget inga utan ilman zonder",
         "one a an single ein eine einen einer eins une un una um uma ett yksi",
         "two zwei deux dos dois duas tva kaksi kahden double", "three drei trois tres tre kolme",
         "four vier quatre cuatro quatro fyra nelja", "five funf cinq cinco fem viisi",
@@ -72,6 +73,15 @@ _ENGLISH_WORDS = (
     " kitchen living bathroom no without square about"
 )
 _ENGLISH = frozenset(_ENGLISH_WORDS.split())
+_BELOW_ZERO = re.compile(
+    r"(?:\b(?:minus|miinus|moins|menos|negative|negativ[aeo]?)\s+|(?:(?<=\s)|^)[-\u2212])"
+    r"(?:\d+|" + "|".join(word for word, number in _NUMBERS.items() if number > 1) + r")\b"
+    r"(?:\s[^\s,;.]+)?"
+    r"|负\s*[\d一二三四五六七八九十两]+\S?|マイナス\s*\S+"
+)
+_SHOWN = 60
+"""Characters of a text that a warning repeats."""
+
 _REACH = 3
 """So many words may stand between a number and what it counts."""
 
@@ -83,6 +93,8 @@ class Understood:
     wish: Wish
     english: bool
     """Whether the text reads as English, which is what the language model knows."""
+    warnings: tuple[str, ...] = ()
+    """What of the text is not heard, and why."""
 
     @property
     def told(self) -> str:
@@ -95,23 +107,35 @@ class Understood:
 
 def read_wish(text: str) -> Understood:
     """The wish in a text. Raises ChordError where there is none, or none that can be built."""
-    if not text.strip():
-        raise _error("is empty")
     if len(text) > MOST_CHARACTERS:
         raise _error(f"has {len(text)} characters", f"at most {MOST_CHARACTERS}")
+    if not text.strip():
+        raise _error("is empty")
+    if any(unicodedata.category(c) in ("Cc", "Cs") and not c.isspace() for c in text):
+        raise _error("holds a control character", "words and numbers")
     plain = _plain(text)
-    area_m2, rest = _area(plain)
+    below = _BELOW_ZERO.search(plain)
+    if below:
+        raise _error(f"asks for less than nothing: '{below[0].strip()}'", "numbers from zero on")
+    warnings: list[str] = []
+    area_m2, rest = _area(plain, warnings)
     open_kitchen = bool(_OPEN_KITCHEN.search(rest))
     rest = _OPEN_KITCHEN.sub(" ", rest)
     words = re.findall(r"[a-z]+", plain)
     english = sum(word in _ENGLISH for word in words) >= 0.25 * max(len(words), 1)
-    counts, total = _counts(rest, english)
-    if open_kitchen:
+    counts, total = _counts(rest, english, warnings)
+    if open_kitchen and counts.get("kitchen") == 0:
+        open_kitchen = False
+        _drop_contradiction(counts, "kitchen", warnings)
+    elif open_kitchen:
         counts.setdefault("kitchen", 1)
     if _STUDIO.search(rest):
         counts.setdefault("living", 1)
-        counts.setdefault("bedroom", 0)
-    found = Understood(Wish(counts, area_m2, open_kitchen), english)
+        if counts.setdefault("bedroom", 0):
+            warnings.append("a studio has no bedroom of its own, but bedrooms are asked for")
+    found = Understood(Wish(counts, area_m2, open_kitchen), english, tuple(warnings))
+    if not counts and area_m2 is None and total is None and warnings:
+        raise _error(f"cannot be planned: {listed(warnings)}")
     if not counts and area_m2 is None and total is None:
         raise _error("names no rooms and no floor area that could be understood")
     _refuse_impossible(found, total)
@@ -160,7 +184,7 @@ def _plain(text: str) -> str:
     return unicodedata.normalize("NFC", latin)
 
 
-def _area(text: str) -> tuple[float | None, str]:
+def _area(text: str, warnings: list[str]) -> tuple[float | None, str]:
     """The floor area in square metres, the largest of several, and the text without it."""
     found: list[float] = []
     for units, factor in _UNITS_M2.items():
@@ -170,6 +194,9 @@ def _area(text: str) -> tuple[float | None, str]:
             if number is not None:
                 found.append(number * factor)
                 text = text.replace(match[0], " ", 1)
+    unheard = [f"{area:.0f} m²" for area in sorted(found)[:-1] if area < 0.95 * max(found)]
+    if unheard:
+        warnings.append(f"{listed(unheard)}: only the floor area of the whole is heard")
     return (max(found) if found else None), text
 
 
@@ -187,20 +214,36 @@ def _number(said: str) -> float | None:
     return float(sum(known)) if known and numbers[-1] is not None else None
 
 
-def _counts(text: str, english: bool) -> tuple[dict[RoomKind, int], int | None]:
+def _counts(
+    text: str, english: bool, warnings: list[str]
+) -> tuple[dict[RoomKind, int], int | None]:
     """Rooms by kind, and rooms in all where the text says so."""
     counts: dict[RoomKind, int] = {}
+    denied: set[RoomKind] = set()
     total: int | None = None
     ldk = _LDK.search(text)
     if ldk:
         counts |= _ldk(int(ldk[1]), ldk[2])
         text = text.replace(ldk[0], " ")
-    for kind, number in [*_latin(text, english), *_han(text)]:
+    for kind, number in [*_latin(text, english, warnings), *_han(text)]:
         if kind is None:
+            if total not in (None, number):
+                warnings.append(f"{total} rooms in all and {number}: the first is heard")
             total = number if total is None else total
-        else:
-            counts[kind] = counts.get(kind, 0) + number
+            continue
+        if number == 0:
+            denied.add(kind)
+        counts[kind] = counts.get(kind, 0) + number
+    for kind in WISHED_KINDS:
+        if kind in denied and counts[kind]:
+            _drop_contradiction(counts, kind, warnings)
     return counts, total
+
+
+def _drop_contradiction(counts: dict[RoomKind, int], kind: RoomKind, warnings: list[str]) -> None:
+    """Nobody can tell which of the two was meant; what else was said stands."""
+    del counts[kind]
+    warnings.append(f"{NAMES[kind][1]} are asked for and denied: how many is left open")
 
 
 _LDK = re.compile(r"(\d)\s?(s?ldk|dk|k)\b")
@@ -212,11 +255,11 @@ def _ldk(rooms: int, tail: str) -> Mapping[RoomKind, int]:
     return found | ({"living": 1} if "l" in tail else {})
 
 
-def _latin(text: str, english: bool) -> Iterator[tuple[RoomKind | None, int]]:
+def _latin(text: str, english: bool, warnings: list[str]) -> Iterator[tuple[RoomKind | None, int]]:
     """Kinds of rooms and the numbers before them; None for "rooms" of no kind."""
-    words = re.findall(r"\d+|[a-z]+|[,;.]", text)
+    words = re.findall(r"\d+[.,]5(?!\d)|\d+|[a-z]+|[,;.]", text)
     number: int | None = None
-    since, index = 0, 0
+    since, index, said_at = 0, 0, 0
     while index < len(words):
         word = words[index]
         kind, taken = _kind_at(words, index, english)
@@ -232,17 +275,38 @@ def _latin(text: str, english: bool) -> Iterator[tuple[RoomKind | None, int]]:
         elif word in _ROOM_WORDS and number is not None:
             yield None, number
             number = None
-        elif word.isdigit() or word in _NUMBERS:
-            said = int(word) if word.isdigit() else _NUMBERS[word]
+        elif word[0].isdigit() or word in _NUMBERS:
+            said = _counted(word, warnings)
+            if said > 1 and number not in (None, 0, 1, said):
+                warnings.append(f"{number} and then {said}: the last is heard")
             # "no" and "without a" stay a denial; "a two-bed flat" is no "one".
             number = 0 if number == 0 and said == 1 else said
-            since = 0
+            since, said_at = 0, index
         elif since >= _REACH or word in ",;.":
+            warnings += _unheard(words[said_at:index], number)
             number, since = None, 0
         else:
             since += 1
         index += taken
-    return
+    warnings += _unheard(words[said_at:], number)
+
+
+def _counted(word: str, warnings: list[str]) -> int:
+    """A number of rooms. Half a bathroom has no bath, half a room is a small one: one each."""
+    if word in _NUMBERS:
+        return _NUMBERS[word]
+    if word.isdigit():
+        return int(word)
+    whole = int(word[:-2]) + 1
+    warnings.append(f"{word} rooms are heard as {whole}")
+    return whole
+
+
+def _unheard(words: list[str], number: int | None) -> list[str]:
+    """What to say of a number that counts nothing; "one" is an article in many languages."""
+    if number is None or number == 1:
+        return []
+    return [f"'{' '.join(words)[:_SHOWN]}' is not understood"]
 
 
 _ROOM_WORDS = frozenset(

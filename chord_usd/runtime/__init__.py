@@ -1,1 +1,1 @@
-"""What every part stands on: outputs that appear whole, foreign files, networks, child processes."""
+"""What every part stands on: outputs, foreign files, networks, processes, interrupts."""

@@ -1,108 +1,222 @@
-"""Outputs that appear whole or not at all.
+"""Outputs that appear whole or not at all, and that take the place of nothing but their own kind.
 
-Everything is written beside its target and renamed into place, so that an interrupt, a crash or a
-full disk leaves what was there before. Raises errors.OutputError.
+Everything is written in a hidden folder beside its target and renamed into place, so that an
+interrupt, a crash or a full disk leaves what was there before. What may be replaced: the file that
+the user named, and files that this program wrote and nobody has changed since (manifest.py).
 """
 
 from __future__ import annotations
 
 import contextlib
 import errno
-import hashlib
+import itertools
 import os
 import shutil
-import tempfile
-from collections.abc import Iterator
+import stat
+from collections.abc import Callable, Iterator
 from itertools import takewhile
 from pathlib import Path
+from typing import Literal
 
 from chord_usd.errors import ChordError, DiskFullError, OutputError, reason_of
+from chord_usd.runtime import interrupts
+from chord_usd.runtime.hashes import hash_file, same_bytes
+from chord_usd.runtime.manifest import MANIFEST_FILE, Manifest
+from chord_usd.runtime.scratch import PREFIX as SCRATCH_PREFIX
+from chord_usd.runtime.scratch import Scratch
+
+__all__ = [
+    "Delivery",
+    "deliver",
+    "destination",
+    "folder_for_many",
+    "hash_file",
+    "may_be_written",
+    "output_folder",
+    "write_atomic",
+]
+
+FolderMode = Literal["new", "replace", "renew", "add"]
+"""What becomes of a folder that holds something already. new: it is refused. replace: what this
+program wrote there as one output is replaced. renew: as replace, and files of ours that were
+damaged or changed are set aside, which replace refuses. add: new files join those of ours."""
+
+CHANGED = ".changed"
+"""Added to the name of a file that is set aside, since somebody may have worked on it."""
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 _NEARLY_FULL_BYTES = 16 * 2**20
 """Less than this free: a writer that failed without words of its own failed for want of space.
 Libraries seldom tell, and what they had half written may be gone before anyone can look."""
 
+_FREE_SPACE = "free some space, or write to another disk"
 
-def write_atomic(path: Path, data: bytes | str) -> None:
+
+def destination(folder: Path) -> Path:
+    """Where what is written in this folder will appear: itself, unless a Delivery hides it."""
+    folder = _absolute(folder)
+    hidden = (i for i, part in enumerate(folder.parts) if part.startswith(SCRATCH_PREFIX))
+    first = next(hidden, None)
+    if first is None:
+        return folder
+    # A hidden folder has one for what is new in it.
+    return destination(Path(*folder.parts[:first], *folder.parts[first + 2 :]))
+
+
+def write_atomic(path: Path, data: bytes | str, *, asked: bool = True) -> None:
     """Write a file whole or not at all; text is UTF-8. Missing parent folders are made.
 
-    Raises OutputError when the folder is not writable, the target is a folder or the disk is full.
+    asked: as Delivery.place has it. Raises OutputError when the folder is not writable, the target
+    is no regular file or the disk is full.
     """
     content = data.encode() if isinstance(data, str) else data
     with deliver() as delivery:
-        delivery.place(path).write_bytes(content)
+        delivery.place(path, asked=asked).write_bytes(content)
 
 
 @contextlib.contextmanager
-def output_folder(path: Path) -> Iterator[Path]:
-    """Yield an empty folder to fill; it becomes path when the block ends without an error.
+def output_folder(path: Path, mode: FolderMode = "new") -> Iterator[Path]:
+    """Yield an empty folder to fill; what it holds comes to path when the block ends well.
 
-    An older folder at path is replaced as a whole. Raises OutputError.
+    Raises OutputError for a path that holds anything that may not be replaced (FolderMode).
     """
-    path = _absolute(path)
-    if path.exists() and not path.is_dir():
-        raise OutputError("is a file", where=str(path), expected="a folder, or nothing yet")
     with deliver() as delivery:
-        folder = delivery.place(path, folder=True)
-        folder.mkdir()
-        yield folder
+        yield delivery.place_folder(path, mode)
+
+
+@contextlib.contextmanager
+def folder_for_many(folder: Path) -> Iterator[None]:
+    """See early that a folder can be written, for a job that takes long and writes file by file.
+
+    It is made where it is not there; where nothing came into it, it is gone again after the block.
+    Raises OutputError.
+    """
+    missing = [one for one in (_absolute(folder), *_absolute(folder).parents) if not one.exists()]
+
+    def unmake() -> None:
+        with contextlib.suppress(OSError):  # rmdir removes no folder that holds anything
+            for one in missing:
+                one.rmdir()
+
+    interrupts.on_hard_end.append(unmake)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        raise _output_error(error, folder) from error
+    try:
+        yield
+    finally:
+        unmake()
+        interrupts.on_hard_end.remove(unmake)
 
 
 @contextlib.contextmanager
 def deliver() -> Iterator[Delivery]:
     """Yield a Delivery; its files move to their targets, all of them, when the block ends well.
 
-    Raises OutputError when a target cannot be written; other errors of the block pass through,
-    after its files are removed.
+    Raises OutputError when a target cannot be written or may not be replaced; other errors of the
+    block pass through, after its files are removed.
     """
     delivery = Delivery()
+    interrupts.on_hard_end.append(delivery.withdraw)
     try:
         yield delivery
-        delivery._commit()
+        delivery.commit()
     except OSError as error:
-        delivery._withdraw()
-        if not delivery._concerns(error):
+        delivery.withdraw()
+        if not delivery.concerns(error):
             raise
-        raise _output_error(error, delivery._first_target()) from error
+        raise _output_error(error, delivery.first_target) from error
     except Exception as error:
-        full = delivery._disk_is_full()
-        delivery._withdraw()
+        full = delivery.disk_is_full()
+        delivery.withdraw()
         if not full or isinstance(error, ChordError):
             raise
         raise DiskFullError(
-            "the disk is full", where=str(delivery._first_target()), try_=_FREE_SPACE
+            "the disk is full", where=str(delivery.first_target), try_=_FREE_SPACE
         ) from error
     except BaseException:
-        delivery._withdraw()
+        delivery.withdraw()
         raise
-    delivery._clean()
+    finally:
+        interrupts.on_hard_end.remove(delivery.withdraw)
 
 
 class Delivery:
-    """Files on their way: each is written in a hidden folder beside its target."""
+    """Files on their way: each is written in a hidden folder beside its target. Use deliver()."""
 
     def __init__(self) -> None:
         self._parcels: list[_Parcel] = []
         self._made_folders: list[Path] = []
-        self._undo: list[tuple[Path, Path | None]] = []
+        self._undo: list[tuple[_Parcel, Path, Path | None]] = []
 
-    def place(self, target: Path, *, folder: bool = False) -> Path:
+    def place(
+        self, target: Path, *, asked: bool = True, ours: Callable[[Path], bool] | None = None
+    ) -> Path:
         """Where to write what shall appear at target.
 
         The path returned has the target's name; whatever else is written beside it (the folders
-        of a stage) appears beside the target. Raises OutputError.
+        of a stage) appears beside the target. asked: whether the user named this very file; it is
+        replaced then, whoever wrote it. Otherwise it is one of many that a long job writes into a
+        folder, again and again: those that were changed since are set aside. ours: tells of a file
+        that is in no manifest, since it came from another machine, whether it is such a one.
+        Raises OutputError.
         """
         target = _absolute(target)
-        if target.is_dir() and not folder:
-            raise OutputError("is a folder", where=str(target), expected="a file name to write")
+        check_file_target(target)
+        parcel = self._parcel(target.parent, target, {target} if asked else set())
+        parcel.sets_aside = not asked
+        if ours and target.is_file() and ours(target):
+            parcel.asked.add(target)
+        return parcel.new / target.name
+
+    def place_folder(self, target: Path, mode: FolderMode = "new") -> Path:
+        """An empty folder to fill, whose content shall appear in the folder target.
+
+        Raises OutputError for a target that is no folder, or holds what may not be replaced.
+        """
+        target = _absolute(target)
+        if target.is_dir():
+            target = target.resolve()
+            _refuse_folder(target, mode)
+            parcel = self._parcel(target, target, set())
+            parcel.whole, parcel.replaces = mode != "add", mode in ("replace", "renew")
+            parcel.sets_aside = mode == "renew"
+            return parcel.new
+        if os.path.lexists(target):
+            raise OutputError("is no folder", where=str(target), expected="a folder, or nothing")
+        parcel = self._parcel(target.parent, target, {target})
+        parcel.whole, parcel.is_new_folder = mode != "add", True
+        folder = parcel.new / target.name
+        folder.mkdir()
+        return folder
+
+    def commit(self) -> None:
+        """Move everything into place. Raises OSError, OutputError."""
+        for parcel in self._parcels:
+            parcel.prepare()
+        with interrupts.held():
+            moves = [move for parcel in self._parcels for move in parcel.moves()]
+            for parcel, source, target in moves:
+                self._move(parcel, source, target)
+            for parcel in self._parcels:
+                for stale in parcel.stale():
+                    self._take_away(parcel, stale)
+                parcel.note()
+            interrupts.delivered += [p.target for p in self._parcels if not p.is_scratch]
+        self._clean()
+
+    def _parcel(self, home: Path, target: Path, asked: set[Path]) -> _Parcel:
         try:
-            self._make_parents(target.parent)
-            hidden = Path(tempfile.mkdtemp(prefix=".chord-usd-", dir=target.parent))
+            with interrupts.held():
+                self._make_parents(home)
+                self._parcels.append(_Parcel(Scratch(home), home, target, asked))
+                self._parcels[-1].open()
         except OSError as error:
             raise _output_error(error, target) from error
-        self._parcels.append(_Parcel(hidden, target, folder))
-        return hidden / target.name
+        return self._parcels[-1]
 
     def _make_parents(self, folder: Path) -> None:
         missing = takewhile(lambda one: not one.exists(), (folder, *folder.parents))
@@ -110,42 +224,43 @@ class Delivery:
             parent.mkdir(exist_ok=True)
             self._made_folders.append(parent)
 
-    def _commit(self) -> None:
-        for parcel in self._parcels:
-            written = parcel.hidden / parcel.target.name
-            # Only the target: a stage has hundreds of files beside it, and syncing each of them
-            # takes seconds on a busy disk.
-            if written.is_file():
-                _sync(written)
-        for parcel in self._parcels:
-            for source, target in parcel.moves():
-                self._move(source, target, parcel.hidden)
-
-    def _move(self, source: Path, target: Path, hidden: Path) -> None:
+    def _move(self, parcel: _Parcel, source: Path, target: Path) -> None:
         self._make_parents(target.parent)
         kept: Path | None = None
-        if target.exists() and (target.is_dir() or not _same_bytes(source, target)):
-            kept = hidden / f".kept-{len(self._undo)}"
+        if os.path.lexists(target):
+            if not parcel.may_take(source, target):
+                return
+            if parcel.is_to_be_set_aside(target):
+                aside = _free_name(target)
+                _link_or_copy(target, aside)
+                self._undo.append((parcel, aside, None))
+            kept = parcel.keep()
             # A hard link leaves the old file in its place until the new one takes it.
-            if target.is_dir():
-                target.rename(kept)
-            else:
-                _link_or_copy(target, kept)
-        elif target.exists():
-            return
-        self._undo.append((target, kept))
+            _link_or_copy(target, kept)
+        self._undo.append((parcel, target, kept))
         source.replace(target)
+        parcel.written.append(target)
 
-    def _withdraw(self) -> None:
+    def _take_away(self, parcel: _Parcel, stale: Path) -> None:
+        kept = parcel.keep()
+        self._undo.append((parcel, stale, kept))
+        stale.rename(kept)
+        with contextlib.suppress(OSError):
+            for folder in takewhile(lambda one: one != parcel.home, stale.parents):
+                folder.rmdir()
+
+    def withdraw(self) -> None:
         """Put everything back as it was."""
-        for target, kept in reversed(self._undo):
+        for parcel, target, kept in reversed(self._undo):
             with contextlib.suppress(OSError):
-                if target.is_dir():
-                    shutil.rmtree(target)
-                elif kept is None:
-                    target.unlink(missing_ok=True)
                 if kept is not None:
+                    target.parent.mkdir(parents=True, exist_ok=True)
                     kept.replace(target)
+                elif target.is_dir():
+                    target.rename(parcel.keep())
+                else:
+                    target.unlink(missing_ok=True)
+        self._undo.clear()
         self._clean()
         for folder in reversed(self._made_folders):
             with contextlib.suppress(OSError):
@@ -153,52 +268,193 @@ class Delivery:
 
     def _clean(self) -> None:
         for parcel in self._parcels:
-            shutil.rmtree(parcel.hidden, ignore_errors=True)
+            parcel.scratch.remove()
 
-    def _first_target(self) -> Path:
+    @property
+    def first_target(self) -> Path:
+        """For words about what could not be written."""
         return self._parcels[0].target if self._parcels else Path()
 
-    def _concerns(self, error: OSError) -> bool:
+    def concerns(self, error: OSError) -> bool:
         """Whether the error is about writing the outputs, not about reading some input."""
-        if error.errno in (*_FULL_DISK, errno.EROFS):
+        if _is_full(error) or error.errno == errno.EROFS:
             return bool(self._parcels)
         named = str(error.filename)
         return any(
-            named.startswith((str(p.hidden), str(p.target))) or named == str(p.target.parent)
+            named.startswith((str(p.scratch.folder), str(p.target))) or named == str(p.home)
             for p in self._parcels
         )
 
-    def _disk_is_full(self) -> bool:
+    def disk_is_full(self) -> bool:
+        """Whether so little is left that a failure without words is one of space."""
         with contextlib.suppress(OSError):
-            return any(
-                shutil.disk_usage(p.target.parent).free < _NEARLY_FULL_BYTES for p in self._parcels
-            )
+            return any(shutil.disk_usage(p.home).free < _NEARLY_FULL_BYTES for p in self._parcels)
         return False
 
 
 class _Parcel:
-    """One hidden folder and the target it stands for."""
+    """One hidden folder and the folder that its content goes to."""
 
-    def __init__(self, hidden: Path, target: Path, whole_folder: bool) -> None:
-        self.hidden, self.target, self._whole_folder = hidden, target, whole_folder
+    def __init__(self, scratch: Scratch, home: Path, target: Path, asked: set[Path]) -> None:
+        self.scratch, self.home, self.target, self.asked = scratch, home, target, asked
+        self.new, self._old = scratch.folder / "new", scratch.folder / "old"
+        self.whole = self.replaces = self.sets_aside = self.is_new_folder = False
+        self._manifest = Manifest(home)
+        self._kept = 0
+        self.written: list[Path] = []
+        """What has taken its place."""
+        self._delivered: set[Path] = set()
 
-    def files(self) -> list[Path]:
-        return sorted(p for p in self.hidden.rglob("*") if p.is_file())
+    def open(self) -> None:
+        """Make room in the hidden folder. Raises OSError."""
+        self.new.mkdir()
+        self._old.mkdir()
 
-    def moves(self) -> list[tuple[Path, Path]]:
-        """(from, to) pairs, the target itself last: it must not point to files still missing."""
-        parent = self.target.parent
-        if self._whole_folder:
-            return [(self.hidden / self.target.name, self.target)]
-        pairs = [(f, parent / f.relative_to(self.hidden)) for f in self.files()]
-        return sorted(pairs, key=lambda pair: (pair[1] == self.target, pair))
+    @property
+    def is_scratch(self) -> bool:
+        """Whether it lies in another delivery's hidden folder, which nobody sees."""
+        return any(part.startswith(SCRATCH_PREFIX) for part in self.home.parts)
+
+    def prepare(self) -> None:
+        """What takes time, before anything moves."""
+        self._manifest = Manifest(self.home)  # others may have written here meanwhile
+        if self.is_new_folder:
+            folder = self.new / self.target.name
+            Manifest(folder).note(_files_in(folder), whole=self.whole)
+        # Only the target: a stage has hundreds of files beside it, and syncing each of them
+        # takes seconds on a busy disk.
+        elif (self.new / self.target.name).is_file():
+            _sync(self.new / self.target.name)
+
+    def moves(self) -> list[tuple[_Parcel, Path, Path]]:
+        """(self, from, to), the target itself last: it must not point to files still missing."""
+        if self.is_new_folder:
+            return [(self, self.new / self.target.name, self.target)]
+        pairs = [(self, f, self.home / f.relative_to(self.new)) for f in _files_in(self.new)]
+        self._delivered = {target for _, _, target in pairs}
+        return sorted(pairs, key=lambda move: (move[2] == self.target, move[2]))
+
+    def may_take(self, source: Path, target: Path) -> bool:
+        """Whether a file takes the place of target, which is there; not where it is the same.
+
+        Raises OutputError where target is not ours to replace.
+        """
+        check_file_target(target)
+        if same_bytes(source, target):
+            return False
+        is_ours = target in self.asked or self._manifest.owns(target)
+        if not is_ours and not self.is_to_be_set_aside(target):
+            raise _not_ours(target)
+        return True
+
+    def is_to_be_set_aside(self, target: Path) -> bool:
+        """Whether target was ours and was changed, and a copy of it shall stay."""
+        return self.sets_aside and self._manifest.lists(target) and not self._manifest.owns(target)
+
+    def keep(self) -> Path:
+        """A place for what is replaced, until all is well."""
+        self._kept += 1
+        return self._old / str(self._kept)
+
+    def stale(self) -> list[Path]:
+        """Of a folder that is replaced: what is ours and has no successor."""
+        if not self.replaces:
+            return []
+        return sorted(set(self._manifest.files()) - self._delivered)
+
+    def note(self) -> None:
+        """List what was written, but for what the user named, which is theirs to name again."""
+        if not self.is_new_folder:
+            ours = [file for file in self.written if file not in self.asked]
+            self._manifest.note(ours, whole=self.whole)
 
 
-_FREE_SPACE = "free some space, or write to another disk"
+def check_run_folder(folder: Path) -> None:
+    """Raise OutputError for a folder that a training run may not write its files into."""
+    if os.path.lexists(folder) and not folder.is_dir():
+        raise OutputError("is no folder", where=str(folder), expected="a folder, or nothing")
+    if folder.is_dir() and not Manifest(folder).is_of_a_run:
+        _refuse_folder(folder, "new")
+
+
+def begin_run(folder: Path) -> None:
+    """Take a folder for a training run, which rewrites its files again and again.
+
+    Raises OutputError for a folder that holds anything but such a run, or cannot be written.
+    """
+    check_run_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        Manifest(folder).note_run()
+        interrupts.delivered.append(folder)
+    except OSError as error:
+        raise _output_error(error, folder) from error
+
+
+def may_be_written(path: Path) -> None:
+    """Refuse early what a delivery would refuse in the end, for a file that nobody named.
+
+    Raises OutputError where something lies there that this program did not write.
+    """
+    path = _absolute(path)
+    check_file_target(path)
+    if path.exists() and not Manifest(path.parent).lists(path):
+        raise _not_ours(path)
+
+
+def check_file_target(target: Path) -> None:
+    """Raise OutputError for a target that is there and no plain file."""
+    try:
+        mode = target.lstat().st_mode
+    except OSError:
+        return  # not there, or not to be seen: writing will tell
+    if stat.S_ISREG(mode):
+        return
+    if stat.S_ISLNK(mode):
+        raise OutputError(
+            "is a symbolic link", where=str(target), expected="a file", try_="the path it leads to"
+        )
+    what = "is a folder" if stat.S_ISDIR(mode) else "is no regular file"
+    raise OutputError(what, where=str(target), expected="a file name to write")
+
+
+def _refuse_folder(folder: Path, mode: FolderMode) -> None:
+    """Raise OutputError for a folder whose content may not be replaced or added to."""
+    there = sorted(one.name for one in folder.iterdir() if one.name != MANIFEST_FILE)
+    there = [name for name in there if not name.startswith(SCRATCH_PREFIX)]
+    manifest = Manifest(folder)
+    if not there or (mode in ("replace", "renew") and manifest.is_of_a_whole_folder):
+        return
+    if mode == "add" and manifest.hashes:
+        return
+    ours = mode == "new" and manifest.is_of_a_whole_folder
+    raise OutputError(
+        f"holds {_listed(there)}"
+        + ("" if ours else ", which chord-usd did not write as one output"),
+        where=str(folder),
+        expected="an empty folder, or none yet",
+        try_="--overwrite, which replaces what chord-usd wrote there, or another -o"
+        if ours
+        else "another -o",
+    )
+
+
+def _listed(names: list[str]) -> str:
+    first = ", ".join(names[:3])
+    return first if len(names) <= 3 else f"{first} and {len(names) - 3} more"
+
+
+def _not_ours(target: Path) -> OutputError:
+    return OutputError(
+        "was not written by chord-usd, or was changed since",
+        where=str(target),
+        expected="a name that is free",
+        try_="move it away, or another -o",
+    )
 
 
 def _output_error(error: OSError, target: Path) -> OutputError:
-    if error.errno in _FULL_DISK:
+    if _is_full(error):
         return DiskFullError("the disk is full", where=str(target), try_=_FREE_SPACE)
     return OutputError(
         f"cannot be written ({reason_of(error)})",
@@ -208,8 +464,20 @@ def _output_error(error: OSError, target: Path) -> OutputError:
     )
 
 
+def _is_full(error: OSError) -> bool:
+    # Copies of whole folders gather what failed, as words.
+    gathered = isinstance(error, shutil.Error) and os.strerror(errno.ENOSPC) in str(error)
+    return gathered or error.errno in _FULL_DISK
+
+
 def _absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))  # noqa: PTH100 (resolve would follow a link at the target)
+
+
+def _files_in(folder: Path) -> list[Path]:
+    """All files, but for the folder's own manifest: who takes the files notes them anew."""
+    own = folder / MANIFEST_FILE
+    return sorted(path for path in folder.rglob("*") if path.is_file() and path != own)
 
 
 def _sync(path: Path) -> None:
@@ -217,20 +485,14 @@ def _sync(path: Path) -> None:
         os.fsync(file.fileno())
 
 
+def _free_name(file: Path) -> Path:
+    """Where a file that was changed is kept: beside it, under a name that nothing has."""
+    names = (f"{file.name}{CHANGED}{number or ''}" for number in itertools.count())
+    return next(file.with_name(name) for name in names if not file.with_name(name).exists())
+
+
 def _link_or_copy(source: Path, target: Path) -> None:
     try:
         os.link(source, target)
     except OSError:
         shutil.copy2(source, target)
-
-
-def _same_bytes(first: Path, second: Path) -> bool:
-    if first.stat().st_size != second.stat().st_size:
-        return False
-    return hash_file(first) == hash_file(second)
-
-
-def hash_file(path: Path) -> str:
-    """SHA-256 of a file's bytes, in hexadecimal."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -11,6 +11,9 @@ from pathlib import Path
 
 from chord_usd.errors import AssetError, CheckpointError
 
+CACHE_VARIABLE = "CHORD_USD_CACHE"
+"""Environment variable: folder for what is computed once and kept."""
+
 CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
 """Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
 
@@ -20,10 +23,10 @@ _PACKAGE = Path(__file__).parents[1]
 def checkpoint_folder(name: str) -> Path:
     """Folder of a checkpoint, such as "plan2layout" or "detector".
 
-    Raises CheckpointError when there is none of this name, or nothing in it.
+    One that the folder of CHORD_USD_CHECKPOINTS lacks is the shipped one. Raises CheckpointError
+    when there is none of this name, or nothing in it, or where the variable names no folder.
     """
-    own = os.environ.get(CHECKPOINTS_VARIABLE)
-    places = [*([Path(own)] if own else []), _shipped("checkpoints")]
+    places = [*_own_checkpoints(), _shipped("checkpoints")]
     for place in places:
         folder = place / name
         if folder.is_dir() and any(folder.iterdir()):
@@ -34,6 +37,35 @@ def checkpoint_folder(name: str) -> Path:
         expected=f"a folder {name} with safetensors weights and a config",
         try_=f"chord-usd train {name}, or set {CHECKPOINTS_VARIABLE} to a folder that holds it",
     )
+
+
+def _own_checkpoints() -> list[Path]:
+    own = os.environ.get(CHECKPOINTS_VARIABLE)
+    if not own:
+        return []
+    if not Path(own).is_dir():
+        raise CheckpointError(
+            "is no folder" if Path(own).exists() else "there is no such folder",
+            where=f"{CHECKPOINTS_VARIABLE}={own}",
+            expected="a folder of checkpoints, one folder each, such as plan2layout",
+            try_=f"unset {CHECKPOINTS_VARIABLE}, for the checkpoints that come with chord-usd",
+        )
+    return [Path(own)]
+
+
+def cache_folder() -> Path:
+    """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
+    own = os.environ.get(CACHE_VARIABLE)
+    if own:
+        return Path(own)
+    shared = os.environ.get("XDG_CACHE_HOME")
+    return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
+
+
+def keep_caches() -> None:
+    """Have libraries keep what they compute once beside our own, not all over the machine."""
+    for name, folder in (("MPLCONFIGDIR", "matplotlib"), ("TORCHINDUCTOR_CACHE_DIR", "torch")):
+        os.environ.setdefault(name, str(cache_folder() / folder))
 
 
 def materials_folder() -> Path:

@@ -10,13 +10,15 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
-from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.checksums import check_file, checkpoint_hash
+from chord_usd.runtime.offline import refuse_telemetry
 
 if TYPE_CHECKING:
     import onnxruntime
@@ -57,6 +59,16 @@ class Network:
             raise
 
 
+def import_onnxruntime() -> ModuleType:
+    """ONNX Runtime, which reports nothing. Nothing else may import it first."""
+    refuse_telemetry()
+    import onnxruntime
+
+    # For builds that do not know the variable, such as those for Windows.
+    onnxruntime.disable_telemetry_events()
+    return onnxruntime
+
+
 def has_graph(folder: Path) -> bool:
     """Whether a checkpoint folder can be run without torch."""
     return (folder / GRAPH_FILE).is_file()
@@ -64,7 +76,7 @@ def has_graph(folder: Path) -> bool:
 
 def content_hash(folder: Path) -> str:
     """First 16 hex digits of the SHA-256 of a checkpoint folder's weights."""
-    return hash_file(folder / WEIGHTS_FILE)[:16]
+    return checkpoint_hash(folder / WEIGHTS_FILE)[:16]
 
 
 def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[np.float16]]:
@@ -72,9 +84,10 @@ def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[np.float16]]:
     from safetensors import SafetensorError
     from safetensors.numpy import load_file
 
+    check_file(path)
     try:
         return load_file(path)
-    except (OSError, SafetensorError) as error:
+    except (OSError, SafetensorError, TypeError, ValueError, KeyError) as error:
         raise CheckpointError(
             f"the weights are damaged or cannot be read ({_first_line(error)})",
             where=str(path),
@@ -88,15 +101,15 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
 
     try_: remedy to name in errors; threads: 0 takes every core. Raises CheckpointError.
     """
-    import onnxruntime
-
+    onnxruntime = import_onnxruntime()
     weights = read_weights(folder / WEIGHTS_FILE, try_)
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads or usable_cores()
     options.log_severity_level = 3
-    options.add_external_initializers(*_initializers(weights))
     path = folder / GRAPH_FILE
+    check_file(path)
     try:
+        options.add_external_initializers(*_initializers(weights))
         session = onnxruntime.InferenceSession(str(path), options)
     except Exception as error:  # of a dozen classes, none of them documented
         raise CheckpointError(
@@ -121,7 +134,7 @@ def usable_cores() -> int:
 def granted_threads() -> int | None:
     """How many threads OMP_NUM_THREADS grants; None where it says nothing of use."""
     limit = os.environ.get(THREADS_VARIABLE, "")
-    return int(limit) or None if limit.isdigit() else None
+    return int(limit) or None if limit.isdecimal() else None
 
 
 def _initializers(weights: Mapping[str, npt.NDArray[Any]]) -> tuple[Sequence[str], Sequence[Any]]:

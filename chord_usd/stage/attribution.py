@@ -13,6 +13,7 @@ from pathlib import Path
 from pxr import Sdf
 
 from chord_usd.credits import AUTHOR
+from chord_usd.runtime.stages import open_layer
 
 _UNKNOWN = "not told"
 
@@ -38,13 +39,19 @@ def write_attribution(layer: Sdf.Layer, folders: Sequence[Path], staged: Path, f
 def _made_by_others(layer: Sdf.Layer, folders: Sequence[Path]) -> Iterator[str]:
     """A line for each component that has another author."""
     for path in _referred_to(layer):
-        found = next((folder / path for folder in folders if (folder / path).is_file()), None)
-        component = Sdf.Layer.FindOrOpen(str(found)) if found else None
+        found = next((folder / path for folder in folders if _holds(folder, path)), None)
+        component = open_layer(found) if found else None
         root = component.GetPrimAtPath(f"/{component.defaultPrim}") if component else None
         told = root.customData.get("chord", {}) if root else {}
         if root and told and told.get("author") != AUTHOR:
             author, licence = (told.get(key) or _UNKNOWN for key in ("author", "licence"))
             yield f"{told.get('label') or root.name} ({path}): author {author}, licence {licence}"
+
+
+def _holds(folder: Path, path: str) -> bool:
+    """Whether the folder holds this file; one that lies elsewhere is nobody's business here."""
+    place = (folder / path).resolve()
+    return place.is_file() and place.is_relative_to(folder.resolve())
 
 
 def _referred_to(layer: Sdf.Layer) -> set[str]:

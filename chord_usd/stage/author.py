@@ -16,7 +16,8 @@ from pxr import Gf, Sdf, UsdUtils
 from chord_usd import __version__
 from chord_usd.errors import OutputError
 from chord_usd.looks import Look, load_looks
-from chord_usd.runtime.files import deliver
+from chord_usd.runtime.files import deliver, destination
+from chord_usd.runtime.stages import open_layer
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.dressing import Wardrobe
@@ -80,12 +81,13 @@ def author_stage(
     house = _House(graph, name_rooms(graph), seed, load_looks() if looks is None else tuple(looks))
     with deliver() as delivery:
         target = delivery.place(path)
+        final = destination(path.parent)
         if path.suffix == ".usdz":
             content_hash = _pack(house, target, path)
         else:
-            content_hash = _write_house(house, target, path.absolute().parent)
-            layer = Sdf.Layer.FindOrOpen(str(target))
-            write_attribution(layer, (target.parent, path.absolute().parent), target, path)
+            content_hash = _write_house(house, target, final)
+            layer = open_layer(target)
+            write_attribution(layer, (target.parent, final), target, path)
     _reload(path)
     return StageFile(path, content_hash, graph.provenance)
 
@@ -105,8 +107,8 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
     layer = _open_house(house, target)
     walls = build_walls(house.graph.plan)
     architecture = _architecture(target)
-    assets = Packages(target.parent, final, "assets")
-    materials = Packages(target.parent, final, "materials")
+    assets = Packages(target.parent, [final], "assets")
+    materials = Packages(target.parent, [final], "materials")
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
         for room in house.rooms:
             _open_room(layer, room)
@@ -212,7 +214,7 @@ def _pack(house: _House, target: Path, final: Path) -> str:
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         stage = Path(folder) / f"{target.stem}.usda"
         content_hash = _write_house(house, stage, Path(folder))
-        write_attribution(Sdf.Layer.FindOrOpen(str(stage)), (Path(folder),), target, final)
+        write_attribution(open_layer(stage), (Path(folder),), target, final)
         for file in Path(folder).rglob("*"):  # the archive notes their times
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))

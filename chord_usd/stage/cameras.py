@@ -26,8 +26,8 @@ def set_cameras(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> N
     for room in rooms:
         doors = [
             np.array(tunnel.opening.box.center_m[:2])
-            for tunnel in walls.tunnels.values()
-            if room.room.id in tunnel.opening.room_ids and tunnel.opening.kind != "window"
+            for tunnel in walls.tunnels_of(room.room.id)
+            if tunnel.opening.kind != "window"
         ]
         view = choose_view(walls.floors_m[room.index], [named.item for named in room.items], doors)
         position = Gf.Vec3d(*view.position_m, EYE_M)

@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 import shapely
-from pxr import UsdUtils
+from pxr import Usd
 
 from chord_usd.geometry import footprint, room_polygon
 from chord_usd.metrics import SceneScores, score_scene
 from chord_usd.metrics.complete import Misplaced
 from chord_usd.palette import CATEGORIES, Mount
+from chord_usd.runtime.stages import open_stage, reading
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_scene
-from chord_usd.stage.read import open_stage
 from chord_usd.types import OOD, Item
 
 WALL_GAP_M = 0.01
@@ -98,12 +98,13 @@ class Report:
 
 def check_stage(path: Path) -> Report:
     """Check a stage. Raises StageError for a file that cannot be opened."""
-    stage = open_stage(path)
-    # USD tells unresolved files on standard error as well; they are in the report.
-    quiet = UsdUtils.CoalescingDiagnosticDelegate()
+    with reading(path):
+        return _reported(open_stage(path))
+
+
+def _reported(stage: Usd.Stage) -> Report:
     errors = broken_rules(stage)
     scene = read_scene(stage)
-    quiet.TakeUncoalescedDiagnostics()
     if not scene.graph.rooms:
         errors.append(Finding("CHORD015", "/", "has no room with a floor below its Rooms"))
     scores = score_scene(scene.graph)

@@ -13,7 +13,8 @@ from pathlib import Path
 from pxr import Usd
 
 from chord_usd.errors import StageError
-from chord_usd.stage.read import LOADED_OR_NOT, open_stage
+from chord_usd.runtime.stages import open_stage, reading
+from chord_usd.stage.read import LOADED_OR_NOT
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
 
@@ -73,7 +74,11 @@ def describe_stage(path: Path) -> HouseContents:
 
     Raises StageError for a file that is no stage, or a stage without rooms.
     """
-    stage = open_stage(path, load=False)
+    with reading(path):
+        return _described(open_stage(path, load=False), path)
+
+
+def _described(stage: Usd.Stage, path: Path) -> HouseContents:
     house = stage.GetDefaultPrim()
     rooms = house.GetChild("Rooms") if house else None
     if not rooms:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
-from chord_usd.stage.read import open_stage
+from chord_usd.runtime.stages import open_stage, reading
 from chord_usd.types import FloatArray
 from chord_usd.units import wrap_deg
 
@@ -53,7 +53,11 @@ def diff_stages(before: Path, after: Path) -> tuple[Change, ...]:
     Of a part that appears or goes only the topmost prim is told. Raises StageError for a file that
     cannot be opened.
     """
-    stages = open_stage(before), open_stage(after)
+    with reading(after), reading(before):
+        return _told(open_stage(before), open_stage(after))
+
+
+def _told(*stages: Usd.Stage) -> tuple[Change, ...]:
     old, new = ({str(prim.GetPath()): prim for prim in stage.Traverse()} for stage in stages)
     changes = [*_only_in(old, new, "is gone"), *_only_in(new, old, "is new")]
     for path in old.keys() & new.keys():

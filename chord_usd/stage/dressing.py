@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from pxr import Sdf
 from shapely.geometry import LineString
 
 from chord_usd.geometry import footprint, footprint_polygon
 from chord_usd.palette import category
+from chord_usd.runtime.stages import open_layer
 from chord_usd.types import Item, Opening, Room
 
 COLOUR = "colour"
@@ -59,7 +59,7 @@ class Wardrobe:
     def _offered(self, path: Path) -> dict[str, list[str]]:
         """Variant names of the variant sets of a component."""
         if path not in self._choices:
-            layer = Sdf.Layer.FindOrOpen(str(path))
+            layer = open_layer(path) if path.is_file() else None
             root = layer.GetPrimAtPath(f"/{layer.defaultPrim}") if layer else None
             sets = root.variantSets if root else {}
             self._choices[path] = {name: [*entry.variants.keys()] for name, entry in sets.items()}

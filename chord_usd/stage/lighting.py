@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 from pxr import Gf, Sdf
+from shapely.geometry import Polygon
 
 from chord_usd.stage.lights import Lamp
 from chord_usd.stage.prims import Types, add_variants, attribute, define, over, set_op_order
@@ -105,7 +106,9 @@ def set_lighting(layer: Sdf.Layer, lamps: Sequence[Lamp], walls: Walls, folder: 
 def sun_yaw_deg(walls: Walls) -> float:
     """Direction towards the sun, counter-clockwise from +x: where most glass can see it."""
     candidates = np.arange(0.0, 360.0, 15.0)
-    normals = [_outward(tunnel, walls) for tunnel in _windows(walls.tunnels.values())]
+    floors = {room.id: floor for room, floor in zip(walls.rooms, walls.floors_m, strict=True)}
+    windows = _windows(walls.tunnels.values())
+    normals = [_outward(t, floors.get(_owner(t), walls.floors_m[0])) for t in windows]
     if not normals:
         return 225.0
     sides = np.array(normals)
@@ -119,13 +122,16 @@ def _windows(tunnels: Iterable[Tunnel]) -> list[Tunnel]:
     return [t for t in tunnels if t.opening.kind == "window" and len(t.opening.room_ids) < 2]
 
 
-def _outward(tunnel: Tunnel, walls: Walls) -> FloatArray:
-    """(2,) direction a window looks to, as long as its glass has square metres."""
+def _owner(tunnel: Tunnel) -> str:
+    """Id of the room that a window belongs to, "" for none."""
+    return tunnel.opening.room_ids[0] if tunnel.opening.room_ids else ""
+
+
+def _outward(tunnel: Tunnel, floor: Polygon) -> FloatArray:
+    """(2,) direction a room's window looks to, as long as its glass has square metres."""
     box = tunnel.opening.box
     normal = rotation_2d(box.yaw_deg)[:, 1]
-    owner = tunnel.opening.room_ids[0] if tunnel.opening.room_ids else ""
-    floors = {room.id: floor for room, floor in zip(walls.rooms, walls.floors_m, strict=True)}
-    inside = floors.get(owner, walls.floors_m[0]).representative_point().coords[0]
+    inside = floor.representative_point().coords[0]
     if float((np.array(inside) - np.array(box.center_m[:2])) @ normal) > 0.0:
         normal = -normal
     area: FloatArray = normal * box.size_m[0] * (tunnel.high_m - tunnel.low_m)

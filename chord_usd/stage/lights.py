@@ -56,10 +56,7 @@ def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
     attribute(light, "inputs:width", Types.Float, width)
     attribute(light, "inputs:height", Types.Float, height)
     attribute(light, "inputs:enableColorTemperature", Types.Bool, True)
-    by_window = any(
-        tunnel.opening.kind == "window" and room.room.id in tunnel.opening.room_ids
-        for tunnel in walls.tunnels.values()
-    )
+    by_window = any(tunnel.opening.kind == "window" for tunnel in walls.tunnels_of(room.room.id))
     radiance = _RADIANT_W_PER_M2 * floor.area / (math.pi * width * height)
     return Lamp(light.path, radiance, by_window)
 

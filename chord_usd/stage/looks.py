@@ -14,7 +14,7 @@ import numpy as np
 from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
-from chord_usd.looks import Look, sample_look
+from chord_usd.looks import LOOK_FILE, Look, sample_look
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.prims import Types, add_variants, attribute, label, over
@@ -61,7 +61,8 @@ def wear_looks(
         if not choices:
             shade(layer, specs[0], PLAIN_SURFACES[f"Plain{part.capitalize()}"])
         for spec, look in zip(specs, choices, strict=False):
-            spec.referenceList.prependedItems.append(Sdf.Reference(materials.add(look.usd_path)))
+            package = materials.add(look.usd_path, [LOOK_FILE])
+            spec.referenceList.prependedItems.append(Sdf.Reference(package))
             label(spec, "material", look.name)
             _lay(spec, look, part == "floor" and _runs_north(floor), rng)
 

@@ -7,6 +7,8 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+import shapely
 from shapely.geometry import Point
 
 from chord_usd.errors import SceneError
@@ -71,12 +73,13 @@ def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
             try_="chord-usd plan read PLAN -o plan.json --overlay look.png shows what was read",
         )
     names = _numbered([ROOM_LABELS[room.kind] for room in graph.rooms])
+    place = _Places(graph.rooms)
     items: list[list[Item]] = [[] for _ in graph.rooms]
     for item in graph.items:
-        items[_owner(graph.rooms, (item.room_id,), item.box.center_m)].append(item)
+        items[place.owner((item.room_id,), item.box.center_m)].append(item)
     openings: list[list[Opening]] = [[] for _ in graph.rooms]
     for opening in graph.openings:
-        openings[_owner(graph.rooms, opening.room_ids, opening.box.center_m)].append(opening)
+        openings[place.owner(opening.room_ids, opening.box.center_m)].append(opening)
     return tuple(
         NamedRoom(index, names[index], room, name_items(items[index]), _openings(openings[index]))
         for index, room in enumerate(graph.rooms)
@@ -118,10 +121,18 @@ def _numbered(labels: Iterable[str], taken: Collection[str] = ()) -> list[str]:
     return names
 
 
-def _owner(rooms: Sequence[Room], room_ids: Sequence[str], at_m: tuple[float, float, float]) -> int:
-    for room_id in room_ids:
-        for index, room in enumerate(rooms):
-            if room.id == room_id:
-                return index
-    distances = [room_polygon(room).distance(Point(at_m[:2])) for room in rooms]
-    return distances.index(min(distances))
+class _Places:
+    """Which room a thing is in."""
+
+    def __init__(self, rooms: Sequence[Room]) -> None:
+        # The first of several with the same id.
+        self._index_of = {room.id: index for index, room in reversed(list(enumerate(rooms)))}
+        self._floors = [room_polygon(room) for room in rooms]
+
+    def owner(self, room_ids: Sequence[str], at_m: tuple[float, float, float]) -> int:
+        """Index of the first room named, else of the nearest one."""
+        for room_id in room_ids:
+            if room_id in self._index_of:
+                return self._index_of[room_id]
+        distances = shapely.distance(self._floors, Point(at_m[:2]))
+        return int(np.argmin(distances))

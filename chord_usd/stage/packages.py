@@ -1,64 +1,111 @@
 """Copies of what a house points to, beside it, so that its folder can be moved and mailed.
 
-A package is a folder: an asset's or a look's interface layer with everything it refers to. Houses
-in one folder share their packages.
+A package is a folder: an asset's or a look's interface layer and the files that this refers to.
+Houses in one folder share the packages that are the same; one that lies there already is never
+changed.
 """
 
 from __future__ import annotations
 
+import os
 import shutil
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import count
 from pathlib import Path
 
-from chord_usd.errors import AssetError
+from chord_usd.errors import AssetError, StageError
 from chord_usd.runtime.files import hash_file
+from chord_usd.runtime.stages import walk
 
 
 class Packages:
     """The packages of one kind that a house uses, such as its assets."""
 
-    def __init__(self, staged: Path, final: Path, kind: str) -> None:
-        """staged: folder being written; final: where it will appear; kind: name of the folder."""
-        self._staged, self._final, self._kind = staged / kind, final / kind, kind
+    def __init__(self, staged: Path, finals: Sequence[Path], kind: str) -> None:
+        """staged: folder being written; finals: the folders that hold what the house will find
+        beside it; kind: name of the folder."""
+        self._staged, self._kind = staged / kind, kind
+        self._finals = [final / kind for final in finals]
         self._names: dict[Path, str] = {}
 
-    def add(self, interface: Path) -> str:
+    def add(self, interface: Path, also: Iterable[str] = ()) -> str:
         """Take in the package of this interface layer; returns the path for a reference.
 
-        Raises AssetError when the layer is not there.
+        also: names of files beside it that go with it where they are there. Raises AssetError when
+        the layer is not there, is none, or refers to files outside its folder.
         """
-        source = interface.parent.absolute()
-        if source not in self._names:
-            if not interface.is_file():
-                raise AssetError(
-                    "the asset's layer is missing",
-                    where=str(interface),
-                    expected="a USD layer with a default prim",
-                    try_="chord-usd assets build",
-                )
-            self._names[source] = self._free_name(source.name)
-            self._copy(source, self._names[source])
-        return f"./{self._kind}/{self._names[source]}/{interface.name}"
-
-    def _free_name(self, name: str) -> str:
-        """The package's own name, numbered where two packages of one house share it."""
-        taken = set(self._names.values())
-        candidates = (name, *(f"{name}_{number}" for number in range(2, len(taken) + 3)))
-        return next(candidate for candidate in candidates if candidate not in taken)
-
-    def _copy(self, source: Path, name: str) -> None:
-        """Copy what another house of the folder has not brought already."""
-        staged, final = self._staged / name, self._final / name
-        if not final.exists():
-            shutil.copytree(source, staged, copy_function=shutil.copyfile)
-            return
-        for file in sorted(path for path in source.rglob("*") if path.is_file()):
-            relative = file.relative_to(source)
-            if not _is_copy(file, final / relative):
-                (staged / relative).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(file, staged / relative)
+        interface = Path(os.path.abspath(interface))  # noqa: PTH100 (not through links)
+        if interface not in self._names:
+            files = package_files(interface, also)
+            taken = set(self._names.values())
+            name = free_package(interface.parent.name, files, self._finals, taken)
+            self._names[interface] = name
+            if not any(os.path.lexists(final / name) for final in self._finals):
+                _copy(files, self._staged / name)
+        return f"./{self._kind}/{self._names[interface]}/{interface.name}"
 
 
-def _is_copy(file: Path, other: Path) -> bool:
+def package_files(interface: Path, also: Iterable[str] = ()) -> dict[Path, Path]:
+    """Files of a package by their path within it. Raises AssetError."""
+    if not interface.is_file():
+        raise AssetError(
+            "the asset's layer is missing",
+            where=str(interface),
+            expected="a USD layer with a default prim",
+            try_="chord-usd assets build",
+        )
+    source = Path(os.path.abspath(interface.parent))  # noqa: PTH100 (not through links)
+    try:
+        found = walk(interface)
+    except StageError as error:
+        raise AssetError(
+            f"the asset cannot be used: {error.what}",
+            where=str(interface),
+            expected="a USD layer with a default prim",
+        ) from error
+    files = [*found.layers, *found.others]
+    outside = found.outside([source]) or next(
+        (file for file in files if not file.is_relative_to(source)), None
+    )
+    if outside is not None:
+        raise AssetError(
+            f"the asset points to {outside}",
+            where=str(interface),
+            expected="an asset whose files lie in its own folder",
+            try_="copy that file beside the asset, and refer to it there",
+        )
+    beside = [source / name for name in also if (source / name).is_file()]
+    return {file.relative_to(source): file for file in sorted({*files, *beside})}
+
+
+def free_package(
+    name: str, files: Mapping[Path, Path], finals: Sequence[Path], taken: Iterable[str] = ()
+) -> str:
+    """The package's own name, numbered where that is taken by other bytes, or by one of taken."""
+    candidates = (name if number == 1 else f"{name}_{number}" for number in count(1))
+    return next(
+        candidate
+        for candidate in candidates
+        if candidate not in taken
+        and all(_is_free_or_same(final / candidate, files) for final in finals)
+    )
+
+
+def _is_free_or_same(folder: Path, files: Mapping[Path, Path]) -> bool:
+    """Whether nothing is there, or all of these files with these bytes."""
+    if not os.path.lexists(folder):
+        return True
+    return all(is_copy(file, folder / name) for name, file in files.items())
+
+
+def _copy(files: Mapping[Path, Path], folder: Path) -> None:
+    for name, file in files.items():
+        place = folder / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, place)
+
+
+def is_copy(file: Path, other: Path) -> bool:
     """Whether other is there and holds the same bytes."""
     if not other.is_file() or other.stat().st_size != file.stat().st_size:
         return False

@@ -14,7 +14,7 @@ from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.geometry import footprint_polygon, room_polygon, room_sides
+from chord_usd.geometry import Floors, footprint_polygon, room_polygon, room_sides
 from chord_usd.stage.mesh import Face, cuboid
 from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
 
@@ -50,8 +50,11 @@ def gaps_for_railings(
     """Index of a balcony, and a hole in one of its outer walls, up to height_m over the floor."""
     house = unary_union([room_polygon(room).buffer(WALL_THICKNESS_M) for room in rooms])
     taken = unary_union([footprint_polygon(one.box).buffer(_BESIDE_M) for one in openings])
+    floors = Floors(rooms)
+    windows = [footprint_polygon(one.box) for one in openings if one.kind == "window"]
+    panes = shapely.STRtree(windows)
     for index, room in enumerate(rooms):
-        if room.kind == "balcony" and not _is_glazed(room, rooms, openings):
+        if room.kind == "balcony" and not _is_glazed(index, floors, panes):
             for side, (start, end) in enumerate(room_sides(room)):
                 yield from (
                     (index, _gap(f"{room.id}/railing_{side}_{part}", piece, height_m))
@@ -59,16 +62,15 @@ def gaps_for_railings(
                 )
 
 
-def _is_glazed(room: Room, rooms: Sequence[Room], openings: Sequence[Opening]) -> bool:
+def _is_glazed(index: int, floors: Floors, windows: shapely.STRtree) -> bool:
     """Whether there is a window between a balcony and the open air."""
-    near = room_polygon(room).buffer(WALL_THICKNESS_M)
-    others = unary_union([room_polygon(one) for one in rooms if one is not room])
-    return any(
-        one.kind == "window"
-        and near.intersects(footprint_polygon(one.box))
-        and footprint_polygon(one.box).distance(others) > WALL_THICKNESS_M / 2
-        for one in openings
-    )
+    wall = floors.polygons[index].buffer(WALL_THICKNESS_M)
+    for window in windows.geometries[windows.query(wall, predicate="intersects")]:
+        around = window.buffer(WALL_THICKNESS_M)
+        others = [floors.polygons[other] for other in floors.near(around) if other != index]
+        if all(window.distance(other) > WALL_THICKNESS_M / 2 for other in others):
+            return True
+    return False
 
 
 def _outer_stretches(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Kind, Tf, Usd
+from pxr import Kind, Usd
 
-from chord_usd.errors import StageError
+from chord_usd.runtime.stages import open_stage, reading
 
 LOADED_OR_NOT = Usd.PrimIsActive & Usd.PrimIsDefined & ~Usd.PrimIsAbstract
 """Which prims count where furniture is not loaded."""
@@ -33,7 +33,11 @@ def summary(path: Path) -> StageSummary:
 
     Raises StageError when there is no stage.
     """
-    stage = open_stage(path, load=False)
+    with reading(path):
+        return _counted(open_stage(path, load=False))
+
+
+def _counted(stage: Usd.Stage) -> StageSummary:
     rooms = _rooms(stage)
     for room in rooms:  # openings are behind the payload
         stage.Load(room.GetPath().AppendChild("Architecture"))
@@ -47,22 +51,6 @@ def summary(path: Path) -> StageSummary:
         openings=len(nodes) - len(pieces),
         lights=sum(prim.GetTypeName() == "RectLight" for prim in prims),
         cameras=sum(prim.GetTypeName() == "Camera" for prim in stage.Traverse()),
-    )
-
-
-def open_stage(path: Path, *, load: bool = True) -> Usd.Stage:
-    """The stage at path, payloads loaded or not. Raises StageError when there is none."""
-    try:
-        if path.is_file():
-            return Usd.Stage.Open(str(path), Usd.Stage.LoadAll if load else Usd.Stage.LoadNone)
-        what = "there is no such file"
-    except Tf.ErrorException:
-        what = "cannot be opened as a stage"
-    raise StageError(
-        what,
-        where=str(path),
-        expected="a .usda, .usdc or .usdz stage",
-        try_=f"chord-usd generate PLAN -o {path.name}",
     )
 
 

@@ -9,28 +9,28 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 
 import shapely
-from pxr import Gf, Sdf, UsdUtils
+from pxr import Gf, Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.runtime.files import deliver, hash_file
+from chord_usd.runtime.archives import Archive
+from chord_usd.runtime.files import deliver, destination, hash_file
+from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view
-from chord_usd.stage.check import open_stage
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.check_scene import read_scene
 from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.furniture import place_furniture
 from chord_usd.stage.names import NamedRoom, name_items
-from chord_usd.stage.packages import Packages
+from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
 from chord_usd.types import Item, Opening, Provenance, Room, SceneGraph, StageFile
 
@@ -87,7 +87,24 @@ class StagedHouse:
 
 def read_house(path: Path) -> StagedHouse:
     """Read rooms, openings and items of a stage. Raises StageError."""
-    stage = open_stage(path)
+    with reading(path):
+        return _house_of(open_stage(path), path)
+
+
+def read_edited_house(edits: Path, source: Path) -> StagedHouse:
+    """The house at source as it is seen with a layer over it. Raises StageError, also where the
+    layer points to files that are neither beside it nor beside the house."""
+    outside = files_of(edits).outside([edits.absolute().parent, source.absolute().parent])
+    if outside is not None:
+        raise StageError(
+            f"points to {outside}",
+            where=str(edits),
+            expected=f"a layer over {source.name} whose files lie beside it",
+        )
+    return read_house(edits)
+
+
+def _house_of(stage: Usd.Stage, path: Path) -> StagedHouse:
     graph = read_scene(stage).graph
     if not graph.rooms:
         raise StageError(
@@ -145,17 +162,17 @@ def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
             where=str(source),
             expected=f"-o with the suffix {source.suffix}",
         )
-    with deliver() as delivery:
+    _require_own(source, target)
+    with reading(source), deliver() as delivery:
         staged = delivery.place(target)
         if source.suffix == ".usdz":
             _edit_archive(source, staged, target, new)
         else:
-            final = target.absolute().parent
+            final = destination(target.parent)
             if final != source.absolute().parent:
-                final = staged.parent
-                _copy_what_it_points_to(source, final)
+                _copy_what_it_points_to(source, staged, target)
             _copy_layer(source, staged)
-            layer = _edit(staged, final, new)
+            layer = _edit(staged, [final, staged.parent], new)
             write_attribution(layer, (staged.parent, final), staged, target)
         content_hash = hash_file(staged)
     layer = Sdf.Layer.Find(str(target))
@@ -183,12 +200,18 @@ def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
     )
 
 
+def _require_own(source: Path, target: Path) -> None:
+    """Raises StageError for a stage with files elsewhere, where more than its layer is written."""
+    if source.suffix == ".usdz" or target.absolute().parent != source.absolute().parent:
+        own_files(source)
+
+
 def _copy_layer(source: Path, staged: Path) -> None:
     """The root layer under its new name; an identifier that is its file name follows."""
     shutil.copyfile(source, staged)
     if source.name == staged.name:
         return
-    layer = Sdf.Layer.FindOrOpen(str(staged))
+    layer = open_layer(staged)
     root = layer.GetPrimAtPath(f"/{layer.defaultPrim}")
     info = dict(root.GetInfo("assetInfo")) if root and root.HasInfo("assetInfo") else {}
     if info.get("identifier") == Sdf.AssetPath(f"./{source.name}"):
@@ -197,14 +220,24 @@ def _copy_layer(source: Path, staged: Path) -> None:
         layer.Save()
 
 
-def _copy_what_it_points_to(source: Path, folder: Path) -> None:
-    """Layers and textures of a stage, at the same places relative to another folder."""
-    home = source.absolute().parent
-    layers, textures, _ = UsdUtils.ComputeAllDependencies(str(source))
-    for file in [*(Path(layer.realPath) for layer in layers), *map(Path, textures)]:
-        if file == source.absolute() or not file.is_relative_to(home):
-            continue
-        place = folder / file.relative_to(home)
+def _copy_what_it_points_to(source: Path, staged: Path, target: Path) -> None:
+    """Layers and textures of a stage, at the same places relative to another folder.
+
+    Raises StageError where another file lies at such a place, which may be another house's.
+    """
+    home, final = source.absolute().parent, destination(target.parent)
+    files = own_files(source)
+    for file in (*files.layers[1:], *files.others):
+        name = file.relative_to(home)
+        place, there = staged.parent / name, final / name
+        is_of_target = name.parts[0] in (target.name, f"{target.stem}_architecture")
+        if not is_of_target and os.path.lexists(there) and not is_copy(file, there):
+            raise StageError(
+                f"needs {name}, and another file lies there already",
+                where=str(source),
+                expected=f"an output folder without another {name.parts[0]}",
+                try_="-o in an empty folder",
+            )
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(file, place)
 
@@ -213,19 +246,22 @@ def _edit_archive(source: Path, staged: Path, target: Path, new: NewFurniture) -
     """Unpack, edit the root layer, which is an archive's first file, and pack again."""
     with tempfile.TemporaryDirectory(dir=staged.parent) as scratch:
         folder = Path(scratch)
-        with zipfile.ZipFile(source) as archive:
-            root = folder / archive.namelist()[0]
-            archive.extractall(folder)
-        layer = _edit(root, folder, new)
-        write_attribution(layer, (folder,), staged, target)
+        with Archive(source, StageError, expected="a .usdz package") as archive:
+            archive.require_package()
+            archive.unpack(folder)
+            root = folder / archive.names[0]
+        layer = _edit(root, [root.parent], new)
+        write_attribution(layer, (root.parent,), staged, target)
         for file in folder.rglob("*"):
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
+        # Unpacked, its files lie where those of a package cannot: look at what is packed again.
+        own_files(root, source)
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
 
 
-def _edit(path: Path, final: Path, new: NewFurniture) -> Sdf.Layer:
-    """Refurnish the layer at path. final: the folder that holds what it points to."""
-    layer = Sdf.Layer.FindOrOpen(str(path))
+def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
+    """Refurnish the layer at path. finals: the folders that hold what it points to."""
+    layer = open_layer(path)
     furniture = layer.GetPrimAtPath(f"/House/Rooms/{new.room_name}/Furniture")
     if not furniture:
         raise StageError(
@@ -240,7 +276,7 @@ def _edit(path: Path, final: Path, new: NewFurniture) -> Sdf.Layer:
     named = NamedRoom(0, new.room_name, new.room, items, ())
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
         wardrobe = Wardrobe(new.made.seed, new.openings)
-        packages = Packages(path.parent, final, "assets")
+        packages = Packages(path.parent, finals, "assets")
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
     _note_making(furniture, new.made)
     _clear_camera(layer, new)

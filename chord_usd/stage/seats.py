@@ -24,9 +24,9 @@ from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
 from chord_usd.places import FreePlaces, moved_to, places_near
+from chord_usd.runtime.stages import open_asset
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
-from chord_usd.stage.read import open_stage
 from chord_usd.types import Asset, Box, Item, SceneGraph
 from chord_usd.units import rotation_2d
 
@@ -140,7 +140,7 @@ def _body(item: Item, asset: Asset, own: Sequence[Solid]) -> Body:
 @lru_cache(maxsize=64)
 def _solids(path: Path) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
     """The meshes of an asset, and the boxes that it is felt as, in its own frame."""
-    stage, transforms = open_stage(path), UsdGeom.XformCache()
+    stage, transforms = open_asset(path), UsdGeom.XformCache()
     felt = tuple(
         Solid(
             str(prim.GetPath()),

@@ -188,7 +188,7 @@ def _draw_room(
 ) -> FloatArray:
     component = _Component(folder / f"{room.name}.usdc", "Architecture")
     floor = walls.floors_m[room.index]
-    lines = [line for line in walls.lines if line.room == room.index]
+    lines = walls.lines_of(room.index)
     _draw_floor_and_ceiling(component, room, floor)
     for edge in sorted({line.edge for line in lines}):
         faces = wall_faces([line for line in lines if line.edge == edge])
@@ -196,7 +196,7 @@ def _draw_room(
             wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
             label(wall, "category", "wall")
     if room.room.kind not in _TILED:
-        skirting = _skirting(floor, lines, walls.tunnels.values())
+        skirting = _skirting(floor, lines, walls.tunnels_near(floor, CASING_WIDTH_M))
         if skirting:
             component.mesh("Skirting", skirting, "Trim")
     for opening in room.openings:
@@ -272,12 +272,13 @@ def _opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:
     """
     box = tunnel.opening.box
     reach_m = WALL_THICKNESS_M / 2 + box.size_m[0]
-    floors = unary_union(walls.floors_m)
     shares = {}
     for side in (inside, -inside):
         middle = np.array(box.center_m[:2]) + rotation_2d(box.yaw_deg)[:, 1] * side * reach_m / 2
         swept = Box((middle[0], middle[1], 0.0), (box.size_m[0], reach_m, 1.0), box.yaw_deg)
-        shares[side] = round(footprint_polygon(swept).intersection(floors).area, 2)
+        shape = footprint_polygon(swept)
+        floors = unary_union(walls.floors_near(shape))
+        shares[side] = round(shape.intersection(floors).area, 2)
     return max(shares, key=lambda side: shares[side])
 
 
@@ -334,7 +335,7 @@ def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
 def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
     component = _Component(folder / "Exterior.usdc", "Exterior")
-    facade = wall_faces([line for line in walls.lines if line.room is None])
+    facade = wall_faces(walls.lines_of(None))
     if facade:
         component.mesh("Facade", facade, "Facade")
         component.mesh("WallTop", top_faces(walls), "WallTop")

@@ -10,16 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon, box
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.geometry import polygons_of, room_polygon, wall_area
+from chord_usd.geometry import Floors, polygons_of, room_polygon, wall_area
 from chord_usd.stage.mesh import Face, flat, upright
 from chord_usd.stage.railings import gaps_for_railings
 from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Plan, Room
@@ -30,6 +32,8 @@ ROOM_HEIGHT_M = 2.7
 
 LINTEL_M = 0.1
 """Least height of wall left over an opening, so that the solid stays one."""
+
+IntArray = npt.NDArray[np.intp]
 
 _GRID_M = 1e-4
 """Corners are rounded to this, which makes the boolean operations exact and repeatable."""
@@ -116,6 +120,50 @@ class Walls:
     """By opening id; openings that meet no wall are absent."""
     railings: tuple[tuple[int, Tunnel], ...] = ()
     """Index of a balcony, and a gap in its outer wall that a railing closes."""
+
+    def lines_of(self, room: int | None) -> list[WallLine]:
+        """The lines that look into a room, by its index; None for those that look outside."""
+        return self._lines_by_room.get(room, [])
+
+    def floors_near(self, shape: BaseGeometry) -> list[Polygon]:
+        """The floors whose bounds meet those of a shape."""
+        return [self.floors_m[index] for index in sorted(self._floor_tree.query(shape))]
+
+    def tunnels_near(self, shape: BaseGeometry, distance_m: float) -> list[Tunnel]:
+        """The tunnels that may be no farther from a shape than this, in their order."""
+        west, south, east, north = shape.bounds
+        around = box(west - distance_m, south - distance_m, east + distance_m, north + distance_m)
+        tunnels = list(self.tunnels.values())
+        return [tunnels[index] for index in sorted(self._tunnel_tree.query(around))]
+
+    def tunnels_of(self, room_id: str) -> list[Tunnel]:
+        """The tunnels that join a room to something, by its id."""
+        return self._tunnels_by_room.get(room_id, [])
+
+    # Large houses: what is asked for each room must not go through the whole house.
+
+    @cached_property
+    def _lines_by_room(self) -> dict[int | None, list[WallLine]]:
+        found: dict[int | None, list[WallLine]] = {}
+        for line in self.lines:
+            found.setdefault(line.room, []).append(line)
+        return found
+
+    @cached_property
+    def _tunnels_by_room(self) -> dict[str, list[Tunnel]]:
+        found: dict[str, list[Tunnel]] = {}
+        for tunnel in self.tunnels.values():
+            for room_id in dict.fromkeys(tunnel.opening.room_ids):
+                found.setdefault(room_id, []).append(tunnel)
+        return found
+
+    @cached_property
+    def _floor_tree(self) -> shapely.STRtree:
+        return shapely.STRtree(self.floors_m)
+
+    @cached_property
+    def _tunnel_tree(self) -> shapely.STRtree:
+        return shapely.STRtree([tunnel.area_m for tunnel in self.tunnels.values()])
 
     def cuts(self) -> list[Tunnel]:
         """Everything that is cut through the walls."""
@@ -242,12 +290,12 @@ def _solid(rooms: Sequence[Room]) -> MultiPolygon:
 
 
 def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:
-    taken: BaseGeometry = Polygon()
-    for room in rooms:
-        own = room_polygon(room)
+    floors = Floors(rooms)
+    for index, own in enumerate(floors.polygons):
+        earlier = [floors.polygons[other] for other in floors.near(own) if other < index]
+        taken = unary_union(earlier)
         free = own.difference(taken) if own.intersection(taken).area > _GRID_M else own
         yield max(polygons_of(free), key=lambda part: part.area, default=own)
-        taken = taken.union(own)
 
 
 def _tunnel(opening: Opening, solid: BaseGeometry) -> Tunnel | None:
@@ -306,18 +354,30 @@ def _in_world(shape: BaseGeometry, opening: Opening) -> BaseGeometry:
 def _lines(rooms: Sequence[Room], solid: MultiPolygon) -> Iterator[WallLine]:
     """The boundary of the solid, cut where the rooms it looks into change."""
     starts, ends, room_of, edge_of = _room_edges(rooms)
+    corners_by_place = shapely.STRtree(shapely.points(starts))
+    edges_by_place = shapely.STRtree(shapely.linestrings(np.stack([starts, ends], axis=1)))
     outside = 0
     for part in solid.geoms:
         for ring in (part.exterior, *part.interiors):
             corners = np.asarray(ring.coords)
             for a, b in pairwise(corners):
-                for start, end in _split(a, b, starts):
-                    nearest = _nearest_edge((start + end) / 2, starts, ends)
+                near = _near(corners_by_place, a, b)
+                for start, end in _split(a, b, starts[near]):
+                    middle = (start + end) / 2
+                    near = _near(edges_by_place, middle, middle)
+                    nearest = _nearest_edge(middle, near, starts, ends)
                     if nearest is None:
                         yield WallLine(start, end, None, outside)
                         outside += 1
                     else:
                         yield WallLine(start, end, room_of[nearest], edge_of[nearest])
+
+
+def _near(tree: shapely.STRtree, a: FloatArray, b: FloatArray) -> IntArray:
+    """Indices, in order, of what may lie on the segment a to b."""
+    low, high = np.minimum(a, b) - _ON_LINE_M, np.maximum(a, b) + _ON_LINE_M
+    found: IntArray = np.sort(tree.query(box(*low, *high)))
+    return found
 
 
 def _room_edges(rooms: Sequence[Room]) -> tuple[FloatArray, FloatArray, list[int], list[int]]:
@@ -357,13 +417,19 @@ def _distinct(values: FloatArray) -> list[float]:
     return kept
 
 
-def _nearest_edge(point: FloatArray, starts: FloatArray, ends: FloatArray) -> int | None:
-    direction = ends - starts
-    share = np.sum((point - starts) * direction, axis=1) / np.sum(direction**2, axis=1)
-    nearest = starts + np.clip(share, 0.0, 1.0)[:, None] * direction
+def _nearest_edge(
+    point: FloatArray, near: IntArray, starts: FloatArray, ends: FloatArray
+) -> int | None:
+    """Which of the edges near a point it lies on."""
+    if not len(near):
+        return None
+    start, direction = starts[near], ends[near] - starts[near]
+    squared = np.maximum(np.sum(direction**2, axis=1), _GRID_M**2)
+    share = np.sum((point - start) * direction, axis=1) / squared
+    nearest = start + np.clip(share, 0.0, 1.0)[:, None] * direction
     distance = np.hypot(*(point - nearest).T)
     best = int(np.argmin(distance))
-    return best if distance[best] < _ON_LINE_M else None
+    return int(near[best]) if distance[best] < _ON_LINE_M else None
 
 
 def _with_holes(lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> Iterator[WallLine]:

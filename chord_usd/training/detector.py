@@ -23,6 +23,7 @@ from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.graph.detect import CONFIG_FILE, IMAGE_PX, Kind, scaled
 from chord_usd.progress import Progress
+from chord_usd.runtime.files import begin_run
 from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.training.detector_data import Sample, Spoiling, stream
 from chord_usd.training.yolo import build_model, load_matching, load_weights, save_model
@@ -85,6 +86,7 @@ def train_detector(
     done and in all. generated: painted by the layout model, seen beside drawings. Returns what the
     model card tells of the run. Raises CheckpointError when there is nothing to resume from.
     """
+    begin_run(out)
     config = config or DetectorTraining()
     torch.set_num_threads(config.threads)
     torch.manual_seed(config.seed)

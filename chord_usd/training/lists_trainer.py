@@ -16,7 +16,8 @@ from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.lists.draw import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
 from chord_usd.progress import Progress
-from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.checksums import checkpoint_files
+from chord_usd.runtime.files import begin_run, write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.training.budget import Budget
 from chord_usd.training.lists_data import Batch
@@ -71,6 +72,7 @@ def train_lists(
     Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, and is
     renewed whenever the state is saved.
     """
+    begin_run(folder)
     torch.manual_seed(config.seed)
     network = ListNetwork(task.vocabulary).to(config.device)
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
@@ -111,7 +113,6 @@ def _moved(batch: Batch, device: str) -> Batch:
 
 
 def _log(folder: Path, row: dict[str, Any]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
     with (folder / LOG_FILE).open("a", encoding="utf-8") as log:
         log.write(json.dumps(row) + "\n")
 
@@ -136,9 +137,10 @@ def write_checkpoint(
     """The weights in half precision, how to draw with them, and where they come from."""
     folder.mkdir(parents=True, exist_ok=True)
     halves = {name: t.cpu().to(torch.float16) for name, t in network.state_dict().items()}
-    write_atomic(folder / WEIGHTS_FILE, save(halves))
-    description = json.dumps({"format": FORMAT, "training": facts}, indent=2)
-    write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
+    with checkpoint_files(folder):
+        write_atomic(folder / WEIGHTS_FILE, save(halves))
+        description = json.dumps({"format": FORMAT, "training": facts}, indent=2)
+        write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
     example = {
         "segments": torch.ones(1, 2, SEGMENT_FIELDS, dtype=torch.long),
         "facts": torch.zeros(1, len(vocabulary.facts), dtype=torch.long),

@@ -1,7 +1,7 @@
 """Networks as ONNX files that hold no weights: they stay in the checkpoint's safetensors.
 
-The file says how a network computes; chord_usd/runtime/networks.py runs it on a CPU without torch. It
-changes with the architecture only, so training needs to write it once.
+The file says how a network computes; chord_usd/runtime/networks.py runs it on a CPU without torch.
+It changes with the architecture only, so training needs to write it once.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
+from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import deliver
 from chord_usd.runtime.networks import GRAPH_FILE, STORED_SUFFIX, WEIGHTS_FILE
 
@@ -29,7 +30,7 @@ def write_graph(
     outputs: Sequence[str],
     free_axes: Mapping[str, Mapping[int, str]] | None = None,
 ) -> None:
-    """Write folder's network.onnx.
+    """Write folder's network.onnx, and the hashes of its files.
 
     stored: by the name of one of network's tensors, its name in the weights file; inputs: an
     example, in the order of network's arguments; free_axes: by input or output, which of its axes
@@ -37,7 +38,12 @@ def write_graph(
     """
     import onnx
 
-    with deliver() as delivery, warnings.catch_warnings(), torch.inference_mode():
+    with (
+        checkpoint_files(folder),
+        deliver() as delivery,
+        warnings.catch_warnings(),
+        torch.inference_mode(),
+    ):
         path = delivery.place(folder / GRAPH_FILE)
         # The exporter that follows tensors through plain Python tells so at length.
         warnings.simplefilter("ignore")

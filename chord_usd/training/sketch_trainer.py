@@ -15,7 +15,8 @@ from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.sketch import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.progress import Progress
-from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.checksums import checkpoint_files
+from chord_usd.runtime.files import begin_run, write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.training.budget import Budget
 from chord_usd.training.onnx_file import write_graph
@@ -60,6 +61,7 @@ def train_sketches(
     judges: held-out houses. Returns what the card says of the run; the checkpoint comes to lie in
     folder/checkpoint.
     """
+    begin_run(folder)
     torch.manual_seed(config.seed)
     network = SketchNetwork().to(config.device)
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
@@ -114,10 +116,11 @@ def _score(network: SketchNetwork, houses: list[Sketched]) -> float:
 def _write_checkpoint(folder: Path, network: SketchNetwork, facts: dict[str, Any]) -> None:
     """The weights in half precision, how to compute with them, and where they come from."""
     folder.mkdir(parents=True, exist_ok=True)
-    halves = {name: t.cpu().to(torch.float16) for name, t in network.state_dict().items()}
-    write_atomic(folder / WEIGHTS_FILE, save(halves))
-    description = json.dumps({"format": FORMAT, "training": facts}, indent=2)
-    write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
+    with checkpoint_files(folder):
+        halves = {name: t.cpu().to(torch.float16) for name, t in network.state_dict().items()}
+        write_atomic(folder / WEIGHTS_FILE, save(halves))
+        description = json.dumps({"format": FORMAT, "training": facts}, indent=2)
+        write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
     example = {
         "shell": torch.from_numpy(tokens.no_shell())[None],
         "roles": torch.zeros(1, tokens.HEADING, dtype=torch.long),

@@ -21,6 +21,7 @@ from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.layout.transfer import adopt, take_up
+from chord_usd.runtime.files import begin_run
 from chord_usd.training.budget import Budget
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
@@ -156,6 +157,7 @@ class LayoutTrainer:
     def train(self, stream: BatchStream, report: Report) -> None:
         """Runs until the minutes are spent, saving every save_minutes and at the end."""
         config = self.config
+        begin_run(self.folder)
         keep_freed_memory()
         self.data = asdict(stream.config)
         # A resumed run must not see the data of its first minutes again.

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -35,7 +34,9 @@ from chord_usd.graph.detect import (
     check_config,
     remedy,
 )
+from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
+from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.training.onnx_file import write_graph
 
 ARCHITECTURES: dict[Kind, str] = {"items": "yolov8n-obb.yaml", "rooms": "yolov8n-seg.yaml"}
@@ -59,24 +60,25 @@ def build_model(kind: Kind) -> nn.Module:
 def save_model(kind: Kind, model: nn.Module, folder: Path, facts: Mapping[str, Any]) -> None:
     """Write weights (fp16), config.json and, once, the graph. facts: more keys of the config."""
     folder.mkdir(parents=True, exist_ok=True)
-    tensors = {
-        name: value.detach().cpu().to(torch.float16).contiguous()
-        for name, value in _floats(model).items()
-    }
-    save_file(tensors, folder / WEIGHTS_FILE)
-    # safetensors leaves the file readable to its owner alone.
-    (folder / WEIGHTS_FILE).chmod(0o644)
-    config = {
-        "format": FORMAT,
-        "kind": kind,
-        "architecture": ARCHITECTURES[kind],
-        "classes": list(CLASSES[kind]),
-        "image_px": IMAGE_PX[kind],
-        **facts,
-    }
-    (folder / CONFIG_FILE).write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
-    if not (folder / GRAPH_FILE).is_file():
-        write_detector_graph(kind, folder)
+    with checkpoint_files(folder):
+        tensors = {
+            name: value.detach().cpu().to(torch.float16).contiguous()
+            for name, value in _floats(model).items()
+        }
+        save_file(tensors, folder / WEIGHTS_FILE)
+        # safetensors leaves the file readable to its owner alone.
+        (folder / WEIGHTS_FILE).chmod(0o644)
+        config = {
+            "format": FORMAT,
+            "kind": kind,
+            "architecture": ARCHITECTURES[kind],
+            "classes": list(CLASSES[kind]),
+            "image_px": IMAGE_PX[kind],
+            **facts,
+        }
+        (folder / CONFIG_FILE).write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
+        if not (folder / GRAPH_FILE).is_file():
+            write_detector_graph(kind, folder)
 
 
 def load_weights(kind: Kind, model: nn.Module, folder: Path) -> None:
@@ -180,8 +182,8 @@ def _ultralytics() -> _Library:
     logging.getLogger("ultralytics").setLevel(logging.ERROR)
     settings = {"YOLO_OFFLINE": "true", "YOLO_VERBOSE": "false"}
     before = {name: os.environ.get(name) for name in (*settings, "YOLO_CONFIG_DIR")}
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ.update(settings, YOLO_CONFIG_DIR=folder)
+    with scratch_folder() as folder:
+        os.environ.update(settings, YOLO_CONFIG_DIR=str(folder))
         try:
             import torchvision  # noqa: F401  the suppression imports it while it is traced
             from ultralytics.cfg import get_cfg

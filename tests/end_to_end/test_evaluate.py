@@ -15,6 +15,7 @@ from chord_usd.cli import DONE, UNUSABLE, main
 from chord_usd.layout.checkpoint import save_checkpoint
 from chord_usd.layout.config import PRESETS
 from chord_usd.layout.network import LayoutNetwork
+from chord_usd.runtime.manifest import MANIFEST_FILE
 from chord_usd.types import SceneGraph
 
 TINY = replace(PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16)
@@ -124,7 +125,7 @@ def test_anybodys_layouts_are_scored_and_broken_files_listed(
     assert told["warnings"][0] == "1 files were skipped:"
     assert "broken.json" in told["warnings"][1]
     names = sorted(path.name for path in tmp_path.iterdir())
-    assert names == ["houses", "scores.json", "scores.md", "scores.png"]
+    assert names == [MANIFEST_FILE, "houses", "scores.json", "scores.md", "scores.png"]
     assert json.loads((tmp_path / "scores.json").read_text())["split"] == told["split"]
 
 

@@ -14,11 +14,10 @@ import trimesh
 from pxr import Usd, UsdGeom, UsdValidation
 
 from chord_usd.assets.database import AssetDatabase, read_index
-from chord_usd.assets.libraries import archives
 from chord_usd.assets.libraries.add import Added, add_library
-from chord_usd.assets.libraries.archives import checked_archive
 from chord_usd.assets.libraries.readers import open_library, read_properties
 from chord_usd.errors import AssetError
+from chord_usd.runtime import archives
 from chord_usd.stage.attribution import attribution_file
 from chord_usd.stage.author import author_stage
 from chord_usd.types import SceneGraph
@@ -197,17 +196,17 @@ def test_names_that_leave_the_archive_are_refused(tmp_path: Path, name: str) -> 
     with zipfile.ZipFile(tmp_path / "bad.sh3f", "w") as archive:
         archive.writestr(name, "v 0 0 0")
     with pytest.raises(AssetError, match="outside itself"):
-        checked_archive(tmp_path / "bad.sh3f")
+        open_library(tmp_path / "bad.sh3f").models()
 
 
 def test_zip_bombs_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with zipfile.ZipFile(tmp_path / "bomb.sh3f", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("zeros", bytes(16 * 2**20))
     with pytest.raises(AssetError, match="zip bomb"):
-        checked_archive(tmp_path / "bomb.sh3f")
+        open_library(tmp_path / "bomb.sh3f").models()
     monkeypatch.setattr(archives, "MOST_BYTES", 2**20)
     with pytest.raises(AssetError, match="unpacks to"):
-        checked_archive(tmp_path / "bomb.sh3f")
+        open_library(tmp_path / "bomb.sh3f").models()
 
 
 def test_3d_future_is_known_by_its_list(tmp_path: Path) -> None:

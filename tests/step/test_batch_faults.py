@@ -17,6 +17,7 @@ import pytest
 from chord_usd.batch.local import LocalEngine
 from chord_usd.batch.run import run_batch
 from chord_usd.errors import OutputError
+from chord_usd.runtime.manifest import MANIFEST_FILE
 
 
 @pytest.fixture
@@ -32,7 +33,7 @@ def test_workers_may_die_without_harm_to_other_units(folder: Path) -> None:
     assert [result.unit.name for result in done.failures] == ["crash"]
     assert "died 3 times: SIGABRT" in done.failures[0].why
     assert sorted(path.name for path in folder.iterdir()) == [
-        "a", "assets", "b", "index.jsonl", "killed_once",
+        MANIFEST_FILE, "a", "assets", "b", "index.jsonl", "killed_once",
     ]  # fmt: skip
 
 
@@ -44,7 +45,7 @@ def test_a_disk_that_is_really_full(folder: Path) -> None:
     try:
         with pytest.raises(OutputError, match="1 of 2 houses were made"):
             makers.batch(folder, makers.units("a", "large"), makers.troubled)
-        assert [path.name for path in sorted(folder.iterdir())] == ["a", "assets"]
+        assert sorted(path.name for path in folder.iterdir()) == ["a", "assets"]
         # With space again, the rest is made.
         makers.batch(folder, makers.units("a", "b"))
         assert makers.made(folder) == ["a", "b"]
@@ -65,7 +66,7 @@ def test_a_batch_that_is_ended_goes_on_where_it_stopped(how: signal.Signals, fol
     done = makers.batch(folder, makers.units("first", "second"))
     assert [unit.name for unit in done.kept] == ["first"]
     assert makers.made(folder) == ["first", "second"]
-    assert list(folder.glob(".*")) == []
+    assert [path.name for path in folder.glob(".*")] == [MANIFEST_FILE]
 
 
 DRIVER = f"""

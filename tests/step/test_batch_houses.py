@@ -32,7 +32,7 @@ def test_a_house_is_whole_and_its_folder_can_be_moved(folder: Path, tmp_path: Pa
     names = {path.name for path in (folder / "studio-0").iterdir()}
     assert names == {
         "house.usda", "house_architecture", "assets", "materials", "plan.png", "layout.png",
-        "scene.json", "house.json", "pictures", "pictures.json",
+        "scene.json", "house.json", "pictures", "pictures.json", ".chord-usd.manifest",
     }  # fmt: skip
     moved = (folder / "studio-0").rename(tmp_path / "moved")
     report = check_stage(moved / "house.usda")
@@ -62,5 +62,5 @@ def test_only_what_is_damaged_is_made_again(run_cli, folder: Path) -> None:
 
 
 def times(house: Path) -> dict[str, int]:
-    files = (path for path in house.rglob("*") if path.is_file())
+    files = (path for path in house.rglob("[!.]*") if path.is_file())
     return {str(file.relative_to(house)): file.stat().st_mtime_ns for file in files}

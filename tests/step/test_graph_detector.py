@@ -33,10 +33,11 @@ from chord_usd.graph.detect import (
     scaled,
 )
 from chord_usd.graph.extract import extract_graph
-from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
 from chord_usd.raster import draw_plan, layout_image
 from chord_usd.raster_files import write_raster
+from chord_usd.runtime.checksums import SUMS_FILE
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
 from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector
 from chord_usd.training.detector_card import write_card
 from chord_usd.training.detector_data import (
@@ -81,6 +82,7 @@ def test_weights_of_another_network_are_an_error(untrained: Path, tmp_path: Path
     save_model("rooms", build_model("rooms"), tmp_path / "rooms", {})
     shutil.copytree(untrained, tmp_path / "d")
     shutil.copy(tmp_path / "rooms" / WEIGHTS_FILE, tmp_path / "d" / WEIGHTS_FILE)
+    (tmp_path / "d" / SUMS_FILE).unlink()
     with pytest.raises(CheckpointError, match="cannot be built"):
         load_item_detector(tmp_path / "d")
 

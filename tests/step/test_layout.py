@@ -29,6 +29,7 @@ from chord_usd.layout.schedule import (
 from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.palette import CATEGORIES
 from chord_usd.raster import paint_layout
+from chord_usd.runtime.checksums import SUMS_FILE
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.types import PixelFrame, PlanImage
 
@@ -319,6 +320,7 @@ class TestCheckpoints:
         description = json.loads((tmp_path / "config.json").read_text())
         description["network"]["channels"] = [32, 32]
         (tmp_path / "config.json").write_text(json.dumps(description))
+        (tmp_path / SUMS_FILE).unlink()
         with pytest.raises(CheckpointError, match="another version"):
             load_checkpoint(tmp_path)
 

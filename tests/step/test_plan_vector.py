@@ -168,7 +168,7 @@ BAD: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "nothing": (".svg", lambda p: p.write_text("<svg/>"), "neither walls nor rooms"),
     "no zip": (".sh3d", lambda p: p.write_text("home"), "is damaged"),
     "old": (".sh3d", lambda p: zipped(p, "Home", b"x"), "holds no Home.xml"),
-    "zip bomb": (".sh3d", lambda p: zipped(p, "Home.xml", b" " * 2**27), "larger than 64 MiB"),
+    "zip bomb": (".sh3d", lambda p: zipped(p, "Home.xml", b" " * 2**27), "zip bomb"),
     "no dxf": (".dxf", lambda p: p.write_text("plan"), "is not a DXF drawing"),
     "binary dxf": (".dxf", lambda p: p.write_bytes(bytes(range(256)) * 9), "is not a DXF"),
     "no ifc": (".ifc", lambda p: p.write_text("plan"), "is not an IFC file"),

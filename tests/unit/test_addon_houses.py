@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -116,11 +117,45 @@ def test_a_library_takes_nobodys_place(tmp_path: Path) -> None:
     own = library.library_folder(tmp_path)
     assert own == tmp_path / library.NAME
     (own / library.MODELS).mkdir(parents=True)
-    (own / library.MODELS / library.INDEX).touch()
+    entries = {"assets": [{"id": "a", "category": "bed", "path": "a.usda"}]}
+    (own / library.MODELS / library.INDEX).write_text(json.dumps(entries))
     for name in ("bed.blend", "bed.blend1", library.CATALOGS):
         (own / name).touch()
     assert library.library_folder(tmp_path) == own, "built before"
     assert library.library_folder(own) == own
-    (own / "mine.txt").touch()
+    (own / "my kitchen.blend").touch()
     with pytest.raises(InputError, match="holds other files"):
         library.library_folder(tmp_path)
+
+
+def test_a_model_brings_no_other_files_and_leaves_those_that_are_there(tmp_path: Path) -> None:
+    source, home = tmp_path / "models" / "Bed", tmp_path / "home"
+    for folder in (source / "textures", home / "assets" / "Bed"):
+        folder.mkdir(parents=True)
+    (source / "Bed.usda").write_text("a bed")
+    (source / "textures" / "oak.png").write_bytes(b"oak")
+    (source / "id_rsa").write_text("secret")
+    (source / "key.png").symlink_to(source / "id_rsa")
+    (home / "assets" / "Bed" / "payload.usdc").write_text("drawn by hand")
+    (source / "payload.usdc").write_text("drawn by us")
+    brought = swaps.bring_model(source / "Bed.usda", home / "house.usda")
+    assert brought == "assets/Bed_2/Bed.usda"
+    assert swaps.bring_model(source / "Bed.usda", home / "house.usda") == brought
+    files = {str(one.relative_to(home)) for one in home.rglob("*") if one.is_file()}
+    assert files == {
+        "assets/Bed/payload.usdc", "assets/Bed_2/Bed.usda", "assets/Bed_2/payload.usdc",
+        "assets/Bed_2/textures/oak.png",
+    }  # fmt: skip
+    assert (home / "assets" / "Bed" / "payload.usdc").read_text() == "drawn by hand"
+
+
+def test_only_revisions_are_cleared_away(tmp_path: Path) -> None:
+    house = tmp_path / "house.usda"
+    (tmp_path / revisions.FOLDER).mkdir()
+    note = tmp_path / revisions.FOLDER / "house-notes.txt"
+    note.write_text("a remark")
+    for number in range(revisions.KEPT + 3):
+        house.write_text(str(number))
+        revisions.keep(house)
+    assert note.read_text() == "a remark"
+    assert len(list((tmp_path / revisions.FOLDER).iterdir())) == revisions.KEPT + 1

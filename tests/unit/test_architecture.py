@@ -45,7 +45,7 @@ HEAVY = {
     "torch": ("layout", "planning", "training", "evaluation"),
     "diffusers": ("layout", "training", "evaluation"),
     "ultralytics": ("training",),
-    "pxr": ("stage", "assets", "image"),
+    "pxr": ("runtime", "stage", "assets", "image"),
     "bpy": ("image",),
     "transformers": ("planning",),
 }

@@ -14,6 +14,7 @@ from chord_usd.assets import component, database
 from chord_usd.assets.database import AssetDatabase, load_database, read_index, write_index
 from chord_usd.assets.model import Design
 from chord_usd.errors import AssetError, OutputError, SceneError
+from chord_usd.runtime.locations import cache_folder
 from chord_usd.types import Asset
 
 SIDE = st.floats(0.1, 4.0).map(lambda side: round(side, 3))
@@ -122,10 +123,10 @@ def test_a_folder_without_index_is_an_asset_error(tmp_path: Path) -> None:
 
 def test_the_cache_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "own"))
-    assert database.cache_folder() == tmp_path / "own"
+    assert cache_folder() == tmp_path / "own"
     monkeypatch.delenv("CHORD_USD_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert database.cache_folder() == tmp_path / "chord-usd"
+    assert cache_folder() == tmp_path / "chord-usd"
 
 
 def test_what_the_user_brought_goes_before_what_is_nearer() -> None:

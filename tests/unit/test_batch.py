@@ -26,6 +26,7 @@ from chord_usd.batch.units import list_units
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.pipeline import Settings
+from chord_usd.runtime.scratch import PREFIX
 
 
 @pytest.fixture
@@ -118,10 +119,17 @@ class TestResume:
         assert makers.made(folder) == ["a", "b", "a"]
 
     def test_what_a_killed_worker_half_wrote_is_swept(self, folder: Path) -> None:
-        for place in (".chord-usd-x/a", "a/pictures/.chord-usd-y"):
-            (folder / place).mkdir(parents=True)
         makers.batch(folder, makers.units("a"))
-        assert list(folder.rglob(".*")) == []
+        (folder / "a" / "pictures").mkdir()
+        code = (
+            "import os, sys, pathlib; from chord_usd.runtime.scratch import Scratch\n"
+            "made = [Scratch(pathlib.Path(one)) for one in sys.argv[1:]]; os.kill(os.getpid(), 9)"
+        )
+        places = [folder, folder / "a", folder / "a" / "pictures"]
+        subprocess.run([sys.executable, "-c", code, *places], check=False)
+        assert len(list(folder.rglob(f"{PREFIX}*"))) == 3
+        makers.batch(folder, makers.units("a"))
+        assert list(folder.rglob(f"{PREFIX}*")) == []
 
 
 class TestOneAtATime:
@@ -174,7 +182,7 @@ class TestFullDisk:
         with pytest.raises(OutputError, match=r"the disk is full; 1 of 3 houses were made"):
             makers.batch(folder, makers.units("a", "full", "b"), makers.troubled)
         assert makers.made(folder) == ["a"]
-        assert [path.name for path in sorted(folder.iterdir())] == ["a", "assets"]
+        assert sorted(path.name for path in folder.iterdir()) == ["a", "assets"]
 
 
 @pytest.mark.parametrize(
@@ -222,7 +230,7 @@ class TestSharing:
             share_files(one, tmp_path)
         assert (house / "assets/Chair/Chair.usda").read_bytes() == b"chair"
         assert (other / "assets/Chair/Chair.usda").read_bytes() == b"stool"
-        assert (tmp_path / "assets/Chair/Chair.usda").read_bytes() == b"stool"
+        assert (tmp_path / "assets/Chair/Chair.usda").read_bytes() == b"chair"
         assert [file.name for file in (house / "assets/Chair").iterdir()] == ["Chair.usda"]
 
     def test_pictures_outlive_their_house(self, tmp_path: Path, house: Path) -> None:

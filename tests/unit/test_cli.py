@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from chord_usd import cli
 from chord_usd.cli import build_parser, main
+from chord_usd.commands import check
 from chord_usd.commands.common import Outcome
 from chord_usd.commands.render import look_of, words_of
 from chord_usd.errors import ChordError
+from chord_usd.runtime import interrupts
 from tests.verbs import VERBS
 
 ROOT = Path(__file__).parents[2]
@@ -83,13 +87,50 @@ def test_an_unusable_command_line_is_one_error_line(
     assert list(tmp_path.iterdir()) == []
 
 
+def actions_of(parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.Action]]:
+    """Every action of every verb, with the verb's name."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for inner in action.choices.values():
+                yield from actions_of(inner)
+        else:
+            yield parser.prog, action
+
+
+ACTIONS = list(actions_of(build_parser()))
+INTEGERS = [
+    (prog, action)
+    for prog, action in ACTIONS
+    if callable(action.type) and "whole_number" in action.type.__qualname__
+]
+
+
+def test_whole_numbers_are_read_in_one_way() -> None:
+    assert len(INTEGERS) > 20
+    assert not [prog for prog, action in ACTIONS if action.type in (int, float)]
+
+
+@pytest.mark.parametrize(
+    ("prog", "action"), INTEGERS, ids=[f"{p} {a.option_strings[-1]}" for p, a in INTEGERS]
+)
+def test_every_whole_number_has_a_range(prog: str, action: argparse.Action) -> None:
+    """Told before a model is loaded, in a short line."""
+    assert callable(action.type)
+    for text in ("100000000000", "9" * 31, "9" * 5000, "-1", "1e3", "", "0x10", "nan"):
+        with pytest.raises(argparse.ArgumentTypeError) as caught:
+            action.type(text)
+        assert len(str(caught.value)) < 80
+    if action.default is not None:
+        assert action.default == 0 or action.type(str(action.default)) == action.default
+
+
 class TestOutcomes:
     """main around a verb that does what the test says."""
 
     @pytest.fixture
     def run_verb(self, monkeypatch: pytest.MonkeyPatch):
         def run(behaviour, *words: str) -> int:
-            monkeypatch.setattr(cli.check, "run", lambda options: behaviour())
+            monkeypatch.setattr(check, "run", lambda options: behaviour())
             return main(["check", "house.usda", *words])
 
         return run
@@ -115,7 +156,7 @@ class TestOutcomes:
         def interrupted() -> Outcome:
             raise KeyboardInterrupt
 
-        assert run_verb(interrupted) == cli.INTERRUPTED
+        assert run_verb(interrupted) == interrupts.INTERRUPTED
         assert "Traceback" not in capsys.readouterr().err
 
     def test_an_interrupt_while_a_dataclass_is_made(self, tmp_path: Path) -> None:
@@ -123,16 +164,17 @@ class TestOutcomes:
         (tmp_path / "job.py").write_text(
             "import os, signal, sys\n"
             "from chord_usd import cli\n"
+            "from chord_usd.commands import describe\n"
             "def run(options):\n"
             "    exec('os.kill(os.getpid(), signal.SIGINT)\\nsignal.pause()')\n"
-            "cli.describe.run = run\n"
+            "describe.run = run\n"
             "sys.exit(cli.main(['describe', 'house.usda']))\n"
         )
         done = subprocess.run(
             [sys.executable, "-m", "job"],
             cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False,
         )  # fmt: skip
-        assert (done.returncode, done.stdout) == (cli.INTERRUPTED, "")
+        assert (done.returncode, done.stdout) == (interrupts.INTERRUPTED, "")
         assert done.stderr == "error: interrupted, nothing was written\n"
 
     @pytest.mark.parametrize(

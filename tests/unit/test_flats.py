@@ -23,48 +23,12 @@ from chord_usd.data.splits import part_of
 from chord_usd.errors import PlanError
 from chord_usd.geometry import footprint_polygon, room_polygon, wall_area
 from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan
-
-PX_PER_M = 40
-
-
-def _px(*metres: float) -> list[int]:
-    return [round(value * PX_PER_M) for value in metres]
-
-
-def _line(x0: float, y0: float, x1: float, y1: float, label: str) -> list[object]:
-    return [*_px(x0, y0, x1, y1), label, 1, 1]
-
-
-def _label(x: float, y: float, name: str) -> list[object]:
-    return _line(x - 0.3, y - 0.2, x + 0.3, y + 0.2, name)
-
-
-def _flat() -> list[list[object]]:
-    """A living room with a kitchen corner, a bedroom with a balcony, a bathroom, an entrance."""
-    walls = [
-        (0, 0, 9, 0), (9, 0, 9, 6.5), (9, 6.5, 0, 6.5), (0, 6.5, 0, 0),
-        (5, 0, 5, 6.5), (5, 2, 9, 2), (7, 0, 7, 2),
-        (5, 6.5, 5, 8), (5, 8, 9, 8), (9, 8, 9, 6.5),
-    ]  # fmt: skip
-    doors = [
-        (5, 0.6, 5, 1.4), (7.6, 2, 8.4, 2), (5, 3, 5, 3.8), (6, 0, 6.8, 0), (6, 6.5, 8, 6.5),
-        (1, 6.5, 3, 6.5), (7, 0.6, 7, 1.4),
-    ]  # fmt: skip
-    names = [
-        (2.5, 4.5, "living_room"), (1, 1.5, "kitchen"), (7, 4, "bedroom"), (8, 1, "bathroom"),
-        (6, 1, "entrance"), (7, 7.2, "balcony"),
-    ]  # fmt: skip
-    return [
-        *(_line(*wall, "wall") for wall in walls),
-        *(_line(*door, "door") for door in doors),
-        *(_label(*name) for name in names),
-        _line(0.2, 0.2, 2.4, 0.8, "cooking_counter"),
-    ]
+from tests.foreign_records import flat_lines, line
 
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    return flat_from_lines("ab/cd/0001", _flat())
+    return flat_from_lines("ab/cd/0001", flat_lines())
 
 
 def _kinds(plan: Plan) -> list[str]:
@@ -136,8 +100,8 @@ def test_fixtures_are_kept_as_hints(plan):
 
 
 def test_a_forgotten_door_is_put_in_and_says_so():
-    lines = [line for line in _flat() if line != _line(7, 0.6, 7, 1.4, "door")]
-    lines = [line for line in lines if line != _line(7.6, 2, 8.4, 2, "door")]
+    lines = [one for one in flat_lines() if one != line(7, 0.6, 7, 1.4, "door")]
+    lines = [one for one in lines if one != line(7.6, 2, 8.4, 2, "door")]
     plan = flat_from_lines("x", lines)
     (inferred,) = (opening for opening in plan.openings if opening.extra.get("inferred"))
     kinds = {plan.room(room).kind for room in inferred.room_ids}
@@ -152,7 +116,7 @@ def test_a_forgotten_door_is_put_in_and_says_so():
     ],
 )
 def test_unsound_drawings_are_refused_with_a_reason(without, reason):
-    lines = [line for line in _flat() if line[4] != without]
+    lines = [line for line in flat_lines() if line[4] != without]
     with pytest.raises(PlanError) as error:
         flat_from_lines("x", lines)
     assert error.value.what == reason
@@ -170,8 +134,8 @@ def test_loose_and_crooked_ends_are_closed(slip):
 
 def test_files_are_read_and_split(tmp_path, plan):
     path = tmp_path / "flats.jsonl.gz"
-    records = [{"id": f"flat/{n}", "lines": _flat()} for n in range(12)]
-    records.append({"id": "broken", "lines": _flat()[:3]})
+    records = [{"id": f"flat/{n}", "lines": flat_lines()} for n in range(12)]
+    records.append({"id": "broken", "lines": flat_lines()[:3]})
     path.write_bytes(gzip.compress("\n".join(map(json.dumps, records)).encode()))
     assert read_flats_or_why(path)["broken"] == "no closed room"
     flats = read_flats(path)

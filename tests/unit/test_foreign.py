@@ -6,7 +6,6 @@ import gzip
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,36 +17,13 @@ from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
 from chord_usd.metrics.rooms import out_of_room
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import WALL_THICKNESS_M
-
-FRONT_BED = {"uid": "bed/model", "jid": "m1", "valid": True, "size": [1.8, 1.0, 2.1]}
-FRONT_LAMP = {"uid": "lamp/model", "jid": "m2", "valid": True, "size": [0.4, 1.5, 0.4]}
-
-
-def _front_house(angle_deg: float = 0.0) -> dict[str, Any]:
-    """A bedroom of 4 x 3 m whose floor is two triangles; a bed with its back to z = 0."""
-    floor = {
-        "uid": "floor", "type": "Floor", "faces": [0, 1, 2, 0, 2, 3],
-        "xyz": [0, 0, 0, 4, 0, 0, 4, 0, 3, 0, 0, 3],
-    }  # fmt: skip
-    half = math.radians(angle_deg) / 2
-    rot = [0.0, math.sin(half), 0.0, math.cos(half)]
-    children = [
-        {"ref": "floor", "pos": [0, 0, 0], "rot": [0, 0, 0, 1], "scale": [1, 1, 1]},
-        {"ref": "bed/model", "pos": [2.0, 0, 1.05], "rot": rot, "scale": [1.0, 1.0, 1.0]},
-        {"ref": "lamp/model", "pos": [3.5, 0, 2.5], "rot": rot, "scale": [1, 1, 1]},
-    ]
-    room = {"type": "MasterBedroom", "instanceid": "MasterBedroom-1", "children": children}
-    return {
-        "uid": "house-1", "furniture": [FRONT_BED, FRONT_LAMP], "mesh": [floor],
-        "scene": {"room": [room]},
-    }  # fmt: skip
-
+from tests.foreign_records import front_house, procthor_house
 
 MODELS = Models(categories={"m1": "King-size Bed", "m2": "Floor Lamp"})
 
 
 def test_a_house_of_3d_front_keeps_its_rooms_and_known_pieces() -> None:
-    house = house_from_record(_front_house(), MODELS)
+    house = house_from_record(front_house(), MODELS)
     (room,) = house.rooms
     assert room.kind == "bedroom"
     assert room_polygon(room).area == pytest.approx(12.0, abs=0.01)
@@ -61,7 +37,7 @@ def test_a_house_of_3d_front_keeps_its_rooms_and_known_pieces() -> None:
 
 @pytest.mark.parametrize("angle_deg", [0.0, 90.0, 180.0, -90.0, 30.0])
 def test_a_turn_in_3d_front_is_our_yaw(angle_deg: float) -> None:
-    (bed,) = house_from_record(_front_house(angle_deg), MODELS).items
+    (bed,) = house_from_record(front_house(angle_deg), MODELS).items
     # A model that is turned by a about y looks along (sin a, cos a) in x and z.
     angle = math.radians(angle_deg)
     expected = (math.sin(angle), -math.cos(angle))
@@ -77,43 +53,11 @@ def test_remap_table_names_categories_of_the_palette() -> None:
     assert kind_of("SomethingElse") == "unknown"
 
 
-def _points(*corners: tuple[float, float]) -> list[dict[str, float]]:
-    return [{"x": x, "y": 0.0, "z": z} for x, z in corners]
-
-
-def _procthor_house() -> dict[str, Any]:
-    """Bedroom and bathroom, 4 m and 2 m wide and 4 m deep, with a door between them."""
-    wall = [*_points((4, 0), (4, 4)), {"x": 4, "y": 3, "z": 0}, {"x": 4, "y": 3, "z": 4}]
-    outer = [*_points((0, 0), (4, 0)), {"x": 0, "y": 3, "z": 0}, {"x": 4, "y": 3, "z": 0}]
-    return {
-        "rooms": [
-            {"id": "room|1", "roomType": "Bedroom",
-             "floorPolygon": _points((0, 0), (0, 4), (4, 4), (4, 0))},
-            {"id": "room|2", "roomType": "Bathroom",
-             "floorPolygon": _points((4, 0), (4, 4), (6, 4), (6, 0))},
-        ],
-        "walls": [{"id": "wall|a", "polygon": wall}, {"id": "wall|b", "polygon": outer}],
-        "doors": [{"id": "door|1", "room0": "room|1", "room1": "room|2", "wall0": "wall|a",
-                   "holePolygon": [{"x": 1, "y": 0}, {"x": 1.9, "y": 2.1}], "openable": True}],
-        "windows": [{"id": "window|1", "room0": "room|1", "room1": "room|1", "wall0": "wall|b",
-                     "holePolygon": [{"x": 1, "y": 0.9}, {"x": 3, "y": 2.0}]}],
-        "objects": [
-            {"id": "Bed|1|0", "assetId": "Bed_1", "position": {"x": 2, "y": 0.5, "z": 3.0},
-             "rotation": {"x": 0, "y": 180, "z": 0}},
-            {"id": "SideTable|1|1", "assetId": "none", "position": {"x": 0.25, "y": 0.3, "z": 3.75},
-             "rotation": {"x": 0, "y": 180, "z": 0}},
-            {"id": "Toilet|2|0", "assetId": "Toilet_1", "position": {"x": 5, "y": 0.5, "z": 0.35},
-             "rotation": {"x": 0, "y": 90, "z": 0}},
-            {"id": "Painting|2|0", "position": {"x": 5, "y": 2, "z": 0}, "rotation": {"y": 0}},
-        ],
-    }  # fmt: skip
-
-
 SIZES = Models(sizes={"Bed_1": (1.6, 2.0, 0.9), "Toilet_1": (0.4, 0.7, 0.8)})
 
 
 def test_a_house_of_procthor_gets_walls_and_keeps_its_pieces_in_their_rooms() -> None:
-    house = house_from_record(_procthor_house(), SIZES)
+    house = house_from_record(procthor_house(), SIZES)
     assert [room.kind for room in house.rooms] == ["bedroom", "bathroom"]
     faces = [room_polygon(room) for room in house.rooms]
     assert faces[0].distance(faces[1]) == pytest.approx(WALL_THICKNESS_M)
@@ -124,13 +68,13 @@ def test_a_house_of_procthor_gets_walls_and_keeps_its_pieces_in_their_rooms() ->
 
 
 def test_fronts_of_procthor_look_where_unity_turns_them() -> None:
-    bed, _, toilet = house_from_record(_procthor_house(), SIZES).items
+    bed, _, toilet = house_from_record(procthor_house(), SIZES).items
     assert np.allclose(front_direction(bed.box.yaw_deg), (0.0, -1.0), atol=1e-9)
     assert np.allclose(front_direction(toilet.box.yaw_deg), (1.0, 0.0), atol=1e-9)
 
 
 def test_openings_of_procthor_lie_where_their_hole_is() -> None:
-    door, window = house_from_record(_procthor_house(), SIZES).openings
+    door, window = house_from_record(procthor_house(), SIZES).openings
     assert (door.kind, window.kind) == ("door", "window")
     assert np.allclose(door.box.center_m, (4.0, 1.45, 0.0))
     assert door.box.size_m == pytest.approx((0.9, WALL_THICKNESS_M, 2.1))
@@ -146,7 +90,7 @@ def test_every_format_is_known_by_its_keys(tmp_path: Path) -> None:
         "objects": [{"pos": [2, 0, 1.05], "rot": [0, 0, 0, 1], "size": [1.8, 1, 2.1],
                      "category": "Double Bed"}],
     }  # fmt: skip
-    records: list[object] = [room, _front_house(), _procthor_house(), room, {"rooms": 3}, [1]]
+    records: list[object] = [room, front_house(), procthor_house(), room, {"rooms": 3}, [1]]
     path = tmp_path / "mixed.jsonl.gz"
     path.write_bytes(gzip.compress("\n".join([*map(json.dumps, records), "{"]).encode()))
     found = list(foreign_houses(path, MODELS))
@@ -159,7 +103,7 @@ def test_every_format_is_known_by_its_keys(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("key", ["rooms", "walls", "objects", "doors", "windows"])
 def test_a_house_of_procthor_without_a_key_says_which(key: str) -> None:
-    record = _procthor_house()
+    record = procthor_house()
     del record[key]
     with pytest.raises(SceneError):
         house_from_record(record, SIZES)

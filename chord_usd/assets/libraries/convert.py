@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -25,7 +25,9 @@ COLOURWAY = "as_modelled"
 MOST_PARTS = 24
 """Materials of one model; further ones are dressed as the last of them."""
 
-TEXTURE_PX = 1024
+_NAME_LETTERS = 100
+"""File systems hold names of 255 bytes."""
+
 _BELIEVABLE = 1.8
 """A piece up to this much smaller or larger than the palette's range is taken as it is."""
 
@@ -47,7 +49,8 @@ def convert(model: Model, path: Path, name: str, folder: Path, most_triangles: i
     """
     warnings: list[str] = []
     kind = _category(model, warnings)
-    mesh = read_mesh(path)
+    library = path.parents[len(PurePosixPath(model.file).parts) - 1]
+    mesh = read_mesh(path, library)
     sheets = _upright(mesh, model)
     size_m = _size_m(sheets, mesh, model, kind, warnings)
     sheets = _filling(sheets, size_m)
@@ -66,7 +69,7 @@ def convert(model: Model, path: Path, name: str, folder: Path, most_triangles: i
 
 def identifier(text: str) -> str:
     """Text as the name of a component: letters, digits and single underscores."""
-    plain = re.sub(r"[^0-9A-Za-z]+", "_", text).strip("_")
+    plain = re.sub(r"[^0-9A-Za-z]+", "_", text)[:_NAME_LETTERS].strip("_")
     return plain if plain and not plain[0].isdigit() else f"Model_{plain}".rstrip("_")
 
 
@@ -219,9 +222,6 @@ def _design(name: str, kind: str, size_m: SizeM, sheets: Sequence[Sheet]) -> tup
 
 def _finish(sheet: Sheet) -> Finish:
     picture = sheet.texture
-    if picture is not None:
-        picture = picture.convert("RGB")
-        picture.thumbnail((TEXTURE_PX, TEXTURE_PX))
     rgb = sheet.rgb if picture is None else (255, 255, 255)
     metallic = min(max(sheet.metallic, 0.0), 1.0)
     roughness = min(max(sheet.roughness, 0.05), 1.0)

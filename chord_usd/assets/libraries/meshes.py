@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.errors import AssetError
+from chord_usd.assets.libraries.beside import Beside
+from chord_usd.errors import AssetError, ChordError
+from chord_usd.runtime.confined import Limits, confined
+from chord_usd.runtime.stages import count_prims, open_known, walk
 from chord_usd.types import FloatArray
 
 if TYPE_CHECKING:
@@ -18,6 +21,12 @@ if TYPE_CHECKING:
 MOST_FILE_BYTES = 600 * 2**20
 MOST_TRIANGLES = 12_000_000
 """What can be read and thinned out in the memory of a laptop."""
+
+LIMITS = Limits(memory_bytes=3 * 2**30, cpu_s=100, wall_s=120.0)
+"""Of the process that reads a mesh."""
+
+TEXTURE_PX = 1024
+"""Longest side that a picture keeps."""
 
 _USD = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -52,21 +61,41 @@ class Mesh:
     """The format's usual axes."""
 
 
-def read_mesh(path: Path) -> Mesh:
-    """The triangles of a file. Raises AssetError for one without faces, too large or damaged."""
+def read_mesh(path: Path, library: Path | None = None) -> Mesh:
+    """The triangles of a file, read in a process of its own.
+
+    library: the folder that textures and buffers may be taken from, by default that of the file.
+    Raises AssetError for a mesh without faces, too large, damaged, or with files from elsewhere.
+    """
+    home = (library or path.parent).resolve()
+    if not path.resolve().is_relative_to(home):
+        raise AssetError("the mesh is a link out of its library", where=path.name)
     if path.stat().st_size > MOST_FILE_BYTES:
         raise AssetError(
             f"the mesh has {path.stat().st_size / 2**20:.0f} MB",
             where=path.name,
             expected=f"at most {MOST_FILE_BYTES / 2**20:.0f} MB",
         )
+    return confined(
+        _read_here, path.resolve(), home, where=path.name, limits=LIMITS, error=AssetError
+    )
+
+
+def _read_here(path: Path, home: Path) -> Mesh:
+    """The triangles of a file, in this process."""
+    is_usd = path.suffix.lower() in _USD
     try:
-        mesh = _read_usd(path) if path.suffix.lower() in _USD else _read_scene(path)
-    except AssetError:
+        mesh = _read_usd(path, home) if is_usd else _read_scene(path, home)
+    except (ChordError, MemoryError):
         raise
     # The readers of other people's files fail in every way there is.
     except Exception as error:
-        raise AssetError(f"the mesh cannot be read ({error})", where=path.name) from error
+        raise AssetError(f"the mesh cannot be read ({error})"[:300], where=path.name) from error
+    _require_sound(mesh, path)
+    return mesh
+
+
+def _require_sound(mesh: Mesh, path: Path) -> None:
     count = sum(len(sheet.faces) for sheet in mesh.sheets)
     if count == 0:
         raise AssetError("the mesh has no faces", where=path.name)
@@ -77,16 +106,30 @@ def read_mesh(path: Path) -> Mesh:
             expected=f"at most {MOST_TRIANGLES:,}",
             try_="reduce it in Blender first",
         )
-    if not all(np.isfinite(sheet.points).all() for sheet in mesh.sheets):
-        raise AssetError("the mesh has points that are no numbers", where=path.name)
-    return mesh
+    for sheet in mesh.sheets:
+        if sheet.points.shape[1:] != (3,):
+            raise AssetError("the mesh has points that are none in space", where=path.name)
+        scalars = (sheet.roughness, sheet.metallic, sheet.opacity)
+        uvs = np.zeros(0) if sheet.uvs is None else sheet.uvs
+        if not all(np.isfinite(values).all() for values in (sheet.points, uvs, scalars)):
+            raise AssetError("the mesh has values that are no numbers", where=path.name)
+        if sheet.faces.min() < 0 or sheet.faces.max() >= len(sheet.points):
+            raise AssetError("the mesh has faces without points", where=path.name)
 
 
-def _read_scene(path: Path) -> Mesh:
+def _read_scene(path: Path, home: Path) -> Mesh:
     """GLB and OBJ through trimesh."""
     import trimesh
 
-    scene: Any = trimesh.load(path, force="scene", process=False)
+    beside = Beside(path.parent, home)
+    with path.open("rb") as file:
+        scene: Any = trimesh.load(
+            file, file_type=path.suffix[1:].lower(), resolver=beside, force="scene", process=False
+        )
+    if beside.refused:
+        raise AssetError(
+            f"the mesh names a file outside its library: {beside.refused!r}", where=path.name
+        )
     sheets = [
         _sheet_of(geometry)
         for geometry in scene.dump()
@@ -118,14 +161,20 @@ def _sheet_of(geometry: Any) -> Sheet:
         # What a file does not say is 1 in glTF and would make every sofa a mirror.
         metallic=0.0 if metal is None else float(metal),
         opacity=float(colour[3]) / 255.0,
-        texture=image if has_uvs else None,
+        texture=_small(image) if has_uvs and image else None,
     )
 
 
-def _read_usd(path: Path) -> Mesh:
+def _read_usd(path: Path, home: Path) -> Mesh:
     from pxr import Usd, UsdGeom
 
-    stage = Usd.Stage.Open(str(path))
+    outside = walk(path).outside([home])
+    if outside is not None:
+        raise AssetError(
+            f"the mesh names a file outside its library: {outside.name!r}", where=path.name
+        )
+    stage = open_known(path)
+    count_prims(stage, path)
     is_z = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
     sheets = [
         sheet
@@ -135,6 +184,13 @@ def _read_usd(path: Path) -> Mesh:
     ]
     unit_m = UsdGeom.GetStageMetersPerUnit(stage)
     return Mesh(tuple(sheets), unit_m, "+z" if is_z else "+y", "-y" if is_z else "+z")
+
+
+def _small(picture: Image) -> Image:
+    """A picture that has been read, as large as it is used."""
+    picture = picture.convert("RGB")
+    picture.thumbnail((TEXTURE_PX, TEXTURE_PX))
+    return picture
 
 
 def _usd_sheets(prim: Any, path: Path) -> Iterator[Sheet]:
@@ -196,7 +252,7 @@ def _usd_material(
             source = UsdShade.Shader(colour.GetConnectedSources()[0][0].source.GetPrim())
             file = source.GetInput("file").Get() if source.GetInput("file") else None
             if file and Path(file.resolvedPath).is_file():
-                image = Pictures.open(file.resolvedPath)
+                image = _small(Pictures.open(file.resolvedPath))
             linear = (1.0, 1.0, 1.0) if image else linear
         elif colour and colour.Get() is not None:
             linear = tuple(colour.Get())

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import csv
-import json
-import tempfile
-import zipfile
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
@@ -13,13 +11,20 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from chord_usd.assets.database import SizeM
-from chord_usd.assets.libraries.archives import checked_archive, files_by_folder, unpack
 from chord_usd.assets.libraries.models import AXES, UNITS_M, Library, Model
 from chord_usd.errors import AssetError
+from chord_usd.json_text import parse_json
+from chord_usd.runtime.archives import Archive
+from chord_usd.runtime.scratch import scratch_folder
 
 MANIFESTS = ("manifest.json", "manifest.csv")
 FUTURE_INFO = "model_info.json"
 SWEET_HOME_CATALOGUE = "PluginFurnitureCatalog.properties"
+MOST_CATALOGUE_BYTES = 64 * 2**20
+"""A list of 10,000 models has 5 MB."""
+
+MOST_LETTERS = 2_000
+"""Of a name or a licence: all of it stands in every house with the model."""
 MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".usd", ".usda", ".usdc", ".usdz")
 
 _EXAMPLE = '[{"file": "chair.glb", "category": "chair", "licence": "CC-BY-4.0", "author": "…"}]'
@@ -59,9 +64,10 @@ class ManifestLibrary:
     def models(self) -> list[Model]:
         """The entries of the manifest. Raises AssetError that names the one at fault."""
         try:
-            text = self._manifest.read_text(encoding="utf-8-sig")
-            rows = _json_rows(text) if self._manifest.suffix == ".json" else _csv_rows(text)
-        except (OSError, ValueError, csv.Error) as error:
+            text = _text_of(self._manifest)
+            where = str(self._manifest)
+            rows = _json_rows(text, where) if where.endswith(".json") else _csv_rows(text)
+        except (OSError, ValueError, RecursionError, csv.Error) as error:
             raise AssetError(
                 f"the manifest cannot be read ({error})",
                 where=str(self._manifest),
@@ -80,11 +86,11 @@ class ManifestLibrary:
                 unit_m=UNITS_M[str(row["unit"])] if row.get("unit") else None,
                 up=_axis(row.get("up")),
                 front=_axis(row.get("front")),
-                label=str(row.get("label") or ""),
-                licence=str(row.get("licence") or row.get("license") or ""),
-                author=str(row.get("author") or row.get("creator") or ""),
+                label=_told(row, "label"),
+                licence=_told(row, "licence", "license"),
+                author=_told(row, "author", "creator"),
             )
-        except (KeyError, ValueError, TypeError) as error:
+        except (KeyError, ValueError, TypeError, OverflowError) as error:
             raise AssetError(
                 f"entry {number} of the manifest is wrong ({error})",
                 where=str(self._manifest),
@@ -106,9 +112,9 @@ class FutureLibrary:
     def models(self) -> list[Model]:
         """The models that are there; the data set comes in parts."""
         try:
-            rows = json.loads(self._info.read_text(encoding="utf-8"))
+            rows = parse_json(_text_of(self._info), str(self._info), AssetError)
             found = [(str(row["model_id"]), row) for row in rows]
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise AssetError(
                 f"cannot be read ({error})",
                 where=str(self._info),
@@ -122,7 +128,7 @@ class FutureLibrary:
                 unit_m=1.0,
                 up="+y",
                 front="+z",
-                label=str(row.get("category") or ""),
+                label=_told(row, "category"),
                 licence="3D-FUTURE terms of use",
                 author="Alibaba 3D-FUTURE",
             )
@@ -144,16 +150,8 @@ class SweetHomeLibrary:
 
     def models(self) -> list[Model]:
         """The catalogue's furniture, without doors and windows. Raises AssetError."""
-        archive = self._archive
-        try:
-            text = archive.read(SWEET_HOME_CATALOGUE).decode("latin-1")
-        except (KeyError, OSError, zipfile.BadZipFile) as error:
-            raise AssetError(
-                f"the catalogue cannot be read ({error})",
-                where=str(self._path),
-                expected=f"{SWEET_HOME_CATALOGUE} inside the archive",
-            ) from None
-        library = read_properties(text)
+        data = self._archive.read(SWEET_HOME_CATALOGUE, MOST_CATALOGUE_BYTES)
+        library = read_properties(data.decode("latin-1"))
         return [
             self._model(entry, library, number)
             for number, entry in _by_number(library).items()
@@ -165,11 +163,12 @@ class SweetHomeLibrary:
     ) -> Model:  # fmt: skip
         try:
             size = tuple(float(entry[side]) / 100.0 for side in ("width", "depth", "height"))
+            name, licence = _told(entry, "name"), _told({**library, **entry}, "license")
+            author = _told(entry, "creator") or _told(library, "provider")
         except (KeyError, ValueError) as error:
             raise AssetError(
-                f"furniture {number} has no sound size ({error})", where=str(self._path)
+                f"furniture {number} of the catalogue is wrong ({error})", where=str(self._path)
             ) from None
-        name = entry.get("name", "")
         return Model(
             id=entry.get("id", f"{self._path.stem}_{number}").split("#")[-1],
             category=f"{name} {entry.get('tags', '')}".strip() or entry.get("category", ""),
@@ -179,26 +178,31 @@ class SweetHomeLibrary:
             front="+z",
             rotation=_rotation(entry.get("modelRotation", "")),
             label=name,
-            licence=entry.get("license", library.get("license", "")),
-            author=entry.get("creator", library.get("provider", "")),
+            licence=licence,
+            author=author,
         )
 
     @contextmanager
     def opened(self, model: Model) -> Iterator[Path]:
         """The mesh and what lies beside it in the archive, unpacked for a while."""
         inside = PurePosixPath(model.file)
-        with tempfile.TemporaryDirectory() as folder:
-            unpack(self._archive, self._folders.get(str(inside.parent), ()), Path(folder))
-            yield _existing(Path(folder) / inside.name)
+        with scratch_folder() as folder:
+            self._archive.unpack(folder, self._folders.get(inside.parent, ()))
+            yield _existing(folder / inside)
 
     @cached_property
-    def _archive(self) -> zipfile.ZipFile:
+    def _archive(self) -> Archive:
         """Looked through once: it has thousands of files, and is asked for each of its models."""
-        return checked_archive(self._path)
+        expected = f"a zip archive with {SWEET_HOME_CATALOGUE}"
+        return Archive(self._path, AssetError, expected=expected)
 
     @cached_property
-    def _folders(self) -> dict[str, list[zipfile.ZipInfo]]:
-        return files_by_folder(self._archive)
+    def _folders(self) -> dict[PurePosixPath, list[str]]:
+        """Names of the files by the folder that they lie in."""
+        folders: dict[PurePosixPath, list[str]] = {}
+        for name in self._archive.names:
+            folders.setdefault(PurePosixPath(name).parent, []).append(name)
+        return folders
 
 
 def read_properties(text: str) -> dict[str, str]:
@@ -229,13 +233,29 @@ def _by_number(properties: Mapping[str, str]) -> dict[int, dict[str, str]]:
     entries: dict[int, dict[str, str]] = {}
     for key, value in properties.items():
         name, hash_mark, number = key.partition("#")
-        if hash_mark and number.isdigit():
+        if hash_mark and re.fullmatch("[0-9]{1,9}", number):
             entries.setdefault(int(number), {})[name] = value
     return dict(sorted(entries.items()))
 
 
-def _json_rows(text: str) -> list[Mapping[str, Any]]:
-    data = json.loads(text)
+def _text_of(file: Path) -> str:
+    """The text of a list. Raises ValueError for one that is far too long."""
+    if file.stat().st_size > MOST_CATALOGUE_BYTES:
+        raise ValueError(f"it has more than {MOST_CATALOGUE_BYTES // 2**20} MB")
+    return file.read_text(encoding="utf-8-sig")
+
+
+def _told(row: Mapping[str, Any], *keys: str) -> str:
+    """What an entry says under the first of keys that it has. Raises ValueError."""
+    text = next((str(row[key]) for key in keys if row.get(key)), "")
+    if len(text) > MOST_LETTERS:
+        raise ValueError(f"{keys[0]} has {len(text):,} letters, more than {MOST_LETTERS:,}")
+    # A half of a pair of surrogates cannot be written.
+    return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def _json_rows(text: str, where: str) -> list[Mapping[str, Any]]:
+    data = parse_json(text, where, AssetError)
     rows = data.get("models") if isinstance(data, dict) else data
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise ValueError("it is no list of objects")

@@ -56,7 +56,7 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
 
     Raises PlanError where no room is found.
     """
-    scale = _scale(drawing, m_per_unit)
+    scale = _scale(drawing, where, m_per_unit)
     scaled = _in_metres(drawing, scale.m_per_px)
     rooms = _rooms(scaled)
     if not rooms:
@@ -71,7 +71,7 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
     return Plan(rooms, openings, extra)
 
 
-def _scale(drawing: VectorDrawing, given: float | None) -> Scale:
+def _scale(drawing: VectorDrawing, where: str, given: float | None) -> Scale:
     if given or drawing.m_per_unit:
         return Scale(given or drawing.m_per_unit or 1.0, "given" if given else "file")
     lengths = [
@@ -84,8 +84,9 @@ def _scale(drawing: VectorDrawing, given: float | None) -> Scale:
     thickness = float(np.median(walls)) if walls else 0.0
     if not printed and doors is None and thickness <= 0.0:
         raise PlanError(
-            "does not say how large it is", expected="units, doors or walls", try_="--scale"
-        )
+            "does not say how large it is", where=where, expected="units, doors or walls",
+            try_="--scale",
+        )  # fmt: skip
     return choose_scale(printed, doors, WALL_THICKNESS_M / thickness if thickness else doors or 1.0)
 
 

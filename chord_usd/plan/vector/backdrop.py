@@ -10,11 +10,13 @@ import cv2
 import numpy as np
 from shapely.geometry import Polygon
 
+from chord_usd.errors import PlanError
 from chord_usd.geometry import room_polygon
 from chord_usd.plan.placement import placement
 from chord_usd.plan.scale_choice import SCALE
 from chord_usd.plan.vector.formats import read_drawings
 from chord_usd.plan.vector.shapes import VectorDrawing
+from chord_usd.runtime.confined import confined
 from chord_usd.types import ByteArray, PixelFrame, Plan
 from chord_usd.units import px_from_m
 
@@ -26,9 +28,13 @@ _WALL_GREY, _LINE_GREY = 60, 150
 def backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:
     """(H, W, 3) the walls and room outlines of the file round a plan that was read from it.
 
-    The second value is the entry for Plan.extra that tells where this picture lies. Raises
-    PlanError.
+    The second value is the entry for Plan.extra that tells where this picture lies. The file is
+    read in a process of its own. Raises PlanError.
     """
+    return confined(_backdrop, path, plan, where=str(path), error=PlanError)
+
+
+def _backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:
     corners = np.concatenate([room.polygon_m for room in plan.rooms])
     low, high = corners.min(axis=0) - _MARGIN_M, corners.max(axis=0) + _MARGIN_M
     m_per_px = float((high - low).max()) / _SIDE_PX
@@ -36,10 +42,11 @@ def backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:
     frame = PixelFrame(m_per_px, (float(low[0]), float(low[1])), height)
     canvas = np.full((height, width, 3), 255, np.uint8)
     m_per_unit = float(plan.extra.get(SCALE, {}).get("mPerPx", 1.0))
-    for wall in _storey_of(path, plan, m_per_unit).walls:
+    storey = _storey_of(path, plan, m_per_unit)
+    for wall in storey.walls:
         for ring, grey in ((wall.exterior, _WALL_GREY), *((r, 255) for r in wall.interiors)):
             cv2.fillPoly(canvas, [_pixels(ring, m_per_unit, frame)], (grey,) * 3)
-    for room in _storey_of(path, plan, m_per_unit).rooms:
+    for room in storey.rooms:
         outline = _pixels(room.polygon.exterior, m_per_unit, frame)
         cv2.polylines(canvas, [outline], True, (_LINE_GREY,) * 3, 2)
     return canvas, placement(frame)

@@ -8,8 +8,10 @@ room layer, else what the walls enclose.
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +21,8 @@ from shapely.ops import polygonize, unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.geometry import polygons_of
-from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.runtime.locations import cache_folder
 from chord_usd.types import FloatArray, OpeningKind
 
 _EXPECTED = "a DXF drawing with layers for walls or rooms"
@@ -45,13 +48,19 @@ _THICKEST_WALL_M = 0.6
 def read_dxf(path: Path) -> list[VectorDrawing]:
     """The drawing in model space. Raises PlanError, MissingExtraError."""
     document = _open(path)
+    if _count(document, document.modelspace(), 0, {}) > _MOST_ENTITIES:
+        raise PlanError(
+            f"has more than {_MOST_ENTITIES:,} entities once its blocks are taken apart",
+            where=str(path), expected=_EXPECTED, try_="purge it, or leave out furniture",
+        )  # fmt: skip
     flat = list(_flattened(document.modelspace(), 0))
-    if len(flat) > _MOST_ENTITIES:
-        raise PlanError("has too many entities", where=str(path), expected=_EXPECTED)
-    m_per_unit = _units(document, flat)
-    sorter = _Sorter(m_per_unit)
-    for entity in flat:
-        sorter.add(entity)
+    try:
+        m_per_unit = _units(document, flat)
+        sorter = _Sorter(m_per_unit)
+        for entity in flat:
+            sorter.add(entity)
+    except ValueError as error:
+        raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
     drawing = sorter.drawing()
     if not drawing.rooms and not drawing.walls:
         layers = sorted({e.dxf.layer for e in flat if e.dxf.hasattr("layer")})[:8]
@@ -62,12 +71,26 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
     return [drawing]
 
 
+@contextmanager
+def _fonts_kept() -> Iterator[None]:
+    """While ezdxf is imported: its list of fonts goes to our cache, not into the user's home."""
+    before = os.environ.get("XDG_CACHE_HOME")
+    os.environ["XDG_CACHE_HOME"] = str(cache_folder())
+    try:
+        yield
+    finally:
+        del os.environ["XDG_CACHE_HOME"]
+        if before is not None:
+            os.environ["XDG_CACHE_HOME"] = before
+
+
 def _open(path: Path) -> Any:
     from chord_usd.plan.vector.formats import missing
 
     try:
-        import ezdxf
-        from ezdxf import recover
+        with _fonts_kept():
+            import ezdxf
+            from ezdxf import recover
     except ImportError as error:
         raise missing("ezdxf", "dxf") from error
     if path.stat().st_size > _LARGEST_BYTES:
@@ -79,6 +102,26 @@ def _open(path: Path) -> Any:
     except (ezdxf.DXFError, UnicodeError, ValueError, IndexError) as error:
         raise PlanError(f"is not a DXF drawing ({error})", where=str(path)) from error
     return document
+
+
+def _count(
+    document: Any, entities: Iterable[Any], depth: int, known: dict[tuple[str, int], int]
+) -> int:
+    """How many entities _flattened would yield, without taking anything apart.
+
+    known: entities in each block at each depth, counted once however often it is inserted.
+    """
+    total = 0
+    for entity in entities:
+        if entity.dxftype() != "INSERT" or depth > _DEEPEST_BLOCK:
+            total += 1
+            continue
+        key = str(entity.dxf.name), depth
+        if key not in known:
+            block = document.blocks.get(key[0])
+            known[key] = 0 if block is None else _count(document, block, depth + 1, known)
+        total += known[key]
+    return total
 
 
 def _flattened(entities: Iterable[Any], depth: int) -> Iterator[Any]:
@@ -119,7 +162,34 @@ def _means(entity: Any) -> str:
 
 
 def _points(entity: Any) -> list[tuple[float, float]]:
-    """The entity's points, arcs as they bend."""
+    """The entity's points, arcs as they bend.
+
+    Raises ValueError where they are no numbers, or lie beyond FARTHEST.
+    """
+    # Before it is drawn: ezdxf never ends on an arc round a centre that is no number.
+    _refuse_odd(entity, list(_numbers(entity)))
+    points = _drawn(entity)
+    _refuse_odd(entity, points)
+    return points
+
+
+def _numbers(entity: Any) -> Iterator[float]:
+    """All that the entity's shape is told with."""
+    for value in entity.dxf.all_existing_dxf_attribs().values():
+        yield from (value.xyz if hasattr(value, "xyz") else [value] * isinstance(value, float))
+    if entity.dxftype() == "LWPOLYLINE":
+        yield from np.ravel(entity.get_points()).tolist()
+    elif entity.dxftype() == "SPLINE":
+        for rows in (entity.control_points, entity.fit_points, entity.knots, entity.weights):
+            yield from np.ravel([tuple(row) for row in rows] if np.ndim(rows) > 1 else rows)
+
+
+def _refuse_odd(entity: Any, values: Any) -> None:
+    if not (np.abs(np.array(values, float)) <= FARTHEST).all():
+        raise ValueError(f"{entity.dxftype()}: coordinates that are no numbers, or too large")
+
+
+def _drawn(entity: Any) -> list[tuple[float, float]]:
     kind = entity.dxftype()
     if kind == "LINE":
         return [(entity.dxf.start.x, entity.dxf.start.y), (entity.dxf.end.x, entity.dxf.end.y)]
@@ -135,6 +205,9 @@ def _points(entity: Any) -> list[tuple[float, float]]:
 
 def _sagitta(entity: Any) -> float:
     """How far the polygon of a curve may lie inside it."""
+    if entity.dxftype() == "ELLIPSE":
+        # A curve from here to the moon has not more corners than a column's.
+        return max(2.0, float(entity.dxf.major_axis.magnitude) / 1000.0)
     radius = entity.dxf.radius if entity.dxf.is_supported("radius") else 100.0
     return float(radius) / 50.0
 
@@ -158,7 +231,7 @@ class _Sorter:
             said = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
             place = entity.dxf.insert
             self.labels.append(Label(" ".join(said.split()), np.array([place.x, place.y])))
-        elif kind == "ARC" and self._is_swing(entity):
+        elif kind == "ARC" and _points(entity) and self._is_swing(entity):
             self.arcs.append(entity)
         elif kind == "HATCH" and means == "wall":
             self.areas += list(_hatch(entity))

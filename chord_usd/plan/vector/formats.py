@@ -9,7 +9,8 @@ from pathlib import Path
 from chord_usd.errors import MissingExtraError, PlanError
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.vector.assemble import assemble
-from chord_usd.plan.vector.shapes import VectorDrawing
+from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
+from chord_usd.runtime.confined import confined
 from chord_usd.types import Plan
 
 Reader = Callable[[Path], list[VectorDrawing]]
@@ -30,7 +31,10 @@ def is_vector(path: Path) -> bool:
 
 
 def read_drawings(path: Path) -> list[VectorDrawing]:
-    """The storeys or sheets in a vector file. Raises PlanError, and MissingExtraError."""
+    """The storeys or sheets in a vector file. Raises PlanError, and MissingExtraError.
+
+    To be called in a confined process, as read_vector and backdrop do.
+    """
     module, function = _READERS[path.suffix.lower()]
     try:
         if path.stat().st_size == 0:
@@ -38,18 +42,25 @@ def read_drawings(path: Path) -> list[VectorDrawing]:
         read: Reader = getattr(
             importlib.import_module(f"chord_usd.plan.vector.{module}"), function
         )  # fmt: skip
-        return read(path)
+        drawings = read(path)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
+    for drawing in drawings:
+        refuse_absurd(drawing, path)
+    return drawings
 
 
 def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> Plan:
-    """The plan in a vector file.
+    """The plan in a vector file, read in a process of its own.
 
     m_per_unit overrides the file's own units; part: which storey, the one with most floor being 1.
     Raises PlanError.
     """
+    return confined(_read_plan, path, m_per_unit, part, where=str(path), error=PlanError)
+
+
+def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan:
     drawings = read_drawings(path)
     plans, reasons = [], []
     for drawing in drawings:

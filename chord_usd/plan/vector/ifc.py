@@ -18,6 +18,8 @@ from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
 from chord_usd.types import FloatArray, OpeningKind
 
 _LARGEST_BYTES = 512 * 2**20
+_DEEPEST_AGGREGATE = 50
+"""Nothing stops a file from saying that a storey is part of a wall in it."""
 _LEAST_DOORWAY_M = (0.5, 1.8)
 """Width and height from which a hole without a leaf is a passage."""
 
@@ -70,7 +72,9 @@ def _storey(element: Any) -> str:
     if element.is_a("IfcOpeningElement") and element.VoidsElements:
         holder = element.VoidsElements[0].RelatingBuildingElement
     container = relations.get_container(holder) or relations.get_aggregate(holder)
-    while container is not None and not container.is_a("IfcBuildingStorey"):
+    for _ in range(_DEEPEST_AGGREGATE):
+        if container is None or container.is_a("IfcBuildingStorey"):
+            break
         container = relations.get_aggregate(container)
     return (container.Name or container.GlobalId) if container is not None else ""
 

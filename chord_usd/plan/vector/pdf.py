@@ -15,12 +15,17 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import PlanError
+from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.text import Text
+from chord_usd.runtime.confined import confined
 from chord_usd.types import ByteArray, frozen_array
 
 _SIDE_PX = 3000
 _MOST_PAGES = 20
 _LARGEST_BYTES = 256 * 2**20
+_MOST_SEGMENTS = 800_000
+"""Of all paths on a page: plans drawn by CAD programs have some ten thousand, hatched ones ten
+times as many. Each takes up to 0.1 ms to draw."""
 _M_PER_POINT = 0.0254 / 72.0
 _STATED = re.compile(r"\b1\s*[:：]\s*(20|25|33|40|50|75|100|125|150|200|250|300|400|500)\b")
 _EXPECTED = "a PDF page with a floor plan"
@@ -43,7 +48,18 @@ class PdfPage:
 
 
 def read_pages(path: Path) -> Iterator[PdfPage]:
-    """The pages of a PDF, at most 20. Raises PlanError, MissingExtraError."""
+    """The pages of a PDF, at most 20, each read in a process of its own when it is asked for.
+
+    Raises PlanError, MissingExtraError.
+    """
+    number, count = 1, 1
+    while number <= min(count, _MOST_PAGES):
+        page = confined(_read_page, path, number, where=str(path), error=PlanError)
+        yield page
+        number, count = number + 1, page.count
+
+
+def _read_page(path: Path, number: int) -> PdfPage:
     from chord_usd.plan.vector.formats import missing
 
     try:
@@ -62,27 +78,48 @@ def read_pages(path: Path) -> Iterator[PdfPage]:
                 try_="print it to a new PDF without one",
             ) from error  # fmt: skip
         raise PlanError("is not a PDF, or damaged", where=str(path), expected=_EXPECTED) from error
+    if count == 0:
+        raise PlanError("has no pages", where=str(path), expected=_EXPECTED)
     try:
-        for index in range(min(count, _MOST_PAGES)):
-            try:
-                yield _page(document[index], index + 1, count)
-            except pdfium.PdfiumError as error:
-                raise PlanError(
-                    f"page {index + 1} is damaged", where=str(path), expected=_EXPECTED
-                ) from error
-    finally:
-        document.close()
+        return _page(document[number - 1], number, count, path)
+    except pdfium.PdfiumError as error:
+        raise PlanError(
+            f"page {number} is damaged", where=str(path), expected=_EXPECTED
+        ) from error  # fmt: skip
 
 
-def _page(page: Any, number: int, count: int) -> PdfPage:
+def _page(page: Any, number: int, count: int, path: Path) -> PdfPage:
     width_pt, height_pt = page.get_size()
-    px_per_pt = _SIDE_PX / max(width_pt, height_pt)
+    px_per_pt = _SIDE_PX / max(width_pt, height_pt, 1e-9)
+    if not min(width_pt, height_pt) * px_per_pt >= SMALLEST_SIDE_PX:
+        raise PlanError(
+            f"page {number} measures {width_pt:g} × {height_pt:g} points",
+            where=str(path),
+            expected=f"a page at most {_SIDE_PX // SMALLEST_SIDE_PX} times as long as it is wide",
+        )
+    _refuse_endless(page, number, path)
     rgb = page.render(scale=px_per_pt, rev_byteorder=True).to_numpy()[:, :, :3]
     # Text boxes are told in the page's own frame, which a turned page does not show.
     texts = tuple(_texts(page, height_pt, px_per_pt)) if page.get_rotation() == 0 else ()
     match = next((m for text in texts if (m := _STATED.search(text.text))), None)
     stated = int(match[1]) * _M_PER_POINT / px_per_pt if match else None
     return PdfPage(number, count, frozen_array(rgb, np.uint8), texts, stated)
+
+
+def _refuse_endless(page: Any, number: int, path: Path) -> None:
+    """Counted before anything is drawn; what forms repeat is left to the limits of the process."""
+    import pypdfium2.raw as pdfium
+
+    segments = 0
+    for index in range(pdfium.FPDFPage_CountObjects(page)):
+        item = pdfium.FPDFPage_GetObject(page, index)
+        if pdfium.FPDFPageObj_GetType(item) == pdfium.FPDF_PAGEOBJ_PATH:
+            segments += max(pdfium.FPDFPath_CountSegments(item), 0)
+        if segments + index > _MOST_SEGMENTS:
+            raise PlanError(
+                f"page {number} has more than {_MOST_SEGMENTS:,} line segments", where=str(path),
+                expected=_EXPECTED, try_="export it as PNG, which is read by its looks",
+            )  # fmt: skip
 
 
 def _texts(page: Any, height_pt: float, px_per_pt: float) -> Iterator[Text]:

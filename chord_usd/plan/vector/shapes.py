@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
+import numpy as np
+from shapely import get_coordinates
 from shapely.geometry import Polygon
 
+from chord_usd.errors import PlanError
 from chord_usd.types import FloatArray, OpeningKind
+
+MOST_SHAPES = 20_000
+"""Walls, rooms, openings and labels of one file: twenty times those of a large office."""
+
+FARTHEST = 1e12
+"""From the origin, in units of the file: a map's coordinates in millimetres reach 1e10."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,3 +66,32 @@ class VectorDrawing:
     notes: Sequence[str] = ()
     """What a user should know of the reading."""
     extra: Mapping[str, object] = field(default_factory=dict)
+
+
+def refuse_absurd(drawing: VectorDrawing, where: Path) -> None:
+    """Raises PlanError for a drawing with too many shapes to compute with, or with numbers that are
+    none.
+    """
+    polygons = [*(room.polygon for room in drawing.rooms), *drawing.walls]
+    if len(polygons) + len(drawing.openings) + len(drawing.labels) > MOST_SHAPES:
+        raise too_many_shapes(where)
+    points = [
+        *(label.point for label in drawing.labels),
+        *(end for opening in drawing.openings for end in (opening.start, opening.stop)),
+        *(get_coordinates(polygon) for polygon in polygons),
+    ]
+    sizes = [size for o in drawing.openings for size in (o.depth, o.base, o.height) if size]
+    reach = np.abs(np.concatenate([*(np.ravel(point) for point in points), np.array(sizes), [0.0]]))
+    if not (reach <= FARTHEST).all():
+        raise PlanError(
+            "has coordinates that are no numbers, or too large", where=str(where),
+            expected=f"at most {FARTHEST:g} units from its origin",
+        )  # fmt: skip
+
+
+def too_many_shapes(where: Path) -> PlanError:
+    """The error for a file with more than MOST_SHAPES."""
+    return PlanError(
+        f"has more than {MOST_SHAPES:,} walls, rooms and openings", where=str(where),
+        expected="a floor plan", try_="one storey, or export it as PNG",
+    )  # fmt: skip

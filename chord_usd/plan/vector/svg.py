@@ -38,6 +38,8 @@ _MEANINGS = (
     ("room", re.compile(r"\bspace\b|\brooms?\b|\bfloors?\b|\braum\b|\bpi[eè]ce\b", re.I)),
 )
 _M_PER_LENGTH = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+_MOST_NUMBERS = 200_000
+"""In all outlines of walls, rooms and openings: a large house has some thousand."""
 _PLAIN_ROOM = re.compile(r"(?i)space|rooms?|floor|\d*")
 _LEAST_HOUSE_M = 3.0
 """An SVG whose page is smaller is not drawn at full size, whatever its units say."""
@@ -45,6 +47,9 @@ _LEAST_HOUSE_M = 3.0
 
 @dataclass
 class _Found:
+    where: str
+    numbers: int = 0
+    """In the outlines so far."""
     rooms: list[RoomShape] = field(default_factory=list)
     walls: list[Polygon] = field(default_factory=list)
     openings: list[OpeningShape] = field(default_factory=list)
@@ -58,11 +63,12 @@ def read_svg(path: Path) -> list[VectorDrawing]:
     if local_name(root) != "svg":
         raise PlanError("is not an SVG", where=str(path), expected=_EXPECTED)
     floors = [e for e in root.iter() if _said(e).split(" ")[0] in ("Floor", "Floorplan")]
-    inner = [e for e in floors if not any(child in floors for child in list(e.iter())[1:])]
+    known = {id(floor) for floor in floors}
+    inner = [e for e in floors if not any(id(child) in known for child in list(e.iter())[1:])]
     scale = _m_per_unit(root)
     drawings = []
     for top in inner or [root]:
-        found = _Found()
+        found = _Found(str(path))
         _visit(top, _matrix_above(root, top), "", found)
         if found.rooms or found.walls:
             drawings.append(
@@ -134,10 +140,21 @@ def _visit(
     if said and local_name(element) == "g" and _is_thing(element, said):
         _add_group(element, matrix, said, found)
         return
-    for points in outlines(element):
+    for points in _outlines(element, found) if own else ():
         _add(own, _mapped(points, matrix), _said(element), style, found)
     for child in element:
         _visit(child, matrix, own, found, style)
+
+
+def _outlines(element: Element, found: _Found) -> Iterator[FloatArray]:
+    """Counted before they are computed. Raises PlanError where all together are too many."""
+    found.numbers += sum(len(numbers(element.get(key, ""))) for key in ("d", "points"))
+    if found.numbers > _MOST_NUMBERS:
+        raise PlanError(
+            f"draws walls, rooms and openings with more than {_MOST_NUMBERS:,} numbers",
+            where=found.where, expected=_EXPECTED, try_="simplify its paths, or export it as PNG",
+        )  # fmt: skip
+    return outlines(element)
 
 
 def _meaning(element: Element) -> str:
@@ -154,7 +171,7 @@ def _is_thing(group: Element, meaning: str) -> bool:
 def _add_group(group: Element, matrix: FloatArray, meaning: str, found: _Found) -> None:
     """A group's first shape is the thing itself; the rest draws leaves and names."""
     shape = next(e for e in group if local_name(e) in ("polygon", "polyline", "rect", "path"))
-    for points in outlines(shape):
+    for points in _outlines(shape, found):
         _add(meaning, _mapped(points, matrix @ transform(shape)), _said(group), _Style(), found)
     for text in (e for e in group.iter() if local_name(e) == "text"):
         # Its place in a nested group is of no weight: it lies in the room it names.

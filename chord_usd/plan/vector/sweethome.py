@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import zipfile
 from collections import defaultdict
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -14,7 +13,15 @@ from shapely.geometry import LineString, Polygon
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
-from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
+from chord_usd.plan.vector.shapes import (
+    FARTHEST,
+    MOST_SHAPES,
+    OpeningShape,
+    RoomShape,
+    VectorDrawing,
+    too_many_shapes,
+)
+from chord_usd.runtime.archives import Archive
 from chord_usd.types import FloatArray, OpeningKind
 from chord_usd.units import m_from_cm
 
@@ -33,6 +40,8 @@ def read_sweethome(path: Path) -> list[VectorDrawing]:
     for element in home.iter():
         if local_name(element) in ("wall", "room", "doorOrWindow"):
             parts[element.get("level")].append(element)
+    if sum(map(len, parts.values())) > MOST_SHAPES:
+        raise too_many_shapes(path)
     if not parts:
         raise PlanError("holds neither walls nor rooms", where=str(path), expected=_EXPECTED)
     try:
@@ -42,18 +51,13 @@ def read_sweethome(path: Path) -> list[VectorDrawing]:
 
 
 def _home_xml(path: Path) -> bytes:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            if "Home.xml" not in archive.namelist():
-                raise PlanError(
-                    "holds no Home.xml", where=str(path), expected=_EXPECTED,
-                    try_="save it again with Sweet Home 3D 5.3 or later",
-                )  # fmt: skip
-            with archive.open("Home.xml") as file:
-                # What a zip says of its sizes can be a lie; reading stops at the limit.
-                return file.read(LARGEST_BYTES + 1)
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, OSError) as error:
-        raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
+    with Archive(path, PlanError, expected=_EXPECTED) as archive:
+        if "Home.xml" not in archive.names:
+            raise PlanError(
+                "holds no Home.xml", where=str(path), expected=_EXPECTED,
+                try_="save it again with Sweet Home 3D 5.3 or later",
+            )  # fmt: skip
+        return archive.read("Home.xml", LARGEST_BYTES)
 
 
 def _drawing(elements: list[Element], name: str) -> VectorDrawing:
@@ -71,7 +75,7 @@ def _drawing(elements: list[Element], name: str) -> VectorDrawing:
 
 def _number(element: Element, key: str, otherwise: float = 0.0) -> float:
     value = float(element.get(key, otherwise))
-    if not math.isfinite(value):
+    if not abs(value) <= FARTHEST:
         raise ValueError(f"{local_name(element)}: {key} is {value}")
     return value
 

@@ -1,0 +1,188 @@
+"""What of a command line is read and what is written, and that the two never meet.
+
+An option says by its type which it is: Path is read; the functions below are written. One check,
+before a verb runs, goes over all of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import unicodedata
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from chord_usd.errors import ChordError
+from chord_usd.runtime.files import check_file_target, check_run_folder
+
+
+class UsageError(ChordError):
+    """The command line cannot be understood."""
+
+
+def output_file(text: str) -> Path:
+    """An option type: a file to write; what is there under this name is replaced."""
+    return Path(text)
+
+
+def output_folder(text: str) -> Path:
+    """An option type: a folder that is one output; it must be new or empty (--overwrite)."""
+    return Path(text)
+
+
+def output_place(text: str) -> Path:
+    """An option type: a folder that files are added to."""
+    return Path(text)
+
+
+def output_run(text: str) -> Path:
+    """An option type: the folder of a training run, which goes on where one stopped."""
+    return Path(text)
+
+
+_OUTPUTS: tuple[Callable[[str], Path], ...] = (
+    output_file, output_folder, output_place, output_run,
+)  # fmt: skip
+
+_NOT_IN_USD = ("\\", ":SDF_FORMAT_ARGS:")
+"""A separator of folders on other systems, and what parts a path from arguments."""
+
+_LONGEST_NAME_BYTES = 255
+"""Of a file or folder, on every system."""
+
+_DATA_SUFFIXES = {
+    ".json", ".jsonl", ".gz", ".usd", ".usda", ".usdc", ".usdz", ".safetensors", ".onnx", ".obj",
+    ".glb", ".gltf", ".npz", ".parquet",
+}  # fmt: skip
+"""Of files in an input folder that a verb may read; its pictures may be drawn anew."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """A path of the command line."""
+
+    option: str
+    """As the user typed it, such as --preview or PLAN."""
+    path: Path
+    role: Callable[[str], Path]
+    replaces: str = ""
+    """Name of the input that this output may be: a stage that is edited in its place."""
+
+    @property
+    def dest(self) -> Path:
+        """The path with links followed and `..` taken out; it need not exist."""
+        return Path(os.path.realpath(self.path))
+
+
+def in_place_of(action: argparse.Action, name: str) -> None:
+    """Allow an output to be the input of this name."""
+    action.replaces = name  # type: ignore[attr-defined]
+
+
+def named_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> list[Named]:
+    """All paths that a command line names, the inputs first."""
+    return sorted(_named(parser, options), key=lambda one: one.role in _OUTPUTS)
+
+
+def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iterator[Named]:
+    for action in parser._actions:
+        role: Any = action.type
+        if role is not Path and role not in _OUTPUTS:
+            continue
+        given = getattr(options, action.dest, None)
+        for path in given if isinstance(given, list | tuple) else [given]:
+            if path is not None:
+                option = action.option_strings[-1] if action.option_strings else action.metavar
+                yield Named(str(option), path, role, getattr(action, "replaces", ""))
+
+
+def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
+    """Raise UsageError where an output is an input, holds one, or is another output,
+    for a name that cannot be written down, and OutputError for what is no plain file or a folder
+    that no training run may go on in."""
+    paths = named_paths(parser, options)
+    for one in paths:
+        _refuse_odd_name(one)
+    inputs = [one for one in paths if one.role is Path]
+    outputs = [one for one in paths if one.role is not Path]
+    for output in outputs:
+        for given in inputs:
+            if output.replaces != given.option or not _same(output, given):
+                _check_input(output, given)
+        if output.role is output_file:
+            check_file_target(output.path)
+        if output.role is output_run:
+            check_run_folder(output.path)
+    for first, second in combinations(outputs, 2):
+        if _same(first, second) or _is_within(second, first, output_folder):
+            raise UsageError(
+                f"would be written twice, by {first.option} and {second.option}",
+                where=str(second.path),
+                expected="a path for each",
+            )
+
+
+def _refuse_odd_name(one: Named) -> None:
+    """Refuse names that the file system, USD or a terminal cannot all say."""
+    said = str(one.path)
+    # Under an ASCII locale whatever is beyond it arrives as lone surrogates.
+    if any("\ud800" <= character <= "\udfff" for character in said):
+        raise UsageError(
+            f"{one.option} is no path in UTF-8",
+            where=said,
+            try_="PYTHONUTF8=1, if the locale is not UTF-8",
+        )
+    if any(unicodedata.category(character) in ("Cc", "Zl", "Zp") for character in said):
+        raise UsageError(f"{one.option} holds a control character", where=said, expected="a path")
+    for odd in _NOT_IN_USD:
+        if odd in one.path.as_posix():
+            raise UsageError(
+                f"{one.option} holds {odd!r}, which USD takes for something else",
+                where=said,
+                expected="a path without it",
+            )
+    if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in one.path.parts):
+        raise UsageError(
+            f"{one.option} has a name of more than {_LONGEST_NAME_BYTES} bytes",
+            where=f"{said[:40]}…",
+            expected="a shorter one",
+        )
+
+
+def _check_input(output: Named, given: Named) -> None:
+    if output.role in (output_file, output_folder) and _same(output, given):
+        clash = f"is both {given.option}, which is read, and {output.option}, which is written"
+    elif _is_within(given, output, output_folder):
+        clash = f"holds {given.option}, which is read, and would be replaced by {output.option}"
+    elif _overwrites_data(output, given):
+        clash = f"lies in {given.option}, which is read, and would be replaced by {output.option}"
+    else:
+        return
+    raise UsageError(
+        clash, where=str(output.path), expected="another path", try_=f"another {output.option}"
+    )
+
+
+def _same(first: Named, second: Named) -> bool:
+    try:
+        return first.path.samefile(second.path)
+    except OSError:
+        return first.dest == second.dest
+
+
+def _is_within(inner: Named, outer: Named, role: Callable[[str], Path]) -> bool:
+    """Whether outer is an output of this role and inner lies in it."""
+    return outer.role is role and inner.dest.is_relative_to(outer.dest)
+
+
+def _overwrites_data(output: Named, given: Named) -> bool:
+    return (
+        output.role is output_file
+        and output.path.suffix.lower() in _DATA_SUFFIXES
+        and output.path.is_file()
+        and given.path.is_dir()
+        and output.dest.is_relative_to(given.dest)
+    )

@@ -1,0 +1,30 @@
+"""The largest houses that are taken on. Base module, without imports: the command line has it too.
+
+Every step grows with what a house holds, some of it faster than linearly; and a file with more is
+as good as never a house, but a wrong unit, a whole town, or made to keep a machine busy.
+"""
+
+LARGEST_HOUSE_M = 500.0
+"""From one side to the other. Hardly a building is longer in one piece, and at the coarsest scale
+that layouts are drawn at not much more fits the largest canvas (raster.LARGEST_CANVAS_PX)."""
+
+M_PER_PX = (1e-4, 10.0)
+"""Range of a picture's scale, metres per pixel, and of metres per unit of a vector file: from a
+tenth of a millimetre to a map on which a whole house is a dot."""
+
+MOST_ROOMS = 2000
+"""A large hospital has 1,500."""
+
+MOST_CORNERS = 1000
+"""Of one room; each of its walls is a mesh."""
+
+MOST_CORNERS_IN_ALL = 20_000
+
+MOST_OPENINGS = 10_000
+"""Doors, windows and passages."""
+
+MOST_ITEMS = 20_000
+"""Pieces of furniture, and what lies on them."""
+
+MOST_JSON_BYTES = 32 * 2**20
+"""Of a CHOrD JSON file: MOST_ITEMS take half as much."""

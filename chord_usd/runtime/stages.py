@@ -1,0 +1,420 @@
+"""Stages and layers: opened here and nowhere else, and those from strangers looked at first.
+
+A stage names other files, and USD opens whatever it names: a pipe that never ends, a file of
+somebody else, a thousand layers that each refer to a thousand more. So a stage is tried in a
+process of its own (runtime/confined.py) before it is opened in this one, and what is copied
+somewhere comes from the list of files that the trial returns.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import stat
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.errors import ChordError, StageError, reason_of
+from chord_usd.runtime.archives import Archive
+from chord_usd.runtime.confined import Limits, confined
+
+if TYPE_CHECKING:
+    from pxr import Sdf, Usd
+
+LAYER_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+EXPECTED = "a .usda, .usdc or .usdz stage"
+
+MOST_LAYERS = 10_000
+"""A house has about a hundred."""
+
+MOST_PRIMS = 1_000_000
+"""With those inside instances, as a walk through the stage meets them; a house has 20,000."""
+
+DEEPEST = 256
+"""Prims above one another; a house has ten."""
+
+TRIAL = Limits(memory_bytes=3 * 2**29, cpu_s=40, wall_s=50.0)
+"""Of the process that a stage is tried in."""
+
+_log = logging.getLogger(__name__)
+_SPECIAL = (stat.S_ISFIFO, stat.S_ISCHR, stat.S_ISBLK, stat.S_ISSOCK)
+_EXPRESSION = "`"
+_UDIM = "<UDIM>"
+
+
+@dataclass(frozen=True)
+class StageFiles:
+    """The files that a stage is made of, absolute; a package counts as one file."""
+
+    layers: tuple[Path, ...]
+    """The stage's own file first."""
+    others: tuple[Path, ...]
+    """Textures and what else it names."""
+    missing: tuple[str, ...]
+    """Asset paths that lead to no file, as they are written."""
+
+    def outside(self, folders: Iterable[Path]) -> Path | None:
+        """The first file, after the stage's own, that lies in none of the folders; links count
+        as what they lead to. A folder can be a package."""
+        roots = [Path(os.path.realpath(folder)) for folder in folders]
+        for file in (*self.layers[1:], *self.others):
+            real = Path(os.path.realpath(file))
+            if not any(real.is_relative_to(root) for root in roots):
+                return file
+        return None
+
+
+def open_stage(path: Path, *, load: bool = True) -> Usd.Stage:
+    """The stage at path, which may be a stranger's; payloads loaded or not.
+
+    Raises StageError when there is none, or one that cannot be opened safely.
+    """
+    look_through([path])
+    return open_known(path, load=load)
+
+
+def open_known(path: Path, *, load: bool = True) -> Usd.Stage:
+    """A stage that was looked through already, or that this program made.
+
+    Raises StageError when it cannot be opened.
+    """
+    from pxr import Usd
+
+    _require_file(path)
+    with _usd_errors(path):
+        return Usd.Stage.Open(str(path), Usd.Stage.LoadAll if load else Usd.Stage.LoadNone)
+
+
+def open_asset(path: Path) -> Usd.Stage:
+    """The stage of an asset from a folder that the user vouches for, whose files are only looked
+    for: houses have too many for a trial of each. Raises StageError."""
+    walk(path)
+    return open_known(path)
+
+
+def open_layer(path: Path) -> Sdf.Layer:
+    """One layer, without what it refers to. Raises StageError when it cannot be opened."""
+    from pxr import Sdf
+
+    _require_file(path)
+    with _usd_errors(path):
+        layer = Sdf.Layer.FindOrOpen(str(path))
+    if not layer:
+        raise _not_a_stage(path)
+    return layer
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn whatever fails in the block into a StageError about the stage at path.
+
+    For code that reads the values of a stranger's stage, which can be of any type and any length.
+    """
+    silence()
+    try:
+        yield
+    except (ChordError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        told = " ".join(str(error).split())[:200]
+        raise StageError(
+            f"holds what cannot be read ({type(error).__name__}: {told})",
+            where=str(path),
+            expected="a stage as chord-usd writes it",
+            try_=f"usdchecker {path.name}",
+        ) from error
+
+
+def files_of(path: Path) -> StageFiles:
+    """The files of a stage from a stranger, found without any harm. Raises StageError."""
+    (found,) = look_through([path])
+    return found
+
+
+def own_files(path: Path, where: Path | None = None) -> StageFiles:
+    """The same for a stage that everything has to lie in the folder of, or in its package.
+
+    where: what errors name, by default path. Raises StageError that names the first file outside.
+    """
+    files = files_of(path)
+    home = path if path.suffix == ".usdz" else path.absolute().parent
+    outside = files.outside([home])
+    if outside is not None:
+        raise StageError(
+            f"points to {outside}",
+            where=str(where or path),
+            expected="a stage whose files lie in its own folder",
+            try_="copy that file beside the stage, and refer to it there",
+        )
+    return files
+
+
+def look_through(paths: Sequence[Path]) -> tuple[StageFiles, ...]:
+    """Try stages in a process of their own; returns their files.
+
+    Raises StageError for one that is missing, damaged, endless, or far too large.
+    """
+    silence()
+    for path in paths:
+        _require_file(path)
+    unknown = [path for path in paths if not _is_remembered(path)]
+    if unknown:
+        others = f" and {len(unknown) - 1} others" if len(unknown) > 1 else ""
+        where = f"{unknown[0]}{others}"
+        names = tuple(os.path.abspath(path) for path in unknown)  # noqa: PTH100
+        found = confined(_try_all, names, where=where, limits=TRIAL, error=StageError)
+        for path, files in zip(unknown, found, strict=True):
+            _remembered[path.absolute()] = files, _states(files)
+    return tuple(_remembered[path.absolute()][0] for path in paths)
+
+
+_State = tuple[int, int] | None
+_remembered: dict[Path, tuple[StageFiles, tuple[_State, ...]]] = {}
+
+
+def _is_remembered(path: Path) -> bool:
+    """Whether the stage was looked through, and none of its layers has changed since."""
+    known = _remembered.get(path.absolute())
+    return known is not None and known[1] == _states(known[0])
+
+
+def _states(files: StageFiles) -> tuple[_State, ...]:
+    return tuple(_state(layer) for layer in files.layers)
+
+
+def _state(path: Path) -> _State:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
+
+
+def _require_file(path: Path) -> None:
+    """Raises StageError for a path that is none of a regular file."""
+    try:
+        if path.is_dir():
+            what = "is a folder"
+        elif path.is_file():
+            return
+        else:
+            what = "is no regular file" if path.exists() else "there is no such file"
+    except (OSError, ValueError) as error:
+        what = reason_of(error) if isinstance(error, OSError) else str(error)
+    try_ = f"chord-usd generate PLAN -o {path.name}"
+    raise StageError(what, where=str(path), expected=EXPECTED, try_=try_)
+
+
+def _not_a_stage(path: Path) -> StageError:
+    return StageError(
+        "cannot be opened as a stage",
+        where=str(path),
+        expected=EXPECTED,
+        try_=f"chord-usd generate PLAN -o {path.name}",
+    )
+
+
+@contextmanager
+def _usd_errors(path: Path) -> Iterator[None]:
+    from pxr import Tf
+
+    silence()
+    try:
+        yield
+    except (Tf.ErrorException, RuntimeError) as error:
+        raise _not_a_stage(path) from error
+
+
+_delegates: list[Any] = []
+
+
+def silence() -> None:
+    """Keep USD's own diagnostics off standard error from now on.
+
+    They name our temporary files and come by the dozen. What matters of them is in our errors and
+    in what `check` reports. With the log at DEBUG, as --debug sets it, USD says them itself, at
+    once.
+    """
+    from pxr import UsdUtils
+
+    if _log.isEnabledFor(logging.DEBUG):
+        return
+    if _delegates:
+        _delegates[0].TakeUncoalescedDiagnostics()  # else they would pile up
+    else:
+        _delegates.append(UsdUtils.CoalescingDiagnosticDelegate())
+
+
+# --- the trial, in a process of its own ---------------------------------------------------------
+
+
+def _try_all(paths: tuple[str, ...]) -> list[StageFiles]:
+    # Threads count as memory. Read by USD when it is imported.
+    os.environ["PXR_WORK_THREAD_LIMIT"] = "1"
+    return [_try(Path(path)) for path in paths]
+
+
+def _try(path: Path) -> StageFiles:
+    """Open a stage with everything in it, once its files are known to be files."""
+    files = walk(path)
+    stage = open_known(path)
+    count_prims(stage, path)
+    for prim in _prims_once(stage):
+        for attribute in prim.GetAuthoredAttributes():
+            attribute.Get()
+    used = {_file_of(layer.realPath) for layer in stage.GetUsedLayers() if layer.realPath}
+    more = sorted(used.difference(files.layers))  # asset paths that are expressions
+    return StageFiles((*files.layers, *more), files.others, files.missing)
+
+
+def count_prims(stage: Usd.Stage, path: Path) -> None:
+    """Raises StageError for more prims, or more of them in one another, than any house has."""
+    from pxr import Usd
+
+    for number, prim in enumerate(stage.Traverse(Usd.TraverseInstanceProxies())):
+        if number >= MOST_PRIMS:
+            raise StageError(f"has more than {MOST_PRIMS:,} prims", where=str(path))
+        if prim.GetPath().pathElementCount > DEEPEST:
+            raise StageError(f"has more than {DEEPEST} prims in one another", where=str(path))
+
+
+def _prims_once(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    from pxr import Usd
+
+    yield from stage.TraverseAll()
+    for prototype in stage.GetPrototypes():
+        yield from Usd.PrimRange(prototype)
+
+
+def walk(path: Path) -> StageFiles:
+    """The files of a stage, found layer by layer without composing it.
+
+    No file is opened before it is known to be one. In this process: for stages that were looked
+    through, or whose folder the user vouches for. Raises StageError.
+    """
+    silence()
+    found = _Walk(path)
+    found.follow()
+    return StageFiles(tuple(found.layers), tuple(found.others), tuple(found.missing))
+
+
+@dataclass
+class _Walk:
+    """Goes through the layers of a stage, the nearest first."""
+
+    path: Path
+    layers: dict[Path, None] = field(default_factory=dict)
+    others: dict[Path, None] = field(default_factory=dict)
+    missing: dict[str, None] = field(default_factory=dict)
+    _due: list[str] = field(default_factory=list)
+    _seen: set[str] = field(default_factory=set)
+    _below: dict[str, list[str]] = field(default_factory=dict)
+    """Sublayers of each layer."""
+    _held: list[Any] = field(default_factory=list)
+    """Layers are closed, and would be read again, when nobody holds them."""
+
+    def follow(self) -> None:
+        _require_file(self.path)
+        self._add(os.path.abspath(self.path))  # noqa: PTH100 (links stay: paths start from them)
+        while self._due:
+            if len(self._seen) > MOST_LAYERS:
+                raise StageError(f"has more than {MOST_LAYERS:,} layers", where=str(self.path))
+            self._open(self._due.pop(0))
+        for name in self._below:
+            self._count_sublayers(name)
+
+    def _add(self, name: str) -> None:
+        if name not in self._seen:
+            self._seen.add(name)
+            self._due.append(name)
+
+    def _open(self, name: str) -> None:
+        file = _file_of(name)
+        if file.suffix == ".usdz" and file not in self.layers:
+            with Archive(file, StageError, expected="a .usdz package") as archive:
+                archive.require_package()
+        try:
+            layer = open_named(name)
+        except StageError:
+            if not self._held:
+                raise
+            self.missing[name] = None
+            return
+        self._held.append(layer)
+        self.layers[file] = None
+        for asset_path in _named_in(name):
+            self._meet(asset_path, layer)
+        below = (self._resolved(path, layer) for path in layer.subLayerPaths)
+        self._below[name] = [one for one in below if one]
+
+    def _count_sublayers(self, root: str) -> None:
+        """Raise StageError for a layer with too many below it, counted as often as they occur."""
+        count, due = 0, [(root, frozenset([root]))]
+        while due:
+            name, above = due.pop()
+            count += 1
+            if count > MOST_LAYERS:
+                raise StageError(f"has more than {MOST_LAYERS:,} sublayers", where=str(self.path))
+            new = (one for one in self._below.get(name, ()) if one not in above)
+            due += [(one, above | {one}) for one in new]
+
+    @staticmethod
+    def _resolved(asset_path: str, layer: Sdf.Layer) -> str:
+        from pxr import Ar, Sdf
+
+        anchored = Sdf.ComputeAssetPathRelativeToLayer(layer, asset_path)
+        return str(Ar.GetResolver().Resolve(anchored).GetPathString())
+
+    def _meet(self, asset_path: str, layer: Sdf.Layer) -> None:
+
+        if asset_path.startswith(_EXPRESSION) or _UDIM in asset_path:
+            return
+        resolved = self._resolved(asset_path, layer)
+        if not resolved:
+            self.missing[asset_path] = None
+            return
+        file = _file_of(resolved)
+        mode = file.stat().st_mode
+        if any(is_kind(mode) for is_kind in _SPECIAL):
+            raise StageError(
+                f"points to {asset_path}, which is a device or a pipe",
+                where=str(self.path),
+                expected="layers and pictures",
+            )
+        if stat.S_ISDIR(mode):
+            self.missing[asset_path] = None
+        elif resolved.rstrip("]").endswith(LAYER_SUFFIXES):
+            self._add(resolved)
+        else:
+            self.others[file] = None
+
+
+def open_named(name: str) -> Sdf.Layer:
+    """A layer by its identifier, which may lead into a package. Raises StageError."""
+    from pxr import Sdf
+
+    with _usd_errors(Path(name)):
+        layer = Sdf.Layer.FindOrOpen(name)
+    if not layer:
+        raise _not_a_stage(Path(name))
+    return layer
+
+
+def _named_in(name: str) -> list[str]:
+    """Every asset path in a layer: sublayers, references, payloads, values; UDIM tiles one by
+    one."""
+    from pxr import UsdUtils
+
+    tiles = UsdUtils.ExtractExternalReferencesParams()
+    tiles.SetResolveUdimPaths(True)
+    with _usd_errors(Path(name)):
+        lists = UsdUtils.ExtractExternalReferences(name, tiles)
+    return [path for group in lists for path in group]
+
+
+def _file_of(name: str) -> Path:
+    """The file on disk that an identifier leads to; of package.usdz[a/b.usda], the package."""
+    return Path(os.path.abspath(name.split("[", 1)[0]))  # noqa: PTH100 (not through links)

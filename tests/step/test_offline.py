@@ -1,0 +1,224 @@
+"""No verb looks up a name, talks to another machine or opens a port to one."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import trimesh
+
+from tests.network_trace import run_traced
+from tests.verbs import VERBS
+
+ROOT = Path(__file__).parents[2]
+CLI = [sys.executable, "-m", "chord_usd.cli"]
+ONE = "--n 1 --steps 1"
+TRAIN = "-o {out} --minutes 0.001 --batch 1"
+
+QUICK: dict[str, str] = {
+    "generate": "{plan} -o {out}/house.usda --steps 1 --redraws 0",
+    "plan read": "{plan} -o {out}/plan.json",
+    "plan draw": "{scene} -o {out}/plan.png",
+    "plan from-text": "'one bedroom' -o {out}/plan.json --steps 1",
+    "layout": "{plan} -o {out}/layout.png --steps 1",
+    "graph": "{layout} -o {out}/scene.json",
+    "stage": "{scene} -o {out}/house.usda",
+    "render": "{house} -o {out} --camera Top --samples 1 --resolution 32x32",
+    "farm bundle": "{house} -o {out}/bundle",
+    "check": "{house}",
+    "describe": "{house}",
+    "export": "{house} --for gltf -o {out}/house.glb",
+    "diff": "{house} {house}",
+    "dataset synth": "-o {out}/houses --count 1 --rasters",
+    "dataset import": "{houses} -o {out}/houses",
+    "dataset clean": "{houses} -o {out}/houses",
+    "dataset stats": "{houses} --plot {out}/plot.png",
+    "dataset split": "{houses} -o {out}/split.json",
+    "dataset draw": "{houses} -o {out}/sheet.png",
+    "train detector": f"{TRAIN} --score-houses 1",
+    "evaluate detector": "--houses 1 --generated 0",
+    "assets list": "",
+    "assets nearest": "table --size 1x1x1",
+    "assets show": "Lamp_Shade --sheet {out}/sheet.png",
+    "assets add": "{models} -o {out}/own",
+}
+"""A small working example of each verb."""
+
+SLOW: dict[str, str] = {
+    "plan from-outline": "{open_plan} --scale 0.05 -o {out}/plan.json --steps 1",
+    "batch": "--synth 1 -o {out}/houses --workers 1 --steps 1 --redraws 0 --no-tabletop",
+    "regenerate": "{house} --room Bathroom_0 -o {out}/house.usda --steps 1 --no-tabletop",
+    "train plan2layout": f"{TRAIN} --workers 0",
+    "train table": f"{TRAIN} --workers 0",
+    "train text2plan": f"{TRAIN} --workers 0",
+    "train outline2plan": f"{TRAIN} --workers 0",
+    "train bubbles": f"{TRAIN} --houses 2",
+    "train lists": TRAIN,
+    "evaluate layouts": f"{ONE} --redraws 0",
+    "evaluate ood": "--n 1 --draws 1 --per-room 1",
+    "evaluate speed": f"{ONE} --sampler ddim",
+    "evaluate diversity": f"{ONE} --seeds 2",
+    "evaluate plans": "--count 1",
+    "evaluate tabletops": f"{ONE} --houses 1",
+    "evaluate text": ONE,
+    "evaluate outlines": ONE,
+    "assets build": "-o {out}/assets",
+}
+"""They import nothing that the others do not, and take minutes: run with CHORD_USD_TEST_ALL=1."""
+
+ALL = {**QUICK, **(SLOW if os.environ.get("CHORD_USD_TEST_ALL") else {})}
+
+WAIT_S = 6
+"""ONNX Runtime looks up its host some seconds after a session is made."""
+
+LOAD_AND_WAIT = f"""
+import time
+from chord_usd.planner import SKETCH_CHECKPOINT, checkpoint_folder
+from chord_usd.planning.sketch import load_sketcher
+from chord_usd.plan.text import warm_up
+network = load_sketcher(checkpoint_folder(SKETCH_CHECKPOINT))
+warm_up()
+time.sleep({WAIT_S})
+"""
+
+RAY = """
+import sys
+from pathlib import Path
+from tests import batch_makers as makers
+from chord_usd.batch.ray_engine import RayEngine
+from chord_usd.batch.run import run_batch
+folder = Path(sys.argv[1])
+engine = RayEngine(None, 1, cpus=1, gpus=0.0, folder=folder)
+run_batch(makers.units("a"), makers.order(folder), engine, load=makers.honest(folder))
+assert makers.made(folder) == ["a"]
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a user who never ran anything has."""
+    return tmp_path_factory.mktemp("home")
+
+
+@pytest.fixture(scope="module")
+def environment(home: Path) -> dict[str, str]:
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("XDG_")}
+    # What the tests themselves have set in this process must not help.
+    for name in ("ORT_DISABLE_TELEMETRY", "RAY_USAGE_STATS_ENABLED", "HF_HUB_OFFLINE"):
+        kept.pop(name, None)
+    return {
+        **kept,
+        "HOME": str(home),
+        "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests"))),
+    }
+
+
+@pytest.fixture(scope="module")
+def inputs(
+    tmp_path_factory: pytest.TempPathFactory, environment: dict[str, str]
+) -> dict[str, Path]:
+    """What the examples start from, made by the verbs themselves."""
+    base = tmp_path_factory.mktemp("inputs")
+    found = {
+        "plan": ROOT / "examples" / "studio.png",
+        "scene": ROOT / "tests" / "fixtures" / "furnished_house.json",
+        "house": base / "house.usda",
+        "layout": base / "layout.png",
+        "houses": base / "houses",
+        "models": base / "models",
+        "open_plan": base / "open.png",
+    }
+    for words in (
+        ["stage", found["scene"], "-o", found["house"]],
+        ["layout", found["plan"], "-o", found["layout"], "--steps", "1"],
+        ["dataset", "synth", "-o", found["houses"], "--count", "2"],
+    ):
+        subprocess.run([*CLI, *map(str, words)], env=environment, check=True, capture_output=True)
+    drawn = np.full((256, 256, 3), 255, np.uint8)
+    cv2.rectangle(drawn, (30, 40), (220, 200), (0, 0, 0), 5)
+    cv2.imwrite(str(found["open_plan"]), drawn)
+    found["models"].mkdir()
+    trimesh.creation.box((0.5, 0.9, 0.5)).export(found["models"] / "chair.obj")
+    row = {"file": "chair.obj", "category": "chair", "licence": "CC0-1.0", "author": "Jo"}
+    (found["models"] / "manifest.json").write_text(json.dumps([row]))
+    return found
+
+
+def test_every_verb_has_an_example() -> None:
+    assert sorted([*QUICK, *SLOW]) == sorted(VERBS)
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        "socket.getaddrinfo('example.invalid', 80)",
+        "socket.create_server(('0.0.0.0', 0))",
+        "socket.create_server(('::', 0), family=socket.AF_INET6)",
+        "socket.socket().listen()",
+        "socket.socket(type=socket.SOCK_DGRAM).connect(('192.0.2.1', 9))",
+        "socket.socket(type=socket.SOCK_DGRAM).sendto(b'x', ('192.0.2.1', 9))",
+        "socket.socket().connect(('192.0.2.1', 9))",
+    ],
+)
+def test_the_check_sees_what_leaves(what: str, tmp_path: Path) -> None:
+    """Also in a child process, and with or without a network: the system call is seen."""
+    script = f"import socket\nsocket.setdefaulttimeout(1)\ntry: {what}\nexcept OSError: pass"
+    child = f"import subprocess, sys\nsubprocess.run([sys.executable, '-c', {script!r}])"
+    done, left = run_traced([sys.executable, "-c", child], tmp_path / "trace", os.environ)
+    assert done.returncode == 0, done.stderr
+    assert left
+
+
+@pytest.mark.parametrize("family", [socket.AF_INET, socket.AF_INET6])
+def test_the_check_lets_loopback_pass(family: int, tmp_path: Path) -> None:
+    host = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}[socket.AddressFamily(family)]
+    script = (
+        f"import socket\ns = socket.create_server(({host!r}, 0), family={int(family)})\n"
+        "socket.create_connection(s.getsockname()[:2]).sendall(b'x')"
+    )
+    done, left = run_traced([sys.executable, "-c", script], tmp_path / "trace", os.environ)
+    if family == socket.AF_INET6 and "Cannot assign" in done.stderr:
+        pytest.skip("no IPv6 here")
+    assert done.returncode == 0, done.stderr
+    assert left == []
+
+
+@pytest.mark.parametrize("verb", ALL)
+def test_nothing_leaves(
+    verb: str, inputs: dict[str, Path], environment: dict[str, str], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    words = shlex.split(ALL[verb].format(out=out, **inputs))
+    done, left = run_traced([*CLI, *verb.split(), *words], tmp_path / "trace", environment)
+    assert done.returncode in (0, 1), done.stderr
+    assert left == []
+
+
+def test_networks_report_nothing_later_either(
+    home: Path, environment: dict[str, str], tmp_path: Path
+) -> None:
+    """As a library, and with the time that the look-up of ONNX Runtime's reports takes."""
+    command = [sys.executable, "-c", LOAD_AND_WAIT]
+    done, left = run_traced(command, tmp_path / "trace", environment)
+    assert done.returncode == 0, done.stderr
+    assert left == []
+    assert not list(home.glob(".cache/Microsoft*"))
+
+
+def test_a_ray_cluster_of_this_machine_is_on_loopback(
+    environment: dict[str, str], tmp_path: Path
+) -> None:
+    pytest.importorskip("ray", reason="the extra ray is not installed")
+    command = [sys.executable, "-c", RAY, tmp_path / "houses"]
+    done, left = run_traced(command, tmp_path / "trace", environment)
+    assert done.returncode == 0, done.stderr
+    assert left == []

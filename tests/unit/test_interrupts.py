@@ -1,0 +1,114 @@
+"""Ctrl-C and SIGTERM: soon, in order, and with a true line."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from chord_usd.runtime import interrupts
+
+VERB = """
+import hashlib, os, signal, sys, time
+from pathlib import Path
+from chord_usd import cli
+from chord_usd.commands import describe
+from chord_usd.runtime.files import deliver, write_atomic
+
+def run(options):
+    out = Path(sys.argv[-1])
+{body}
+
+describe.run = run
+sys.argv[1:1] = ["describe"]
+sys.exit(cli.main())
+"""
+
+AT_WORK = """
+    with deliver() as delivery:
+        delivery.place(out / "house.usda").write_text("half of it")
+        print("ready", file=sys.__stderr__, flush=True)
+        {work}
+"""
+LONG_IN_C = "hashlib.pbkdf2_hmac('sha512', b'', b'', 60_000_000)"
+IN_PYTHON = "time.sleep(60)"
+HIDDEN_BY_A_LIBRARY = """
+        try:
+            time.sleep(60)
+        except BaseException:
+            raise ImportError("a library failed to import")
+"""
+AFTER_AN_OUTPUT = """
+    write_atomic(out / "house.usda", "all of it")
+    print("ready", file=sys.__stderr__, flush=True)
+    time.sleep(60)
+"""
+
+
+def interrupted(body: str, how: signal.Signals, folder: Path) -> tuple[int, str, float]:
+    """Exit code, standard error after "ready", and the seconds it took to end."""
+    folder.mkdir()
+    command = [sys.executable, "-c", VERB.format(body=body), str(folder)]
+    # Its own standard error is taken while a verb runs, so what says "ready" is another one.
+    reading, writing = os.pipe()
+    ready = body.replace("file=sys.__stderr__", f"file=os.fdopen({writing}, 'w')")
+    command[2] = VERB.format(body=ready)
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, pass_fds=[writing]
+    ) as process:
+        os.close(writing)
+        assert os.read(reading, 5) == b"ready"
+        os.close(reading)
+        started = time.monotonic()
+        process.send_signal(how)
+        assert process.stderr
+        told = process.stderr.read()
+        code = process.wait(30)
+    return code, told, time.monotonic() - started
+
+
+@pytest.mark.parametrize("work", [IN_PYTHON, LONG_IN_C, HIDDEN_BY_A_LIBRARY])
+@pytest.mark.parametrize(
+    ("how", "code", "word"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")],
+)
+def test_a_verb_ends_soon_and_leaves_nothing(
+    work: str, how: signal.Signals, code: int, word: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    ended = interrupted(AT_WORK.format(work=work), how, out)
+    assert ended[:2] == (code, f"error: {word}, nothing was written\n")
+    assert ended[2] < 2.0 + interrupts.STUBBORN_S * (work == LONG_IN_C)
+    assert list(out.iterdir()) == []
+
+
+def test_what_was_written_is_told(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    code, told, _ = interrupted(AFTER_AN_OUTPUT, signal.SIGINT, out)
+    assert code == 130
+    assert told == f"error: interrupted, after {out / 'house.usda'} was written\n"
+    assert (out / "house.usda").read_text() == "all of it"
+
+
+def test_an_interrupt_waits_while_outputs_take_their_places(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    monkeypatch.setattr(interrupts, "_came", [])
+    done = False
+    try:
+        interrupts.obey()
+        with pytest.raises(interrupts.Terminated), interrupts.held():
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.05)
+            done = True
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    assert done
+    assert interrupts.came() is interrupts.Terminated
