@@ -100,7 +100,7 @@ def test_a_mosaic_puts_every_answer_in_its_place() -> None:
     image = _terrace(12)
     looked: list[tuple[int, ...]] = []
 
-    def describe(pictures, scales):
+    def describe(pictures, scales, drafts=None):
         floor = np.zeros((len(pictures), 1, *pictures[0].shape[:2]), bool)
         return Plans(np.zeros(floor.shape, np.float32), None, floor)
 
@@ -123,7 +123,7 @@ def test_only_views_on_what_matters_are_looked_through() -> None:
     region = raster.room_pixels(_room("r0", 0.0, 0.0, 6.0, 4.0), image.frame)
     described = []
 
-    def describe(pictures, scales):
+    def describe(pictures, scales, drafts=None):
         described.extend(pictures)
         return Plans(
             np.zeros((len(pictures), 1, 4, 4), np.float32), None, np.zeros((1, 1, 4, 4)) > 0
