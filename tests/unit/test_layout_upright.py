@@ -58,7 +58,7 @@ def test_rooms_of_one_wing_go_together() -> None:
 class Furnishing:
     """A model that paints the same bed, upright, into the middle of every sheet."""
 
-    def sample_batch(self, images, *, seeds, steps=None, sampler=None, progress=None):
+    def sample_batch(self, images, *, seeds, steps=None, sampler=None, drafts=(), progress=None):
         layouts = []
         for image in images:
             middle_m = image.frame.m_per_px * image.frame.height_px / 2
