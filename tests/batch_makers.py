@@ -25,6 +25,7 @@ FIGURES = {
     "rooms": 1, "furniture": 2, "items": 2, "openings": 1, "m_per_px": 0.04, "holds": True,
     "errors": 0, "collisions": 0, "out_of_room": 0, "blocked_openings": 0, "unsupported": 0,
     "empty_rooms": 0, "walkable": 1.0, "reachable_rooms": 1.0, "por": 0.0, "piou": 0.0,
+    "complete": 1.0, "right": 1.0,
 }  # fmt: skip
 
 

@@ -41,6 +41,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "train text2plan": (),
     "train outline2plan": (),
     "train bubbles": (),
+    "train lists": (),
     "train detector": (),
     "evaluate layouts": ("--from", "houses"),
     "evaluate ood": ("--houses", "houses"),

@@ -26,7 +26,7 @@ PARQUET_FILE = "index.parquet"
 FIGURES = (
     "rooms", "furniture", "items", "openings", "m_per_px", "holds", "errors", "collisions",
     "out_of_room", "blocked_openings", "unsupported", "empty_rooms", "walkable", "reachable_rooms",
-    "por", "piou",
+    "por", "piou", "complete", "right",
 )  # fmt: skip
 """Of a house, out of its record."""
 
@@ -35,7 +35,7 @@ _COLUMNS = (
 )  # fmt: skip
 """Of every row, in this order."""
 
-_MEASURES = ("m_per_px", "walkable", "reachable_rooms", "por", "piou")
+_MEASURES = ("m_per_px", "walkable", "reachable_rooms", "por", "piou", "complete", "right")
 _TEXTS = ("kind", "status", "house", "camera", "plan", "path", "why")
 _LISTS = ("files", "sha256")
 
@@ -121,7 +121,7 @@ def _house_row(name: str, record: Record) -> dict[str, Any]:
         files=[f"{name}/{file}" for file in files],
         sha256=list(files.values()),
         seconds=round(sum(told["seconds"].values()), 3),
-        **{key: told[key] for key in FIGURES},
+        **{key: told.get(key) for key in FIGURES},
     )
 
 

@@ -151,6 +151,9 @@ def _with_own_asset(item: Item) -> Item:
     return replace(item, children=children, asset=own)
 
 
+_SHARES = ("walkable", "reachable_rooms", "por", "piou", "complete", "right")
+
+
 def _told(unit: Unit, house: House, report: Report, watch: Stopwatch) -> dict[str, Any]:
     """Figures for the index."""
     items = house.graph.items
@@ -169,7 +172,7 @@ def _told(unit: Unit, house: House, report: Report, watch: Stopwatch) -> dict[st
         "blocked_openings": len(report.blocked_openings),
         "unsupported": len(report.unsupported),
         "empty_rooms": len(report.empty_rooms),
-        **{key: getattr(report, key) for key in ("walkable", "reachable_rooms", "por", "piou")},
+        **{key: getattr(report, key) for key in _SHARES},
         "warnings": list(house.plan.extra.get("warnings", ())),
         "seconds": watch.seconds,
     }

@@ -41,6 +41,9 @@ def _text(stage: Path, holds: bool, data: dict[str, Any]) -> str:
         f"  walkable {data['walkable']:.0%}, reachable rooms {data['reachable_rooms']:.0%}, "
         f"POR {data['por']:.4f} and PIoU {data['piou']:.4f} over {data['pairs']} pairs"
     )
+    lines.append(f"  rooms complete {data['complete']:.0%}, right {data['right']:.0%}")
+    lines += [f"    {one['path']} lacks {', '.join(one['pieces'])}" for one in data["missing"]]
+    lines += [f"    {one['item']} is {one['fault']}" for one in data["misplaced"]]
     lines += _outliers(data["ood"])
     return "\n".join(lines)
 

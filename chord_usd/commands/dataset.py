@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,7 +82,15 @@ def _add_synth(group: Verbs) -> None:
     synth.add_argument(
         "--rasters", action="store_true", help="also draw plan and layout rasters beside them"
     )
+    _add_statistics(synth)
     add_seed(synth)
+
+
+def _add_statistics(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--statistics", choices=("homes", "paper"), default="homes",
+        help="furnish as people live, or as sparsely as the paper's houses (homes)",
+    )  # fmt: skip
 
 
 def _add_import(group: Verbs) -> None:
@@ -103,6 +111,7 @@ def _add_import(group: Verbs) -> None:
     reader.add_argument(
         "--furnish", action="store_true", help="furnish plans that hold no furniture"
     )
+    _add_statistics(reader)
     add_seed(reader)
 
 
@@ -114,7 +123,7 @@ def run_synth(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.furnish import furnish
     from chord_usd.data.houses import random_plan
 
-    watch = stopwatch(options)
+    watch, lacks = stopwatch(options), _Lacking()
     with (
         output_folder(options.output, folder_mode(options)) as folder,
         watch.step("synth") as progress,
@@ -123,11 +132,15 @@ def run_synth(options: argparse.Namespace) -> Outcome:
             seed = options.seed + index
             rooms = options.rooms or spread_room_count(seed)
             rng = np.random.default_rng(seed)
-            scene = furnish(random_plan(rng, rooms), rng)
+            scene = furnish(random_plan(rng, rooms), rng, options.statistics)
+            lacks.note(f"house_{seed:06d}", scene)
             _write_house(scene, folder / f"house_{seed:06d}", options.rasters)
             progress(index + 1, options.count)
-    data = {"folder": str(options.output), "houses": options.count, "seconds": watch.seconds}
-    return Outcome(f"{options.output}: {options.count} houses", data)
+    data = {
+        "folder": str(options.output), "houses": options.count, "lacking": lacks.rooms,
+        "seconds": watch.seconds,
+    }  # fmt: skip
+    return Outcome(f"{options.output}: {options.count} houses", data, warnings=lacks.warnings())
 
 
 def run_import(options: argparse.Namespace) -> Outcome:
@@ -140,16 +153,22 @@ def run_import(options: argparse.Namespace) -> Outcome:
     models = read_models_file(existing_file(options.models)) if options.models else Models()
     if not options.source.is_dir():
         existing_file(options.source)
-    reading = _Reading()
+    reading, lacks = _Reading(), _Lacking()
     watch = stopwatch(options)
     with output_folder(options.output, folder_mode(options)) as folder, watch.step("import"):
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
-                scene = furnish(scene.plan, np.random.default_rng((options.seed, reading.count)))
+                rng = np.random.default_rng((options.seed, reading.count))
+                scene = furnish(scene.plan, rng, options.statistics)
+                lacks.note(name, scene)
             _write_house(scene, folder / name, rasters=False)
         reading.refuse_none(options.source)
-    data = {"folder": str(options.output), "houses": reading.count, "seconds": watch.seconds}
-    return reading.outcome(f"{options.output}: {reading.count} houses", data)
+    data = {
+        "folder": str(options.output), "houses": reading.count, "lacking": lacks.rooms,
+        "seconds": watch.seconds,
+    }  # fmt: skip
+    outcome = reading.outcome(f"{options.output}: {reading.count} houses", data)
+    return replace(outcome, warnings=[*outcome.warnings, *lacks.warnings()])
 
 
 def run_stats(options: argparse.Namespace) -> Outcome:
@@ -247,6 +266,31 @@ def _write_house(scene: SceneGraph, stem: Path, rasters: bool) -> None:
         plan_image = draw_plan(scene.plan)
         write_raster(plan_image, file(".plan.png"))
         write_raster(layout_image(plan_image, scene.items), file(".layout.png"))
+
+
+@dataclass
+class _Lacking:
+    """Rooms that the furnisher found too small, or too full of doors, for what they need."""
+
+    rooms: list[dict[str, Any]] = field(default_factory=list)
+
+    def note(self, house: str, scene: SceneGraph) -> None:
+        from chord_usd.metrics.complete import homely_rooms
+
+        for found in homely_rooms(scene):
+            if found.missing:
+                name = scene.plan.room(found.room).name or found.room
+                row = {"house": house, "room": name, "missing": list(found.missing)}
+                self.rooms.append(row)
+
+    def warnings(self) -> list[str]:
+        """The first of them in words, and how many there are."""
+        told = [
+            f"{row['house']}: {row['room']} has no room for {' and '.join(row['missing'])}"
+            for row in self.rooms[:MOST_TOLD]
+        ]
+        more = len(self.rooms) - len(told)
+        return [*told, f"{more} more rooms are too small for their kind"] if more else told
 
 
 @dataclass

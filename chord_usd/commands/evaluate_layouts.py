@@ -7,7 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.commands.common import Outcome, Verbs, add_redraws, add_verb, stopwatch
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_redraws,
+    add_verb,
+    stopwatch,
+    whole_number,
+)
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
     add_fid,
@@ -40,6 +47,14 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--furnisher", action="store_true", help="score the training data's furnisher instead"
     )
+    parser.add_argument(
+        "--lists", type=Path, metavar="DIR",
+        help="score what this checkpoint of train lists writes down instead, nothing painted",
+    )  # fmt: skip
+    parser.add_argument(
+        "--drafts", type=whole_number(1, 100), default=1, metavar="N",
+        help="lists drawn of each room, of which the best is taken (1)",
+    )  # fmt: skip
     parser.add_argument(
         "--from", dest="source", type=Path, metavar="DIR",
         help="score the furnished houses of a folder of CHOrD JSON instead",
@@ -91,6 +106,14 @@ def _furnished(
         with watch.step("layout"):
             made_by = str(options.source) if options.source else "furnisher"
             return list(layouts.drawn(cases.cases, sampling)), made_by, replace(sampling, steps=0)
+    if options.lists:
+        from chord_usd.lists.draw import load_lists
+        from chord_usd.lists.pieces import PIECES
+
+        drawer = load_lists(options.lists, PIECES)
+        with watch.step("layout"):
+            found = list(layouts.listed(drawer, cases.cases, sampling, options.drafts))
+        return found, drawer.content_hash, replace(sampling, steps=0)
     with watch.step("load"):
         model = load_layout_model(options)
     sampling = sampling.settled(model.config)

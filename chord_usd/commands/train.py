@@ -72,6 +72,11 @@ def add(verbs: Verbs) -> None:
         metavar="N",
         help="procedural houses to learn from (40000)",
     )
+    lists = add_verb(
+        group, "lists", run_lists, "train the model that writes down what is in a room"
+    )
+    _add_training_options(lists, minutes=60.0, batch=None)
+    _add_flats(lists)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -289,6 +294,30 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
+def run_lists(options: argparse.Namespace) -> Outcome:
+    """Runs train lists."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.lists_trainer import ListTraining, Task, train_lists
+
+    base = ListTraining()
+    config = replace(
+        base,
+        minutes=options.minutes,
+        batch=options.batch or base.batch,
+        seed=options.seed,
+        device=options.device,
+    )
+    flats = read_flats(options.flats, part="train") if options.flats else []
+    with stopwatch(options).step("train") as progress:
+        batches = partial(endless_batches, flats, config.batch)
+        task = Task(PIECES, batches, batch_of(held_out(50)))
+        facts = train_lists(config, options.output, task, progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+
+
 def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:
     return replace(
         base,
@@ -323,6 +352,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
     from chord_usd.pipeline import Settings, load_model
+    from chord_usd.runtime.files import begin_run
     from chord_usd.runtime.networks import WEIGHTS_FILE
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
@@ -339,6 +369,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     generated: list[Sample] = []
     if options.generated:
+        begin_run(options.output)
         with watch.step("generate") as progress:
             model = load_model(Settings(device=_device(options)))
             folder = options.output / "generated"

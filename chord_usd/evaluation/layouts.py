@@ -15,15 +15,29 @@ from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.lists.draw import ListDrawer
+from chord_usd.lists.house import Drafts, furnish_by_lists
+from chord_usd.metrics.complete import ESSENTIALS
 from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish
-from chord_usd.metrics.scores import Score, rooms_of_kind, score_scenes
+from chord_usd.metrics.scores import (
+    Score,
+    homely_house_scores,
+    homely_scores,
+    mean_scores,
+    rooms_of_kind,
+    score_scene,
+    score_scenes,
+)
 from chord_usd.progress import Progress, Warn
 from chord_usd.redraw import Draw, mend_rooms
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
 """A house is furnished when none of these stands empty."""
+
+JUDGED: tuple[RoomKind, ...] = tuple(ESSENTIALS)
+"""Kinds of room with a column of their own."""
 
 BATCH = 8
 
@@ -146,6 +160,19 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
         yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
 
 
+def listed(
+    drawer: ListDrawer, cases: Iterable[Case], sampling: Sampling, drafts: int
+) -> Iterator[Furnished]:
+    """What the list network alone puts in, nothing painted. Case i gets that seed plus i.
+
+    drafts: of each room, of which the best is taken.
+    """
+    for index, case in enumerate(cases):
+        scene = furnish_by_lists(case.plan, drawer, Drafts(sampling.seed + index, drafts))
+        plan_image = _plan_image(case, sampling)
+        yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
+
+
 def as_read(one: Furnished, sampling: Sampling) -> Furnished:
     """With the picture that its items give: the layout without what reading it evens out.
 
@@ -168,10 +195,17 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
     sampling: as they were made; settled, or without steps where no model made them.
     """
     scenes = [one.scene for one in furnished]
-    house = score_scenes(scenes)
-    rows = {"house": {**house, **_house_scores(scenes), **_fidelity(furnished)}}
-    for kind in MUST_FURNISH:
-        rows[kind] = score_scenes(rooms_of_kind(scenes, kind))
+    scores = [score_scene(scene) for scene in scenes]
+    homely = [score.homely for score in scores]
+    rows = {
+        "house": {
+            **mean_scores(scores), **homely_house_scores(homely), **_house_scores(scenes),
+            **_fidelity(furnished),
+        }
+    }  # fmt: skip
+    for kind in JUDGED:
+        # What stands at an open side is judged by what lies beyond it.
+        rows[kind] = score_scenes(rooms_of_kind(scenes, kind)) | homely_scores(homely, kind)
     return LayoutScores(
         rows=rows,
         split=split_hash(one.case.id for one in furnished),

@@ -2,6 +2,7 @@
 
     overlap    POR and PIoU, the paper's collision scores
     rooms      items out of their room, rooms left empty
+    complete   rooms that hold what their kind cannot do without, standing rightly
     openings   doors, windows and passages with something in front of them
     walk       walkable floor, rooms one can reach
     fidelity   plans, orientations and rasters against the truth

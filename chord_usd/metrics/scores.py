@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from chord_usd.metrics.complete import Homely, homely_rooms, is_complete, is_right
 from chord_usd.metrics.openings import Blocked, blocked_openings, rooms_beside
 from chord_usd.metrics.overlap import Overlap, scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
@@ -24,6 +25,8 @@ class SceneScores:
     blocked: tuple[Blocked, ...]
     rooms_to_furnish: int
     empty_rooms: tuple[str, ...]
+    homely: tuple[Homely, ...]
+    """What the rooms that are judged lack, in their order."""
 
     @property
     def blocked_openings(self) -> tuple[str, ...]:
@@ -80,6 +83,7 @@ def score_scene(graph: SceneGraph, room_ids: Collection[str] | None = None) -> S
         blocked=tuple(blocked_openings(graph)),
         rooms_to_furnish=len(rooms_to_furnish(graph.rooms)),
         empty_rooms=tuple(empty_rooms(graph)),
+        homely=tuple(room for room in homely_rooms(graph) if room.is_judged),
     )
 
 
@@ -116,8 +120,30 @@ def mean_scores(scores: Iterable[SceneScores]) -> dict[str, Score]:
         "furnished": share_of(
             furnished, sum(s.rooms_to_furnish for s in all_scores), "rooms to furnish"
         ),
+        **homely_scores(s.homely for s in all_scores),
         "walkable": mean_of([w.walkable for w in walks], "scenes"),
         "reachable_rooms": mean_of([w.reachable_rooms for w in walks], "scenes"),
+    }
+
+
+def homely_scores(
+    houses: Iterable[Sequence[Homely]], kind: RoomKind | None = None
+) -> dict[str, Score]:
+    """Shares of rooms complete and right, of one kind or of all that are judged."""
+    rooms = [room for house in houses for room in house if kind in (None, room.kind)]
+    over = "rooms judged"
+    return {
+        "complete": share_of(sum(room.complete for room in rooms), len(rooms), over),
+        "right": share_of(sum(room.right for room in rooms), len(rooms), over),
+    }
+
+
+def homely_house_scores(houses: Iterable[Sequence[Homely]]) -> dict[str, Score]:
+    """Shares of houses of which every room is complete, or right."""
+    every = list(houses)
+    return {
+        "complete_houses": share_of(sum(map(is_complete, every)), len(every), "houses"),
+        "right_houses": share_of(sum(map(is_right, every)), len(every), "houses"),
     }
 
 

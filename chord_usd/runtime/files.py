@@ -213,6 +213,7 @@ class Delivery:
             with interrupts.held():
                 self._make_parents(home)
                 self._parcels.append(_Parcel(Scratch(home), home, target, asked))
+                self._parcels[-1].open()
         except OSError as error:
             raise _output_error(error, target) from error
         return self._parcels[-1]
@@ -297,14 +298,17 @@ class _Parcel:
     def __init__(self, scratch: Scratch, home: Path, target: Path, asked: set[Path]) -> None:
         self.scratch, self.home, self.target, self.asked = scratch, home, target, asked
         self.new, self._old = scratch.folder / "new", scratch.folder / "old"
-        self.new.mkdir()
-        self._old.mkdir()
         self.whole = self.replaces = self.sets_aside = self.is_new_folder = False
         self._manifest = Manifest(home)
         self._kept = 0
         self.written: list[Path] = []
         """What has taken its place."""
         self._delivered: set[Path] = set()
+
+    def open(self) -> None:
+        """Make room in the hidden folder. Raises OSError."""
+        self.new.mkdir()
+        self._old.mkdir()
 
     @property
     def is_scratch(self) -> bool:
@@ -313,6 +317,7 @@ class _Parcel:
 
     def prepare(self) -> None:
         """What takes time, before anything moves."""
+        self._manifest = Manifest(self.home)  # others may have written here meanwhile
         if self.is_new_folder:
             folder = self.new / self.target.name
             Manifest(folder).note(_files_in(folder), whole=self.whole)

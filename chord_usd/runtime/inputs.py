@@ -53,9 +53,9 @@ def refuse_odd_file(
     most = most_bytes or LARGEST_BYTES.get(path.suffix.lower(), _LARGEST_OTHER_BYTES)
     if found.st_size > most:
         raise error(
-            f"has {found.st_size / _MIB:,.0f} MiB",
+            f"is larger than {most // _MIB} MiB",
             where=where,
-            expected=f"at most {most // _MIB} MiB for a file of this kind",
+            expected="a file of this kind that can be read at once",
         )
 
 

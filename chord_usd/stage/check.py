@@ -16,7 +16,8 @@ import shapely
 from pxr import Usd
 
 from chord_usd.geometry import footprint, room_polygon
-from chord_usd.metrics import score_scene
+from chord_usd.metrics import SceneScores, score_scene
+from chord_usd.metrics.complete import Misplaced
 from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.runtime.stages import open_stage, reading
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
@@ -41,6 +42,15 @@ class Outlier:
 
 
 @dataclass(frozen=True)
+class Missing:
+    """Advice: what a room cannot do without and does not have."""
+
+    path: str
+    pieces: tuple[str, ...]
+    """The most needed first."""
+
+
+@dataclass(frozen=True)
 class Report:
     """What is wrong with a stage, and how good it is. Paths are prim paths."""
 
@@ -57,6 +67,12 @@ class Report:
     pairs: int
     ood: tuple[Outlier, ...]
     """Items that the layout model was asked about, the least expected first."""
+    complete: float
+    """Share of the rooms judged that have what their kind cannot do without; 1 without any."""
+    right: float
+    """The same share, of rooms in which nothing stands wrongly, too."""
+    missing: tuple[Missing, ...]
+    misplaced: tuple[Misplaced, ...]
 
     @property
     def valid(self) -> bool:
@@ -68,7 +84,7 @@ class Report:
         """Whether the certificate holds: a valid stage of a house in which nothing is amiss.
 
         walkable, reachable_rooms, por, piou and ood are scores, not conditions: they also judge
-        the plan, which is given.
+        the plan, which is given. What is missing or misplaced is advice.
         """
         faults = (
             self.collisions,
@@ -105,7 +121,19 @@ def _reported(stage: Usd.Stage) -> Report:
         piou=scores.overlap.piou,
         pairs=scores.overlap.pairs,
         ood=_outliers(scene.graph.items),
+        **_advice(scores),
     )
+
+
+def _advice(scores: SceneScores) -> dict[str, Any]:
+    rooms = scores.homely
+    judged = max(1, len(rooms))
+    return {
+        "complete": 1.0 - sum(not room.complete for room in rooms) / judged,
+        "right": 1.0 - sum(not room.right for room in rooms) / judged,
+        "missing": tuple(Missing(room.room, room.missing) for room in rooms if room.missing),
+        "misplaced": tuple(piece for room in rooms for piece in room.misplaced),
+    }
 
 
 def _outliers(items: Iterable[Item]) -> tuple[Outlier, ...]:

@@ -22,7 +22,6 @@ from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.progress import Progress
 from chord_usd.raster_files import read_layout, write_raster
-from chord_usd.runtime.files import begin_run
 from chord_usd.training.detector_data import Sample, sample_of
 from chord_usd.types import LayoutImage, Plan
 
@@ -40,8 +39,7 @@ def generated_samples(
 
     They are kept as PNG files in folder; those that lie there are not painted again.
     """
-    begin_run(folder.parent)
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     seeds = [seed for seed in range(_FIRST_SEED, _FIRST_SEED + count) if not is_test_seed(seed)]
     missing = [seed for seed in seeds if not _file(folder, seed).is_file()]
     painted = in_batches(partial(_painted, model), missing, _BATCH)

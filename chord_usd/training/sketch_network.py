@@ -6,14 +6,13 @@ draws pixels cannot count, one that writes a list can.
 
 from __future__ import annotations
 
-from typing import Any
-
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.words import MOST_COUNTED
+from chord_usd.training.transformer import Block
 
 CHANNELS = 160
 LAYERS = 4
@@ -39,7 +38,7 @@ class SketchNetwork(nn.Module):
         )
         self.embed_role = nn.Embedding(tokens.ROLES, channels)
         self.embed_left = nn.Embedding(MOST_COUNTED + 1, channels)
-        self.blocks = nn.ModuleList(_Block(channels, heads) for _ in range(layers))
+        self.blocks = nn.ModuleList(Block(channels, heads) for _ in range(layers))
         self.hidden = nn.ModuleList(nn.Linear(channels, channels) for _ in range(tokens.SLOTS))
         self.norm = nn.LayerNorm(channels)
         self.head = nn.Linear(channels, tokens.VOCABULARY)
@@ -72,31 +71,6 @@ class SketchNetwork(nn.Module):
             logits.append(self.head(functional.silu(self.hidden[slot](state))))
         found = torch.stack(logits, dim=2)
         return torch.where(self.allowed[roles], found, -1e4).log_softmax(dim=-1)
-
-
-class _Block(nn.Module):
-    """A transformer's layer, normalised before."""
-
-    def __init__(self, channels: int, heads: int) -> None:
-        super().__init__()
-        self.heads = heads
-        self.norm_1, self.norm_2 = nn.LayerNorm(channels), nn.LayerNorm(channels)
-        self.attend, self.merge = nn.Linear(channels, 3 * channels), nn.Linear(channels, channels)
-        self.widen, self.narrow = (
-            nn.Linear(channels, 4 * channels),
-            nn.Linear(4 * channels, channels),
-        )
-
-    def forward(self, state: Tensor, mask: Tensor) -> Tensor:
-        query, key, value = (
-            part.unflatten(-1, (self.heads, -1)).transpose(1, 2)
-            for part in self.attend(self.norm_1(state)).chunk(3, dim=-1)
-        )
-        scores = query @ key.transpose(-1, -2) / query.shape[-1] ** 0.5 + mask
-        seen = (scores.softmax(dim=-1) @ value).transpose(1, 2).flatten(2)
-        state = state + self.merge(seen)
-        inner: Any = self.narrow(functional.gelu(self.widen(self.norm_2(state))))
-        return state + inner
 
 
 def _seen(state: Tensor, around: int) -> Tensor:

@@ -12,6 +12,7 @@ import shapely
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.geometry import footprint, footprint_polygon, front_direction, room_polygon
+from chord_usd.metrics.complete import homely_rooms, is_complete
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
@@ -130,16 +131,25 @@ def test_chairs_face_the_table_they_touch(houses: list[SceneGraph]) -> None:
 
 
 def test_kitchen_runs_have_no_gaps(houses: list[SceneGraph]) -> None:
-    """Modules along one wall touch; only the wall's own ends may leave a slit."""
-    runs = 0
+    """Modules along one wall touch; only the wall's own ends may leave a slit.
+
+    Appliances that found no place in the row stand alone, and so do sink and cooker of a kitchen
+    that is too small for a row.
+    """
+    runs = blocks = 0
     for graph in houses:
         for room in graph.rooms:
             if room.kind == "kitchen":
-                modules = [footprint_polygon(item.box) for item in graph.items_of(room.id)]
+                modules = [
+                    footprint_polygon(item.box)
+                    for item in graph.items_of(room.id)
+                    if item.category not in ("refrigerator", "washing_machine")
+                ]
                 block = shapely.unary_union([m.buffer(1e-4, join_style="mitre") for m in modules])
                 runs += bool(modules)
-                assert block.geom_type in ("Polygon", "GeometryCollection"), room.id
+                blocks += block.geom_type == "Polygon"
     assert runs > HOUSES / 3
+    assert blocks >= 0.98 * runs
 
 
 def test_ids_are_unique_and_name_room_and_category(houses: list[SceneGraph]) -> None:
@@ -208,3 +218,68 @@ def test_nothing_tall_stands_before_a_low_window() -> None:
         graph = furnish(Plan((room,), (window,)), np.random.default_rng(seed))
         assert graph.items
         assert min(footprint(item.box)[:, 1].min() for item in graph.items) > 0.49
+
+
+def test_homes_are_complete_and_everything_stands_rightly(houses: list[SceneGraph]) -> None:
+    judged = [[room for room in homely_rooms(graph) if room.is_judged] for graph in houses]
+    rooms = [room for house in judged for room in house]
+    assert sum(room.complete for room in rooms) >= 0.99 * len(rooms)
+    assert sum(room.right for room in rooms) >= 0.99 * len(rooms)
+    assert sum(map(is_complete, judged)) >= 0.95 * len(judged)
+
+
+def test_homes_hold_what_households_have(houses: list[SceneGraph]) -> None:
+    """Shares are those of mix.HOMES, less what does not fit."""
+    with_kitchen = [graph for graph in houses if any(r.kind == "kitchen" for r in graph.rooms)]
+    assert _share_with(with_kitchen, {"refrigerator"}) >= 0.9
+    assert _share_with(houses, {"washing_machine", "washing_set"}) >= 0.85
+    bedrooms = [
+        {item.category for item in graph.items_of(room.id)}
+        for graph in houses
+        for room in graph.rooms
+        if room.kind == "bedroom" and room_polygon(room).area >= 8.0
+    ]
+    for category, share in (("bedside_table", 0.75), ("cabinet", 0.85), ("table", 0.3)):
+        assert sum(category in names for names in bedrooms) >= share * len(bedrooms), category
+
+
+def _share_with(houses: list[SceneGraph], any_of: set[str]) -> float:
+    held = [any(item.category in any_of for item in graph.items) for graph in houses]
+    return sum(held) / len(held)
+
+
+def test_the_papers_mix_is_sparser_and_needs_no_less() -> None:
+    counts = {}
+    for statistics in ("homes", "paper"):
+        graphs = []
+        for seed in range(40):
+            rng = np.random.default_rng(seed)
+            graphs.append(furnish(random_plan(rng), rng, statistics))
+        counts[statistics] = sum(len(graph.items) for graph in graphs)
+        lacking = [room for graph in graphs for room in homely_rooms(graph) if room.missing]
+        assert len(lacking) <= 2
+    assert counts["paper"] < 0.9 * counts["homes"]
+
+
+@pytest.mark.parametrize("kind", ["living", "bedroom", "kitchen", "bathroom", "dining", "study"])
+def test_rooms_no_larger_than_they_must_be_hold_what_they_need(kind: str) -> None:
+    """And what does not fit goes by priority."""
+    sides = {"living": (2.6, 3.2), "bedroom": (2.1, 3.0), "kitchen": (1.9, 2.3),
+             "bathroom": (1.6, 1.9), "dining": (2.2, 2.8), "study": (1.9, 2.0)}[kind]  # fmt: skip
+    x, y = sides
+    room = _room(kind, [(0, 0), (x, 0), (x, y), (0, y)])
+    door = _opening("door", 0.5, -0.12, 0.7)
+    for seed in range(8):
+        graph = furnish(Plan((room,), (door,)), np.random.default_rng(seed))
+        assert homely_rooms(graph)[0].right, seed
+        assert blocked_openings(graph) == []
+
+
+def test_fixtures_of_a_drawing_are_kept_and_what_is_missing_is_added() -> None:
+    room = _room("bathroom", [(0, 0), (2.4, 0), (2.4, 2.2), (0, 2.2)])
+    door = _opening("door", 0.6, -0.12, 0.7)
+    tub = {"category": "bathtub", "x": 2.0, "y": 1.7, "w": 0.7, "h": 1.4}
+    plan = Plan((room,), (door,), extra={"fixtures": [tub]})
+    graph = furnish(plan, np.random.default_rng(1))
+    names = {item.category for item in graph.items}
+    assert {"bathtub", "toilet", "washbasin"} <= names

@@ -171,7 +171,13 @@ HOSTILE: dict[str, tuple[Callable[[Path], object], str]] = {
         "xStart is -1e[+]308",
     ),
     "walls.sh3d": (
-        lambda p: write_home(p, '<wall xStart="1" yStart="2" xEnd="3" yEnd="4"/>' * 390_000),
+        lambda p: write_home(
+            p,
+            "".join(
+                f'<wall xStart="{x % 977}" yStart="{x % 1009}" xEnd="{x % 1013}" yEnd="4"/>'
+                for x in range(390_000)
+            ),
+        ),
         "more than 20,000 walls",
     ),
     "laughs.svg": (lambda p: p.write_text(LAUGHS), "declares XML entities"),

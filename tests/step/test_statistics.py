@@ -41,7 +41,7 @@ def test_houses_hold_what_the_papers_hold() -> None:
     items: Counter[str] = Counter()
     for seed in range(200):
         rng = np.random.default_rng(seed)
-        house = furnish(random_plan(rng, spread_room_count(seed)), rng)
+        house = furnish(random_plan(rng, spread_room_count(seed)), rng, "paper")
         items.update(item.category for item in house.items)
     assert total_variation({name: items[name] for name in paper.ITEMS}, paper.ITEMS) < FAR
 

@@ -19,7 +19,7 @@ CODE = sorted(
     for file in (ROOT / folder).rglob("*.py")
 )
 
-STEPS = ("plan", "planning", "layout", "graph", "stage", "image")
+STEPS = ("plan", "planning", "lists", "layout", "graph", "stage", "image")
 WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
 LINE = ("cli", "commands", "pipeline", "planner")
 
@@ -28,8 +28,8 @@ ALLOWED: dict[str, set[str]] = {
     "assets": set(),
     "metrics": set(),
     "data": {"metrics"},
-    "training": {"planning", "layout", "graph", "data"},
-    "evaluation": {"planning", "layout", "graph", "data", "metrics", "redraw"},
+    "training": {"planning", "lists", "layout", "graph", "data"},
+    "evaluation": {"planning", "lists", "layout", "graph", "data", "metrics", "redraw"},
     "farm": set(),
     "batch": {"pipeline", "data", "stage", "image"},
     "redraw": {"layout", "metrics"},

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from chord_usd.data.furnish.appliances import add_appliances
 from chord_usd.data.furnish.bathroom import furnish_bathroom
 from chord_usd.data.furnish.bedroom import furnish_bedroom
 from chord_usd.data.furnish.dining import furnish_dining
@@ -16,6 +17,7 @@ from chord_usd.data.furnish.hints import attach_fixtures
 from chord_usd.data.furnish.kitchen import furnish_kitchen
 from chord_usd.data.furnish.least import furnish_least
 from chord_usd.data.furnish.living import furnish_living
+from chord_usd.data.furnish.mix import MIXES, Statistics
 from chord_usd.data.furnish.openings import (
     attach_open_sides,
     attach_openings,
@@ -28,33 +30,35 @@ from chord_usd.data.furnish.small import (
     furnish_store,
     furnish_study,
 )
+from chord_usd.metrics.complete import lacking
 from chord_usd.types import Box, Item, Plan, SceneGraph
 
 __all__ = ["furnish"]
 
-ATTEMPTS = 2
-"""Times a room is furnished anew for the sake of free paths before groups are given up."""
+ATTEMPTS = (0, 1, 1)
+"""How far a room is squeezed (Floor.squeeze), one attempt after the other, for the sake of what it
+needs and of free paths, before groups are given up."""
 
-CORE_MISSING = 15
-"""Worse than a door that does not connect: a bedroom without a bed."""
-
-HAS_CORE = ("bedroom", "living", "dining", "kitchen", "bathroom", "study")
-"""Kinds of room with a piece they are there for."""
+MISSING = 15
+"""Worse than a door that does not connect: a bedroom without a bed, for each essential."""
 
 MOST_REPAIRS = 4
 """Groups given up at most."""
 
 
-def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
+def furnish(plan: Plan, rng: np.random.Generator, statistics: Statistics = "homes") -> SceneGraph:
     """The plan with furniture in every room that should have some.
 
     Rooms of unknown kind are furnished as what they look like; the rooms of the result keep their
     kind. No two footprints overlap, all are inside their rooms, the space in front of doors and
     windows is free. The same plan and state of rng give the same house. What plan.extra lists as
-    "fixtures" ({category, x, y}, the middle in metres) steers bathrooms and kitchens.
+    "fixtures" ({category, x, y}, the middle in metres) steers bathrooms and kitchens. Every room
+    gets what its kind cannot do without (metrics.complete) where that fits, the most needed first;
+    statistics says how much comes besides.
     """
     dice = random.Random(int(rng.integers(1 << 62)))
-    floors = [Floor(room, room.kind, dice) for room in plan.rooms]
+    mix = MIXES[statistics]
+    floors = [Floor(room, room.kind, dice, mix) for room in plan.rooms]
     attach_open_sides(floors)
     attach_openings(floors, plan.openings)
     attach_fixtures(floors, plan.extra.get("fixtures", ()))
@@ -63,6 +67,7 @@ def furnish(plan: Plan, rng: np.random.Generator) -> SceneGraph:
     for floor in floors:
         if len(floor.corners) >= 3:
             _furnish_well(floor, floors, floor is laundry)
+    add_appliances(floors, dice, mix)
     items = tuple(item for floor in floors for item in _items(floor))
     for floor in floors:
         floor.part()
@@ -73,14 +78,12 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     """The first of a few attempts that leaves the paths free, else the best one repaired."""
     empty = floor.mark()
     best: tuple[int, list[Placed]] | None = None
-    for attempt in range(ATTEMPTS):
-        floor.let_tight(attempt > 0)
-        if not floor.is_tight:
+    for squeezed in ATTEMPTS:
+        floor.squeeze(squeezed)
+        if not squeezed:
             keep_ways_in(floor)
         _furnish_room(floor, floors, is_laundry)
-        faults = path_faults(floor) if floor.placed else 0
-        if floor.kind in HAS_CORE and not any(piece.core for piece in floor.placed):
-            faults += CORE_MISSING
+        faults = _faults(floor)
         if not faults:
             return
         if best is None or faults < best[0]:
@@ -89,8 +92,31 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
     if best:
         floor.placed, floor.walked = best[1], -1
         _repair(floor)
-    if not floor.placed:
-        furnish_least(floor)
+        floor.restore(empty, floor.placed)
+    if _missing(floor):
+        _furnish_least(floor, empty)
+
+
+def _furnish_least(floor: Floor, empty: tuple[int, int]) -> None:
+    """The least a room needs, where that is more of it than what stands there."""
+    missing, kept = _missing(floor), floor.placed
+    floor.undo(empty)
+    floor.squeeze(2)
+    furnish_least(floor)
+    if kept and _missing(floor) >= missing:
+        floor.restore(empty, kept)
+
+
+def _faults(floor: Floor) -> int:
+    return (path_faults(floor) if floor.placed else 0) + MISSING * _missing(floor)
+
+
+def _missing(floor: Floor) -> int:
+    """How many of its essentials a room lacks; a study needs its desk."""
+    standing = [piece.category for piece in floor.placed]
+    if floor.kind == "study":
+        return int("table" not in standing)
+    return len(lacking(floor.kind, floor.area_m2, standing))
 
 
 def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:
@@ -125,16 +151,15 @@ def _laundry_balcony(floors: Sequence[Floor], dice: random.Random) -> Floor | No
 
 def _repair(floor: Floor) -> None:
     """Give up groups until people can walk through the room, as few as possible."""
-    faults = path_faults(floor)
+    faults = _faults(floor)
     for _ in range(MOST_REPAIRS):
         kept = floor.placed
-        core = {piece.group for piece in kept if piece.core}
-        groups = dict.fromkeys(piece.group for piece in reversed(kept) if piece.group not in core)
+        groups = dict.fromkeys(piece.group for piece in reversed(kept))
         best = None
         for group in groups:
             floor.placed = [piece for piece in kept if piece.group != group]
             floor.walked = -1
-            left = path_faults(floor)
+            left = _faults(floor)
             if left < faults:
                 faults, best = left, floor.placed
             if not left:

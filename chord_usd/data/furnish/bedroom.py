@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
+from chord_usd.data.furnish.mix import count_of
 from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_armchair, put_cabinet
 from chord_usd.data.furnish.walls import MARGIN_M, REACH, SOLID, Wall
@@ -39,29 +40,35 @@ class BedPlace(NamedTuple):
 
 def furnish_bedroom(floor: Floor) -> None:
     """Furnish in the order of importance; what no longer fits is left out."""
-    dice = floor.dice
+    dice, mix = floor.dice, floor.mix
     place = _put_bed(floor)
-    wardrobe = 0.68 if floor.area_m2 > 8.0 else 0.5
-    if dice.random() < wardrobe:
-        _put_wardrobe(floor)
-    if place and floor.area_m2 > 10.0 and dice.random() < 0.25:
+    storage = mix.storage if floor.area_m2 > 8.0 else mix.storage_small
+    _put_storage_and_desk(floor, dice.random() < storage, dice.random() < mix.desk)
+    if place and floor.area_m2 > 10.0 and dice.random() < mix.bedroom_television:
         _put_television(floor, place)
-    if dice.random() < 0.5:
-        put_desk(floor)
-    if floor.area_m2 > 15.0 and dice.random() < 0.36:
+    if floor.area_m2 > mix.bedroom_armchair_from_m2 and dice.random() < mix.bedroom_armchair:
         put_armchair(floor)
-    if floor.area_m2 > 16.0 and dice.random() < 0.08:
+    if floor.area_m2 > mix.chest_from_m2 and dice.random() < mix.chest_besides:
         put_cabinet(floor, tall=False, longest=1.4)
 
 
-def _put_wardrobe(floor: Floor) -> None:
-    """A wardrobe, or a chest of drawers, which is as often all the storage there is."""
+def _put_storage_and_desk(floor: Floor, has_storage: bool, has_desk: bool) -> None:
+    """The desk, which needs the larger place, first; but not in the wardrobe's stead."""
+    mark = floor.mark()
+    if has_desk and put_desk(floor) and (not has_storage or _put_wardrobe(floor)):
+        return
+    if has_storage:
+        floor.undo(mark)
+        _put_wardrobe(floor)
+
+
+def _put_wardrobe(floor: Floor) -> bool:
+    """A wardrobe, or a chest of drawers, where that is all the storage there is."""
     dice = floor.dice
-    if dice.random() < 0.45:
-        put_cabinet(floor, tall=False, longest=dice.uniform(0.8, 1.3))
-    else:
-        usual = min(2.8, max(0.8, 0.8 + 0.08 * floor.area_m2 + dice.uniform(-0.4, 0.6)))
-        put_cabinet(floor, tall=True, longest=usual)
+    if dice.random() < floor.mix.chest:
+        return put_cabinet(floor, tall=False, longest=dice.uniform(0.8, 1.3))
+    usual = min(2.8, max(0.8, 0.8 + 0.08 * floor.area_m2 + dice.uniform(-0.4, 0.6)))
+    return put_cabinet(floor, tall=True, longest=usual)
 
 
 def _put_bed(floor: Floor) -> BedPlace | None:
@@ -87,10 +94,10 @@ def _put_bed(floor: Floor) -> BedPlace | None:
 def _bed_sizes(floor: Floor) -> Iterator[Size]:
     """Beds that suit the room, widest first; where it is tight a short and low one last."""
     for length in sizes.BED_LENGTHS_M:
-        widest = 0.75 + 0.085 * floor.area_m2 + floor.dice.uniform(-0.1, 0.25)
+        widest = 0.75 + floor.mix.bed_m_per_m2 * floor.area_m2 + floor.dice.uniform(-0.1, 0.25)
         if length <= max(0.9, widest):
             yield sizes.bed(floor.dice, length)
-    if floor.is_tight:
+    if floor.squeezed:
         yield sizes.LEAST_BED
 
 
@@ -177,10 +184,24 @@ def _put_bed_group(floor: Floor, place: BedPlace, size: Size, panel: Size | None
 def _put_bedside_tables(floor: Floor, place: BedPlace, size: Size) -> tuple[bool, bool]:
     """None, one or two of the same kind, beside the headboard, flush with the wall."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.64, 0.14, 0.22) if size[0] > 1.3 else (0.66, 0.32, 0.02))[0]
-    table = sizes.sampled(dice, "bedside_table", shortest=0.4, longest=0.6)
-    table = (table[0], min(table[1], table[0]), table[2])
+    mix = floor.mix
+    wanted = count_of(dice, mix.bedside_wide if size[0] > 1.3 else mix.bedside_narrow)
+    usual = sizes.sampled(dice, "bedside_table", shortest=0.4, longest=0.6)
+    usual = (usual[0], min(usual[1], usual[0]), usual[2])
     gap = dice.choice((0.0, 0.0, MARGIN_M))
+    small = (0.35, 0.35, usual[2])
+    for table, off in ((usual, gap), (small, 0.0)):
+        put = _put_beside(floor, place, size, table, off, wanted)
+        if any(put):
+            return put
+    return False, False
+
+
+def _put_beside(
+    floor: Floor, place: BedPlace, size: Size, table: Size, gap: float, wanted: int
+) -> tuple[bool, bool]:
+    """Up to so many of these tables. Returns whether one stands on the left, and the right."""
+    dice = floor.dice
     sides = [-1, 1] if dice.random() < 0.5 else [1, -1]
     put = {-1: False, 1: False}
     for side in sides:

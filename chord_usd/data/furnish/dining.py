@@ -60,7 +60,7 @@ class Place(NamedTuple):
 def furnish_dining(floor: Floor) -> None:
     """The table in the middle of the room, a cabinet at a wall."""
     put_dining_table(floor, core=True)
-    if floor.dice.random() < 0.75:
+    if floor.dice.random() < floor.mix.dining_cabinet:
         longest = floor.dice.uniform(1.2, 2.0)
         put_dining_cabinet(floor, longest)
 

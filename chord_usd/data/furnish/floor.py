@@ -7,6 +7,7 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from chord_usd.data.furnish.mix import HOMES, Mix
 from chord_usd.data.furnish.walls import MARGIN_M, NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
 from chord_usd.palette import CATEGORIES
 from chord_usd.types import Room, RoomKind
@@ -63,8 +64,9 @@ class Door(NamedTuple):
 class Floor:
     """The state of one room. Mutable; lives only while `furnish` runs."""
 
-    def __init__(self, room: Room, kind: RoomKind, dice: random.Random) -> None:
+    def __init__(self, room: Room, kind: RoomKind, dice: random.Random, mix: Mix = HOMES) -> None:
         self.room = room
+        self.mix = mix
         self.kind: RoomKind = kind
         self.dice = dice
         self.corners = straight_corners(room.polygon_m.tolist())
@@ -87,8 +89,8 @@ class Floor:
         self.placed: list[Placed] = []
         self.walked = -1
         """How many pieces stood here when the paths were last found free; -1 where not known."""
-        self.is_tight = False
-        """Whether narrow paths have to do; see let_tight."""
+        self.squeezed = 0
+        """How narrow paths may be; see squeeze."""
         self.cells: Any = None
         """What chord_usd.data.furnish.paths knows about the empty room."""
         self._group = 0
@@ -100,11 +102,13 @@ class Floor:
         self.touching.clear()
         self.doors.clear()
 
-    def let_tight(self, is_tight: bool) -> None:
-        """Whether narrow paths have to do, and pieces may touch that do not belong together."""
-        self.is_tight = is_tight
+    def squeeze(self, squeezed: int) -> None:
+        """1: narrow paths have to do, and pieces may touch that do not belong together; 2: paths
+        that one person just passes.
+        """
+        self.squeezed, self.walked = squeezed, -1
         # What stands in a bathroom is built in side by side.
-        margin_m = 0.0 if is_tight or self.kind == "bathroom" else MARGIN_M
+        margin_m = 0.0 if squeezed or self.kind == "bathroom" else MARGIN_M
         for wall in self.walls:
             wall.margin_m = margin_m
 
@@ -123,6 +127,16 @@ class Floor:
         del self._things[mark[1] :]
         for wall in self.walls:
             wall.forget(mark[1])
+
+    def restore(self, empty: tuple[int, int], pieces: Sequence[Placed]) -> None:
+        """Stand these pieces, as they stood before, in a room that is as it was at the mark."""
+        pieces = list(pieces)
+        self.undo(empty)
+        for piece in pieces:
+            self.placed.append(piece)
+            half_length, half_width = piece.size[0] / 2, piece.size[1] / 2
+            self._take(piece.x, piece.y, piece.ux, piece.uy, half_length, half_width, SOLID,
+                       NO_SILL_M)  # fmt: skip
 
     def put(
         self,

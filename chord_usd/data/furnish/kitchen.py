@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import random
 from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
+from chord_usd.data.furnish.appliances import REFRIGERATOR, stand_alone
 from chord_usd.data.furnish.floor import Floor, Spot
 from chord_usd.data.furnish.modules import Module, pack
 from chord_usd.data.furnish.walls import Wall
+from chord_usd.metrics.complete import lacking
 
 AISLE_M = 0.85
 """Free floor in front of the fronts."""
@@ -26,7 +29,8 @@ class Run(NamedTuple):
     """Another run stands in front of this one's first counter depth."""
     blind_end: bool = False
     joins_end: bool = False
-    """It meets another run at its end."""
+    """It meets another run at its end; what is tall stands at the other."""
+    joins_start: bool = False
 
     @property
     def length(self) -> float:
@@ -35,13 +39,30 @@ class Run(NamedTuple):
 
 
 def furnish_kitchen(floor: Floor) -> None:
-    """Enough counter for the room's size, in the simplest shape that gives it."""
+    """Enough counter for the room's size, in the simplest shape that gives it.
+
+    The refrigerator stands in the row; where that is too short the row is planned around it.
+    """
+    has_refrigerator = floor.dice.random() < floor.mix.refrigerator
+    mark = floor.mark()
+    _put_runs(floor, has_refrigerator)
+    if not has_refrigerator or floor.has("refrigerator"):
+        return
+    floor.undo(mark)
+    stand_alone(floor, REFRIGERATOR)
+    _put_runs(floor, False)
+    if lacking("kitchen", floor.area_m2, (piece.category for piece in floor.placed)):
+        floor.undo(mark)
+        _put_runs(floor, False)
+
+
+def _put_runs(floor: Floor, has_refrigerator: bool) -> None:
     dice = floor.dice
     height = sizes.between(dice, 0.8, 0.9)
     for depth, aisle in ((0.6, AISLE_M), (0.55, 0.7), (0.5, 0.6)):
         runs = _best_runs(floor, depth, height, aisle)
         if sum(run.length for run in runs) >= 1.2 or (depth == 0.5 and runs):
-            _fill(floor, runs, depth, height)
+            _fill(floor, runs, depth, height, has_refrigerator)
             return
 
 
@@ -110,7 +131,7 @@ def _corner_runs(first: Spot, second: Spot, depth: float) -> list[list[Run]]:
     if first.length >= BLIND_M and second.length - depth >= 0.6:
         runs.append([
             Run(first.wall, first.s_from, first.s_to, blind_end=True),
-            Run(second.wall, depth, second.s_to),
+            Run(second.wall, depth, second.s_to, joins_start=True),
         ])  # fmt: skip
     if second.length >= BLIND_M and first.length - depth >= 0.6:
         runs.append([
@@ -127,33 +148,53 @@ def _u_runs(first: Spot, second: Spot, third: Spot, depth: float) -> list[list[R
     return [[
         Run(first.wall, first.s_from, first.s_to - depth, joins_end=True),
         Run(second.wall, second.s_from, second.s_to, blind_start=True, blind_end=True),
-        Run(third.wall, depth, third.s_to),
+        Run(third.wall, depth, third.s_to, joins_start=True),
     ]]  # fmt: skip
 
 
-def _fill(floor: Floor, runs: list[Run], depth: float, height: float) -> None:
+def _fill(
+    floor: Floor, runs: list[Run], depth: float, height: float, has_refrigerator: bool
+) -> None:
     dice = floor.dice
-    wanted = {"sink_cabinet", "cooker_cabinet"}
-    if dice.random() < 0.35:
-        wanted.add("refrigerator")
-    if dice.random() < 0.4:
-        wanted.add("electrical_floor_cabinet")
+    has_oven = dice.random() < floor.mix.electrical
     runs = _trimmed(runs)
-    sink_run = _sink_run(floor, runs)
-    order = [sink_run, *(run for run in runs if run is not sink_run)]
-    for i, run in enumerate(order):
-        own = _share(wanted, i, len(order))
+    owns = _shared_out(floor, runs, has_refrigerator, has_oven)
+    for run, own in zip(runs, owns, strict=True):
         modules = pack(dice, run.length, own, _window_at(floor, run), run.blind_start,
-                       run.blind_end, depth, BLIND_M)  # fmt: skip
-        wanted -= {module.category for module in modules}
+                       run.blind_end, BLIND_M, _tall_at_end(dice, run))  # fmt: skip
         _put_modules(floor, run, modules, depth, height)
 
 
-def _share(wanted: set[str], i: int, runs: int) -> set[str]:
-    """The first run takes the sink; the cooker goes to the second where there is one."""
-    if runs > 1 and i == 0:
-        return wanted - {"cooker_cabinet", "refrigerator"}
-    return set(wanted)
+def _tall_at_end(dice: random.Random, run: Run) -> bool:
+    """Whether refrigerator and oven stand at a run's end: the one that is in no corner."""
+    if run.blind_start or run.joins_start:
+        return True
+    return not (run.blind_end or run.joins_end) and dice.random() < 0.5
+
+
+def _shared_out(
+    floor: Floor, runs: list[Run], has_refrigerator: bool, has_oven: bool
+) -> list[set[str]]:
+    """Which run takes what: the sink where there is light, the cooker on another run where there is
+    one, and what is tall where most counter is left.
+    """
+    free = [run.length - BLIND_M * (run.blind_start + run.blind_end) for run in runs]
+    owns: list[set[str]] = [set() for _ in runs]
+
+    def give(category: str, i: int, taken_m: float) -> None:
+        owns[i].add(category)
+        free[i] -= taken_m
+
+    give("sink_cabinet", runs.index(_sink_run(floor, runs)), 0.7)
+    give("cooker_cabinet", max(range(len(runs)), key=lambda i: free[i]), 0.7)
+    for category, is_wanted in (
+        ("refrigerator", has_refrigerator), ("electrical_floor_cabinet", has_oven),
+    ):  # fmt: skip
+        open_ends = [i for i, run in enumerate(runs) if not (run.blind_start and run.blind_end)]
+        i = max(open_ends, key=lambda i: free[i], default=None)
+        if is_wanted and i is not None and free[i] >= 0.6:
+            give(category, i, 0.6)
+    return owns
 
 
 def _trimmed(runs: list[Run]) -> list[Run]:

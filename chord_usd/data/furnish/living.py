@@ -7,6 +7,7 @@ from typing import NamedTuple
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.dining import put_dining_table
 from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.mix import count_of
 from chord_usd.data.furnish.storage import (
     put_armchair,
     put_cabinet,
@@ -35,17 +36,19 @@ class Axis(NamedTuple):
 
 def furnish_living(floor: Floor, *, with_dining: bool) -> None:
     """with_dining: the house has no other place for the dining table."""
-    dice = floor.dice
+    dice, mix = floor.dice, floor.mix
     put_sofa_group(floor)
-    if with_dining and dice.random() < (0.3 if floor.area_m2 > 24.0 else 0.06):
+    dining = mix.living_dining if floor.area_m2 > 24.0 else mix.living_dining_small
+    if with_dining and dice.random() < dining:
         put_dining_table(floor)
-    if dice.random() < 0.8:
+    if dice.random() < mix.shoe_cabinet:
         put_shoe_cabinet(floor)
-    if dice.random() < (0.6 if floor.has("dining_table") else 0.4):
+    has_table = floor.has("dining_table")
+    if dice.random() < (mix.dining_cabinet_at_table if has_table else mix.dining_cabinet_living):
         put_dining_cabinet(floor, dice.uniform(0.9, 1.8))
-    if floor.area_m2 > 14.0 and dice.random() < 0.55:
+    if floor.area_m2 > 14.0 and dice.random() < mix.living_armchair:
         put_armchair(floor)
-    if floor.area_m2 > 12.0 and dice.random() < 0.1:
+    if floor.area_m2 > 12.0 and dice.random() < mix.living_cabinet:
         put_cabinet(floor, tall=dice.random() < 0.4, longest=dice.uniform(0.8, 1.8))
 
 
@@ -155,7 +158,7 @@ def _stand_group(floor: Floor, axis: Axis, sofa: Size, tv: Size, panel: Size | N
     front = back + sofa[1]
     free = axis.across_m - tv[1] - front
     low, high = s - sofa[0] / 2, s + sofa[0] / 2
-    if dice.random() < 0.85:
+    if dice.random() < floor.mix.coffee_table:
         front = _put_coffee_table(floor, wall, s, front, free, sofa[0])
     _put_side_table(floor, wall, s, sofa[0])
     if free > 1.6:
@@ -189,7 +192,7 @@ def _put_coffee_table(
 def _put_side_table(floor: Floor, wall: Wall, s: float, sofa_length: float) -> None:
     """Beside the sofa, flush with the wall."""
     dice = floor.dice
-    if dice.random() > 0.4:
+    if dice.random() > floor.mix.side_table:
         return
     size = sizes.square(dice, "side_coffee_table")
     for side in dice.sample((-1, 1), 2):
@@ -204,7 +207,7 @@ def _put_side_table(floor: Floor, wall: Wall, s: float, sofa_length: float) -> N
 def _put_single_sofas(floor: Floor, axis: Axis, sofa: Size, back: float) -> None:
     """At the sides of the coffee table, facing it."""
     dice = floor.dice
-    wanted = dice.choices((0, 1, 2), (0.25, 0.4, 0.35))[0]
+    wanted = count_of(dice, floor.mix.single_sofas)
     size = sizes.sampled(dice, "single_sofa", longest=0.95, deepest=0.95)
     wall, front = axis.sofa_wall, back + sofa[1]
     for side in dice.sample((-1, 1), 2)[:wanted]:

@@ -28,13 +28,14 @@ def pack(
     window_m: float | None,
     blind_start: bool,
     blind_end: bool,
-    depth: float,
     blind_m: float,
+    tall_at_end: bool,
 ) -> list[Module]:
     """Modules from the run's start to its end that fill `length` metres.
 
     wanted: categories to place if there is room. window_m: where the sink would like its middle.
     Blind ends begin with a corner cabinet of blind_m, since the neighbour run hides one depth.
+    tall_at_end: refrigerator and oven stand at the end, else at the start.
     """
     head = [Module(DOUBLE, blind_m)] if blind_start else []
     tail = [Module(DOUBLE, blind_m)] if blind_end else []
@@ -42,15 +43,17 @@ def pack(
     if free < 0.3:
         return [*head, *tail]
     ends: list[Module] = []
-    if "refrigerator" in wanted and free >= 1.9 and not (blind_start and blind_end):
-        ends.append(Module("refrigerator", 0.7 if free > 2.4 else 0.6))
-    if "electrical_floor_cabinet" in wanted and free - _total(ends) >= 1.9:
+    needed = 0.6 * len(wanted & {"sink_cabinet", "cooker_cabinet"})
+    has_end = not (blind_start and blind_end)
+    if "refrigerator" in wanted and free >= needed + 0.6 and has_end:
+        ends.append(Module("refrigerator", 0.7 if free > needed + 1.2 else 0.6))
+    left = free - _total(ends)
+    if "electrical_floor_cabinet" in wanted and left >= needed + 0.6 and has_end:
         ends.append(Module("electrical_floor_cabinet", 0.6))
     free -= _total(ends)
-    at_end = blind_start or (not blind_end and dice.random() < 0.5)
-    offset = _total(head) + (0.0 if at_end else _total(ends))
+    offset = _total(head) + (0.0 if tall_at_end else _total(ends))
     middle = _middle(dice, free, wanted, None if window_m is None else window_m - offset)
-    row = [*middle, *reversed(ends)] if at_end else [*ends, *middle]
+    row = [*middle, *reversed(ends)] if tall_at_end else [*ends, *middle]
     return [*head, *_stretched(row, free + _total(ends)), *tail]
 
 

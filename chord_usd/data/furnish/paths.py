@@ -18,9 +18,9 @@ CELL_M = 0.1
 PATH_CELLS = 6
 """A path is free where a square of this many cells a side is: 0.6 m, 0.5 m at worst."""
 
-NARROW_PATH_CELLS = 5
+NARROW_PATH_CELLS, NARROWEST_PATH_CELLS = 5, 4
 """The same in bathrooms, where one passes a toilet or basin with half a metre, and wherever
-wider paths leave no room for what the room is there for."""
+wider paths leave no room for what the room is there for (Floor.squeeze)."""
 
 STAND_M = 0.55
 """Somebody who uses a piece stands within this distance of it."""
@@ -146,8 +146,7 @@ def _count_faults(floor: Floor) -> int:
     free, pieces = grid.floor, grid.pieces(floor.placed)
     for _, under, _ in pieces:
         free &= ~under
-    narrow = floor.is_tight or floor.kind == "bathroom"
-    path_cells = NARROW_PATH_CELLS if narrow else PATH_CELLS
+    path_cells = _path_cells(floor)
     doors = grid.connected_doors(path_cells)
     used = [(piece, beside) for piece, _, beside in pieces if piece.category not in NEEDS_NO_ACCESS]
     walk = grid.walkable(free, path_cells, doors, [beside for _, beside in used])
@@ -156,6 +155,12 @@ def _count_faults(floor: Floor) -> int:
         if not beside & walk:
             faults += CORE_LOST if piece.core else LOST
     return faults
+
+
+def _path_cells(floor: Floor) -> int:
+    if floor.squeezed > 1:
+        return NARROWEST_PATH_CELLS
+    return NARROW_PATH_CELLS if floor.squeezed or floor.kind == "bathroom" else PATH_CELLS
 
 
 def _crossings(corners: Sequence[tuple[float, float]], y: float) -> list[float]:

@@ -21,7 +21,7 @@ def furnish_balcony(floor: Floor, *, with_laundry: bool) -> None:
     if with_laundry:
         category = "washing_set" if dice.random() < 0.93 else "washing_machine"
         _put_laundry(floor, category)
-    if floor.area_m2 > 3.0 and dice.random() < 0.3:
+    if floor.area_m2 > 3.0 and dice.random() < floor.mix.balcony_armchair:
         put_armchair(floor)
 
 
@@ -49,13 +49,13 @@ def furnish_study(floor: Floor) -> None:
     """Desk and chair, a cabinet for books, an armchair where there is room."""
     dice = floor.dice
     put_desk(floor, core=True)
-    if dice.random() < 0.5:
+    if dice.random() < floor.mix.shelf:
         put_cabinet(floor, tall=True, longest=dice.uniform(1.0, 2.4))
-    if floor.area_m2 > 8.0 and dice.random() < 0.4:
+    if floor.area_m2 > 8.0 and dice.random() < floor.mix.study_armchair:
         put_armchair(floor)
 
 
 def furnish_store(floor: Floor) -> None:
     """A cabinet in less than half of them."""
-    if floor.dice.random() < 0.4:
+    if floor.dice.random() < floor.mix.store_cabinet:
         put_cabinet(floor, tall=True, longest=floor.dice.uniform(1.0, 2.4))

@@ -44,8 +44,8 @@ Block = tuple[float, float, float, float, int, float]
 class Wall:
     """One side of a room, seen from inside: corners run counter-clockwise, the room is left."""
 
-    __slots__ = ("_blocks", "_things", "edges", "has_door", "has_window", "index", "length",
-                 "margin_m", "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
+    __slots__ = ("_blocks", "_things", "clear_m", "edges", "has_door", "has_window", "index",
+                 "length", "margin_m", "ux", "uy", "x", "y", "yaw_deg")  # fmt: skip
 
     def __init__(
         self, index: int, start: Sequence[float], end: Sequence[float], things: list[Thing]
@@ -60,6 +60,8 @@ class Wall:
         self._things = things
         self._blocks: list[Block] = []
         self.edges: list[tuple[float, float, float, float]] = []
+        self.clear_m = math.inf
+        """No other side of the room is nearer."""
         self.has_door = False
         self.has_window = False
         self.margin_m = 0.0
@@ -88,6 +90,7 @@ class Wall:
                 (s0 > TOUCH_M or s1 > TOUCH_M) and (s0 < end or s1 < end)
             ):
                 self.edges.append((s0, t0, s1, t1))
+                self.clear_m = min(self.clear_m, max(0.0, t0 if t0 < t1 else t1))
             s0, t0 = s1, t1
 
     def forget(self, count: int) -> None:
@@ -111,7 +114,7 @@ class Wall:
         """
         far, margin = near + depth, self.margin_m
         reached = far + reach - TOUCH_M
-        cuts = _edge_cuts(self.edges, far + reach)
+        cuts = _edge_cuts(self.edges, far + reach) if far + reach > self.clear_m else []
         near, far = near + TOUCH_M, far - TOUCH_M
         for s_from, s_to, t_from, t_to, bits, sill in self._seen():
             if t_from >= reached:
@@ -150,6 +153,8 @@ class Wall:
                 and height > sill
             ):
                 return False
+        if t_to <= self.clear_m:
+            return True
         return all(b <= low or a >= high for a, b in _edge_cuts(self.edges, t_to))
 
     def _seen(self) -> list[Block]:
@@ -177,6 +182,8 @@ class Wall:
     def _between(self, cuts: list[tuple[float, float]], least: float) -> list[tuple[float, float]]:
         """What the cuts leave of the wall, in pieces of at least this length."""
         least -= TOUCH_M
+        if not cuts:
+            return [(0.0, self.length)] if self.length >= least else []
         cuts.sort()
         gaps = []
         start, end = 0.0, self.length
@@ -211,6 +218,10 @@ def _edge_cuts(
 
 def _turned_back_deg(dx: float, dy: float) -> float:
     """Yaw of an item with its back to a wall that runs along (dx, dy); exact quarter turns."""
+    if dy == 0.0:
+        return 180.0 if dx > 0.0 else 0.0
+    if dx == 0.0:
+        return -90.0 if dy > 0.0 else 90.0
     yaw_deg = math.degrees(math.atan2(-dy, -dx))
     quarter = round(yaw_deg / 90.0) * 90.0
     yaw_deg = quarter if abs(yaw_deg - quarter) < 1e-6 else yaw_deg

@@ -1,0 +1,153 @@
+"""Rooms to learn lists from: furnished anew for ever, in all eight poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from chord_usd.data.furnish import furnish
+from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import TEST_SEED, is_test_seed
+from chord_usd.lists import pieces
+from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Sequences, sequence_of
+from chord_usd.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
+from chord_usd.units import rotation_2d
+
+Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
+"""Segments, facts, flags, roles, left and values: what the network takes."""
+
+HOMES_SHARE = 0.8
+"""Houses furnished as homes; the others as sparsely as the paper's."""
+FLAT_SHARE = 0.35
+"""Houses that are real flats, where there are any."""
+UNTOLD_SHARE = 0.4
+"""Houses whose rooms know nothing of what the others hold."""
+UNNAMED_SHARE = 0.05
+"""Rooms whose kind is not told, as on plans without names."""
+POOL = 12_000
+"""Rooms that are kept and seen again in other poses."""
+NEW_HOUSES = 3
+"""Furnished for each batch."""
+_BUCKETS = 4
+"""Batches that are drawn together and sorted by length, so that little is padding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Example:
+    """One room."""
+
+    around: pieces.Around
+    items: tuple[Item, ...]
+
+
+def examples_of(
+    house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
+) -> list[Example]:
+    """Rooms of a house: each knows of those furnished before it, in random order, or of none."""
+    is_told = rng.random() >= UNTOLD_SHARE
+    order = rng.permutation(len(house.rooms))
+    told = [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_told else None
+    arounds = pieces.rooms_around(house, teacher, told)
+    known = frozenset(told or ())
+    found = []
+    for room, around in zip(house.rooms, arounds, strict=True):
+        if room.id not in known:
+            found.append(Example(around, tuple(house.items_of(room.id))))
+    return found
+
+
+def endless_houses(
+    flats: Sequence[Plan], rng: np.random.Generator
+) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
+    """Furnished houses that may be trained on, and whose they imitate."""
+    while True:
+        teacher = pieces.TEACHERS[int(rng.random() >= HOMES_SHARE)]
+        if flats and rng.random() < FLAT_SHARE:
+            plan = flats[int(rng.integers(len(flats)))]
+            yield furnish(plan, rng, teacher), teacher
+            continue
+        seed = int(rng.integers(2**40))
+        if not is_test_seed(seed):
+            own = np.random.default_rng(seed)
+            yield furnish(random_plan(own), own, teacher), teacher
+
+
+def held_out(count: int) -> list[Example]:
+    """The rooms of the first test houses, as homes."""
+    rng = np.random.default_rng(0)
+    found: list[Example] = []
+    for index in range(count):
+        own = np.random.default_rng(TEST_SEED + index)
+        found += examples_of(furnish(random_plan(own), own), "homes", rng)
+    return found
+
+
+def endless_batches(
+    flats: Sequence[Plan], batch: int, seed: int, pool: int = POOL
+) -> Iterator[Batch]:
+    """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch."""
+    rng = np.random.default_rng(seed)
+    houses = endless_houses(flats, rng)
+    rooms: list[Example] = []
+    while len(rooms) < min(pool, 20 * batch):
+        rooms += examples_of(*next(houses), rng)
+    while True:
+        for _ in range(NEW_HOUSES * _BUCKETS):
+            for example in examples_of(*next(houses), rng):
+                if len(rooms) < pool:
+                    rooms.append(example)
+                else:
+                    rooms[int(rng.integers(pool))] = example
+        chosen = [rooms[i] for i in rng.integers(len(rooms), size=batch * _BUCKETS)]
+        chosen.sort(key=lambda example: len(example.items))
+        for start in rng.permutation(_BUCKETS) * batch:
+            yield batch_of(chosen[start : start + batch], rng)
+
+
+def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None) -> Batch:
+    """Rooms side by side, each in a pose of its own where rng is given."""
+    told = [_told(example, rng) for example in examples]
+    longest = max(len(one.roles) for _, one in told)
+    most = max(len(segments) for segments, _ in told)
+    count, slots = len(told), len(pieces.PIECES.slots)
+    segments = np.zeros((count, most, SEGMENT_FIELDS), np.int64)
+    roles = np.zeros((count, longest), np.int64)
+    left = np.zeros_like(roles)
+    values = np.zeros((count, longest, slots), np.int64)
+    for index, (lines, one) in enumerate(told):
+        length = len(one.roles)
+        segments[index, : len(lines)] = lines
+        roles[index, :length], left[index, :length] = one.roles, one.left
+        values[index, :length] = one.values
+    facts = np.stack([example.around.facts for example in examples])
+    if rng is not None:
+        facts[rng.random(count) < UNNAMED_SHARE, 0] = ROOM_KINDS.index("unknown")
+    flags = np.stack([example.around.flags for example in examples])
+    arrays = (segments, facts, flags, roles, left, values)
+    found = [torch.from_numpy(array) for array in arrays]
+    return found[0], found[1], found[2], found[3], found[4], found[5]
+
+
+def _told(example: Example, rng: np.random.Generator | None) -> tuple[pieces.Ints, Sequences]:
+    """The segments and the list of a room, in a random pose."""
+    turns, mirrored = (int(rng.integers(4)), bool(rng.integers(2))) if rng else (0, False)
+    around = example.around
+    lines = _posed(around.lines_m, turns, mirrored)
+    elements = pieces.pieces_of(example.items, around.frame, turns, mirrored)
+    segments = pieces.segments_of(around, lines)
+    if rng is not None:
+        segments = rng.permutation(segments)
+    return segments, sequence_of(pieces.PIECES, elements)
+
+
+def _posed(lines_m: FloatArray, quarter_turns: int, mirrored: bool) -> FloatArray:
+    """(S, 4) segments mirrored in x, then turned; the room stays on their left."""
+    points = lines_m.reshape(-1, 2, 2)
+    if mirrored:
+        points = points[:, ::-1] * (-1.0, 1.0)
+    turned: FloatArray = (points @ rotation_2d(90.0 * quarter_turns).T).reshape(-1, 4)
+    return turned

@@ -1,0 +1,139 @@
+"""Complete and right rooms: what is missing and what stands wrongly, named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from chord_usd.data.furnish import furnish
+from chord_usd.data.houses import random_plan
+from chord_usd.metrics import score_scene
+from chord_usd.metrics.complete import ESSENTIALS, TWO_CHAIRS, homely_rooms, lacking
+from chord_usd.pose import Pose, posed
+from chord_usd.types import Box, Item, Room, RoomKind, SceneGraph, frozen_array
+
+
+def room(kind: RoomKind, length: float, width: float) -> Room:
+    return Room("r", kind, frozen_array([(0, 0), (length, 0), (length, width), (0, width)]))
+
+
+def piece(category: str, x: float, y: float, size=(0.6, 0.6, 0.8), yaw: float = 0.0) -> Item:
+    return Item(f"{category} {x} {y}", category, Box((x, y, 0.0), size, yaw), "r")
+
+
+def judged(kind: RoomKind, *pieces: Item, sides: tuple[float, float] = (4.0, 3.0)):
+    return homely_rooms(SceneGraph((room(kind, *sides),), (), pieces))[0]
+
+
+SINK, COOKER = piece("sink_cabinet", 1, 2.7), piece("cooker_cabinet", 2, 2.7)
+TABLE = piece("dining_table", 2, 1.5, (1.2, 0.8, 0.75))
+CHAIRS = piece("chair", 2, 2.1), piece("chair", 2, 0.9, yaw=180.0)
+SOFA, LOW_TABLE = piece("sofa", 2, 2.6, (2, 0.8, 0.8)), piece("coffee_table", 2, 1.4)
+TELEVISION = piece("tv_cabinet", 2, 0.2, (1.6, 0.4, 0.5), 180.0)
+
+FURNISHED = {
+    "bedroom": (piece("bed", 2, 2.0, (1.6, 2.0, 1.0)),),
+    "living": (SOFA, LOW_TABLE, TELEVISION),
+    "dining": (TABLE, *CHAIRS),
+    "kitchen": (SINK, COOKER),
+    "bathroom": (piece("toilet", 1, 2.7), piece("washbasin", 2, 2.7), piece("shower", 3, 2.7)),
+}
+
+
+@pytest.mark.parametrize("kind", ESSENTIALS)
+def test_a_room_with_all_it_needs_is_right_and_without_any_piece_it_is_not(kind: RoomKind) -> None:
+    assert judged(kind, *FURNISHED[kind]).right
+    assert not judged(kind).complete
+
+
+@pytest.mark.parametrize(
+    ("area_m2", "standing", "missing"),
+    [
+        (6.0, (), ("toilet", "washbasin", "shower or bathtub")),
+        (6.0, ("toilet", "bathtub"), ("washbasin",)),
+        (2.9, ("toilet", "shower"), ()),
+        (2.9, ("shower",), ("toilet",)),
+        (1.9, ("washing_set",), ()),
+        (1.9, (), ("toilet",)),
+    ],
+)
+def test_small_bathrooms_need_less(area_m2: float, standing, missing) -> None:
+    assert lacking("bathroom", area_m2, standing) == missing
+
+
+@pytest.mark.parametrize(
+    ("kind", "pieces", "missing"),
+    [
+        ("kitchen", (SINK,), ("cooker",)),
+        ("living", (SOFA,), ("coffee table or television",)),
+        ("dining", (TABLE, CHAIRS[0]), (TWO_CHAIRS,)),
+        ("dining", (), ("dining table",)),
+        ("corridor", (), ()),
+    ],
+)
+def test_what_is_missing_is_named(kind: RoomKind, pieces, missing) -> None:
+    assert judged(kind, *pieces).missing == missing
+
+
+def at(item: Item, x: float, y: float, yaw: float) -> Item:
+    return replace(item, box=Box((x, y, 0.0), item.box.size_m, yaw))
+
+
+@pytest.mark.parametrize(
+    ("kind", "pieces", "fault"),
+    [
+        ("kitchen", (at(SINK, 1, 2.5, 0), COOKER), "off its wall"),
+        ("kitchen", (at(SINK, 1, 2.7, 20), COOKER), "off its wall"),
+        ("kitchen", (at(SINK, 1, 2.7, 90), COOKER), "off its wall"),
+        ("dining", (TABLE, *CHAIRS, piece("chair", 0.4, 0.4)), "without a table"),
+        ("dining", (TABLE, *CHAIRS, piece("chair", 1.1, 1.5, yaw=180)), "turned from its table"),
+        ("living", (SOFA, piece("single_sofa", 1, 1), TELEVISION), None),
+        ("living", (at(SOFA, 2, 2.6, 180), LOW_TABLE), "turned away"),
+        (
+            "living",
+            (at(SOFA, 1, 2.6, 0), at(LOW_TABLE, 1, 1.4, 0), at(TELEVISION, 3.2, 2.8, 0)),
+            "facing no seat",
+        ),
+        ("bedroom", (piece("bed", 2, 2, (1, 2, 1)), SOFA), "facing nothing"),
+    ],
+)
+def test_what_stands_wrongly_is_named(kind: RoomKind, pieces, fault: str | None) -> None:
+    found = judged(kind, *pieces)
+    assert found.complete
+    assert [one.fault for one in found.misplaced] == ([fault] if fault else [])
+
+
+def test_a_washing_machine_may_stand_behind_the_short_step_of_a_wall() -> None:
+    """Steps shorter than a pilaster are no wall to stand at."""
+    corners = frozen_array([(0, 0), (4, 0), (4, 3), (2, 3), (2, 2.9), (0, 2.9)])
+    machine = piece("washing_machine", 1, 2.6)
+    graph = SceneGraph((Room("r", "bathroom", corners),), (), (machine,))
+    assert not homely_rooms(graph)[0].misplaced
+    aside = at(machine, 1.7, 2.95, -90.0)  # its back at the step only
+    graph = replace(graph, items=(aside,))
+    assert [one.fault for one in homely_rooms(graph)[0].misplaced] == ["off its wall"]
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10_000), st.floats(-180, 180), st.booleans())
+def test_homes_are_judged_alike_from_every_side(seed: int, yaw_deg: float, mirrored: bool) -> None:
+    rng = np.random.default_rng(seed)
+    graph = furnish(random_plan(rng), rng)
+    other = posed(graph, Pose(mirrored, yaw_deg=yaw_deg, offset_m=(3.0, -2.0)))
+    assert homely_rooms(other) == homely_rooms(graph)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10_000), st.data())
+def test_taking_a_piece_away_completes_no_room(seed: int, data) -> None:
+    rng = np.random.default_rng(seed)
+    graph = furnish(random_plan(rng, rooms=6), rng)
+    gone = data.draw(st.sampled_from(graph.items))
+    before = {found.room: found for found in score_scene(graph).homely}
+    for after in score_scene(graph.without([gone.id])).homely:
+        assert set(before[after.room].missing) <= set(after.missing) or after.missing
+        assert before[after.room].complete or not after.complete

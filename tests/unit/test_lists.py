@@ -1,0 +1,198 @@
+"""Lists of a room's pieces: told and read back, and drawn as asked."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from chord_usd.data.furnish import furnish
+from chord_usd.data.houses import random_plan
+from chord_usd.lists import pieces
+from chord_usd.lists.draw import GRAPH_INPUTS, ListDrawer, Subject
+from chord_usd.lists.house import Asked, Drafts, furnish_by_lists, room_faults
+from chord_usd.lists.pieces import PIECES
+from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
+from chord_usd.metrics import score_scene
+from chord_usd.metrics.complete import homely_rooms
+from chord_usd.palette import HOUSE_CATEGORIES
+from chord_usd.pose import Pose, posed
+from chord_usd.types import Room, SceneGraph, frozen_array
+
+SEEDS = st.integers(0, 100_000)
+
+
+def house(seed: int) -> SceneGraph:
+    rng = np.random.default_rng(seed)
+    return furnish(random_plan(rng), rng)
+
+
+def told_and_read(graph: SceneGraph) -> SceneGraph:
+    items = []
+    for around, room in zip(pieces.rooms_around(graph, "homes"), graph.rooms, strict=True):
+        elements = pieces.pieces_of(graph.items_of(room.id), around.frame)
+        items += pieces.items_from(elements, around, room.id)
+    return replace(graph, items=tuple(items))
+
+
+def test_lists_can_tell_every_category_of_the_palette() -> None:
+    assert sorted(PIECES.categories) == sorted(row.name for row in HOUSE_CATEGORIES)
+
+
+@settings(max_examples=15, deadline=None)
+@given(SEEDS)
+def test_what_is_told_and_read_back_is_the_same_home(seed: int) -> None:
+    before = house(seed)
+    after = told_and_read(before)
+    assert homely_rooms(after) == homely_rooms(_renamed(before))
+    assert len(after.items) == len(before.items)
+    scores = score_scene(after)
+    assert scores.overlap.piou < 1e-4
+    assert len(scores.out_of_room) <= 0.05 * len(after.items) + 1
+
+
+def _renamed(graph: SceneGraph) -> SceneGraph:
+    """With the names and the order that reading gives pieces."""
+    items = []
+    for room in graph.rooms:
+        frame = pieces.frame_of(room)
+        own = list(graph.items_of(room.id))
+        keys = [pieces.pieces_of([item], frame)[0] for item in own]
+        order = sorted(
+            range(len(own)), key=lambda i: (keys[i].category, keys[i].values[1], keys[i].values[2])
+        )
+        counts: dict[str, int] = {}
+        for index in order:
+            category = own[index].category
+            items.append(replace(own[index], id=f"{room.id}/{category}_{counts.get(category, 0)}"))
+            counts[category] = counts.get(category, 0) + 1
+    return replace(graph, items=tuple(items))
+
+
+@settings(max_examples=10, deadline=None)
+@given(SEEDS, st.floats(-180, 180), st.tuples(st.floats(-9, 9), st.floats(-9, 9)))
+def test_pieces_stay_within_a_step_of_where_they_stood(
+    seed: int, yaw_deg: float, shift: tuple[float, float]
+) -> None:
+    graph = posed(house(seed), Pose(yaw_deg=yaw_deg, offset_m=shift))
+    renamed = {item.id: item for item in _renamed(graph).items}
+    for item in told_and_read(graph).items:
+        other = renamed[item.id]
+        moved = np.subtract(item.box.center_m[:2], other.box.center_m[:2])
+        assert np.abs(moved).max() < 2 * pieces.STEP_M
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [(0, 0), (20, 0), (20, 20), (0, 20)],
+        [(0, 0), (0.9, 0), (0.9, 1.0), (0, 1.0)],
+        [(np.cos(a), np.sin(a)) for a in np.linspace(0, 2 * np.pi, 40, endpoint=False)],
+    ],
+)
+def test_odd_rooms_are_seen(corners: list[tuple[float, float]]) -> None:
+    room = Room("r", "bedroom", frozen_array(corners))
+    (around,) = pieces.rooms_around(SceneGraph((room,), (), ()), "homes")
+    segments = pieces.segments_of(around)
+    assert 0 < len(segments) <= pieces.MOST_SEGMENTS
+    assert segments[:, 1:].min() >= 0
+    assert segments[:, 1:].max() < pieces.PLACES
+    back = around.frame.world(around.frame.points(room.polygon_m))
+    assert np.allclose(back, room.polygon_m)
+
+
+class Chance:
+    """In place of a trained network: all that may stand somewhere is as likely."""
+
+    def run(self, inputs: dict[str, Any]) -> list[np.ndarray]:
+        assert list(inputs) == list(GRAPH_INPUTS)
+        allowed = PIECES.allowed()[inputs["roles"][:, -1]]
+        drawn = np.where(allowed, inputs["noise"], -np.inf).argmax(axis=-1)
+        given = inputs["values"][:, -1]
+        drawn = np.where(given == NOTHING, drawn, given)
+        return [drawn, np.zeros(drawn.shape, np.float32)]
+
+
+def subject(**asked: Any) -> Subject:
+    room = Room("r", "bedroom", frozen_array([(0, 0), (4, 0), (4, 3), (0, 3)]))
+    (around,) = pieces.rooms_around(SceneGraph((room,), (), ()), "homes")
+    return Subject(pieces.segments_of(around), around.facts, around.flags, **asked)
+
+
+CATEGORIES = st.integers(0, len(PIECES.categories) - 1)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(CATEGORIES, max_size=5), st.frozensets(CATEGORIES, max_size=9), SEEDS)
+def test_lists_hold_what_is_wanted_in_order_and_not_what_is_excluded(
+    wanted: list[int], excluded: frozenset[int], seed: int
+) -> None:
+    drawer = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
+    asked = [subject(wanted=tuple(wanted), excluded=excluded), subject()]
+    first, other = drawer.draw(asked, np.random.default_rng(seed))
+    categories = [element.category for element in first.elements]
+    assert categories == sorted(categories)
+    assert all(categories.count(one) >= wanted.count(one) for one in wanted)
+    assert not (set(categories) - set(wanted)) & excluded
+    assert len(other.elements) <= PIECES.most
+
+
+@settings(max_examples=20, deadline=None)
+@given(SEEDS)
+def test_what_is_kept_stands_where_it_stood(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    kept = tuple(
+        Element(category, (0, *map(int, rng.integers(pieces.PLACES, size=4))))
+        for category in sorted(rng.integers(len(PIECES.categories), size=4).tolist())
+    )
+    drawer = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
+    (drawn,) = drawer.draw([subject(kept=kept)], rng)
+    assert all(element in drawn.elements for element in kept)
+
+
+def test_the_same_seed_draws_the_same_lists() -> None:
+    drawer = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
+    first, again = (drawer.draw([subject()] * 3, np.random.default_rng(5)) for _ in range(2))
+    assert first == again
+    assert drawer.draw([], np.random.default_rng(0)) == []
+
+
+def test_a_sequence_tells_categories_then_values() -> None:
+    told = [Element(1, (0, 1, 2, 3, 4)), Element(1, (6, 5, 6, 7, 8))]
+    found = sequence_of(PIECES, told)
+    assert found.roles.tolist() == [0, 0, 0, 2, 2]
+    assert found.left.tolist() == [0, 0, 0, 2, 1]
+    assert found.values[2, 0] == END
+    allowed = PIECES.allowed()
+    for role, values in zip(found.roles, found.values, strict=True):
+        assert all(allowed[role, slot, value] for slot, value in enumerate(values))
+
+
+def test_rooms_are_furnished_as_asked_and_the_others_left_alone() -> None:
+    graph = house(4)
+    chosen = graph.rooms[0]
+    drawer = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
+    asked = {chosen.id: Asked(wanted=("bed", "table"), excluded=frozenset({"sofa"}))}
+    found = furnish_by_lists(
+        graph.plan, drawer, Drafts(1, 3), asked, rooms=[chosen.id], standing=graph.items
+    )
+    others = [item for item in graph.items if item.room_id != chosen.id]
+    assert [item for item in found.items if item.room_id != chosen.id] == others
+    names = Counter(item.category for item in found.items_of(chosen.id))
+    assert "sofa" not in names
+
+
+def test_faults_of_a_furnished_house_are_none_and_grow_with_what_is_wrong() -> None:
+    graph = house(7)
+    assert sum(room_faults(graph, graph.rooms)) == 0.0
+    (first, *_) = graph.items
+    x, y, z = first.box.center_m
+    aside = replace(first, box=replace(first.box, center_m=(x + 30.0, y, z)))
+    spoilt = replace(graph, items=(aside, *graph.items[1:]))
+    index = [room.id for room in graph.rooms].index(first.room_id)
+    assert room_faults(spoilt, graph.rooms)[index] > 0.0
