@@ -187,6 +187,8 @@ def _asked(
         return False
     if stopped and PREFIX in name:
         return True
+    if stopped and not was_there and any(one.path.is_relative_to(path) for one in targets):
+        return True  # folders on the way to a target; nobody was left to take them away
     for target in targets:
         if stopped and target.kind != "output_run":
             continue

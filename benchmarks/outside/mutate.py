@@ -6,6 +6,7 @@ Every function takes bytes and a random.Random and returns bytes; the same state
 from __future__ import annotations
 
 import binascii
+import copy
 import gzip
 import io
 import json
@@ -155,7 +156,7 @@ def json_text(data: bytes, rng: Random) -> bytes:
 def _json_change(root: Any, rng: Random) -> Any:
     holders = [one for one in _containers(root) if one]
     if not holders:
-        return rng.choice(VALUES)
+        return copy.deepcopy(rng.choice(VALUES))
     holder = rng.choice(holders)
     key = rng.choice(list(holder) if isinstance(holder, dict) else range(len(holder)))
     value = holder[key]
@@ -177,7 +178,7 @@ def _json_change(root: Any, rng: Random) -> Any:
         factor = rng.choice((-1, 0, 0.001, 10, 1000, 1e6, 1e200, 1e300, float("inf")))
         holder[key] = value * factor
     else:
-        holder[key] = rng.choice(VALUES)
+        holder[key] = copy.deepcopy(rng.choice(VALUES))
     return root
 
 

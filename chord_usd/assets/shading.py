@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +13,11 @@ from chord_usd.types import FloatArray
 
 CREASE_DEG = 38.0
 """Faces that meet at a sharper angle keep their edge; flatter ones shade as one surface."""
+
+MOST_AT_A_POINT = 1000
+"""Corners. The pole of a fine sphere has 256."""
+
+_PAIRS_AT_ONCE = 1_000_000
 
 
 def corner_normals(solid: Solid, crease_deg: float = CREASE_DEG) -> FloatArray:
@@ -24,11 +31,11 @@ def corner_normals(solid: Solid, crease_deg: float = CREASE_DEG) -> FloatArray:
     weighted = np.repeat(scaled, 3, axis=0) * _corner_angles(solid)[:, None]
     point_of_corner = solid.faces.reshape(-1)
     face_of_corner = np.repeat(np.arange(len(solid.faces)), 3)
-    first, second = _pairs_at_a_point(point_of_corner)
-    near = np.sum(unit[face_of_corner[first]] * unit[face_of_corner[second]], axis=1)
-    together = near >= math.cos(math.radians(crease_deg))
     normals = np.zeros((len(point_of_corner), 3))
-    np.add.at(normals, first[together], weighted[second[together]])
+    for first, second in _pairs_at_a_point(point_of_corner):
+        near = np.sum(unit[face_of_corner[first]] * unit[face_of_corner[second]], axis=1)
+        together = near >= math.cos(math.radians(crease_deg))
+        np.add.at(normals, first[together], weighted[second[together]])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / np.maximum(length, 1e-18)
 
@@ -65,13 +72,21 @@ def _corner_angles(solid: Solid) -> FloatArray:
     return np.arctan2(sine, np.sum(ahead * back, axis=-1)).reshape(-1)
 
 
-def _pairs_at_a_point(point_of_corner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All ordered pairs of corners (each with itself too) that share a point."""
+def _pairs_at_a_point(point_of_corner: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """All ordered pairs of corners (each with itself too) that share a point, in handy portions.
+
+    Where more than MOST_AT_A_POINT meet, each goes with itself alone: pairs grow with the square.
+    """
     order = np.argsort(point_of_corner, kind="stable")
     counts = np.bincount(point_of_corner)
-    starts = np.cumsum(counts) - counts
+    starts = (np.cumsum(counts) - counts)[point_of_corner[order]]
     fan = counts[point_of_corner[order]]
-    first = np.repeat(order, fan)
-    offsets = np.arange(len(first)) - np.repeat(np.cumsum(fan) - fan, fan)
-    second = order[np.repeat(starts[point_of_corner[order]], fan) + offsets]
-    return first, second
+    is_crowd = fan > MOST_AT_A_POINT
+    starts = np.where(is_crowd, np.arange(len(order)), starts)
+    fan = np.where(is_crowd, 1, fan)
+    ends = np.cumsum(fan)
+    cuts = np.searchsorted(ends, np.arange(0, ends[-1] if len(ends) else 0, _PAIRS_AT_ONCE))
+    for low, high in pairwise([*cuts, len(order)]):
+        some = fan[low:high]
+        offsets = np.arange(some.sum()) - np.repeat(np.cumsum(some) - some, some)
+        yield np.repeat(order[low:high], some), order[np.repeat(starts[low:high], some) + offsets]

@@ -15,7 +15,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from chord_usd.errors import ChordError
+from chord_usd.errors import ChordError, OutputError
 from chord_usd.runtime.files import check_file_target, check_run_folder
 
 
@@ -101,8 +101,8 @@ def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iter
 
 def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
     """Raise UsageError where an output is an input, holds one, or is another output,
-    for a name that cannot be written down, and OutputError for what is no plain file or a folder
-    that no training run may go on in."""
+    for a name that cannot be written down, and OutputError for what is no plain file, a folder that
+    no training run may go on in, and a place where nothing can be written."""
     paths = named_paths(parser, options)
     for one in paths:
         _refuse_odd_name(one)
@@ -116,6 +116,7 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
             check_file_target(output.path)
         if output.role is output_run:
             check_run_folder(output.path)
+        _refuse_read_only(output)
     for first, second in combinations(outputs, 2):
         if _same(first, second) or _is_within(second, first, output_folder):
             raise UsageError(
@@ -149,6 +150,20 @@ def _refuse_odd_name(one: Named) -> None:
             f"{one.option} has a name of more than {_LONGEST_NAME_BYTES} bytes",
             where=f"{said[:40]}…",
             expected="a shorter one",
+        )
+
+
+def _refuse_read_only(output: Named) -> None:
+    """Say before the work what would be said after it."""
+    target = output.dest
+    folder = target.parent if output.role is output_file else target
+    there = next(one for one in (folder, *folder.parents) if os.path.lexists(one))
+    if there.is_dir() and not os.access(there, os.W_OK | os.X_OK):
+        raise OutputError(
+            "cannot be written (permission denied)",
+            where=str(output.path),
+            expected="a path in a writable folder",
+            try_=f"another {output.option}",
         )
 
 

@@ -13,8 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from chord_usd.assets.shading import corner_normals
+from chord_usd.assets.solids import Solid
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.data.flats import read_flats_or_why
 from chord_usd.data.foreign import Models, foreign_houses
@@ -55,6 +58,18 @@ def test_a_mesh_of_flat_points(tmp_path: Path, capsys: Capture) -> None:
         )
         archive.writestr("a.obj", "v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n")
     refused(capsys, "assets", "add", tmp_path / "flat.sh3f", "-o", tmp_path / "database")
+
+
+def test_a_mesh_with_thousands_of_faces_at_one_point() -> None:
+    """Pairs of faces at a point took 60 s and 10 GB."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)
+    rim = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
+    at = np.arange(20_000)
+    faces = np.stack([np.full_like(at, 20_000), at, np.roll(at, -1)], axis=1)
+    cone = Solid(np.vstack([rim, [0.0, 0.0, 1.0]]), faces)
+    normals = corner_normals(cone)
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1.0)
+    assert np.all(normals[:, 2] > 0.5)
 
 
 @pytest.mark.parametrize("value", ["..", None, [], {}, "x"])
