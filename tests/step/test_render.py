@@ -242,7 +242,7 @@ def test_options_that_make_no_picture(wrong, says):
 def test_a_folder_that_is_a_file_is_refused_before_blender_starts(house, tmp_path):
     target = tmp_path / "file"
     target.write_text("")
-    with pytest.raises(OutputError, match="cannot be written to"):
+    with pytest.raises(OutputError, match=r"cannot be written \(file exists\)"):
         render_stage(house, target, TINY)
 
 
