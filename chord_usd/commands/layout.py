@@ -44,6 +44,7 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.pipeline import Settings, draw_layout, draw_plan, load_model, read_plan
     from chord_usd.plan.read import WARNINGS
+    from chord_usd.plan.text import let_go
     from chord_usd.raster_files import write_raster
 
     settings = Settings(
@@ -60,6 +61,7 @@ def run(options: argparse.Namespace) -> Outcome:
         with watch.step("plan"):
             plan = read_plan(plan_file, settings)
             plan_image = draw_plan(plan)
+            let_go()  # before the layout model takes as much again
         with watch.step("load"):
             model = load_model(settings)
         with watch.step("layout") as progress:

@@ -94,6 +94,11 @@ def warm_up() -> None:
     _engine()
 
 
+def let_go() -> None:
+    """Free the 300 MB that are kept for reading further pictures."""
+    _engine.cache_clear()
+
+
 @cache
 def _engine() -> Any:
     """The OCR engine; loading takes about a second, so that it waits for a picture to read."""
