@@ -181,7 +181,7 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
     real = read_flats(options.flats, part="train") if options.flats else []
     flats = furnishable(real)
     stream = LayoutStream(
-        StreamConfig(seed=options.seed), flats, PRESETS[options.preset], trainer.config.batch
+        StreamConfig(seed=options.seed), flats, trainer.network.config, trainer.config.batch
     )
     facts = {"real_plans": len(flats), "real_plans_left_out": len(real) - len(flats)}
     return _trained(options, trainer, stream, facts)

@@ -39,6 +39,7 @@ class Draft:
             known |= raster.room_pixels(room, frame)
         return cls(*raster.draw_items(items, frame), known)
 
-    def planes(self, classes: int, front_amplitude: float) -> State:
-        """(DRAFT_PLANES, H, W) what the network sees: the clean state of it, 0 where unknown."""
-        return encode(self.labels, self.front, classes, front_amplitude) * self.known
+    def planes(self, classes: int) -> State:
+        """(DRAFT_PLANES, H, W) what the network sees: -1 and 1 as codes.encode has them, 0 where
+        nothing is known, whatever amplitude the network's own state gives its front marks."""
+        return encode(self.labels, self.front, classes) * self.known

@@ -235,7 +235,7 @@ class LayoutModel:
             if draft is None:
                 seen.append(nothing)
             else:
-                planes = draft.planes(traits.class_count, traits.front_amplitude)
+                planes = draft.planes(traits.class_count)
                 seen.append(planes[:, *window])
         return seen
 
@@ -261,6 +261,12 @@ class LayoutModel:
             return held_to_plan(estimate, plans, self.traits)
         return bare_outside(estimate, plans.inside, self.traits)
 
+    def _drawn(self, drafts: Sequence[State]) -> State:
+        """Clean states of what drafts show."""
+        clean = np.stack(drafts)
+        clean[:, -1] *= self.traits.front_amplitude
+        return clean
+
     def _denoise(
         self,
         plans: Plans | Mosaic,
@@ -279,7 +285,7 @@ class LayoutModel:
         state = _held(noise, noise, kept, levels[first])
         if first:
             assert drafts is not None
-            state = noised(np.stack(drafts), noise, levels[first])
+            state = noised(self._drawn(drafts), noise, levels[first])
         output = state
         for index in range(first, len(levels)):
             time, after = sampler.times[index], [*levels[1:], 1.0][index]

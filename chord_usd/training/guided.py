@@ -9,6 +9,7 @@ of guided diffusion models, 2023) costs that once.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import torch
@@ -45,10 +46,11 @@ class GuidedTrainer(LayoutTrainer):
         guidance: by how much the teacher's difference from the guide is multiplied; 1 is the
         teacher alone. Raises CheckpointError for an unusable folder.
         """
-        super().__init__(network_config, config, folder)
-        self._teacher, self._guide = (
-            load_checkpoint(one, config.device).network for one in (teacher, guide)
-        )
+        leaders = [load_checkpoint(one, config.device).network for one in (teacher, guide)]
+        # What they are not shown they say nothing of.
+        draft = all(one.config.draft for one in leaders)
+        super().__init__(replace(network_config, draft=draft), config, folder)
+        self._teacher, self._guide = leaders
         self._guidance = guidance
 
     @torch.no_grad()

@@ -19,6 +19,7 @@ from chord_usd.layout.device import half_precision
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
+from chord_usd.layout.sample import DRAFTED_SHARE, MOSTLY
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.layout.transfer import adopt, take_up
 from chord_usd.runtime.files import begin_run
@@ -190,7 +191,7 @@ class LayoutTrainer:
         """Cross-entropy of the categories at a random noise level, or the paper's noise error."""
         network = self.network
         clean = self._clean_state(batch)
-        times = torch.randint(0, network.config.training_steps, (len(clean),), device=clean.device)
+        times = self._times(batch)
         noise = torch.randn_like(clean)
         noisy = self.scheduler.add_noise(clean, noise, times)
         plan = self._plan_pixels(batch), self._plan_grid(batch), batch.get("words")
@@ -198,6 +199,17 @@ class LayoutTrainer:
         if network.config.state == "rgb":
             return {"loss": functional.mse_loss(output.float(), noise)}
         return self._category_losses(output, batch, self._wanted(batch, noisy, times, plan))
+
+    def _times(self, batch: Batch) -> Tensor:
+        """(B,) random training steps: early ones only where a draft knows a whole house."""
+        count = len(batch["labels"])
+        drawn = torch.rand(count, device=batch["labels"].device)
+        if self.network.config.draft:
+            floor = batch["pixels"][:, self.traits.ground_plane] > 0
+            unknown = (floor & ~batch["draft_known"]).flatten(1).sum(1)
+            drafted = unknown < (1.0 - MOSTLY) * floor.flatten(1).sum(1)
+            drawn = torch.where(drafted, drawn * DRAFTED_SHARE, drawn)
+        return (drawn * self.network.config.training_steps).long()
 
     def _wanted(self, batch: Batch, noisy: Tensor, times: Tensor, plan: PlanTensors) -> Tensor:
         """What the network is to say of the categories: labels (B, H, W), or their chances."""
@@ -243,6 +255,7 @@ class LayoutTrainer:
             return pixels
         # As Draft.planes has it.
         seen = self.network.encode(batch["draft_labels"], batch["draft_front"])
+        seen[:, -1] /= self.network.config.front_amplitude
         return torch.cat([pixels, seen * batch["draft_known"][:, None]], dim=1)
 
     def _plan_grid(self, batch: Batch) -> Tensor | None:

@@ -37,7 +37,7 @@ def test_a_draft_is_known_in_its_rooms_only(furnished_house: SceneGraph) -> None
     image = raster.draw_plan(furnished_house.plan)
     room = furnished_house.rooms[0]
     draft = Draft.of(furnished_house.items_of(room.id), [room], image.frame)
-    planes = draft.planes(28, 1.0)
+    planes = draft.planes(28)
     inside = raster.room_pixels(room, image.frame)
     assert planes.shape == (DRAFT_PLANES, *inside.shape)
     assert (np.abs(planes[:, inside]) == 1.0).all()
