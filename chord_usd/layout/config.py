@@ -114,9 +114,7 @@ FRONT_AMPLITUDE = 8**0.5
 """Sets front marks as far apart as code words, which differ in 8 bits."""
 
 PRESETS: dict[str, LayoutConfig] = {
-    "default": LayoutConfig(
-        draft=True, default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE
-    ),
+    "default": LayoutConfig(draft=True, default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE),
     "large": LayoutConfig(
         front_amplitude=FRONT_AMPLITUDE,
         channels=(128, 192, 320, 448),
