@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from chord_usd.evaluation.cases import Case
 from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
+from chord_usd.layout.draft import Draft
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.lists.draw import ListDrawer
 from chord_usd.lists.house import Drafts, furnish_by_lists
@@ -96,32 +98,49 @@ def sampled(
     model: LayoutModel,
     cases: Sequence[Case],
     sampling: Sampling,
+    lists: ListDrawer | None = None,
     progress: Progress | None = None,
     warn: Warn | None = None,
 ) -> Iterator[Furnished]:
     """Samples a layout for every plan and reads the items back; rooms come from the plan.
 
-    Case i gets the seed of sampling plus i. warn is told where memory ended and the batch was
-    halved.
+    Case i gets the seed of sampling plus i. lists: what the model starts from. warn is told where
+    memory ended and the batch was halved.
     """
-    jobs = [
-        (_plan_image(case, sampling), sampling.seed + index) for index, case in enumerate(cases)
-    ]
+    jobs = [_job(case, sampling, index, lists) for index, case in enumerate(cases)]
 
-    def work(part: Sequence[tuple[PlanImage, int]]) -> list[LayoutImage]:
-        images, seeds = zip(*part, strict=True)
+    def work(part: Sequence[_Job]) -> list[LayoutImage]:
         return model.sample_batch(
-            images, seeds=seeds, steps=sampling.steps, sampler=sampling.sampler
+            [job.image for job in part],
+            seeds=[job.draw.seed for job in part],
+            steps=sampling.steps,
+            sampler=sampling.sampler,
+            drafts=[job.draft for job in part],
         )
 
     for index, image in enumerate(in_batches(work, jobs, BATCH, warn)):
-        case, (plan_image, seed) = cases[index], jobs[index]
-        one = read_back(case, image)
+        one = read_back(cases[index], image)
         if sampling.redraws:
-            one = _mended(one, plan_image, model, seed, sampling)
+            one = _mended(one, jobs[index], model, sampling.redraws)
         yield one
         if progress:
             progress(index + 1, len(cases))
+
+
+class _Job(NamedTuple):
+    """What a layout is sampled from."""
+
+    image: PlanImage
+    draw: Draw
+    draft: Draft | None
+
+
+def _job(case: Case, sampling: Sampling, index: int, lists: ListDrawer | None) -> _Job:
+    image = _plan_image(case, sampling)
+    draw = Draw(sampling.seed + index, sampling.steps, sampling.sampler, lists)
+    listed = draw.listed(case.plan.scene(), case.plan.rooms)
+    draft = Draft.of(listed.items, listed.rooms, image.frame) if listed else None
+    return _Job(image, draw, draft)
 
 
 def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
@@ -138,14 +157,11 @@ def read_back(case: Case, image: LayoutImage) -> Furnished:
     return Furnished(case, image, scene, plan)
 
 
-def _mended(
-    one: Furnished, plan_image: PlanImage, model: LayoutModel, seed: int, sampling: Sampling
-) -> Furnished:
+def _mended(one: Furnished, job: _Job, model: LayoutModel, times: int) -> Furnished:
     """With those rooms drawn again that have faults."""
     mended = mend_rooms(
-        one.scene, one.image, plan_image, model, extract_graph,
-        Draw(seed, sampling.steps, sampling.sampler), times=sampling.redraws,
-    )  # fmt: skip
+        one.scene, one.image, job.image, model, extract_graph, job.draw, times=times
+    )
     return replace(one, image=mended.layout, scene=mended.graph)
 
 
