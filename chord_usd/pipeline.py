@@ -5,14 +5,14 @@ plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.errors import PlanError
+from chord_usd.errors import CheckpointError, ChordError, PlanError
 from chord_usd.progress import Progress, Stopwatch
-from chord_usd.redraw import Draw, mend_rooms, redraw_rooms, with_furniture
+from chord_usd.redraw import Draw, furnish_again, mend_rooms
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from chord_usd.graph.tabletop import Tabletops
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
+    from chord_usd.lists.wishes import Asked, Wishes
 
 LAYOUT_CHECKPOINT = "plan2layout"
 LISTS_CHECKPOINT = "lists"
@@ -63,6 +64,8 @@ class Settings:
     diffusion model alone decides what a room holds, as in the paper."""
     redraws: int = 2
     """So often a room with faults is drawn again; 0 leaves the first draw as it is."""
+    furniture: tuple[tuple[str, Wishes], ...] = ()
+    """What generate's rooms shall hold (lists.wishes.read_furniture)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,16 +106,17 @@ def generate(
         plan = read_plan(plan_file, settings)
         refuse_shut(plan, plan_file)
         plan_image = draw_plan(plan)
+        asked = asked_of(plan, settings)
     with watch.step("load"):
         models = models or load_models(settings)
         load_usd()
-    draw = sampling(settings, models.lists)
+    draw = sampling(settings, models.lists, asked)
     with watch.step("list"):
         listed = draw.listed(plan.scene(), plan.rooms)
     with watch.step("layout") as progress:
         layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, listed, progress)
     with watch.step("graph"):
-        graph = models.reader.read(layout, plan)
+        graph = draw.heeded(models.reader.read(layout, plan))
     with watch.step("redraw") as progress:
         mended = mend_rooms(
             graph, layout, plan_image, models.layout, models.reader.read, draw,
@@ -123,6 +127,7 @@ def generate(
         if settings.redraws:
             graph, shut = clear_openings(graph, models.reader.database)
             left_out += shut
+        draw.refuse_lacking(graph)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
@@ -154,6 +159,17 @@ def refuse_shut(plan: Plan, plan_file: Path) -> None:
             try_=f"chord-usd plan read {plan_file.name} -o plan.json --overlay look.png "
             "shows what was read",
         )
+
+
+def asked_of(plan: Plan, settings: Settings) -> dict[str, Asked]:
+    """What the rooms of a plan shall hold, by their ids. Raises ChordError."""
+    if not settings.furniture:
+        return {}
+    from chord_usd.lists.wishes import furniture_asked
+    from chord_usd.stage.names import name_rooms
+
+    rooms = {named.name: named.room for named in name_rooms(plan.scene())}
+    return furniture_asked(settings.furniture, rooms)
 
 
 def draw_plan(plan: Plan) -> PlanImage:
@@ -258,9 +274,30 @@ def load_models(settings: Settings) -> Models:
     )
 
 
-def sampling(settings: Settings, lists: ListDrawer | None) -> Draw:
+def sampling(
+    settings: Settings, lists: ListDrawer | None, asked: Mapping[str, Asked] | None = None
+) -> Draw:
     """How layouts are sampled, with lists where there is a network for them."""
-    return Draw(settings.seed, settings.steps, settings.sampler, lists)
+    if asked and lists is None:
+        require_lists(settings)
+    return Draw(settings.seed, settings.steps, settings.sampler, lists, asked or {})
+
+
+def require_lists(settings: Settings) -> None:
+    """Raises ChordError where there are no lists that could hold what is wished for."""
+    from chord_usd.layout.description import read_description
+
+    if not settings.lists:
+        raise ChordError("pieces cannot be asked for without lists", expected="no --no-list")
+    folder = checkpoint_folder(LAYOUT_CHECKPOINT)
+    if not read_description(folder).config.draft:
+        raise CheckpointError(
+            "the layout model does not see lists, and pieces cannot be asked for without",
+            where=str(folder),
+            expected="one that was trained with drafts",
+            try_="chord-usd train plan2layout",
+        )
+    checkpoint_folder(LISTS_CHECKPOINT)
 
 
 def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
@@ -384,37 +421,36 @@ def regenerate(
     *,
     keep: Sequence[str] = (),
     edits: Path | None = None,
+    wishes: Wishes | tuple[()] = (),
 ) -> Regenerated:
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
     room_name: name of the room's prim. seed: in place of that of settings; None takes the one
     after the room's last. keep: names of prims of the room's furniture that stay; the rest is
     sampled around them. edits: a layer over source in which things stand elsewhere; the house is
-    seen with it. The stopwatch times read, load, layout, graph, outliers and tabletop. Raises
+    seen with it. wishes: what the room shall hold (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph, outliers and tabletop. Raises
     ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     with watch.step("read"):
+        from chord_usd.lists.wishes import asked_in
         from chord_usd.stage.refurnish import read_edited_house, read_house
 
         house = read_edited_house(edits, source) if edits else read_house(source)
         room = house.room(room_name, source)
         kept_ids = house.furniture(room_name, keep, source)
         seed = house.seeds[room_name] + 1 if seed is None else seed
+        kept_items = [item for item in house.graph.items_of(room.id) if item.id in kept_ids]
+        asked = {room.id: asked_in(room_name, room, wishes, kept_items)} if any(wishes) else {}
     with watch.step("load"):
         models = load_models(settings)
-    with watch.step("layout") as progress:
-        own = replace(settings, seed=seed)
-        plan_image = draw_plan(house.graph.plan)
-        draw = sampling(own, models.lists)
-        drawn = redraw_rooms(
-            house.graph, [room], plan_image, models.layout, draw, progress, kept_ids
-        )
-    with watch.step("graph"):
-        found = models.reader.read(drawn.alone, house.graph.plan)
-        graph = with_furniture(house.graph, room, found.items_of(room.id), kept_ids)
-        graph = replace(graph, provenance=drawn.layout.provenance)
+    own = replace(settings, seed=seed)
+    plan_image = draw_plan(house.graph.plan)
+    draw = sampling(own, models.lists, asked)
+    drawn, graph = furnish_again(
+        house.graph, room, plan_image, models.layout, models.reader.read, draw, kept_ids, watch
+    )
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     if models.table:

@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chord_usd import raster
-from chord_usd.lists.house import Asked, Drafts, furnish_by_lists
+from chord_usd.errors import ChordError
+from chord_usd.lists.house import Drafts, furnish_by_lists
+from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.palette import category
 from chord_usd.types import (
     BoolArray,
@@ -37,7 +39,7 @@ from chord_usd.types import (
 if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
-    from chord_usd.progress import Progress
+    from chord_usd.progress import Progress, Stopwatch
 
 Read = Callable[[LayoutImage, Plan], SceneGraph]
 """Reads a layout in the rooms of its plan."""
@@ -69,8 +71,14 @@ _MORE_DRAWS = 3
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
 
-DRAFTS = 4
-"""Lists drawn of each room, of which the best is painted."""
+DRAFTS, WISHED_DRAFTS = 4, 16
+"""Lists drawn of each room, of which the best is painted; where pieces are wished for."""
+
+WISH_DRAWS = 6
+"""So often a room that lacks a piece that was wished for is drawn again."""
+
+_WISHED = 3
+"""A wish that is not granted weighs as much as this many pieces in the way."""
 
 _TOUCH_M2 = 1e-4
 """Footprints that share less only touch."""
@@ -104,8 +112,35 @@ class Draw:
             )
             for room in rooms
         }
-        drafts = Drafts(self.seed, DRAFTS)
+        is_wished = any(own.wanted for own in asked.values())
+        drafts = Drafts(self.seed, WISHED_DRAFTS if is_wished else DRAFTS)
         return furnish_by_lists(graph.plan, self.lists, drafts, asked, list(asked), graph.items)
+
+    def heeded(self, graph: SceneGraph) -> SceneGraph:
+        """A house that was read, without what its rooms shall not hold."""
+        shut_out = {room_id: own.excluded for room_id, own in self.asked.items()}
+        return graph.without(
+            item.id for item in graph.items if item.category in shut_out.get(item.room_id, ())
+        )
+
+    def lacking(self, graph: SceneGraph) -> dict[str, tuple[Piece, ...]]:
+        """The pieces that rooms lack of what they shall hold, by room id; of such rooms only."""
+        lacks = {
+            room_id: own.missing(graph.items_of(room_id)) for room_id, own in self.asked.items()
+        }
+        return {room_id: pieces for room_id, pieces in lacks.items() if pieces}
+
+    def refuse_lacking(self, graph: SceneGraph) -> None:
+        """Raises ChordError for a piece that a room shall hold and does not."""
+        for room_id, pieces in self.lacking(graph).items():
+            told = Counter(piece.word or piece.category for piece in pieces)
+            words = ", ".join(f"{n} × {word}" if n > 1 else word for word, n in told.items())
+            raise ChordError(
+                f"no place was found for: {words}",
+                where=self.asked[room_id].room,
+                expected="what the room has place for",
+                try_="another --seed, or less furniture",
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,13 +168,16 @@ class Mended:
 
 
 def faults_by_room(
-    graph: SceneGraph, essential: Mapping[RoomKind, tuple[str, ...]] = _ESSENTIAL
+    graph: SceneGraph,
+    essential: Mapping[RoomKind, tuple[str, ...]] = _ESSENTIAL,
+    draw: Draw | None = None,
 ) -> Counter[str]:
     """How much is wrong in each room, by id; rooms that are right have none.
 
     Counted are pieces that stand in another or in the way of a door or window, scraps of pieces,
     second toilets, essential pieces that are missing, a room that the entrance does not lead to,
     and, _BARE times, a room to furnish without furniture of its kind (metrics has the terms).
+    draw: what rooms shall hold and lack counts, too, and that they shall not is no fault.
     """
     from chord_usd.metrics.rooms import empty_rooms
     from chord_usd.metrics.walk import walk
@@ -152,18 +190,23 @@ def faults_by_room(
     faults.update(item.room_id for item in _scraps(graph))
     for room in graph.rooms:
         held = Counter(item.category for item in graph.items_of(room.id))
-        faults[room.id] += sum(not held[name] for name in essential.get(room.kind, ()))
-        faults[room.id] += sum(max(held[name] - 1, 0) for name in _ONE_IS_ENOUGH)
+        own = draw.asked.get(room.id, Asked()) if draw else Asked()
+        needed = [name for name in essential.get(room.kind, ()) if name not in own.excluded]
+        faults[room.id] += sum(not held[name] for name in needed)
+        wanted = Counter(piece.category for piece in own.wanted)
+        faults[room.id] += sum(max(held[name] - max(1, wanted[name]), 0) for name in _ONE_IS_ENOUGH)
+    for room_id, pieces in (draw.lacking(graph) if draw else {}).items():
+        faults[room_id] += _WISHED * len(pieces)
     return +faults
 
 
-def _unlivable(graph: SceneGraph) -> set[str]:
+def _unlivable(graph: SceneGraph, draw: Draw) -> set[str]:
     """Ids of rooms to furnish that are bare, and of those with something before an opening that
     would not be left out."""
     from chord_usd.metrics.openings import blocked_openings
     from chord_usd.metrics.rooms import empty_rooms
 
-    built = graph.without(_unbuildable(graph))
+    built = graph.without(_unbuildable(graph, draw))
     home = {item.id: item.room_id for item in built.items}
     return {*empty_rooms(built), *(home[blocked.item] for blocked in blocked_openings(built))}
 
@@ -198,13 +241,20 @@ def mend_rooms(
 ) -> Mended:
     """The house with those rooms drawn again that have faults; what has fewer of them is kept.
 
+    Rooms that lack what they shall hold are drawn again up to WISH_DRAWS times, whatever times is.
+
     graph: as read reads it in layout, which was drawn over plan_image; times: draws, _MORE_DRAWS
     more for what nobody could live in, 0 for none at all.
     """
     later: dict[str, None] = {}
-    faults = faults_by_room(graph) if times else Counter()
-    for attempt in range(1, times + _MORE_DRAWS + 1 if times else 1):
-        wrong = faults if attempt <= times else _unlivable(graph)
+    faults = faults_by_room(graph, draw=draw) if times or draw.asked else Counter()
+    most = times + _MORE_DRAWS if times else 0
+    for attempt in range(1, max(most, WISH_DRAWS if draw.asked else 0) + 1):
+        wrong = set(faults) if attempt <= times else set()
+        if times < attempt <= most:
+            wrong = _unlivable(graph, draw)
+        if draw.asked:
+            wrong |= set(draw.lacking(graph.without(_unbuildable(graph, draw) if times else ())))
         rooms = [room for room in graph.rooms if room.id in wrong]
         if not rooms:
             break
@@ -214,24 +264,24 @@ def mend_rooms(
             found = read(drawn.alone, graph.plan)
             for room in group:
                 new = with_furniture(graph, room, found.items_of(room.id))
-                left = faults_by_room(new)
+                left = faults_by_room(new, draw=draw)
                 if left.total() < faults.total():
                     graph, layout, faults = new, _pasted(layout, drawn.layout, room), left
                     later[room.id] = None
         if progress and attempt <= times:
             progress(attempt, times)
-    out = _unbuildable(graph) if times else ()
+    out = _unbuildable(graph, draw) if times else ()
     return Mended(graph.without(out), layout, tuple(later), out)
 
 
-def _unbuildable(graph: SceneGraph) -> tuple[str, ...]:
+def _unbuildable(graph: SceneGraph, draw: Draw) -> tuple[str, ...]:
     """Ids of scraps, and of pieces in the way without which less is wrong, the least missed first.
 
     A bed before a window stays: a bedroom without one is worse.
     """
 
     def faults(out: tuple[str, ...]) -> int:
-        return faults_by_room(graph.without(out), _WORTH_A_VIEW).total()
+        return faults_by_room(graph.without(out), _WORTH_A_VIEW, draw).total()
 
     out = tuple(item.id for item in _scraps(graph))
     while clashing := {item_id for clash in _clashes(graph.without(out)) for item_id in clash}:
@@ -286,6 +336,36 @@ def redraw_rooms(
         return replace(layout, rgb=frozen_array(rgb, rgb.dtype), frame=plan_image.frame)
 
     return Redrawn(before, in_rooms_else(before.rgb), in_rooms_else(plan_image.rgb))
+
+
+def furnish_again(
+    graph: SceneGraph,
+    room: Room,
+    plan_image: PlanImage,
+    model: LayoutModel,
+    read: Read,
+    draw: Draw,
+    kept_ids: Collection[str],
+    watch: Stopwatch,
+) -> tuple[Redrawn, SceneGraph]:
+    """A room sampled anew, and the house with what was read in it; with the seed of the draw.
+
+    One that lacks what it shall hold, or could only stand in the way, is sampled up to WISH_DRAWS
+    times more. Raises ChordError where it still lacks something.
+    """
+    for attempt in range(1 + (WISH_DRAWS if draw.asked else 0)):
+        with watch.step("layout") as progress:
+            own = replace(draw, seed=draw.seed + attempt * _SEEDS_APART)
+            drawn = redraw_rooms(graph, [room], plan_image, model, own, progress, kept_ids)
+        with watch.step("graph"):
+            found = draw.heeded(read(drawn.alone, graph.plan))
+            made = replace(drawn.layout.provenance, seed=draw.seed)
+            new = with_furniture(graph, room, found.items_of(room.id), kept_ids)
+            new = replace(new, provenance=made)
+        if not draw.asked or not draw.lacking(new.without(_unbuildable(new, draw))):
+            break
+    draw.refuse_lacking(new)
+    return replace(drawn, layout=replace(drawn.layout, provenance=made)), new
 
 
 def with_furniture(

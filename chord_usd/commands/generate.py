@@ -41,6 +41,10 @@ def add(verbs: Verbs) -> None:
     add_seed(parser)
     add_steps(parser)
     add_lists(parser)
+    parser.add_argument(
+        "--furniture", metavar="WISHES",
+        help='what rooms shall hold: "Bedroom 1: double bed, desk; Bathroom: no bathtub"',
+    )  # fmt: skip
     add_redraws(parser)
     parser.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
@@ -67,7 +71,8 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
-    from chord_usd.pipeline import Settings, generate
+    from chord_usd.lists.wishes import read_furniture
+    from chord_usd.pipeline import Settings, generate, require_lists
 
     settings = Settings(
         seed=options.seed,
@@ -79,7 +84,10 @@ def run(options: argparse.Namespace) -> Outcome:
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
         redraws=options.redraws,
+        furniture=() if options.furniture is None else read_furniture(options.furniture),
     )
+    if settings.furniture:
+        require_lists(settings)
     watch = stopwatch(options)
     with plan_source(options, settings, watch) as (plan_file, planned), deliver() as delivery:
         stage_path = delivery.place(options.output)

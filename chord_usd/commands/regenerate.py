@@ -35,6 +35,13 @@ def add(verbs: Verbs) -> None:
         help="a piece of the room that stays, such as Bed_0; may be given several times",
     )  # fmt: skip
     parser.add_argument(
+        "--with", dest="wanted", action="append", metavar="PIECES",
+        help='what the room shall hold, such as "desk, two chairs"',
+    )  # fmt: skip
+    parser.add_argument(
+        "--without", action="append", metavar="PIECES", help="what it shall not, such as sofa"
+    )
+    parser.add_argument(
         "--edits", type=Path, metavar="LAYER",
         help="a layer over STAGE that moves things: the room is furnished as it is seen there",
     )  # fmt: skip
@@ -61,7 +68,8 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
     from chord_usd.chord_json import write_scene
-    from chord_usd.pipeline import Settings, regenerate, write_regenerated
+    from chord_usd.lists.wishes import read_pieces
+    from chord_usd.pipeline import Settings, regenerate, require_lists, write_regenerated
     from chord_usd.raster_files import write_raster
 
     source = existing_file(options.stage)
@@ -74,13 +82,17 @@ def run(options: argparse.Namespace) -> Outcome:
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
     )
+    wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
+    if wishes.wanted or wishes.excluded:
+        require_lists(settings)
     watch = stopwatch(options)
     with deliver() as delivery:
         layout_out = delivery.place(options.layout_out) if options.layout_out else None
         graph_out = delivery.place(options.graph_out) if options.graph_out else None
         made = regenerate(
-            source, options.room, settings, watch, options.seed, keep=options.keep, edits=edits
-        )
+            source, options.room, settings, watch, options.seed,
+            keep=options.keep, edits=edits, wishes=wishes,
+        )  # fmt: skip
         if layout_out:
             write_raster(made.layout, layout_out)
         if graph_out:

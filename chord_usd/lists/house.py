@@ -10,15 +10,18 @@ import shapely
 
 from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.lists.draw import HEAT, Drawn, Heat, ListDrawer, Subject, without
+from chord_usd.lists.piece_words import ANY_M
 from chord_usd.lists.pieces import (
     PIECES,
     Around,
     Teacher,
     items_from,
+    of_length,
     pieces_of,
     rooms_around,
     segments_of,
 )
+from chord_usd.lists.wishes import Asked
 from chord_usd.metrics.complete import homely_rooms
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import items_overlap
@@ -30,17 +33,6 @@ OUTSIDE_M2 = 0.01
 BLOCKED, MISSING, MISPLACED = 0.3, 1.0, 0.2
 """What a blocked opening, something missing and a piece that stands wrongly weigh beside a square
 metre of overlap."""
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What a room shall hold, by categories."""
-
-    wanted: tuple[str, ...] = ()
-    """As often as they are named."""
-    excluded: frozenset[str] = frozenset()
-    kept: tuple[Item, ...] = ()
-    """Pieces that stand there already."""
 
 
 @dataclass(frozen=True)
@@ -77,29 +69,51 @@ def furnish_by_lists(
         for room, around in zip(plan.rooms, arounds, strict=True)
         if room.id in chosen
     ]
-    subjects = [_subject(around, (asked or {}).get(room.id)) for room, around in jobs]
+    wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
+    subjects = [_subject(around, own) for (_, around), own in zip(jobs, wishes, strict=True)]
     rng = np.random.default_rng(drafts.seed)
     drawn = drawer.draw(subjects * drafts.count, rng, drafts.heat)
+    if any(own.lengths for own in wishes):
+        # Once more, around pieces that were made as long as they shall be.
+        again = [
+            _lengthened(subject, around, own, drawn[at], at)
+            for at, (subject, (_, around), own) in enumerate(
+                list(zip(subjects, jobs, wishes, strict=True)) * drafts.count
+            )
+        ]
+        drawn = [*drawn, *drawer.draw(again, rng, drafts.heat)]
     tries = [
         [_told(room, around, one) for (room, around), one in zip(jobs, part, strict=True)]
         for part in _parts(drawn, len(jobs))
     ]
-    best = tries[0] if len(tries) == 1 else _best(house, [room for room, _ in jobs], tries)
+    rooms_drawn = [room for room, _ in jobs]
+    best = tries[0] if len(tries) == 1 else _best(house, rooms_drawn, tries, wishes)
     return replace(house, items=(*there, *(item for own, _ in best for item in own)))
 
 
-def _subject(around: Around, asked: Asked | None) -> Subject:
-    segments = segments_of(around)
-    if asked is None:
-        return Subject(segments, around.facts, around.flags)
+def _subject(around: Around, asked: Asked) -> Subject:
     return Subject(
-        segments,
+        segments_of(around),
         around.facts,
         around.flags,
-        wanted=tuple(PIECES.categories.index(name) for name in asked.wanted),
+        wanted=tuple(PIECES.categories.index(one.category) for one in asked.missing(asked.kept)),
         excluded=without(asked.excluded, PIECES),
         kept=tuple(pieces_of(asked.kept, around.frame)),
     )
+
+
+def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at: int) -> Subject:
+    """The subject with pieces of the list in it, as long as they are wanted. at: number of a draft:
+    each keeps another end in place."""
+    given, wanted = list(subject.kept), list(subject.wanted)
+    for piece in asked.missing(asked.kept):
+        index = PIECES.categories.index(piece.category)
+        own = [one for one in drawn.elements if one.category == index]
+        nth = sum(one.category == index for one in given)
+        if piece.length_m != ANY_M and nth < len(own):
+            given.append(of_length(own[nth], around, piece.length_m, (0.5, 0.0, 1.0)[at % 3]))
+            wanted.remove(index)
+    return replace(subject, kept=tuple(given), wanted=tuple(wanted))
 
 
 def _told(room: Room, around: Around, drawn: Drawn) -> tuple[list[Item], float]:
@@ -113,7 +127,10 @@ def _parts(drawn: Sequence[Drawn], count: int) -> list[Sequence[Drawn]]:
 
 
 def _best(
-    house: SceneGraph, rooms: Sequence[Room], tries: Sequence[Sequence[tuple[list[Item], float]]]
+    house: SceneGraph,
+    rooms: Sequence[Room],
+    tries: Sequence[Sequence[tuple[list[Item], float]]],
+    wishes: Sequence[Asked],
 ) -> list[tuple[list[Item], float]]:
     """Of each room, the draft with the fewest faults, then the likeliest."""
     faults = [
@@ -124,8 +141,10 @@ def _best(
     ]
     best = []
     for index in range(len(rooms)):
-        order = [(own[index], -one[index][1], i) for i, (own, one) in
-                 enumerate(zip(faults, tries, strict=True))]  # fmt: skip
+        order = [
+            (own[index] + MISSING * len(wishes[index].missing(one[index][0])), -one[index][1], i)
+            for i, (own, one) in enumerate(zip(faults, tries, strict=True))
+        ]
         best.append(tries[min(order)[2]][index])
     return best
 

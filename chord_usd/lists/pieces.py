@@ -311,6 +311,21 @@ def items_from(elements: Iterable[Element], around: Around, room_id: str) -> lis
     return items
 
 
+def of_length(
+    element: Element, around: Around, length_m: tuple[float, float], fixed: float
+) -> Element:
+    """The element with a length between these; fixed: the share of it that stays in place."""
+    yaw, *corners = element.values
+    ends = np.array(corners).reshape(2, 2)
+    axis = round((yaw * YAW_STEP_DEG - _slant_deg(yaw)) / 90.0) % 2
+    steps = np.array(length_m) * around.frame.scale / STEP_M
+    long = int(ends[1, axis] - ends[0, axis])
+    wanted = int(np.clip(long, np.ceil(steps[0]), np.floor(min(steps[1], PLACES - 1))))
+    low = int(np.clip(ends[0, axis] + round((long - wanted) * fixed), 0, PLACES - 1 - wanted))
+    ends[:, axis] = low, low + wanted
+    return Element(element.category, (yaw, *map(int, ends.ravel())))
+
+
 def _box(element: Element, around: Around) -> Box | None:
     yaw, x0, y0, x1, y1 = element.values
     slant_deg = _slant_deg(yaw)

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from chord_usd.errors import ChordError
+from chord_usd.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
 from chord_usd.room_names import kind_of_word, kinds_in_han
 from chord_usd.types import RoomKind
 from chord_usd.wish import NAMES, WISHED_KINDS, Wish, listed
@@ -38,25 +39,6 @@ _UNITS_M2 = {
     r"坪|tsubo": 3.306,
 }  # fmt: skip
 
-_NUMBERS = {
-    word: number
-    for number, words in enumerate((
-        "zero no without none kein keine keinen ohne sans aucun aucune sin ningun ninguna sem"
-        " nenhum nenhuma ingen inget inga utan ilman zonder",
-        "one a an single ein eine einen einer eins une un una um uma ett yksi",
-        "two zwei deux dos dois duas tva kaksi kahden double", "three drei trois tres tre kolme",
-        "four vier quatre cuatro quatro fyra nelja", "five funf cinq cinco fem viisi",
-        "six sechs seis sex kuusi", "seven sieben sept siete sete sju seitseman",
-        "eight acht huit ocho oito atta kahdeksan", "nine neun neuf nueve nove nio yhdeksan",
-        "ten zehn dix diez dez tio kymmenen", "eleven", "twelve",
-    ))
-    for word in words.split()
-} | {"twenty": 20, "thirty": 30, "forty": 40, "fifty": 50, "sixty": 60, "seventy": 70,
-     "eighty": 80, "ninety": 90, "hundred": 100}  # fmt: skip
-
-_HAN_NUMBERS = {digit: number for number, digit in enumerate("〇一二三四五六七八九十")} | {
-    "两": 2, "兩": 2, "无": 0, "無": 0,
-}  # fmt: skip
 _HAN_SHORT: dict[str, RoomKind] = {
     "室": "bedroom", "房": "bedroom", "厅": "living", "廳": "living", "卫": "bathroom",
     "衛": "bathroom", "厨": "kitchen", "廚": "kitchen",
@@ -75,7 +57,7 @@ _ENGLISH_WORDS = (
 _ENGLISH = frozenset(_ENGLISH_WORDS.split())
 _BELOW_ZERO = re.compile(
     r"(?:\b(?:minus|miinus|moins|menos|negative|negativ[aeo]?)\s+|(?:(?<=\s)|^)[-\u2212])"
-    r"(?:\d+|" + "|".join(word for word, number in _NUMBERS.items() if number > 1) + r")\b"
+    r"(?:\d+|" + "|".join(word for word, number in NUMBERS.items() if number > 1) + r")\b"
     r"(?:\s[^\s,;.]+)?"
     r"|负\s*[\d一二三四五六七八九十两]+\S?|マイナス\s*\S+"
 )
@@ -113,7 +95,7 @@ def read_wish(text: str) -> Understood:
         raise _error("is empty")
     if any(unicodedata.category(c) in ("Cc", "Cs") and not c.isspace() for c in text):
         raise _error("holds a control character", "words and numbers")
-    plain = _plain(text)
+    plain = plain_text(text)
     below = _BELOW_ZERO.search(plain)
     if below:
         raise _error(f"asks for less than nothing: '{below[0].strip()}'", "numbers from zero on")
@@ -176,14 +158,6 @@ def _error(what: str, expected: str = "rooms and a floor area, in words") -> Cho
     )
 
 
-def _plain(text: str) -> str:
-    """Lower case without accents, compatibility forms resolved: "70 m²" -> "70 m2"."""
-    folded = unicodedata.normalize("NFKC", text).casefold()
-    parts = unicodedata.normalize("NFD", folded.replace("ß", "ss"))
-    latin = "".join(c for c in parts if not ("\u0300" <= c <= "\u036f"))
-    return unicodedata.normalize("NFC", latin)
-
-
 def _area(text: str, warnings: list[str]) -> tuple[float | None, str]:
     """The floor area in square metres, the largest of several, and the text without it."""
     found: list[float] = []
@@ -209,7 +183,7 @@ def _number(said: str) -> float | None:
         return (
             float(digits.replace(",", ".")) if digits.count(",") + digits.count(".") < 2 else None
         )
-    numbers = [_NUMBERS.get(word) for word in re.split(r"[\s-]", said)]
+    numbers = [NUMBERS.get(word) for word in re.split(r"[\s-]", said)]
     known = [number for number in numbers if number is not None]
     return float(sum(known)) if known and numbers[-1] is not None else None
 
@@ -275,7 +249,7 @@ def _latin(text: str, english: bool, warnings: list[str]) -> Iterator[tuple[Room
         elif word in _ROOM_WORDS and number is not None:
             yield None, number
             number = None
-        elif word[0].isdigit() or word in _NUMBERS:
+        elif word[0].isdigit() or word in NUMBERS:
             said = _counted(word, warnings)
             if said > 1 and number not in (None, 0, 1, said):
                 warnings.append(f"{number} and then {said}: the last is heard")
@@ -293,8 +267,8 @@ def _latin(text: str, english: bool, warnings: list[str]) -> Iterator[tuple[Room
 
 def _counted(word: str, warnings: list[str]) -> int:
     """A number of rooms. Half a bathroom has no bath, half a room is a small one: one each."""
-    if word in _NUMBERS:
-        return _NUMBERS[word]
+    if word in NUMBERS:
+        return NUMBERS[word]
     if word.isdigit():
         return int(word)
     whole = int(word[:-2]) + 1
@@ -346,4 +320,4 @@ _HAN_COUNT = re.compile(r"(\d+|[〇一二三四五六七八九十两兩无無])\
 
 
 def _han_number(said: str) -> int:
-    return int(said) if said.isdigit() else _HAN_NUMBERS[said]
+    return int(said) if said.isdigit() else HAN_NUMBERS[said]
