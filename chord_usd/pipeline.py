@@ -421,15 +421,15 @@ def regenerate(
     *,
     keep: Sequence[str] = (),
     edits: Path | None = None,
-    wishes: Wishes | tuple[()] = (),
+    wishes: Wishes | None = None,
 ) -> Regenerated:
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
     room_name: name of the room's prim. seed: in place of that of settings; None takes the one
     after the room's last. keep: names of prims of the room's furniture that stay; the rest is
     sampled around them. edits: a layer over source in which things stand elsewhere; the house is
-    seen with it. wishes: what the room shall hold (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph, outliers and tabletop. Raises
-    ChordError.
+    seen with it. wishes: what the room shall hold (lists.wishes.read_pieces). The stopwatch times
+    read, load, layout, graph, outliers and tabletop. Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -442,7 +442,9 @@ def regenerate(
         kept_ids = house.furniture(room_name, keep, source)
         seed = house.seeds[room_name] + 1 if seed is None else seed
         kept_items = [item for item in house.graph.items_of(room.id) if item.id in kept_ids]
-        asked = {room.id: asked_in(room_name, room, wishes, kept_items)} if any(wishes) else {}
+        asked = {}
+        if wishes and any(wishes):
+            asked[room.id] = asked_in(room_name, room, wishes, kept_items)
     with watch.step("load"):
         models = load_models(settings)
     own = replace(settings, seed=seed)

@@ -117,6 +117,8 @@ def read_furniture(text: str) -> tuple[tuple[str, Wishes], ...]:
         if not colon or not room.strip():
             raise _error(f"'{part.strip()}' names no room", where, "ROOM: PIECE, PIECE", EXAMPLE)
         found.append((room.strip(), _read(pieces, f"{where} '{room.strip()}'")))
+    if not found:
+        raise _error("is empty", where, "ROOM: PIECE, PIECE", EXAMPLE)
     return tuple(found)
 
 
@@ -166,6 +168,8 @@ def _pieces(part: str, where: str) -> Iterator[tuple[int, Named]]:
             yield (0 if denied else count), piece
         name = []
         denied = denies or (denied and word not in _WITH)
+    if words and (words[-1] == "0" or words[-1] in _COUNTS):
+        raise _error(f"'{words[-1]}' is followed by nothing", where)
 
 
 def _piece(words: list[str], where: str) -> tuple[int, Named]:
@@ -198,19 +202,19 @@ def rooms_meant(said: str, rooms: Mapping[str, Room]) -> list[Room]:
         return [_largest(prims or printed)]
     words = re.findall(r"[^\W\d]+|\d+", plain)
     every = bool(words) and words[0] in _EVERY
-    ordinals = [_ORDINALS[word] for word in words if word in _ORDINALS]
-    last = words[-1] if words else ""
-    number = int(last) if last.isdigit() else _COUNTS.get(last, ordinals[0] if ordinals else None)
-    rest = " ".join(
-        w for w in words if w not in _EVERY and w not in _ORDINALS and not (w == last and number)
-    )
-    own = _of_kind(rest, every, rooms)
-    if every or rest in ("rooms", *(several for _, several in NAMES.values())):
-        found = own
+    number = next((_ORDINALS[word] for word in words if word in _ORDINALS), None)
+    if words and (words[-1].isdigit() or words[-1] in _COUNTS):
+        last = words.pop()
+        number = int(last) if last.isdigit() else _COUNTS[last]
+    rest = [word for word in words if word not in _EVERY and word not in _ORDINALS]
+    kind = " ".join(rest)
+    found = _of_kind(kind, every, rooms)
+    if any(word.isdigit() or word in _COUNTS for word in rest):
+        found = []
     elif number is not None:
-        found = own[number - 1 : number] if number else []
-    else:
-        found = [_largest(own)] if own else []
+        found = found[number - 1 : number] if number else []
+    elif found and not every and kind not in ("rooms", *(many for _, many in NAMES.values())):
+        found = [_largest(found)]
     if not found:
         there = ", ".join(rooms)
         raise _error(f"there is no room '{said}'", "--furniture", f"one of {there}")
