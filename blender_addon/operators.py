@@ -12,6 +12,7 @@ from .core import commands
 from .core.edits import as_it_was
 from .core.errors import InputError
 from .core.layer import house_of
+from .core.program import WISHES_FROM
 from .core.revisions import keep
 from .core.tree import is_piece, room_of
 from .jobs import (
@@ -95,7 +96,10 @@ class ChordRegenerate(JobOperator, bpy.types.Operator):
         locked = [one for one in seen.changes.locked if is_piece(one) and room_of(one) == name]
         names = [one.split("/")[-1] for one in locked]
         seed = random.randrange(MAX_SEED)
-        arguments = commands.regenerate(seen.house, name, _furnish_settings(context, seed), names)
+        settings, wishes = _furnish_settings(context, seed), commands.RoomWishes()
+        if WISHES_FROM in session.program(preferences(context).program).abilities:
+            wishes = commands.RoomWishes(own.wanted, own.unwanted)
+        arguments = commands.regenerate(seen.house, name, settings, names, wishes)
         keep(seen.house)
         own.rooms[own.room_index].seed = seed
         return arguments, partial(show_room, seen)

@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 
 from .core import report, swaps
+from .core.program import WISHES_FROM
 from .core.state import OFFERED_BY, panel_state, wrapped
 from .core.tree import piece_of
 from .house import LOCKED_KEY, pieces_of
@@ -89,6 +90,10 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
         row.operator("chord.frame_room", icon="VIEWZOOM")
         start = _when_idle(row.row(align=True))
         start.operator("chord.regenerate", icon="FILE_REFRESH")
+        program = session.known_program(preferences(context).program)
+        if program and WISHES_FROM in program.abilities:
+            layout.prop(own, "wanted", placeholder="desk, two chairs")
+            layout.prop(own, "unwanted", placeholder="sofa")
         row = layout.row()
         row.prop(own, "solo")
         row.prop(own, "hide_ceilings")

@@ -153,6 +153,12 @@ class ChordScene(bpy.types.PropertyGroup):
     hide_ceilings: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Hide ceilings", default=True, update=_show_ceilings
     )
+    wanted: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="With", description="Pieces that a room furnished anew shall hold, in words"
+    )
+    unwanted: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Without", description="Pieces that a room furnished anew shall not hold, in words"
+    )
     solo: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Solo", description="Show the chosen room alone", update=_show_solo
     )

@@ -71,8 +71,8 @@ _MORE_DRAWS = 3
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
 
-DRAFTS, WISHED_DRAFTS = 4, 16
-"""Lists drawn of each room, of which the best is painted; where pieces are wished for."""
+DRAFTS = 4
+"""Lists drawn of each room, of which the best is painted."""
 
 WISH_DRAWS = 6
 """So often a room that lacks a piece that was wished for is drawn again."""
@@ -112,8 +112,7 @@ class Draw:
             )
             for room in rooms
         }
-        is_wished = any(own.wanted for own in asked.values())
-        drafts = Drafts(self.seed, WISHED_DRAFTS if is_wished else DRAFTS)
+        drafts = Drafts(self.seed, DRAFTS)
         return furnish_by_lists(graph.plan, self.lists, drafts, asked, list(asked), graph.items)
 
     def heeded(self, graph: SceneGraph) -> SceneGraph:
@@ -261,7 +260,7 @@ def mend_rooms(
         own = replace(draw, seed=draw.seed + attempt * _SEEDS_APART)
         for group in _drawn_together(rooms):
             drawn = redraw_rooms(graph, group, plan_image, model, own)
-            found = read(drawn.alone, graph.plan)
+            found = draw.heeded(read(drawn.alone, graph.plan))
             for room in group:
                 new = with_furniture(graph, room, found.items_of(room.id))
                 left = faults_by_room(new, draw=draw)

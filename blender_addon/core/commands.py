@@ -61,6 +61,14 @@ class FurnishSettings:
 
 
 @dataclass(frozen=True)
+class RoomWishes:
+    """The panel's fields for what a room shall hold and what not, in words."""
+
+    wanted: str = ""
+    unwanted: str = ""
+
+
+@dataclass(frozen=True)
 class GenerateSettings:
     """The panel's fields for a new house."""
 
@@ -101,7 +109,11 @@ def generate(settings: GenerateSettings, house: Path) -> list[str]:
 
 
 def regenerate(
-    house: Path, room: str, settings: FurnishSettings, keep: Sequence[str] = ()
+    house: Path,
+    room: str,
+    settings: FurnishSettings,
+    keep: Sequence[str] = (),
+    wishes: RoomWishes | None = None,
 ) -> list[str]:
     """Arguments that furnish one room of the house anew, around the pieces that are kept.
 
@@ -112,6 +124,10 @@ def regenerate(
     kept = [part for name in keep for part in ("--keep", name)]
     edits = edits_file(_existing(house))
     seen = ["--edits", str(edits)] if edits.is_file() else []
+    wishes = wishes or RoomWishes()
+    # In one word: a text may begin with a dash.
+    said = [f"--with={wishes.wanted.strip()}"] if wishes.wanted.strip() else []
+    said += [f"--without={wishes.unwanted.strip()}"] if wishes.unwanted.strip() else []
     return [
         "regenerate",
         str(house),
@@ -119,6 +135,7 @@ def regenerate(
         room,
         *kept,
         *seen,
+        *said,
         *_furnish(settings),
         *_REPORT,
     ]

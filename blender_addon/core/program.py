@@ -23,8 +23,12 @@ OPTIONAL = {
     "--text": "plan a home from a text",
     "--outline": "divide an open plan into rooms",
     "--part": "take another plan of a sheet, or another storey",
+    "--furniture": "furnish with pieces that are asked for",
 }
 """Options of `generate` that not every version has, and what each is there to do."""
+
+WISHES_FROM = "--furniture"
+"""Versions with this option can be told what a room shall hold, and what not."""
 
 ANSWER_WITHIN_S = 20.0
 

@@ -34,6 +34,9 @@ BLOCKED, MISSING, MISPLACED = 0.3, 1.0, 0.2
 """What a blocked opening, something missing and a piece that stands wrongly weigh beside a square
 metre of overlap."""
 
+WISHED = 4
+"""Times as many drafts."""
+
 
 @dataclass(frozen=True)
 class Drafts:
@@ -41,9 +44,14 @@ class Drafts:
 
     seed: int = 0
     count: int = 1
-    """Of each room; the one with the fewest faults is taken, of equal ones the likeliest."""
+    """Of each room, WISHED times as many where something is wanted; the one with the fewest faults
+    is taken, of equal ones the likeliest."""
     heat: Heat = HEAT
     teacher: Teacher = "homes"
+
+
+_Told = tuple[list[Item], float]
+"""The pieces of a room, and how likely what was said of each is."""
 
 
 def furnish_by_lists(
@@ -70,25 +78,36 @@ def furnish_by_lists(
         if room.id in chosen
     ]
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
-    subjects = [_subject(around, own) for (_, around), own in zip(jobs, wishes, strict=True)]
-    rng = np.random.default_rng(drafts.seed)
-    drawn = drawer.draw(subjects * drafts.count, rng, drafts.heat)
-    if any(own.lengths for own in wishes):
-        # Once more, around pieces that were made as long as they shall be.
-        again = [
-            _lengthened(subject, around, own, drawn[at], at)
-            for at, (subject, (_, around), own) in enumerate(
-                list(zip(subjects, jobs, wishes, strict=True)) * drafts.count
-            )
-        ]
-        drawn = [*drawn, *drawer.draw(again, rng, drafts.heat)]
+    told = _drawn(jobs, wishes, drawer, drafts)
     tries = [
-        [_told(room, around, one) for (room, around), one in zip(jobs, part, strict=True)]
-        for part in _parts(drawn, len(jobs))
+        [own[draft % len(own)] for own in told] for draft in range(max(map(len, told), default=1))
     ]
     rooms_drawn = [room for room, _ in jobs]
     best = tries[0] if len(tries) == 1 else _best(house, rooms_drawn, tries, wishes)
     return replace(house, items=(*there, *(item for own, _ in best for item in own)))
+
+
+def _drawn(
+    jobs: Sequence[tuple[Room, Around]], wishes: Sequence[Asked], drawer: ListDrawer, drafts: Drafts
+) -> list[list[_Told]]:
+    """All drafts of every room."""
+    subjects = [_subject(around, own) for (_, around), own in zip(jobs, wishes, strict=True)]
+    counts = [drafts.count * (WISHED if own.wanted else 1) for own in wishes]
+    order = [at for draft in range(max(counts, default=0)) for at, n in enumerate(counts)
+             if draft < n]  # fmt: skip
+    rng = np.random.default_rng(drafts.seed)
+    drawn = drawer.draw([subjects[at] for at in order], rng, drafts.heat)
+    # Once more, around pieces that were made as long as they are wanted.
+    sized = [nth for nth, at in enumerate(order) if wishes[at].has_lengths]
+    again = [
+        _lengthened(subjects[at], jobs[at][1], wishes[at], drawn[nth], nth)
+        for nth, at in ((nth, order[nth]) for nth in sized)
+    ]
+    drawn = [*drawn, *drawer.draw(again, rng, drafts.heat)]
+    told: list[list[_Told]] = [[] for _ in jobs]
+    for at, one in zip([*order, *(order[nth] for nth in sized)], drawn, strict=True):
+        told[at].append(_told(*jobs[at], one))
+    return told
 
 
 def _subject(around: Around, asked: Asked) -> Subject:
@@ -116,23 +135,20 @@ def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at
     return replace(subject, kept=tuple(given), wanted=tuple(wanted))
 
 
-def _told(room: Room, around: Around, drawn: Drawn) -> tuple[list[Item], float]:
-    """The pieces, and how likely what was said of each is: short lists gain nothing by it."""
+def _told(room: Room, around: Around, drawn: Drawn) -> _Told:
+    # Per value: short lists gain nothing by it.
     values = len(drawn.elements) * (1 + len(PIECES.slots)) + 1
     return items_from(drawn.elements, around, room.id), drawn.likelihood / values
-
-
-def _parts(drawn: Sequence[Drawn], count: int) -> list[Sequence[Drawn]]:
-    return [drawn[start : start + count] for start in range(0, len(drawn), count)] or [[]]
 
 
 def _best(
     house: SceneGraph,
     rooms: Sequence[Room],
-    tries: Sequence[Sequence[tuple[list[Item], float]]],
+    tries: Sequence[Sequence[_Told]],
     wishes: Sequence[Asked],
-) -> list[tuple[list[Item], float]]:
-    """Of each room, the draft with the fewest faults, then the likeliest."""
+) -> list[_Told]:
+    """Of each room, the draft that lacks the least of what is wanted, then has the fewest faults,
+    then is the likeliest."""
     faults = [
         room_faults(
             replace(house, items=(*house.items, *(item for own, _ in one for item in own))), rooms
@@ -142,10 +158,10 @@ def _best(
     best = []
     for index in range(len(rooms)):
         order = [
-            (own[index] + MISSING * len(wishes[index].missing(one[index][0])), -one[index][1], i)
+            (len(wishes[index].missing(one[index][0])), own[index], -one[index][1], i)
             for i, (own, one) in enumerate(zip(faults, tries, strict=True))
         ]
-        best.append(tries[min(order)[2]][index])
+        best.append(tries[min(order)[-1]][index])
     return best
 
 

@@ -78,7 +78,7 @@ class Asked:
     """Name of its prim."""
 
     @property
-    def lengths(self) -> bool:
+    def has_lengths(self) -> bool:
         """Whether a piece is wanted as long as a word says."""
         return any(piece.length_m != ANY_M for piece in self.wanted)
 
@@ -168,7 +168,7 @@ def _pieces(part: str, where: str) -> Iterator[tuple[int, Named]]:
             yield (0 if denied else count), piece
         name = []
         denied = denies or (denied and word not in _WITH)
-    if words and (words[-1] == "0" or words[-1] in _COUNTS):
+    if words and (words[-1] == "0" or _COUNTS.get(words[-1]) == 0):
         raise _error(f"'{words[-1]}' is followed by nothing", where)
 
 

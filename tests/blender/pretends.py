@@ -21,6 +21,7 @@ def main(answer: str, code: int, options: str, models: str, house: str) -> None:
     if verb == "describe":
         os.execv(sys.executable, [sys.executable, "-m", "chord_usd", *sys.argv[1:]])
     if verb == "regenerate":
+        refuse_elephants(sys.argv)
         tell(stage=take_a_cabinet(sys.argv[2]), room=words["--room"])
     if verb == "assets":
         shutil.copytree(models, words["-o"], dirs_exist_ok=True)
@@ -28,6 +29,13 @@ def main(answer: str, code: int, options: str, models: str, house: str) -> None:
     if verb == "generate":
         text = "".join(word.partition("=")[2] for word in sys.argv if word.startswith("--text="))
         generate(text, Path(words["-o"]), house)
+
+
+def refuse_elephants(words: list[str]) -> None:
+    """What the program says of a piece that it does not know."""
+    if any("elephant" in word for word in words):
+        sys.stderr.write("error: --with: 'elephant' is no piece that is known; expected bed\n")
+        sys.exit(2)
 
 
 def generate(text: str, target: Path, house: str) -> None:

@@ -39,6 +39,13 @@ told["refused"] = s.press("generate")
 told["refused_drawn"] = s.drawn()
 told["kept"] = own.house == house and bool(s.objects())
 
+s.choose_room("Bedroom_0")
+own.wanted, own.unwanted = "an elephant", "sofa"
+told["strange"] = s.press("regenerate")
+told["strange_drawn"] = s.drawn()
+own.wanted = "desk, two chairs"
+told["wished"] = s.press("regenerate")
+
 own.source, own.text = "OUTLINE", ""
 told["shapeless"] = s.press("generate")
 own.outline = str(plan)

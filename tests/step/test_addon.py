@@ -68,7 +68,7 @@ def programs(untouched: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     for asset in models.glob("*/*.usda"):
         shutil.copyfile(ROOT / "docs" / "layouts.png", models / "pictures" / f"{asset.stem}.png")
     for name, answer, code, options in (
-        ("good", "chord-usd 9.0.0", 0, "--outline PNG --text TEXT"),
+        ("good", "chord-usd 9.0.0", 0, "--outline PNG --text TEXT --furniture WISHES"),
         ("older", "chord-usd 0.1.0", 0, "--outline PNG"),
         ("old", "chord-usd 0.0.1", 0, ""),
         ("wrong", "Python 3.11.2", 0, ""),
@@ -460,6 +460,14 @@ def test_a_text_that_is_not_understood_is_an_error_like_others(wishes: Told) -> 
     assert wishes["refused"] == "--text: the text names no rooms; expected rooms, in words"
     assert "the text names no rooms" in labels(wishes["refused_drawn"])
     assert wishes["kept"]
+
+
+def test_pieces_are_asked_for_where_a_room_is_furnished_anew(wishes: Told) -> None:
+    assert wishes["strange"] == "--with: 'elephant' is no piece that is known; expected bed"
+    assert "'elephant' is no piece" in labels(wishes["strange_drawn"])
+    fields = [line[1] for line in wishes["strange_drawn"] if line[0] == "prop"]
+    assert {"wanted", "unwanted"} <= set(fields)
+    assert wishes["wished"] == ""
 
 
 def test_an_open_plan_is_divided_with_a_text_or_without(wishes: Told) -> None:

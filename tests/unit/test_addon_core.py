@@ -194,6 +194,20 @@ def test_what_the_program_is_told_is_the_edited_house(tmp_path: Path) -> None:
     assert commands.check(house)[1] == str(file)
 
 
+def test_wishes_reach_the_program_as_they_were_written(tmp_path: Path) -> None:
+    from chord_usd.cli import build_parser
+
+    house = tmp_path / "house.usda"
+    house.touch()
+    wishes = commands.RoomWishes(" -desk, two chairs ", "sofa")
+    words = commands.regenerate(house, "Bedroom_0", FURNISH, ["Bed_0"], wishes)
+    taken = build_parser().parse_args(words)
+    assert (taken.wanted, taken.without) == (["-desk, two chairs"], ["sofa"])
+    blank = commands.regenerate(house, "Bedroom_0", FURNISH, [], commands.RoomWishes(" ", ""))
+    taken = build_parser().parse_args(blank)
+    assert taken.wanted is taken.without is None
+
+
 def test_passes_are_those_of_the_program() -> None:
     from chord_usd.image.options import PASSES
 

@@ -15,9 +15,10 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.lists import pieces
 from chord_usd.lists.draw import GRAPH_INPUTS, ListDrawer, Subject
-from chord_usd.lists.house import Asked, Drafts, furnish_by_lists, room_faults
+from chord_usd.lists.house import Drafts, furnish_by_lists, room_faults
 from chord_usd.lists.pieces import PIECES
 from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
+from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.complete import homely_rooms
 from chord_usd.palette import HOUSE_CATEGORIES
@@ -177,7 +178,7 @@ def test_rooms_are_furnished_as_asked_and_the_others_left_alone() -> None:
     graph = house(4)
     chosen = graph.rooms[0]
     drawer = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
-    asked = {chosen.id: Asked(wanted=("bed", "table"), excluded=frozenset({"sofa"}))}
+    asked = {chosen.id: Asked((Piece("bed"), Piece("table")), excluded=frozenset({"sofa"}))}
     found = furnish_by_lists(
         graph.plan, drawer, Drafts(1, 3), asked, rooms=[chosen.id], standing=graph.items
     )

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from chord_usd import raster
-from chord_usd.redraw import Draw, Mended, faults_by_room, mend_rooms
+from chord_usd.errors import ChordError
+from chord_usd.lists.wishes import Asked, Piece
+from chord_usd.progress import Stopwatch
+from chord_usd.redraw import (
+    WISH_DRAWS,
+    Draw,
+    Mended,
+    faults_by_room,
+    furnish_again,
+    mend_rooms,
+)
 from chord_usd.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
 
 
@@ -32,10 +42,12 @@ class Painter:
         return self.draws[min(len(self.seeds), len(self.draws)) - 1]
 
 
-def mended(graph: SceneGraph, painter: Painter, times: int = 2) -> Mended:
+def mended(
+    graph: SceneGraph, painter: Painter, times: int = 2, asked: Mapping[str, Asked] | None = None
+) -> Mended:
     plan_image = raster.draw_plan(graph.plan, raster.house_frame(graph.plan))
     layout = replace(raster.layout_image(plan_image, graph.items), provenance=Provenance())
-    draw = Draw(seed=7)
+    draw = Draw(seed=7, asked=asked or {})
     return mend_rooms(graph, layout, plan_image, painter, painter.read, draw, times=times)
 
 
@@ -203,3 +215,96 @@ def test_a_bed_before_a_window_stays_and_a_cabinet_there_goes(sound_house: Scene
     beside = sound_house.items_of(bed.room_id)
     found = mended(replace(sound_house, items=(*around, *beside, cabinet)), Painter((), ()))
     assert found.left_out == ("cabinet_9",)
+
+
+def wished(item: Item, *more: Piece, **asked: object) -> dict[str, Asked]:
+    wanted = (Piece(item.category, word="thing"), *more)
+    return {item.room_id: Asked(wanted, room="Room_0", **asked)}  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("times", [0, 2])
+def test_a_room_that_lacks_what_is_wished_is_drawn_until_it_is_there(
+    sound_house: SceneGraph, times: int
+) -> None:
+    table = next(item for item in sound_house.items if item.category == "bedside_table")
+    own = tuple(sound_house.items_of(table.room_id))
+    without = tuple(i for i in own if i.category != "bedside_table")
+    lacks = sound_house.without(i.id for i in own if i.category == "bedside_table")
+    painter = Painter(without, without, without, own)
+    found = mended(lacks, painter, times, wished(table))
+    assert len(set(painter.seeds)) == 4
+    assert {i.category for i in found.graph.items_of(table.room_id)} >= {"bedside_table"}
+
+
+def test_what_finds_no_place_is_an_error_that_names_it(sound_house: SceneGraph) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    asked = wished(bed, Piece("bathtub"), Piece("bathtub"))
+    painter = Painter(tuple(sound_house.items_of(bed.room_id)))
+    found = mended(sound_house, painter, 0, asked)
+    assert len(painter.seeds) == WISH_DRAWS
+    draw = Draw(asked=asked)
+    assert {p.category for p in draw.lacking(found.graph)[bed.room_id]} == {"bathtub"}
+    with pytest.raises(ChordError, match="Room_0: no place was found for: 2 × bathtub"):
+        draw.refuse_lacking(found.graph)
+    Draw().refuse_lacking(found.graph)
+
+
+def test_what_stands_in_a_wish_goes_before_the_wish(sound_house: SceneGraph) -> None:
+    """The smaller is the wish here."""
+    cabinet = next(i for i in sound_house.items if i.category == "cabinet")
+    length_m, width_m, height_m = cabinet.box.size_m
+    small = replace(cabinet.box, size_m=(0.8 * length_m, 0.8 * width_m, height_m))
+    desk = replace(cabinet, id="table_9", category="table", box=small)
+    graph = replace(sound_house, items=(*sound_house.items, desk))
+    drawn = tuple(graph.items_of(cabinet.room_id))
+    assert mended(graph, Painter(drawn)).left_out == ("table_9",)
+    assert mended(graph, Painter(drawn), asked=wished(desk)).left_out == (cabinet.id,)
+
+
+def test_what_shall_not_be_there_is_not_and_not_missed(sound_house: SceneGraph) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    draw = Draw(asked={bed.room_id: Asked((), frozenset({"bed"}))})
+    kept = draw.heeded(sound_house)
+    assert {i.id for i in sound_house.items} - {i.id for i in kept.items} == {bed.id}
+    assert faults_by_room(kept)[bed.room_id]
+    assert not faults_by_room(kept, draw=draw)
+
+
+def test_two_toilets_are_no_fault_where_two_are_wished(sound_house: SceneGraph) -> None:
+    toilet = next(item for item in sound_house.items if item.category == "toilet")
+    x_m, y_m, z_m = toilet.box.center_m
+    second = replace(toilet, id="t", box=replace(toilet.box, center_m=(x_m + 30.0, y_m, z_m)))
+    graph = replace(sound_house, items=(*sound_house.items, second))
+    draw = Draw(asked=wished(toilet, Piece("toilet")))
+    assert faults_by_room(graph)
+    assert not faults_by_room(graph, draw=draw)
+    assert faults_by_room(sound_house, draw=draw) == {toilet.room_id: 3}
+
+
+def test_a_room_furnished_anew_holds_what_is_wished_under_its_own_seed(
+    sound_house: SceneGraph,
+) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    own = tuple(sound_house.items_of(bed.room_id))
+    plan_image = raster.draw_plan(sound_house.plan, raster.house_frame(sound_house.plan))
+    room = sound_house.plan.room(bed.room_id)
+
+    def anew(painter: Painter, **asked: Asked) -> SceneGraph:
+        draw, watch = Draw(5, asked=asked), Stopwatch()
+        drawn, graph = furnish_again(
+            sound_house, room, plan_image, painter, painter.read, draw, (), watch
+        )
+        assert drawn.layout.provenance.seed == graph.provenance.seed == 5
+        return graph
+
+    others = tuple(item for item in own if item.category != "bed")
+    painter = Painter(others, others, own)
+    assert "bed" in {i.category for i in anew(painter, **wished(bed)).items_of(room.id)}
+    assert len(set(painter.seeds)) == 3
+    painter = Painter(others)
+    assert "bed" not in {i.category for i in anew(painter).items_of(room.id)}
+    assert painter.seeds == [5]
+    with pytest.raises(ChordError, match="no place was found for: thing"):
+        anew(Painter(others), **wished(bed))
+    barred = anew(Painter(own), **{room.id: Asked((), frozenset({"bed"}))})
+    assert "bed" not in {i.category for i in barred.items_of(room.id)}
