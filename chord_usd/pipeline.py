@@ -99,6 +99,8 @@ def generate(
     stage.
     Raises ChordError.
     """
+    from chord_usd.graph.match import match_assets
+
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     # The plan is read before torch is imported: a wrong picture is told within a second.
@@ -122,7 +124,7 @@ def generate(
             graph, layout, plan_image, models.layout, models.reader.read, draw,
             times=settings.redraws, progress=progress,
         )  # fmt: skip
-        graph, layout = mended.graph, mended.layout
+        graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
         left_out = mended.left_out
         if settings.redraws:
             graph, shut = clear_openings(graph, models.reader.database)
@@ -434,6 +436,7 @@ def regenerate(
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     with watch.step("read"):
+        from chord_usd.graph.match import match_assets
         from chord_usd.lists.wishes import asked_in
         from chord_usd.stage.refurnish import read_edited_house, read_house
 
@@ -453,6 +456,8 @@ def regenerate(
     drawn, graph = furnish_again(
         house.graph, room, plan_image, models.layout, models.reader.read, draw, kept_ids, watch
     )
+    others = {item.id for item in house.graph.items if item.room_id != room.id}
+    graph = match_assets(graph, models.reader.database, but=others | kept_ids)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     if models.table:

@@ -74,7 +74,7 @@ _SEEDS_APART = 1_000_003
 DRAFTS = 4
 """Lists drawn of each room, of which the best is painted."""
 
-WISH_DRAWS = 6
+WISH_DRAWS = 3
 """So often a room that lacks a piece that was wished for is drawn again."""
 
 _WISHED = 3
@@ -240,7 +240,8 @@ def mend_rooms(
 ) -> Mended:
     """The house with those rooms drawn again that have faults; what has fewer of them is kept.
 
-    Rooms that lack what they shall hold are drawn again up to WISH_DRAWS times, whatever times is.
+    Rooms that lack what they shall hold are drawn again up to WISH_DRAWS times, whatever times is,
+    around pieces of lists, which have no meshes.
 
     graph: as read reads it in layout, which was drawn over plan_image; times: draws, _MORE_DRAWS
     more for what nobody could live in, 0 for none at all.
@@ -259,10 +260,13 @@ def mend_rooms(
             break
         own = replace(draw, seed=draw.seed + attempt * _SEEDS_APART)
         for group in _drawn_together(rooms):
-            drawn = redraw_rooms(graph, group, plan_image, model, own)
+            base, given = with_wishes(graph, group, own) if draw.asked else (graph, frozenset())
+            drawn = redraw_rooms(base, group, plan_image, model, own, kept_ids=given)
             found = draw.heeded(read(drawn.alone, graph.plan))
             for room in group:
-                new = with_furniture(graph, room, found.items_of(room.id))
+                items = tuple(item for item in base.items_of(room.id) if item.id in given)
+                new = with_furniture(graph, room, items)
+                new = with_furniture(new, room, found.items_of(room.id), given)
                 left = faults_by_room(new, draw=draw)
                 if left.total() < faults.total():
                     graph, layout, faults = new, _pasted(layout, drawn.layout, room), left
@@ -349,22 +353,54 @@ def furnish_again(
 ) -> tuple[Redrawn, SceneGraph]:
     """A room sampled anew, and the house with what was read in it; with the seed of the draw.
 
-    One that lacks what it shall hold, or could only stand in the way, is sampled up to WISH_DRAWS
-    times more. Raises ChordError where it still lacks something.
+    One that lacks what it shall hold, or has it in the way, is sampled up to WISH_DRAWS times more,
+    around pieces of lists, which have no meshes. Raises ChordError where it still lacks something.
     """
     for attempt in range(1 + (WISH_DRAWS if draw.asked else 0)):
         with watch.step("layout") as progress:
             own = replace(draw, seed=draw.seed + attempt * _SEEDS_APART)
-            drawn = redraw_rooms(graph, [room], plan_image, model, own, progress, kept_ids)
+            base, stay = with_wishes(graph, [room], own, kept_ids) if attempt else (graph, kept_ids)
+            drawn = redraw_rooms(base, [room], plan_image, model, own, progress, stay)
         with watch.step("graph"):
             found = draw.heeded(read(drawn.alone, graph.plan))
             made = replace(drawn.layout.provenance, seed=draw.seed)
-            new = with_furniture(graph, room, found.items_of(room.id), kept_ids)
+            new = with_furniture(base, room, found.items_of(room.id), stay)
             new = replace(new, provenance=made)
         if not draw.asked or not draw.lacking(new.without(_unbuildable(new, draw))):
             break
     draw.refuse_lacking(new)
-    return replace(drawn, layout=replace(drawn.layout, provenance=made)), new
+    before = raster.layout_image(plan_image, graph.items)
+    return replace(drawn, before=before, layout=replace(drawn.layout, provenance=made)), new
+
+
+def with_wishes(
+    graph: SceneGraph, rooms: Sequence[Room], draw: Draw, kept_ids: Collection[str] = ()
+) -> tuple[SceneGraph, frozenset[str]]:
+    """The house with nothing in the rooms that are asked for anything but what is kept and, from
+    lists, what they shall hold, where that stands in nobody's way; and the ids of all that.
+
+    What the painter will not paint is given to it, as what is kept is.
+    """
+    from chord_usd.metrics.rooms import out_of_room
+
+    listed, given = draw.listed(graph, rooms, kept_ids), set(kept_ids)
+    for room in rooms:
+        own = draw.asked.get(room.id)
+        if own is None or listed is None:
+            continue
+        graph = with_furniture(graph, room, (), kept_ids)
+        wanted = list(own.missing(graph.items_of(room.id)))
+        for item in listed.items_of(room.id):
+            met = next((piece for piece in wanted if piece.is_met_by(item)), None)
+            stay = {one.id for one in graph.items_of(room.id)}
+            tried = with_furniture(graph, room, [item], stay)
+            new = {one.id for one in tried.items_of(room.id)} - stay
+            in_the_way = {item_id for clash in _clashes(tried) for item_id in clash}
+            if met and new and not new & {*in_the_way, *out_of_room(tried)}:
+                wanted.remove(met)
+                graph = tried
+                given |= new
+    return graph, frozenset(given)
 
 
 def with_furniture(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -109,14 +109,15 @@ def items_seen(detections: Iterable[Detection], frame: PixelFrame) -> tuple[Item
     )
 
 
-def match_assets(graph: SceneGraph, database: Database) -> SceneGraph:
+def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = ()) -> SceneGraph:
     """Give every item without a mesh the nearest one: same category, least difference in size.
 
     Tabletop items too. Its box becomes what the mesh fills (fit.fitted_box); how far the mesh
     missed the box asked for is noted in its extra. Raises AssetError when the database has nothing
-    of a category.
+    of a category. but: ids of items that stay as they are.
     """
-    return replace(graph, items=tuple(_matched(item, database) for item in graph.items))
+    items = (item if item.id in but else _matched(item, database) for item in graph.items)
+    return replace(graph, items=tuple(items))
 
 
 def _matched(item: Item, database: Database) -> Item:

@@ -81,7 +81,12 @@ _SIZED = (
 )  # fmt: skip
 """Words that say how long a piece is: metres, along its back."""
 
+_LOUNGE = dict.fromkeys(("armchair", "arm chair", "easy chair"), "leisure_sofa")
+
 HERE: dict[RoomKind, dict[str, str]] = {
+    "bedroom": _LOUNGE,
+    "study": _LOUNGE,
+    "balcony": _LOUNGE,
     "bathroom": {"sink": "washbasin"},
     "kitchen": {"table": "dining_table", "basin": "sink_cabinet"},
     "dining": {"table": "dining_table"},

@@ -10,6 +10,9 @@ import pytest
 
 from chord_usd import raster
 from chord_usd.errors import ChordError
+from chord_usd.lists.draw import Drawn, Subject
+from chord_usd.lists.pieces import frame_of, pieces_of
+from chord_usd.lists.vocabulary import Element
 from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.progress import Stopwatch
 from chord_usd.redraw import (
@@ -230,10 +233,44 @@ def test_a_room_that_lacks_what_is_wished_is_drawn_until_it_is_there(
     own = tuple(sound_house.items_of(table.room_id))
     without = tuple(i for i in own if i.category != "bedside_table")
     lacks = sound_house.without(i.id for i in own if i.category == "bedside_table")
-    painter = Painter(without, without, without, own)
+    painter = Painter(without, without, own)
     found = mended(lacks, painter, times, wished(table))
-    assert len(set(painter.seeds)) == 4
+    assert len(set(painter.seeds)) == 3
     assert {i.category for i in found.graph.items_of(table.room_id)} >= {"bedside_table"}
+
+
+class Lists:
+    """A list network that knows one list."""
+
+    def __init__(self, *elements: Element) -> None:
+        self.elements = elements
+
+    def draw(self, subjects: Sequence[Subject], *_: object) -> list[Drawn]:
+        return [Drawn(self.elements, 0.0) for _ in subjects]
+
+
+@pytest.mark.parametrize("is_kept", [False, True])
+def test_what_the_painter_will_not_paint_is_given_from_a_list(
+    sound_house: SceneGraph, is_kept: bool
+) -> None:
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    room = sound_house.plan.room(bed.room_id)
+    own = tuple(sound_house.items_of(room.id))
+    others = tuple(item for item in own if item.category != "bed")
+    lists = Lists(*pieces_of(own, frame_of(room)))
+    draw = Draw(7, lists=lists, asked=wished(bed))  # type: ignore[arg-type]
+    kept = [item.id for item in own if item.category == "bedside_table"][:is_kept]
+    house = sound_house.without([bed.id])
+    plan_image = raster.draw_plan(house.plan, raster.house_frame(house.plan))
+    painter = Painter(others)
+    drawn, found = furnish_again(
+        house, room, plan_image, painter, painter.read, draw, kept, Stopwatch()
+    )
+    assert len(painter.seeds) == 2
+    (given,) = (item for item in found.items_of(room.id) if item.category == "bed")
+    assert np.allclose(given.box.center_m[:2], bed.box.center_m[:2], atol=0.06)
+    assert {item.id for item in found.items_of(room.id)} >= set(kept)
+    assert not (drawn.before.rgb == drawn.layout.rgb).all()
 
 
 def test_what_finds_no_place_is_an_error_that_names_it(sound_house: SceneGraph) -> None:
