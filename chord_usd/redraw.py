@@ -20,6 +20,7 @@ import numpy as np
 from chord_usd import raster
 from chord_usd.errors import ChordError
 from chord_usd.lists.house import Drafts, furnish_by_lists
+from chord_usd.lists.pieces import CATEGORY_ORDER
 from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.palette import category
 from chord_usd.types import (
@@ -383,7 +384,13 @@ def with_wishes(
     """
     from chord_usd.metrics.rooms import out_of_room
 
-    listed, given = draw.listed(graph, rooms, kept_ids), set(kept_ids)
+    # Lists of nothing else: the best of them has the best places for what is wished for.
+    asked = {
+        room_id: replace(own, excluded=frozenset(CATEGORY_ORDER))
+        for room_id, own in draw.asked.items()
+    }
+    listed = replace(draw, asked=asked).listed(graph, rooms, kept_ids)
+    given = set(kept_ids)
     for room in rooms:
         own = draw.asked.get(room.id)
         if own is None or listed is None:
