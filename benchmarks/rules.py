@@ -11,12 +11,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 from results import write_section
@@ -24,38 +21,12 @@ from results import write_section
 from chord_usd import pipeline
 from chord_usd.evaluation.cases import Case, flat_cases, procedural_cases
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
-from chord_usd.graph import extract, match
+from chord_usd.graph.arrange import RULES
+from chord_usd.graph.extract import extract_graph
 from chord_usd.metrics.scores import SceneScores, score_scene
 from chord_usd.types import LayoutImage, Plan, SceneGraph
 
-
-def _first(first: Any, *_: Any, **__: Any) -> Any:
-    return first
-
-
-@dataclass(frozen=True)
-class Rule:
-    """A function of the reader, and what stands in for it where it does not act."""
-
-    module: Any
-    function: str
-    instead: Callable[..., Any] = _first
-
-
-READING: Mapping[str, Rule] = {
-    "square to the walls": Rule(match, "align"),
-    "flush with walls": Rule(match, "flush_with_walls"),
-    "panels keep their depth": Rule(match, "kept_deep", lambda _, flush: flush),
-    "panels end with their wall": Rule(match, "end_with_wall"),
-    "cut at the room's edge": Rule(match, "pull_into"),
-    "neighbours parted": Rule(match, "part"),
-    "one depth of kitchen units": Rule(match, "level_fronts", lambda units, *_: list(units)),
-    "off the doors' floor": Rule(match._Raster, "kept_free", lambda self, box, row: box),
-    "below the sill": Rule(match.FreeFloor, "below_sill", lambda self, item: item),
-    "grown to usual sizes": Rule(extract, "grow_to_usual"),
-    "chairs face tables, in sets": Rule(extract, "seat_chairs"),
-}
-ARRANGING: Mapping[str, Callable[[SceneGraph, Any], SceneGraph]] = {
+BUILDING: Mapping[str, Callable[[SceneGraph, Any], SceneGraph]] = {
     "kitchen units end before openings": lambda graph, database: _ends(graph, database),
     "a step aside": lambda graph, _: _aside(graph),
     "what shuts a room is left out": lambda graph, _: _let_in(graph),
@@ -82,23 +53,12 @@ def _let_in(graph: SceneGraph) -> SceneGraph:
     return graph.without(shut_in(graph))
 
 
-@contextmanager
-def _without(rules: Sequence[str]) -> Iterator[None]:
-    with ExitStack() as stack:
-        for name in rules:
-            if name in READING:
-                rule = READING[name]
-                stack.enter_context(patch.object(rule.module, rule.function, rule.instead))
-        yield
-
-
 def _arranged(
     layout: LayoutImage, plan: Plan, reader: pipeline.GraphReader, out: Sequence[str]
 ) -> SceneGraph:
     """Read and arranged as generate does, without some rules and without second draws."""
-    with _without(out):
-        graph = reader.read(layout, plan)
-    for name, step in ARRANGING.items():
+    graph = extract_graph(layout, plan, reader.database, reader.detector, without=out)
+    for name, step in BUILDING.items():
         if name not in out:
             graph = step(graph, reader.database)
     return graph
@@ -135,10 +95,10 @@ def main() -> None:
     whole = _graphs(made, reader, ())
     rows = [("", " | ".join(_row([score_scene(whole[0])])) + " | acts")]
     rows.append(("all rules", _told(whole)))
-    for name in (*READING, *ARRANGING):
+    for name in (*RULES, *BUILDING):
         rows.append((f"without: {name}", _told(_graphs(made, reader, (name,)), whole)))
         sys.stderr.write(f"{rows[-1][0]} | {rows[-1][1]}\n")
-    rows.append(("none", _told(_graphs(made, reader, (*READING, *ARRANGING)), whole)))
+    rows.append(("none", _told(_graphs(made, reader, (*RULES, *BUILDING)), whole)))
     kind = "real flats" if options.flats else "procedural houses"
     note = f"{len(cases)} held-out {kind}, one draw each; rooms but where it says houses."
     if options.write:
