@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from chord_usd.geometry import room_polygon
+from chord_usd.graph.colours import LabelArray, read_pixels
 from chord_usd.graph.fit import is_built_in
 from chord_usd.graph.flush import Standing, part, pull_into
 from chord_usd.graph.free_floor import FreeFloor, Painted
@@ -19,23 +20,30 @@ from chord_usd.graph.runs import level_fronts
 from chord_usd.graph.seating import seat_chairs
 from chord_usd.graph.usual import grow_to_usual
 from chord_usd.palette import Mount, category
-from chord_usd.types import Box, Item, Room, SceneGraph
+from chord_usd.types import Box, Item, LayoutImage, PixelFrame, Room, SceneGraph
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
     """What a graph was read from."""
 
-    painted: Painted
+    labels: LabelArray
+    """(H, W) as LayoutPixels.item."""
+    frame: PixelFrame
+
+    @classmethod
+    def on(cls, layout: LayoutImage) -> Seen:
+        """What a layout raster shows."""
+        return cls(read_pixels(layout.rgb).item, layout.frame)
 
     @property
-    def m_per_px(self) -> float:
-        return self.painted.frame.m_per_px
+    def painted(self) -> Painted:
+        return Painted(self.labels, self.frame)
 
     @property
     def reach_m(self) -> float:
         """Edges no farther apart than this are one."""
-        return FLUSH_PX * self.m_per_px
+        return FLUSH_PX * self.frame.m_per_px
 
 
 Rule = Callable[[SceneGraph, Seen], SceneGraph]
@@ -85,7 +93,7 @@ def _levelled(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
     built_in = [is_built_in(category(item.category)) for item in items]
     units = [item.box for item, is_unit in zip(items, built_in, strict=True) if is_unit]
     others = [item.box for item, is_unit in zip(items, built_in, strict=True) if not is_unit]
-    level = iter(level_fronts(units, others, seen.m_per_px))
+    level = iter(level_fronts(units, others, seen.frame.m_per_px))
     return [
         next(level) if is_unit else item.box for item, is_unit in zip(items, built_in, strict=True)
     ]

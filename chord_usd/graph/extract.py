@@ -17,7 +17,6 @@ from chord_usd.graph.detect import (
     load_room_segmenter,
 )
 from chord_usd.graph.directions import plan_directions
-from chord_usd.graph.free_floor import Painted
 from chord_usd.graph.match import Database, match_assets, place_items
 from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.snap import find_items
@@ -64,7 +63,7 @@ def extract_graph(
     found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
     items = place_items(found, plan.rooms, layout.frame)
     graph = replace(plan.scene(), items=items, provenance=layout.provenance)
-    graph = arrange(graph, Seen(Painted(pixels.item, layout.frame)), without)
+    graph = arrange(graph, Seen(pixels.item, layout.frame), without)
     return match_assets(graph, database) if database else graph
 
 
