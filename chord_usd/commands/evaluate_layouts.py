@@ -11,7 +11,6 @@ from chord_usd.commands.common import (
     Outcome,
     Verbs,
     add_lists,
-    add_redraws,
     add_verb,
     stopwatch,
     whole_number,
@@ -41,12 +40,14 @@ if TYPE_CHECKING:
 def add(group: Verbs) -> None:
     """Adds the verb to the verbs of evaluate."""
     parser = add_verb(
-        group, "layouts", run, "score the layout model's raw output, nothing repaired"
+        group,
+        "layouts",
+        run,
+        "score first draws of the layout model, nothing moved, and the same arranged",
     )
     add_plans(parser, count=100)
     add_checkpoint(parser)
     add_sampling(parser)
-    add_redraws(parser, count=0)
     parser.add_argument(
         "--furnisher", action="store_true", help="score the training data's furnisher instead"
     )
@@ -77,7 +78,7 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("plans"):
         cases = _cases(options)
         warnings += cases.warnings
-    sampling = sampling_of(options, options.redraws)
+    sampling = sampling_of(options)
     furnished, made_by, sampling = _furnished(options, cases, sampling, watch, warnings)
     with watch.step("score"):
         scores = layouts.score_layouts(furnished, made_by, sampling)

@@ -106,7 +106,7 @@ def run(options: argparse.Namespace) -> Outcome:
         with watch.step("check"):
             from chord_usd.stage.check import certificate, check_stage
 
-            report = check_stage(stage_path)
+            report = check_stage(stage_path, own=True)
     data = _summary(house, options.output, watch.seconds, certificate(report))
     if planned:
         data["planned"] = planned_report(planned)

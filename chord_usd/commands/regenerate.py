@@ -102,7 +102,7 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("check"):
         from chord_usd.stage.check import certificate, check_stage
 
-        report = check_stage(target)
+        report = check_stage(target, own=True)
     pieces = list(made.graph.items_of(made.room.id))
     furniture = len(pieces)
     new = furniture - len(made.kept)

@@ -1,4 +1,4 @@
-"""Scores of the layout model's raw output: nothing repairs a layout between model and metric."""
+"""Scores of first draws: what the model painted, read back, nothing moved; and arranged, beside."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from chord_usd import raster
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
+from chord_usd.graph.arrange import RULES, Seen, arrange
 from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
@@ -32,7 +33,7 @@ from chord_usd.metrics.scores import (
     score_scenes,
 )
 from chord_usd.progress import Progress, Warn
-from chord_usd.redraw import Draw, mend_rooms
+from chord_usd.redraw import Draw
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
@@ -40,6 +41,9 @@ MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom"
 
 JUDGED: tuple[RoomKind, ...] = tuple(ESSENTIALS)
 """Kinds of room with a column of their own."""
+
+ARRANGED = "house, arranged"
+"""The row of whole houses after the rules that follow reading."""
 
 BATCH = 8
 
@@ -55,8 +59,6 @@ class Sampling:
     """None takes the checkpoint's own."""
     shaded: bool = True
     """Whether the plan tells the kind of its rooms."""
-    redraws: int = 0
-    """So often rooms with faults are drawn again, as generate does; 0 scores the raw layouts."""
 
     def settled(self, config: LayoutConfig) -> Sampling:
         """With what a checkpoint was tuned for where nothing else is asked."""
@@ -74,6 +76,9 @@ class Furnished:
     case: Case
     image: LayoutImage
     scene: SceneGraph
+    """Nothing moved: edges alone that lie half a pixel from a wall or neighbour are on it."""
+    arranged: SceneGraph | None = None
+    """After the rules of graph.arrange; None where no model made it."""
     read_plan: Plan | None = None
     """Rooms and openings as one reads them off the image; None where none is."""
 
@@ -90,8 +95,6 @@ class LayoutScores:
     steps: int
     """Of the sampler; 0 where no model made them."""
     sampler: str
-    redraws: int = 0
-    """So often rooms with faults were drawn again; 0 for raw layouts."""
 
 
 def sampled(
@@ -119,10 +122,7 @@ def sampled(
         )
 
     for index, image in enumerate(in_batches(work, jobs, BATCH, warn)):
-        one = read_back(cases[index], image)
-        if sampling.redraws:
-            one = _mended(one, jobs[index], model, sampling.redraws)
-        yield one
+        yield read_back(cases[index], image)
         if progress:
             progress(index + 1, len(cases))
 
@@ -149,20 +149,12 @@ def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
 
 def read_back(case: Case, image: LayoutImage) -> Furnished:
     """The items of a layout in the rooms of its plan, and the plan as the layout shows it."""
-    scene = extract_graph(image, plan=case.plan)
+    scene = extract_graph(image, plan=case.plan, without=RULES)
     try:
         plan = extract_graph(image, detector=_Blind()).plan
     except SceneError:
         plan = None
-    return Furnished(case, image, scene, plan)
-
-
-def _mended(one: Furnished, job: _Job, model: LayoutModel, times: int) -> Furnished:
-    """With those rooms drawn again that have faults."""
-    mended = mend_rooms(
-        one.scene, one.image, job.image, model, extract_graph, job.draw, times=times
-    )
-    return replace(one, image=mended.layout, scene=mended.graph)
+    return Furnished(case, image, scene, arrange(scene, Seen.on(image)), plan)
 
 
 def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
@@ -219,6 +211,13 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
             **_fidelity(furnished),
         }
     }  # fmt: skip
+    arranged = [one.arranged for one in furnished if one.arranged]
+    if arranged:
+        final = [score_scene(scene) for scene in arranged]
+        homely = [score.homely for score in final]
+        rows[ARRANGED] = {
+            **mean_scores(final), **homely_house_scores(homely), **_house_scores(arranged)
+        }  # fmt: skip
     for kind in JUDGED:
         # What stands at an open side is judged by what lies beyond it.
         rows[kind] = score_scenes(rooms_of_kind(scenes, kind)) | homely_scores(homely, kind)
@@ -228,7 +227,6 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
         made_by=made_by,
         steps=sampling.steps or 0,
         sampler=sampling.sampler or "",
-        redraws=sampling.redraws,
     )
 
 
