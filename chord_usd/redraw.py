@@ -19,9 +19,6 @@ import numpy as np
 
 from chord_usd import raster
 from chord_usd.errors import ChordError
-from chord_usd.lists.house import Drafts, furnish_by_lists
-from chord_usd.lists.pieces import CATEGORY_ORDER
-from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.palette import category
 from chord_usd.types import (
     BoolArray,
@@ -40,6 +37,7 @@ from chord_usd.types import (
 if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
+    from chord_usd.lists.wishes import Asked, Piece
     from chord_usd.progress import Progress, Stopwatch
 
 Read = Callable[[LayoutImage, Plan], SceneGraph]
@@ -106,6 +104,9 @@ class Draw:
         """
         if self.lists is None:
             return None
+        from chord_usd.lists.house import Drafts, furnish_by_lists
+        from chord_usd.lists.wishes import Asked
+
         asked = {
             room.id: replace(
                 self.asked.get(room.id, Asked()),
@@ -179,6 +180,7 @@ def faults_by_room(
     and, _BARE times, a room to furnish without furniture of its kind (metrics has the terms).
     draw: what rooms shall hold and lack counts, too, and that they shall not is no fault.
     """
+    from chord_usd.lists.wishes import Asked
     from chord_usd.metrics.rooms import empty_rooms
     from chord_usd.metrics.walk import walk
 
@@ -382,6 +384,7 @@ def with_wishes(
 
     What the painter will not paint is given to it, as what is kept is.
     """
+    from chord_usd.lists.pieces import CATEGORY_ORDER
     from chord_usd.metrics.rooms import out_of_room
 
     # Lists of nothing else: the best of them has the best places for what is wished for.

@@ -32,7 +32,7 @@ ALLOWED: dict[str, set[str]] = {
     "evaluation": {"planning", "lists", "layout", "graph", "data", "metrics", "redraw"},
     "farm": set(),
     "batch": {"pipeline", "data", "stage", "image"},
-    "redraw": {"layout", "metrics"},
+    "redraw": {"lists", "layout", "metrics"},
     "pipeline": {*STEPS, "assets", "redraw"},
     "planner": {"pipeline", *STEPS},
     "commands": {"pipeline", "planner", "batch", "farm", *STEPS, *WORKSHOP},
