@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from chord_usd.errors import CheckpointError, ChordError, PlanError
 from chord_usd.progress import Progress, Stopwatch
-from chord_usd.redraw import Draw, furnish_again, mend_rooms
+from chord_usd.redraw import Draw, furnish_again, mend_rooms, unbuildable
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
@@ -82,7 +82,7 @@ class House:
     redrawn: tuple[str, ...] = ()
     """Ids of the rooms whose furniture is that of a later draw."""
     left_out: tuple[str, ...] = ()
-    """Ids of pieces in the layout that are not built: scraps, and what stands in the way."""
+    """Ids of pieces in the layout that are not built: they stand in others, or before openings."""
 
 
 def generate(
@@ -125,10 +125,8 @@ def generate(
             times=settings.redraws, progress=progress,
         )  # fmt: skip
         graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
-        left_out = mended.left_out
-        if settings.redraws:
-            graph, shut = clear_openings(graph, models.reader.database)
-            left_out += shut
+        left_out = unbuildable(graph, draw)
+        graph = graph.without(left_out)
         draw.refuse_lacking(graph)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
@@ -310,22 +308,6 @@ def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
     from chord_usd.lists import draw, pieces
 
     return draw.load_lists(checkpoint_folder(LISTS_CHECKPOINT), pieces.PIECES)
-
-
-def clear_openings(
-    graph: SceneGraph, database: AssetDatabase
-) -> tuple[SceneGraph, tuple[str, ...]]:
-    """The graph with kitchen units that end before doors and windows, and other pieces aside.
-
-    What still stands before a door is left out, whatever it is, and named: a bedroom without a bed
-    can be furnished, one that nobody gets into cannot.
-    """
-    from chord_usd.graph.aside import shut_in, step_aside
-    from chord_usd.graph.ends import end_before_openings
-
-    graph = step_aside(end_before_openings(graph, database))
-    shut = shut_in(graph)
-    return graph.without(shut), shut
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:

@@ -1,10 +1,8 @@
 """Rooms drawn again: the floor of some rooms is sampled anew, given what stands in the others.
 
-For somebody who wants another arrangement, and for what a first draw got wrong. A room in twenty
-comes out bare, or with a piece before a window or in another one; the next draw of it seldom does.
-Nothing is moved: whatever stands in a house was placed by the model. What the last draw leaves and
-nobody could build is left out: scraps, which only a doll's piece would fit, of two pieces that
-stand in each other the one that is missed less, and what is before an opening and is not missed.
+For somebody who wants another arrangement, and for what a first draw got wrong: a room that lacks
+what its kind cannot do without, or has a piece in another or before a door. What the last draw
+leaves and nobody could build is left out.
 """
 
 from __future__ import annotations
@@ -29,7 +27,6 @@ from chord_usd.types import (
     Plan,
     PlanImage,
     Room,
-    RoomKind,
     SceneGraph,
     frozen_array,
 )
@@ -43,30 +40,6 @@ if TYPE_CHECKING:
 Read = Callable[[LayoutImage, Plan], SceneGraph]
 """Reads a layout in the rooms of its plan."""
 
-_BARE = 3
-"""A room without furniture weighs as much as this many pieces in the way."""
-
-_ESSENTIAL: dict[RoomKind, tuple[str, ...]] = {
-    "bathroom": ("toilet",),
-    "bedroom": ("bed",),
-    "dining": ("dining_table",),
-    "kitchen": ("sink_cabinet", "cooker_cabinet"),
-    "living": ("sofa",),
-    "study": ("table",),
-}
-"""What a room of a kind is not without: in the data at most one in twenty-five is."""
-
-_WORTH_A_VIEW: dict[RoomKind, tuple[str, ...]] = {
-    "bedroom": _ESSENTIAL["bedroom"],
-    "kitchen": _ESSENTIAL["kitchen"],
-}
-"""What rather stands before an opening than not at all."""
-
-_ONE_IS_ENOUGH = ("toilet", "shower", "bathtub")
-
-_MORE_DRAWS = 3
-"""Beyond those asked for, of rooms that are bare or have something before a door or window."""
-
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
 
@@ -76,8 +49,8 @@ DRAFTS = 4
 WISH_DRAWS = 3
 """So often a room that lacks a piece that was wished for is drawn again."""
 
-_WISHED = 3
-"""A wish that is not granted weighs as much as this many pieces in the way."""
+_WISHED = 1.0
+"""What a wish that is not granted weighs, beside what lists.house.room_faults weighs."""
 
 _TOUCH_M2 = 1e-4
 """Footprints that share less only touch."""
@@ -164,53 +137,23 @@ class Mended:
     layout: LayoutImage
     rooms: tuple[str, ...]
     """Ids of the rooms whose furniture is that of a later draw."""
-    left_out: tuple[str, ...] = ()
-    """Ids of what was left out of the graph; the layout shows it."""
 
 
-def faults_by_room(
-    graph: SceneGraph,
-    essential: Mapping[RoomKind, tuple[str, ...]] = _ESSENTIAL,
-    draw: Draw | None = None,
-) -> Counter[str]:
-    """How much is wrong in each room, by id; rooms that are right have none.
+def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, float]:
+    """How much is wrong in each room, by id, as lists.house.room_faults weighs it; rooms that are
+    right have none.
 
-    Counted are pieces that stand in another or in the way of a door or window, scraps of pieces,
-    second toilets, essential pieces that are missing, a room that the entrance does not lead to,
-    and, _BARE times, a room to furnish without furniture of its kind (metrics has the terms).
-    draw: what rooms shall hold and lack counts, too, and that they shall not is no fault.
+    draw: what rooms shall hold and lack counts, too, and that they lack what they shall not hold is
+    no fault.
     """
-    from chord_usd.lists.wishes import Asked
-    from chord_usd.metrics.rooms import empty_rooms
-    from chord_usd.metrics.walk import walk
+    from chord_usd.lists.house import room_faults
 
-    home = {item.id: item.room_id for item in graph.items}
-    faults = Counter(dict.fromkeys(empty_rooms(graph), _BARE))
-    for clash in _clashes(graph):
-        faults.update({home[item_id] for item_id in clash})
-    faults.update(walk(graph).unreachable)
-    faults.update(item.room_id for item in _scraps(graph))
-    for room in graph.rooms:
-        held = Counter(item.category for item in graph.items_of(room.id))
-        own = draw.asked.get(room.id, Asked()) if draw else Asked()
-        needed = [name for name in essential.get(room.kind, ()) if name not in own.excluded]
-        faults[room.id] += sum(not held[name] for name in needed)
-        wanted = Counter(piece.category for piece in own.wanted)
-        faults[room.id] += sum(max(held[name] - max(1, wanted[name]), 0) for name in _ONE_IS_ENOUGH)
+    asked = draw.asked if draw else {}
+    found = room_faults(graph, graph.rooms, {key: own.excluded for key, own in asked.items()})
+    faults = {room.id: fault for room, fault in zip(graph.rooms, found, strict=True) if fault}
     for room_id, pieces in (draw.lacking(graph) if draw else {}).items():
-        faults[room_id] += _WISHED * len(pieces)
-    return +faults
-
-
-def _unlivable(graph: SceneGraph, draw: Draw) -> set[str]:
-    """Ids of rooms to furnish that are bare, and of those with something before an opening that
-    would not be left out."""
-    from chord_usd.metrics.openings import blocked_openings
-    from chord_usd.metrics.rooms import empty_rooms
-
-    built = graph.without(_unbuildable(graph, draw))
-    home = {item.id: item.room_id for item in built.items}
-    return {*empty_rooms(built), *(home[blocked.item] for blocked in blocked_openings(built))}
+        faults[room_id] = faults.get(room_id, 0.0) + _WISHED * len(pieces)
+    return faults
 
 
 def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
@@ -226,10 +169,6 @@ def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
         yield (blocked.item,)
 
 
-def _scraps(graph: SceneGraph) -> list[Item]:
-    return [item for item in graph.items if category(item.category).is_scrap(item.box.size_m)]
-
-
 def mend_rooms(
     graph: SceneGraph,
     layout: LayoutImage,
@@ -243,21 +182,14 @@ def mend_rooms(
 ) -> Mended:
     """The house with those rooms drawn again that have faults; what has fewer of them is kept.
 
-    Rooms that lack what they shall hold are drawn again up to WISH_DRAWS times, whatever times is,
-    around pieces of lists, which have no meshes.
-
-    graph: as read reads it in layout, which was drawn over plan_image; times: draws, _MORE_DRAWS
-    more for what nobody could live in, 0 for none at all.
+    graph: as read reads it in layout, which was drawn over plan_image. times: draws of a room that
+    has faults; one that lacks what it shall hold is drawn WISH_DRAWS times at least, around pieces
+    of lists, which have no meshes.
     """
     later: dict[str, None] = {}
-    faults = faults_by_room(graph, draw=draw) if times or draw.asked else Counter()
-    most = times + _MORE_DRAWS if times else 0
-    for attempt in range(1, max(most, WISH_DRAWS if draw.asked else 0) + 1):
-        wrong = set(faults) if attempt <= times else set()
-        if times < attempt <= most:
-            wrong = _unlivable(graph, draw)
-        if draw.asked:
-            wrong |= set(draw.lacking(graph.without(_unbuildable(graph, draw) if times else ())))
+    faults = faults_by_room(graph, draw)
+    for attempt in range(1, max(times, WISH_DRAWS if draw.asked else 0) + 1):
+        wrong = set(faults) if attempt <= times else set(draw.lacking(graph))
         rooms = [room for room in graph.rooms if room.id in wrong]
         if not rooms:
             break
@@ -270,33 +202,47 @@ def mend_rooms(
                 items = tuple(item for item in base.items_of(room.id) if item.id in given)
                 new = with_furniture(graph, room, items)
                 new = with_furniture(new, room, found.items_of(room.id), given)
-                left = faults_by_room(new, draw=draw)
-                if left.total() < faults.total():
+                left = faults_by_room(new, draw)
+                if sum(left.values()) < sum(faults.values()):
                     graph, layout, faults = new, _pasted(layout, drawn.layout, room), left
                     later[room.id] = None
         if progress and attempt <= times:
             progress(attempt, times)
-    out = _unbuildable(graph, draw) if times else ()
-    return Mended(graph.without(out), layout, tuple(later), out)
+    return Mended(graph, layout, tuple(later))
 
 
-def _unbuildable(graph: SceneGraph, draw: Draw) -> tuple[str, ...]:
-    """Ids of scraps, and of pieces in the way without which less is wrong, the least missed first.
+def unbuildable(graph: SceneGraph, draw: Draw, among: Collection[str] = ()) -> tuple[str, ...]:
+    """Ids of pieces that stand in others or before openings and can best be done without.
 
-    A bed before a window stays: a bedroom without one is worse.
+    Of those in each other's way the one goes without which least is wrong, of equal ones the
+    smaller. What a room cannot do without stays before a window, not before a door or in another
+    piece. among: ids of those that may go, by default all.
     """
-
-    def faults(out: tuple[str, ...]) -> int:
-        return faults_by_room(graph.without(out), _WORTH_A_VIEW, draw).total()
-
-    out = tuple(item.id for item in _scraps(graph))
-    while clashing := {item_id for clash in _clashes(graph.without(out)) for item_id in clash}:
-        floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
-        left, _, worst = min((faults((*out, one)), floor_m2[one], one) for one in clashing)
-        if left >= faults(out):
-            break
+    floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
+    out: tuple[str, ...] = ()
+    while True:
+        built = graph.without(out)
+        faults = sum(faults_by_room(built, draw).values())
+        clashing = {item_id for clash in _clashes(built) for item_id in clash}
+        tries = sorted(
+            (sum(faults_by_room(built.without([one]), draw).values()), floor_m2[one], one)
+            for one in (clashing & set(among) if among else clashing)
+        )
+        shut = _shut_in(built)
+        worst = next((one for left, _, one in tries if left < faults or one in shut), None)
+        if worst is None:
+            return out
         out = (*out, worst)
-    return out
+
+
+def _shut_in(graph: SceneGraph) -> set[str]:
+    """Ids of pieces that stand in others, or before doors and passages: nobody gets by."""
+    from chord_usd.metrics.openings import blocked_openings
+
+    ways = {opening.id for opening in graph.openings if opening.kind != "window"}
+    pairs = (clash for clash in _clashes(graph) if len(clash) > 1)
+    before = (one.item for one in blocked_openings(graph) if one.opening in ways)
+    return {*(item_id for clash in pairs for item_id in clash), *before}
 
 
 def redraw_rooms(
@@ -369,7 +315,8 @@ def furnish_again(
             made = replace(drawn.layout.provenance, seed=draw.seed)
             new = with_furniture(base, room, found.items_of(room.id), stay)
             new = replace(new, provenance=made)
-        if not draw.asked or not draw.lacking(new.without(_unbuildable(new, draw))):
+        new = new.without(unbuildable(new, draw, {item.id for item in found.items}))
+        if not draw.lacking(new):
             break
     draw.refuse_lacking(new)
     before = raster.layout_image(plan_image, graph.items)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,7 @@ from chord_usd.lists.pieces import (
     segments_of,
 )
 from chord_usd.lists.wishes import Asked
-from chord_usd.metrics.complete import homely_rooms
+from chord_usd.metrics.complete import ESSENTIALS, homely_rooms
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import items_overlap
 from chord_usd.types import Item, Plan, Room, SceneGraph
@@ -165,11 +165,16 @@ def _best(
     return best
 
 
-def room_faults(graph: SceneGraph, rooms: Sequence[Room]) -> list[float]:
+def room_faults(
+    graph: SceneGraph,
+    rooms: Sequence[Room],
+    excluded: Mapping[str, Collection[str]] | None = None,
+) -> list[float]:
     """How much is wrong in each of these rooms; 0 is good.
 
     Per piece, in square metres or what weighs as much: pieces in each other, beyond walls, before
-    openings, off their places. A total would favour short lists. Then essentials that are missing.
+    openings, off their places. A total would favour short lists. Then essentials that are missing,
+    but for those of excluded categories, by room id.
     """
     blocked = {one.item for one in blocked_openings(graph)}
     homely = {one.room: one for one in homely_rooms(graph)}
@@ -185,5 +190,12 @@ def room_faults(graph: SceneGraph, rooms: Sequence[Room]) -> list[float]:
             total += BLOCKED * (item.id in blocked)
         found = homely[room.id]
         total += MISPLACED * len(found.misplaced)
-        faults.append(round(MISSING * len(found.missing) + total / max(1, len(items)), 4))
+        missing = [n for n in found.missing if not _is_excluded(n, room, excluded or {})]
+        faults.append(round(MISSING * len(missing) + total / max(1, len(items)), 4))
     return faults
+
+
+def _is_excluded(name: str, room: Room, excluded: Mapping[str, Collection[str]]) -> bool:
+    """Whether an essential of a room is one that it shall not hold."""
+    own = {one.name: one.categories for one in ESSENTIALS[room.kind]}
+    return bool(own.get(name, frozenset()).intersection(excluded.get(room.id, ())))
