@@ -17,6 +17,7 @@ from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
     OOD,
+    Item,
     LayoutImage,
     Plan,
     PlanImage,
@@ -28,11 +29,12 @@ from chord_usd.types import (
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
     from chord_usd.graph.detect import ItemDetector
-    from chord_usd.graph.tabletop import Tabletops
+    from chord_usd.graph.tabletop import Tabletops, TopModel
     from chord_usd.layout.sample import LayoutModel
 
 LAYOUT_CHECKPOINT = "plan2layout"
 TABLE_CHECKPOINT = "table"
+THINGS_CHECKPOINT = "things"
 DETECTOR_CHECKPOINT = "detector_items"
 
 
@@ -56,6 +58,9 @@ class Settings:
     """Folders of further meshes, tried beside the shipped ones."""
     tabletop: bool = True
     """Whether tables, desks and worktops are laid."""
+    lists: bool = True
+    """Whether a list of pieces is drawn of each room before they are painted; without, the
+    diffusion model alone decides what a room holds, as in the paper."""
     redraws: int = 2
     """So often a room with faults is drawn again; 0 leaves the first draw as it is."""
 
@@ -166,13 +171,19 @@ def load_model(settings: Settings) -> LayoutModel:
     return LayoutModel.load(checkpoint_folder(LAYOUT_CHECKPOINT), settings.device)
 
 
-def load_table_model(settings: Settings) -> LayoutModel | None:
+def load_table_model(settings: Settings) -> TopModel | None:
     """The model of what stands on tables; None where that is not wanted."""
     if not settings.tabletop:
         return None
+    if settings.lists:
+        from chord_usd.lists.tops import load_lister
+
+        return load_lister(checkpoint_folder(THINGS_CHECKPOINT))
+    from chord_usd.graph.table_items import TopPainter
     from chord_usd.layout.sample import LayoutModel
 
-    return LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
+    model = LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
+    return TopPainter(model, sampler=settings.sampler)
 
 
 def draw_layout(
@@ -229,14 +240,15 @@ class Models:
     """What takes longest to load; it furnishes any number of houses."""
 
     layout: LayoutModel
-    table: LayoutModel | None
+    table: TopModel | None
     """Of what stands on tables; None where that is not wanted."""
     reader: GraphReader
 
 
 def checkpoints(settings: Settings) -> tuple[str, ...]:
     """Names of the checkpoints that decide what a house looks like."""
-    table = (TABLE_CHECKPOINT,) if settings.tabletop else ()
+    of_tables = THINGS_CHECKPOINT if settings.lists else TABLE_CHECKPOINT
+    table = (of_tables,) if settings.tabletop else ()
     return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *table)
 
 
@@ -275,7 +287,7 @@ def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel)
 
 def lay_tables(
     graph: SceneGraph,
-    model: LayoutModel,
+    model: TopModel,
     database: AssetDatabase,
     settings: Settings,
     progress: Progress | None = None,
@@ -291,14 +303,12 @@ def lay_tables(
     """
     from chord_usd.assets.tops import relief_of
     from chord_usd.graph.tabletop import View, lay_pieces, table_views, with_items
-    from chord_usd.table_top import draw_table
 
-    def draw(pieces: Sequence[View], attempt: int) -> list[LayoutImage]:
-        return model.sample_batch(
-            [draw_table(view.top) for view in pieces],
-            seeds=[view.seed(settings.seed, attempt) for view in pieces],
-            sampler=settings.sampler,
-            progress=None if attempt else progress,
+    def draw(pieces: Sequence[View], attempt: int) -> list[list[Item]]:
+        return model.things(
+            [view.top for view in pieces],
+            [view.seed(settings.seed, attempt) for view in pieces],
+            None if attempt else progress,
         )
 
     views = [view for view in table_views(graph, relief_of, rooms) if view.item.id not in but]

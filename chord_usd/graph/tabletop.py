@@ -5,17 +5,18 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import Database
-from chord_usd.graph.table_items import read_items
 from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import CATEGORIES
+from chord_usd.progress import Progress
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.table_top import TableTop
-from chord_usd.types import Item, LayoutImage, SceneGraph
+from chord_usd.types import Item, SceneGraph
 
 TRIES = 3
 """How often a piece is drawn before it stays bare: small tops now and then get nothing."""
@@ -45,14 +46,26 @@ class View:
         again = f"/{attempt}" if attempt else ""
         return zlib.crc32(f"{house_seed}/{self.item.id}{again}".encode())
 
-    def laid(self, layout: LayoutImage, database: Database, reliefs: Reliefs) -> Laid:
-        """The items of a tabletop raster, standing on the piece."""
-        found = read_items(layout, self.item.category)
-        return place_on(self.item, self.relief, found, layout.frame, database, reliefs, self.around)
+    def laid(self, things: Sequence[Item], database: Database, reliefs: Reliefs) -> Laid:
+        """What was drawn for its top, standing on the piece."""
+        return place_on(self.item, self.relief, things, database, reliefs, self.around)
 
 
-Draw = Callable[[Sequence[View], int], Sequence[LayoutImage]]
-"""Tabletop rasters of these pieces, at this attempt."""
+class TopModel(Protocol):
+    """What says what stands on tops: lists.tops.TopLister or graph.table_items.TopPainter."""
+
+    @property
+    def content_hash(self) -> str:
+        """Of the weights."""
+
+    def things(
+        self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
+    ) -> list[list[Item]]:
+        """Things on each top, in its frame, without meshes; a top's seed alone varies its own."""
+
+
+Draw = Callable[[Sequence[View], int], Sequence[Sequence[Item]]]
+"""Things for the tops of these pieces, in their frames, at this attempt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +90,7 @@ class Tabletops:
 
     @property
     def left_out(self) -> int:
-        """How many were read and found no place to stand."""
+        """How many were drawn and found no place to stand."""
         return sum(laid.left_out for laid in self.laid.values())
 
 
@@ -126,9 +139,8 @@ def lay_pieces(
     for attempt in range(tries):
         if not waiting:
             break
-        layouts = draw(waiting, attempt)
-        for view, layout in zip(waiting, layouts, strict=True):
-            drawn, before = view.laid(layout, database, reliefs), laid.get(view.item.id)
+        for view, things in zip(waiting, draw(waiting, attempt), strict=True):
+            drawn, before = view.laid(things, database, reliefs), laid.get(view.item.id)
             if before is None or drawn.faults < before.faults:
                 laid[view.item.id] = drawn
         waiting = [view for view in waiting if laid[view.item.id].faults]
