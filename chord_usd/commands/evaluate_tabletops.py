@@ -94,12 +94,15 @@ def run(options: argparse.Namespace) -> Outcome:
 
 def _how(at: Workplace) -> str:
     from chord_usd.graph.table_items import TopPainter
+    from chord_usd.lists.tops import TopLister
 
-    if isinstance(at.model, TopPainter):
-        config = at.model.model.config
-        steps = at.model.steps or config.default_steps
-        return f"{steps} steps of {at.model.sampler or config.default_sampler}"
-    return f"{at.model.drafts} lists of each top"
+    model = at.model
+    if isinstance(model, TopPainter):
+        config = model.model.config
+        steps = model.steps or config.default_steps
+        return f"{steps} steps of {model.sampler or config.default_sampler}"
+    assert isinstance(model, TopLister)
+    return f"the best of {model.drafts} lists of each top"
 
 
 def _workplace(options: argparse.Namespace) -> Workplace:

@@ -163,7 +163,7 @@ def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
     }
     painted = [one for one in judged if one.layout is not None]
     if painted:
-        marks = [item.extra[FRONT_FROM] == "mark" for one in painted for item in one.raw]
+        marks = [item.extra.get(FRONT_FROM) == "mark" for one in painted for item in one.raw]
         scores["front_shown"] = mean_of(marks, "items")
         scores["round_trip"] = mean_of([round_trip(one) for one in painted if one.raw], "pieces")
     return scores

@@ -161,7 +161,7 @@ def items_from(elements: Iterable[Element], top: TableTop) -> list[Item]:
     All stand at height zero, which is the top. Their heights are usual ones.
     """
     scale = scale_of(top)
-    items = []
+    items: list[Item] = []
     for element in elements:
         yaw, x0, y0, x1, y1 = element.values
         if x1 <= x0 or y1 <= y0:

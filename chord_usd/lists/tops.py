@@ -45,7 +45,8 @@ class TopLister:
         best = []
         for index, top in enumerate(tops):
             drafts = [items_from(one.elements, top) for one in drawn[index :: len(tops)]]
-            best.append(min(drafts, key=lambda items, top=top: top_faults(items, top)))
+            faults = [top_faults(items, top) for items in drafts]
+            best.append(drafts[faults.index(min(faults))])
         if progress:
             progress(len(tops), len(tops))
         return best

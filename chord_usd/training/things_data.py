@@ -28,7 +28,7 @@ def endless_batches(batch: int, seed: int) -> Iterator[Batch]:
     """Batches of tabletops that may be trained on."""
     rng = np.random.default_rng(seed)
     while True:
-        drawn = []
+        drawn: list[Tabletop] = []
         while len(drawn) < batch * _BUCKETS:
             own = int(rng.integers(2**40))
             if not is_test_seed(own):

@@ -8,17 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd import raster
 from chord_usd.geometry import footprint
-from chord_usd.graph.snap import FoundItem
-from chord_usd.graph.table_items import read_items
 from chord_usd.graph.table_place import Laid, in_world, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
 from chord_usd.graph.tabletop import TRIES, lay_pieces, table_views, with_items
-from chord_usd.palette import Level
 from chord_usd.relief import Relief
-from chord_usd.table_top import TableTop, draw_table, table_frame
-from chord_usd.types import Asset, Box, Item, LayoutImage, Room, SceneGraph, frozen_array
+from chord_usd.table_top import TableTop
+from chord_usd.types import Asset, Box, Item, Room, SceneGraph, frozen_array
 
 TOP_M = 0.75
 ROOM = Room("a", "living", frozen_array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]))
@@ -54,21 +50,9 @@ def thing(name: str, x: float, y: float, size_m, yaw: float = 0.0) -> Item:
     return Item(name, name, Box((x, y, 0.0), size_m, yaw))
 
 
-def seen(on: Item, *items: Item) -> list[FoundItem]:
-    """What is read of a picture of these items."""
-    return read_items(picture(on, *items), on.category)
-
-
-def picture(on: Item, *items: Item) -> LayoutImage:
-    size_m = on.box.size_m
-    top = TableTop(on.category, size_m[:2], np.ones((60, 120), np.bool_))
-    return raster.layout_image(draw_table(top), items, Level.TABLE)
-
-
 def laid(on: Item, *items: Item, relief: Relief | None = None, around=()) -> Laid:
     relief = relief or flat(on.box.size_m)
-    frame = table_frame(on.box.size_m[:2])
-    return place_on(on, relief, seen(on, *items), frame, Sizes(), flat_of, around)
+    return place_on(on, relief, items, Sizes(), flat_of, around)
 
 
 class TestRelief:
@@ -297,7 +281,7 @@ class TestHouse:
         house = self.house(desk, small)
         cup = thing("coffee_cup", 0.3, -0.1, (0.13, 0.12, 0.08))
         views = table_views(house, flat_of)
-        laid = lay_pieces(views, lambda _, __: [picture(desk, cup)], Sizes(), flat_of)
+        laid = lay_pieces(views, lambda _, __: [[cup]], Sizes(), flat_of)
         filled = with_items(house, views, laid)
         assert filled.too_small == (small.id,)
         assert filled.bare == ()
@@ -312,13 +296,10 @@ class TestHouse:
         cup = thing("coffee_cup", 0.3, -0.1, (0.13, 0.12, 0.08))
         asked: list[tuple[list[str], int]] = []
 
-        def draw(pieces, attempt: int) -> list[LayoutImage]:
+        def draw(pieces, attempt: int) -> list[list[Item]]:
             """The desk gets a cup at once, the coffee table at the second attempt."""
             asked.append(([view.item.id for view in pieces], attempt))
-            return [
-                picture(view.item, *([cup] if view.item is desk or attempt else []))
-                for view in pieces
-            ]
+            return [[cup] if view.item is desk or attempt else [] for view in pieces]
 
         laid = lay_pieces(views, draw, Sizes(), flat_of)
         assert asked == [([desk.id, other.id], 0), ([other.id], 1)]
@@ -332,8 +313,8 @@ class TestHouse:
         in_it = thing("coffee_cup", 0.16, 0.0, (0.13, 0.13, 0.08))
         draws = [(laptop, in_it), (), (in_it,)]
 
-        def draw(pieces, attempt: int) -> list[LayoutImage]:
-            return [picture(view.item, *draws[attempt]) for view in pieces]
+        def draw(pieces, attempt: int) -> list[list[Item]]:
+            return [list(draws[attempt]) for _ in pieces]
 
         laid = lay_pieces(views, draw, Sizes(), flat_of)
         assert [child.category for child in laid[desk.id].children] == ["coffee_cup"]
@@ -346,9 +327,9 @@ class TestHouse:
         views = table_views(self.house(desk), flat_of)
         attempts: list[int] = []
 
-        def draw(pieces, attempt: int) -> list[LayoutImage]:
+        def draw(pieces, attempt: int) -> list[list[Item]]:
             attempts.append(attempt)
-            return [picture(view.item) for view in pieces]
+            return [[] for _ in pieces]
 
         laid = lay_pieces(views, draw, Sizes(), flat_of)
         assert attempts == list(range(TRIES))
