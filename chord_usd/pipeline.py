@@ -17,7 +17,6 @@ from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
     OOD,
-    Item,
     LayoutImage,
     Plan,
     PlanImage,
@@ -296,23 +295,15 @@ def lay_tables(
 ) -> Tabletops:
     """SceneGraph -> the same with items on every supporting piece, all of them in one batch.
 
-    Those that come out bare are drawn again.
-
     rooms: ids of the rooms whose pieces are laid, by default all. but: ids of pieces that stay as
     they are.
     """
     from chord_usd.assets.tops import relief_of
-    from chord_usd.graph.tabletop import View, lay_pieces, table_views, with_items
-
-    def draw(pieces: Sequence[View], attempt: int) -> list[list[Item]]:
-        return model.things(
-            [view.top for view in pieces],
-            [view.seed(settings.seed, attempt) for view in pieces],
-            None if attempt else progress,
-        )
+    from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
 
     views = [view for view in table_views(graph, relief_of, rooms) if view.item.id not in but]
-    return with_items(graph, views, lay_pieces(views, draw, database, relief_of))
+    laid = lay_pieces(views, model, settings.seed, database, relief_of, progress)
+    return with_items(graph, views, laid)
 
 
 def settle(graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()) -> SceneGraph:

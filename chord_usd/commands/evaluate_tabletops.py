@@ -81,8 +81,6 @@ def run(options: argparse.Namespace) -> Outcome:
         timed = [one.case for one in list(judged.values())[-1][:BATCH_OF]]
         seconds = tabletops.cpu_seconds(at, timed)
     columns = {name: tabletops.score_tabletops(these, at) for name, these in judged.items()}
-    for name in judged.keys() - {DATA}:
-        columns[name].rows["filled_in_tries"] = tabletops.filled_in_tries(at, judged[name])
     with watch.step("read"):
         readers = _readers(at, cases)
     made = tabletop_report.Made(at.model.content_hash, _how(at), seconds, len(timed))

@@ -22,7 +22,7 @@ from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import FRONT_FROM, Database, items_seen
 from chord_usd.graph.table_items import TopPainter, read_items, read_table_pixels, things_seen
 from chord_usd.graph.table_place import Laid
-from chord_usd.graph.tabletop import TRIES, TopModel
+from chord_usd.graph.tabletop import TopModel
 from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items
 from chord_usd.metrics.footprints import is_underfoot
@@ -108,15 +108,6 @@ def judge(at: Workplace, cases: Sequence[Case], things: Sequence[Sequence[Item]]
         Judged(case, tuple(own), case.view.laid(own, at.database, at.reliefs))
         for case, own in zip(cases, things, strict=True)
     ]
-
-
-def filled_in_tries(at: Workplace, judged: Sequence[Judged]) -> Score:
-    """Share of pieces filled when those that came out bare are drawn again, as `generate` does."""
-    bare = [one.case for one in judged if not one.laid.children]
-    for attempt in range(1, TRIES):
-        again = replace(at, seed=at.seed + attempt * len(judged))
-        bare = [one.case for one in drawn(again, bare) if not one.laid.children]
-    return Score(1.0 - len(bare) / max(len(judged), 1), len(judged), "pieces")
 
 
 def cpu_seconds(at: Workplace, cases: Sequence[Case]) -> float:

@@ -42,10 +42,6 @@ _TOUCH_M = 0.002
 """Boxes that share no more height than this only touch."""
 
 
-_BARE = 100
-"""More than the faults of any piece that carries something."""
-
-
 @dataclass(frozen=True, eq=False)
 class Laid:
     """What became of the items drawn for a top."""
@@ -59,11 +55,6 @@ class Laid:
     def left_out(self) -> int:
         """How many items found no place to stand."""
         return len(self.seen) - len(self.children)
-
-    @property
-    def faults(self) -> int:
-        """What another draw may mend: items without a place, or a bare piece, which is worst."""
-        return self.left_out if self.children else _BARE
 
 
 def place_on(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -17,9 +17,6 @@ from chord_usd.progress import Progress
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.table_top import TableTop
 from chord_usd.types import Item, SceneGraph
-
-TRIES = 3
-"""How often a piece is drawn before it stays bare: small tops now and then get nothing."""
 
 _HANGS_FROM_M = 0.3
 """What has its underside higher than this hangs, and things may be below it."""
@@ -41,10 +38,9 @@ class View:
         """Whether nothing fits on it."""
         return is_too_small(self.top)
 
-    def seed(self, house_seed: int, attempt: int = 0) -> int:
+    def seed(self, house_seed: int) -> int:
         """A seed of its own, which what else is in the house does not change."""
-        again = f"/{attempt}" if attempt else ""
-        return zlib.crc32(f"{house_seed}/{self.item.id}{again}".encode())
+        return zlib.crc32(f"{house_seed}/{self.item.id}".encode())
 
     def laid(self, things: Sequence[Item], database: Database, reliefs: Reliefs) -> Laid:
         """What was drawn for its top, standing on the piece."""
@@ -62,10 +58,6 @@ class TopModel(Protocol):
         self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
     ) -> list[list[Item]]:
         """Things on each top, in its frame, without meshes; a top's seed alone varies its own."""
-
-
-Draw = Callable[[Sequence[View], int], Sequence[Sequence[Item]]]
-"""Things for the tops of these pieces, in their frames, at this attempt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,24 +119,26 @@ def _can_be_hit(other: Item, piece: Item) -> bool:
 
 
 def lay_pieces(
-    views: Sequence[View], draw: Draw, database: Database, reliefs: Reliefs, tries: int = TRIES
+    views: Sequence[View],
+    model: TopModel,
+    house_seed: int,
+    database: Database,
+    reliefs: Reliefs,
+    progress: Progress | None = None,
 ) -> dict[str, Laid]:
     """What comes to stand on each piece that is not too small, by the id of the piece.
 
-    Pieces that stay bare, or on which something finds no place, are drawn again, all of them
-    together, until all stands or tries is reached; the first draw with the fewest faults stays.
+    All are drawn in one batch.
     """
-    waiting = [view for view in views if not view.is_too_small]
-    laid: dict[str, Laid] = {}
-    for attempt in range(tries):
-        if not waiting:
-            break
-        for view, things in zip(waiting, draw(waiting, attempt), strict=True):
-            drawn, before = view.laid(things, database, reliefs), laid.get(view.item.id)
-            if before is None or drawn.faults < before.faults:
-                laid[view.item.id] = drawn
-        waiting = [view for view in waiting if laid[view.item.id].faults]
-    return laid
+    fitting = [view for view in views if not view.is_too_small]
+    if not fitting:
+        return {}
+    tops, seeds = [view.top for view in fitting], [view.seed(house_seed) for view in fitting]
+    drawn = model.things(tops, seeds, progress)
+    return {
+        view.item.id: view.laid(things, database, reliefs)
+        for view, things in zip(fitting, drawn, strict=True)
+    }
 
 
 def with_items(graph: SceneGraph, views: Sequence[View], laid: dict[str, Laid]) -> Tabletops:

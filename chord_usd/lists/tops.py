@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from chord_usd.lists.draw import HEAT, Heat, ListDrawer, Subject, load_lists
+from chord_usd.lists.draw import Heat, ListDrawer, Subject, load_lists, without
 from chord_usd.lists.things import THINGS, facts_of, flags_of, items_from, segments_of
 from chord_usd.metrics.overlap import items_overlap
 from chord_usd.progress import Progress
@@ -15,17 +16,22 @@ from chord_usd.relief import Relief
 from chord_usd.table_top import TableTop
 from chord_usd.types import Item
 
-DRAFTS = 3
-"""Of each top."""
+DRAFTS, KEPT = 10, 6
+"""Of each top, at most; of one list."""
 OVER_EDGE = 0.01
 """A smaller share of a thing's footprint beside the top is rounding."""
+
+TABLE_HEAT = Heat(categories=1.0)
+"""As full as tables are: sharper lists are shorter."""
+
+_ALL = without(THINGS.categories, THINGS)
 
 
 class TopLister:
     """Writes down what stands on tops."""
 
-    def __init__(self, drawer: ListDrawer, drafts: int = 1, heat: Heat = HEAT) -> None:
-        """drafts: of each top; the first one without faults is taken, else that with fewest."""
+    def __init__(self, drawer: ListDrawer, drafts: int = DRAFTS, heat: Heat = TABLE_HEAT) -> None:
+        """drafts: of each top, at most; the first without faults is taken, or the best."""
         self._drawer, self.drafts, self._heat = drawer, drafts, heat
 
     @property
@@ -36,19 +42,35 @@ class TopLister:
     def things(
         self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
     ) -> list[list[Item]]:
-        """Things on each top, in its frame; of a top's seed alone depends what is on it."""
+        """Things on each top, in its frame; a top's seed alone varies its own.
+
+        Of tops with faults further drafts tell the same things at other places: short lists gain
+        nothing by it. Only what does not fit after KEPT drafts is told anew.
+        """
         subjects = [Subject(segments_of(top), facts_of(top), flags_of(top)) for top in tops]
-        rngs = [
-            np.random.default_rng((draft, seed)) for draft in range(self.drafts) for seed in seeds
-        ]
-        drawn = self._drawer.draw(subjects * self.drafts, rngs, self._heat)
-        best = []
-        for index, top in enumerate(tops):
-            drafts = [items_from(one.elements, top) for one in drawn[index :: len(tops)]]
-            faults = [top_faults(items, top) for items in drafts]
-            best.append(drafts[faults.index(min(faults))])
-        if progress:
-            progress(len(tops), len(tops))
+        rngs = [np.random.default_rng(seed) for seed in seeds]
+        best: list[list[Item]] = [[] for _ in tops]
+        faults = np.full(len(tops), np.inf)
+        asked = list(subjects)
+        for draft in range(self.drafts):
+            waiting = [int(index) for index in np.flatnonzero(faults > 0.0)]
+            if not waiting:
+                break
+            if draft == KEPT:
+                asked = subjects
+            drawn = self._drawer.draw(
+                [asked[index] for index in waiting], [rngs[index] for index in waiting], self._heat
+            )
+            for index, one in zip(waiting, drawn, strict=True):
+                items = items_from(one.elements, tops[index])
+                found = top_faults(items, tops[index])
+                if found < faults[index]:
+                    best[index], faults[index] = items, found
+                if draft == 0 and items:
+                    told = tuple(element.category for element in one.elements)
+                    asked[index] = replace(subjects[index], wanted=told, excluded=_ALL)
+            if progress:
+                progress(draft + 1, self.drafts)
         return best
 
 
