@@ -49,7 +49,7 @@ QUICK: dict[str, tuple[str, ...]] = {
     "dataset draw": ("--most", "1"),
     **{f"train {name}": ("--minutes", "0.001") for name in (
         "plan2layout", "table", "text2plan", "outline2plan", "bubbles", "detector")},
-    "evaluate layouts": ("--n", "1", "--steps", "1", "--no-fid", "--redraws", "0"),
+    "evaluate layouts": ("--n", "1", "--steps", "1", "--no-fid"),
     "evaluate ood": ("--n", "1", "--draws", "1", "--per-room", "1"),
     "evaluate speed": ("--n", "1", "--steps", "1", "--no-fid"),
     "evaluate diversity": ("--n", "1", "--steps", "1", "--seeds", "2"),

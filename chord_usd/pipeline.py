@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from chord_usd.graph.detect import ItemDetector
     from chord_usd.graph.tabletop import Tabletops, TopModel
     from chord_usd.layout.sample import LayoutModel
+    from chord_usd.lists.draw import ListDrawer
 
 LAYOUT_CHECKPOINT = "plan2layout"
+LISTS_CHECKPOINT = "lists"
 TABLE_CHECKPOINT = "table"
 THINGS_CHECKPOINT = "things"
 DETECTOR_CHECKPOINT = "detector_items"
@@ -63,11 +65,6 @@ class Settings:
     redraws: int = 2
     """So often a room with faults is drawn again; 0 leaves the first draw as it is."""
 
-    @property
-    def draw(self) -> Draw:
-        """How layouts are sampled."""
-        return Draw(self.seed, self.steps, self.sampler)
-
 
 @dataclass(frozen=True, eq=False)
 class House:
@@ -96,7 +93,8 @@ def generate(
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
     models: those of earlier houses with the same settings, but for the seed; by default they are
-    loaded. The stopwatch times plan, load, layout, graph, redraw, outliers, tabletop and stage.
+    loaded. The stopwatch times plan, load, list, layout, graph, redraw, outliers, tabletop and
+    stage.
     Raises ChordError.
     """
     settings = settings or Settings()
@@ -109,13 +107,16 @@ def generate(
     with watch.step("load"):
         models = models or load_models(settings)
         load_usd()
+    draw = sampling(settings, models.lists)
+    with watch.step("list"):
+        listed = draw.listed(plan.scene(), plan.rooms)
     with watch.step("layout") as progress:
-        layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, progress)
+        layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, listed, progress)
     with watch.step("graph"):
         graph = models.reader.read(layout, plan)
     with watch.step("redraw") as progress:
         mended = mend_rooms(
-            graph, layout, plan_image, models.layout, models.reader.read, settings.draw,
+            graph, layout, plan_image, models.layout, models.reader.read, draw,
             times=settings.redraws, progress=progress,
         )  # fmt: skip
         graph, layout = mended.graph, mended.layout
@@ -191,11 +192,13 @@ def draw_layout(
     model: LayoutModel,
     plan_file: Path,
     settings: Settings,
+    listed: SceneGraph | None = None,
     progress: Progress | None = None,
 ) -> LayoutImage:
     """PlanImage -> LayoutImage, by the diffusion model; its provenance names the plan file.
 
     plan: what the raster was drawn from; its rooms are laid out with their walls upright.
+    listed: the plan with the pieces that lists tell.
     """
     from chord_usd.layout.upright import sample_upright
 
@@ -203,6 +206,7 @@ def draw_layout(
         model,
         plan,
         plan_image,
+        listed=listed,
         seed=settings.seed,
         steps=settings.steps,
         sampler=settings.sampler,
@@ -242,18 +246,39 @@ class Models:
     table: TopModel | None
     """Of what stands on tables; None where that is not wanted."""
     reader: GraphReader
+    lists: ListDrawer | None = None
+    """None where the layout model decides alone."""
 
 
 def checkpoints(settings: Settings) -> tuple[str, ...]:
     """Names of the checkpoints that decide what a house looks like."""
     of_tables = THINGS_CHECKPOINT if settings.lists else TABLE_CHECKPOINT
     table = (of_tables,) if settings.tabletop else ()
-    return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *table)
+    lists = (LISTS_CHECKPOINT,) if settings.lists else ()
+    return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *lists, *table)
 
 
 def load_models(settings: Settings) -> Models:
     """Everything that furnishes a house. Raises CheckpointError, AssetError."""
-    return Models(load_model(settings), load_table_model(settings), load_reader(settings))
+    layout = load_model(settings)
+    return Models(
+        layout, load_table_model(settings), load_reader(settings), load_lists(settings, layout)
+    )
+
+
+def sampling(settings: Settings, lists: ListDrawer | None) -> Draw:
+    """How layouts are sampled, with lists where there is a network for them."""
+    return Draw(settings.seed, settings.steps, settings.sampler, lists)
+
+
+def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
+    """What decides which pieces rooms have; None where that is not wanted, or where the layout
+    model was not trained to see it."""
+    if not settings.lists or not layout.config.draft:
+        return None
+    from chord_usd.lists import draw, pieces
+
+    return draw.load_lists(checkpoint_folder(LISTS_CHECKPOINT), pieces.PIECES)
 
 
 def clear_openings(
@@ -380,8 +405,9 @@ def regenerate(
     with watch.step("layout") as progress:
         own = replace(settings, seed=seed)
         plan_image = draw_plan(house.graph.plan)
+        draw = sampling(own, models.lists)
         drawn = redraw_rooms(
-            house.graph, [room], plan_image, models.layout, own.draw, progress, kept_ids
+            house.graph, [room], plan_image, models.layout, draw, progress, kept_ids
         )
     with watch.step("graph"):
         found = models.reader.read(drawn.alone, house.graph.plan)

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from chord_usd import raster
+from chord_usd.lists.house import Asked, Drafts, furnish_by_lists
 from chord_usd.palette import category
 from chord_usd.types import (
     BoolArray,
@@ -35,6 +36,7 @@ from chord_usd.types import (
 
 if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
+    from chord_usd.lists.draw import ListDrawer
     from chord_usd.progress import Progress
 
 Read = Callable[[LayoutImage, Plan], SceneGraph]
@@ -67,6 +69,9 @@ _MORE_DRAWS = 3
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
 
+DRAFTS = 4
+"""Lists drawn of each room, of which the best is painted."""
+
 _TOUCH_M2 = 1e-4
 """Footprints that share less only touch."""
 
@@ -78,6 +83,29 @@ class Draw:
     seed: int = 0
     steps: int | None = None
     sampler: str | None = None
+    lists: ListDrawer | None = None
+    """Decides which pieces a room has before they are painted; None leaves it to the painter."""
+    asked: Mapping[str, Asked] = field(default_factory=dict)
+    """What rooms shall hold, by room id."""
+
+    def listed(
+        self, graph: SceneGraph, rooms: Sequence[Room], kept_ids: Collection[str] = ()
+    ) -> SceneGraph | None:
+        """The house with a list of pieces in place of the furniture of these rooms.
+
+        kept_ids: items of the rooms that the lists hold, too. None without a list network.
+        """
+        if self.lists is None:
+            return None
+        asked = {
+            room.id: replace(
+                self.asked.get(room.id, Asked()),
+                kept=tuple(item for item in graph.items_of(room.id) if item.id in kept_ids),
+            )
+            for room in rooms
+        }
+        drafts = Drafts(self.seed, DRAFTS)
+        return furnish_by_lists(graph.plan, self.lists, drafts, asked, list(asked), graph.items)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,9 +272,11 @@ def redraw_rooms(
         free: BoolArray = np.logical_or.reduce(own) & ~raster.taken_pixels(kept, frame)
         return free
 
+    listed = draw.listed(graph, rooms, kept_ids)
     layout = model.resample(
         sheet.image, labels, front, free_floor(around, sheet.image.frame),
-        seed=draw.seed, steps=draw.steps, sampler=draw.sampler, progress=progress,
+        seed=draw.seed, steps=draw.steps, sampler=draw.sampler,
+        draft=sheet.draft(listed) if listed else None, progress=progress,
     )  # fmt: skip
     region = free_floor(replace(graph, items=tuple(stay)), plan_image.frame)
     before = raster.layout_image(plan_image, graph.items)

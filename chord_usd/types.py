@@ -125,6 +125,10 @@ class Plan:
                 return room
         raise KeyError(room_id)
 
+    def scene(self) -> SceneGraph:
+        """The house with nothing in it."""
+        return SceneGraph(self.rooms, self.openings, (), extra=self.extra)
+
 
 @dataclass(frozen=True)
 class Provenance:

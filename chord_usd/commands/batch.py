@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     Verbs,
     add_assets,
     add_device,
+    add_lists,
     add_output,
     add_redraws,
     add_seed,
@@ -64,6 +65,7 @@ def _add_houses(parser: Parser) -> None:
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
     add_steps(group)
+    add_lists(group)
     add_redraws(group)
     group.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
@@ -147,6 +149,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         device=options.device,
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         tabletop=not options.no_tabletop,
+        lists=not options.no_list,
         redraws=options.redraws,
     )
 

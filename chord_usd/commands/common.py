@@ -57,6 +57,12 @@ class Parser(argparse.ArgumentParser):
         options.setdefault("allow_abbrev", False)
         super().__init__(**options)
 
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        # argparse drops a "--" that is an option's value, and gives it a list without any.
+        if action.option_strings and arg_strings == ["--"]:
+            self.error(f"argument {'/'.join(action.option_strings)}: expected one argument")
+        return super()._get_values(action, arg_strings)  # type: ignore[misc]
+
     def error(self, message: str) -> NoReturn:
         raise UsageError(message.replace("\n", " "), try_=f"{self.prog} --help")
 
@@ -116,6 +122,14 @@ def add_steps(parser: Options) -> None:
     parser.add_argument(
         "--steps", type=whole_number(1, MOST_STEPS), metavar="N",
         help="sampler steps (the checkpoint's own)",
+    )  # fmt: skip
+
+
+def add_lists(parser: Options) -> None:
+    """The option --no-list."""
+    parser.add_argument(
+        "--no-list", action="store_true",
+        help="let the diffusion model alone decide what a room holds, as in the paper",
     )  # fmt: skip
 
 

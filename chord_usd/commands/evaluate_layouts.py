@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
-    add_redraws,
+    add_lists,
     add_verb,
     stopwatch,
     whole_number,
@@ -28,32 +28,37 @@ from chord_usd.commands.evaluate_options import (
     told,
 )
 from chord_usd.progress import Stopwatch
+from chord_usd.runtime.locations import checkpoint_folder
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases
     from chord_usd.evaluation.layouts import Furnished, Sampling
     from chord_usd.evaluation.realism import Encoder, Realism
+    from chord_usd.lists.draw import ListDrawer
 
 
 def add(group: Verbs) -> None:
     """Adds the verb to the verbs of evaluate."""
     parser = add_verb(
-        group, "layouts", run, "score the layout model's raw output, nothing repaired"
+        group,
+        "layouts",
+        run,
+        "score first draws of the layout model, nothing moved, and the same arranged",
     )
     add_plans(parser, count=100)
     add_checkpoint(parser)
     add_sampling(parser)
-    add_redraws(parser, count=0)
     parser.add_argument(
         "--furnisher", action="store_true", help="score the training data's furnisher instead"
     )
     parser.add_argument(
         "--lists", type=Path, metavar="DIR",
-        help="score what this checkpoint of train lists writes down instead, nothing painted",
+        help="start from the lists of this checkpoint of train lists (the shipped one)",
     )  # fmt: skip
+    add_lists(parser)
     parser.add_argument(
-        "--drafts", type=whole_number(1, 100), default=1, metavar="N",
-        help="lists drawn of each room, of which the best is taken (1)",
+        "--unpainted", type=whole_number(1, 100), metavar="N",
+        help="score the lists alone, nothing painted, of each room the best of N",
     )  # fmt: skip
     parser.add_argument(
         "--from", dest="source", type=Path, metavar="DIR",
@@ -73,7 +78,7 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("plans"):
         cases = _cases(options)
         warnings += cases.warnings
-    sampling = sampling_of(options, options.redraws)
+    sampling = sampling_of(options)
     furnished, made_by, sampling = _furnished(options, cases, sampling, watch, warnings)
     with watch.step("score"):
         scores = layouts.score_layouts(furnished, made_by, sampling)
@@ -106,22 +111,31 @@ def _furnished(
         with watch.step("layout"):
             made_by = str(options.source) if options.source else "furnisher"
             return list(layouts.drawn(cases.cases, sampling)), made_by, replace(sampling, steps=0)
-    if options.lists:
-        from chord_usd.lists.draw import load_lists
-        from chord_usd.lists.pieces import PIECES
-
-        drawer = load_lists(options.lists, PIECES)
-        with watch.step("layout"):
-            found = list(layouts.listed(drawer, cases.cases, sampling, options.drafts))
+    if options.unpainted:
+        drawer = _drawer(options)
+        with watch.step("list"):
+            found = list(layouts.listed(drawer, cases.cases, sampling, options.unpainted))
         return found, drawer.content_hash, replace(sampling, steps=0)
     with watch.step("load"):
         model = load_layout_model(options)
+        lists = _drawer(options) if model.config.draft and not options.no_list else None
     sampling = sampling.settled(model.config)
     with watch.step("layout") as progress:
         furnished = list(
-            layouts.sampled(model, cases.cases, sampling, progress, warn=warnings.append)
+            layouts.sampled(model, cases.cases, sampling, lists, progress, warn=warnings.append)
         )
-    return furnished, model.checkpoint.content_hash, sampling
+    made_by = model.checkpoint.content_hash + (
+        f" from lists of {lists.content_hash}" if lists else ""
+    )
+    return furnished, made_by, sampling
+
+
+def _drawer(options: argparse.Namespace) -> ListDrawer:
+    from chord_usd.lists.draw import load_lists
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.pipeline import LISTS_CHECKPOINT
+
+    return load_lists(options.lists or checkpoint_folder(LISTS_CHECKPOINT), PIECES)
 
 
 def _realism(

@@ -135,8 +135,8 @@ def load_layout_model(options: argparse.Namespace, name: str = "plan2layout") ->
     return LayoutModel.load(folder, options.device)
 
 
-def sampling_of(options: argparse.Namespace, redraws: int = 0) -> Sampling:
-    """How to sample, as the options say; how often rooms are drawn again, not all verbs ask."""
+def sampling_of(options: argparse.Namespace) -> Sampling:
+    """How to sample, as the options say."""
     from chord_usd.evaluation.layouts import Sampling
 
     return Sampling(
@@ -144,7 +144,6 @@ def sampling_of(options: argparse.Namespace, redraws: int = 0) -> Sampling:
         options.steps,
         options.sampler,
         not options.unshaded,
-        redraws,
     )
 
 

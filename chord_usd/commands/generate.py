@@ -11,6 +11,7 @@ from chord_usd.commands.common import (
     Verbs,
     add_assets,
     add_device,
+    add_lists,
     add_output,
     add_part,
     add_redraws,
@@ -39,6 +40,7 @@ def add(verbs: Verbs) -> None:
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     add_steps(parser)
+    add_lists(parser)
     add_redraws(parser)
     parser.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
@@ -75,6 +77,7 @@ def run(options: argparse.Namespace) -> Outcome:
         device=options.device,
         asset_folders=tuple(options.assets),
         tabletop=not options.no_tabletop,
+        lists=not options.no_list,
         redraws=options.redraws,
     )
     watch = stopwatch(options)
@@ -95,7 +98,7 @@ def run(options: argparse.Namespace) -> Outcome:
         with watch.step("check"):
             from chord_usd.stage.check import certificate, check_stage
 
-            report = check_stage(stage_path)
+            report = check_stage(stage_path, own=True)
     data = _summary(house, options.output, watch.seconds, certificate(report))
     if planned:
         data["planned"] = planned_report(planned)

@@ -10,6 +10,7 @@ from chord_usd.commands.common import (
     Outcome,
     Verbs,
     add_device,
+    add_lists,
     add_output,
     add_seed,
     add_steps,
@@ -24,12 +25,13 @@ from chord_usd.runtime.files import deliver
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(
-        verbs, "layout", run, "furnish a plan as a picture: the diffusion model alone"
+        verbs, "layout", run, "furnish a plan as a picture: what the diffusion model paints"
     )
     parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
     add_output(parser, "the layout raster, layout.png")
     add_seed(parser)
     add_steps(parser)
+    add_lists(parser)
     parser.add_argument(
         "--sampler", choices=SAMPLERS,
         help="ddim, dpm (DPM-Solver++) or ddpm, the paper's (the checkpoint's own)",
@@ -42,7 +44,15 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.pipeline import Settings, draw_layout, draw_plan, load_model, read_plan
+    from chord_usd.pipeline import (
+        Settings,
+        draw_layout,
+        draw_plan,
+        load_lists,
+        load_model,
+        read_plan,
+        sampling,
+    )
     from chord_usd.plan.read import WARNINGS
     from chord_usd.plan.text import let_go
     from chord_usd.raster_files import write_raster
@@ -53,6 +63,7 @@ def run(options: argparse.Namespace) -> Outcome:
         sampler=options.sampler,
         m_per_px=options.scale,
         device=options.device,
+        lists=not options.no_list,
     )
     plan_file = existing_file(options.plan)
     watch = stopwatch(options)
@@ -64,8 +75,11 @@ def run(options: argparse.Namespace) -> Outcome:
             let_go()  # before the layout model takes as much again
         with watch.step("load"):
             model = load_model(settings)
+            lists = load_lists(settings, model)
+        with watch.step("list"):
+            listed = sampling(settings, lists).listed(plan.scene(), plan.rooms)
         with watch.step("layout") as progress:
-            layout = draw_layout(plan, plan_image, model, plan_file, settings, progress)
+            layout = draw_layout(plan, plan_image, model, plan_file, settings, listed, progress)
         write_raster(layout, target)
     warnings = list(plan.extra.get(WARNINGS, ()))
     m_per_px = layout.frame.m_per_px

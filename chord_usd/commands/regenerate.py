@@ -10,6 +10,7 @@ from chord_usd.commands.common import (
     Verbs,
     add_assets,
     add_device,
+    add_lists,
     add_steps,
     add_verb,
     existing_file,
@@ -43,6 +44,7 @@ def add(verbs: Verbs) -> None:
     in_place_of(target, "STAGE")
     parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_steps(parser)
+    add_lists(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )
@@ -70,6 +72,7 @@ def run(options: argparse.Namespace) -> Outcome:
         device=options.device,
         asset_folders=tuple(options.assets),
         tabletop=not options.no_tabletop,
+        lists=not options.no_list,
     )
     watch = stopwatch(options)
     with deliver() as delivery:
@@ -87,7 +90,7 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("check"):
         from chord_usd.stage.check import certificate, check_stage
 
-        report = check_stage(target)
+        report = check_stage(target, own=True)
     pieces = list(made.graph.items_of(made.room.id))
     furniture = len(pieces)
     new = furniture - len(made.kept)

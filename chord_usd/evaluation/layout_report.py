@@ -49,16 +49,12 @@ def as_markdown(scores: LayoutScores, realism: dict[str, Realism] | None = None)
         rows.append([name, *map(score_text, row), over, _target(name)])
     text = (
         f"split {scores.split}, made by {scores.made_by}, {scores.steps} steps of "
-        f"{scores.sampler}{_redrawn(scores.redraws)}; in brackets, over how many\n\n"
+        f"{scores.sampler}; in brackets, over how many\n\n"
     )
     text += markdown_table(["score", *parts, "over", "target, house"], rows)
     if realism:
         text += "\n" + _realism_table(realism)
     return text + "\n" + _paper_table()
-
-
-def _redrawn(times: int) -> str:
-    return f", rooms with faults drawn again up to {times} times" if times else ""
 
 
 def as_data(scores: LayoutScores, realism: dict[str, Realism] | None = None) -> dict[str, Any]:

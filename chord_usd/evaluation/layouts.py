@@ -1,9 +1,10 @@
-"""Scores of the layout model's raw output: nothing repairs a layout between model and metric."""
+"""Scores of first draws: what the model painted, read back, nothing moved; and arranged, beside."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from chord_usd import raster
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
+from chord_usd.graph.arrange import RULES, Seen, arrange
 from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
+from chord_usd.layout.draft import Draft
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.lists.draw import ListDrawer
 from chord_usd.lists.house import Drafts, furnish_by_lists
@@ -30,7 +33,7 @@ from chord_usd.metrics.scores import (
     score_scenes,
 )
 from chord_usd.progress import Progress, Warn
-from chord_usd.redraw import Draw, mend_rooms
+from chord_usd.redraw import Draw
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
@@ -38,6 +41,9 @@ MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom"
 
 JUDGED: tuple[RoomKind, ...] = tuple(ESSENTIALS)
 """Kinds of room with a column of their own."""
+
+ARRANGED = "house, arranged"
+"""The row of whole houses after the rules that follow reading."""
 
 BATCH = 8
 
@@ -53,8 +59,6 @@ class Sampling:
     """None takes the checkpoint's own."""
     shaded: bool = True
     """Whether the plan tells the kind of its rooms."""
-    redraws: int = 0
-    """So often rooms with faults are drawn again, as generate does; 0 scores the raw layouts."""
 
     def settled(self, config: LayoutConfig) -> Sampling:
         """With what a checkpoint was tuned for where nothing else is asked."""
@@ -72,6 +76,9 @@ class Furnished:
     case: Case
     image: LayoutImage
     scene: SceneGraph
+    """Nothing moved: edges alone that lie half a pixel from a wall or neighbour are on it."""
+    arranged: SceneGraph | None = None
+    """After the rules of graph.arrange; None where no model made it."""
     read_plan: Plan | None = None
     """Rooms and openings as one reads them off the image; None where none is."""
 
@@ -88,40 +95,52 @@ class LayoutScores:
     steps: int
     """Of the sampler; 0 where no model made them."""
     sampler: str
-    redraws: int = 0
-    """So often rooms with faults were drawn again; 0 for raw layouts."""
 
 
 def sampled(
     model: LayoutModel,
     cases: Sequence[Case],
     sampling: Sampling,
+    lists: ListDrawer | None = None,
     progress: Progress | None = None,
     warn: Warn | None = None,
 ) -> Iterator[Furnished]:
     """Samples a layout for every plan and reads the items back; rooms come from the plan.
 
-    Case i gets the seed of sampling plus i. warn is told where memory ended and the batch was
-    halved.
+    Case i gets the seed of sampling plus i. lists: what the model starts from. warn is told where
+    memory ended and the batch was halved.
     """
-    jobs = [
-        (_plan_image(case, sampling), sampling.seed + index) for index, case in enumerate(cases)
-    ]
+    jobs = [_job(case, sampling, index, lists) for index, case in enumerate(cases)]
 
-    def work(part: Sequence[tuple[PlanImage, int]]) -> list[LayoutImage]:
-        images, seeds = zip(*part, strict=True)
+    def work(part: Sequence[_Job]) -> list[LayoutImage]:
         return model.sample_batch(
-            images, seeds=seeds, steps=sampling.steps, sampler=sampling.sampler
+            [job.image for job in part],
+            seeds=[job.draw.seed for job in part],
+            steps=sampling.steps,
+            sampler=sampling.sampler,
+            drafts=[job.draft for job in part],
         )
 
     for index, image in enumerate(in_batches(work, jobs, BATCH, warn)):
-        case, (plan_image, seed) = cases[index], jobs[index]
-        one = read_back(case, image)
-        if sampling.redraws:
-            one = _mended(one, plan_image, model, seed, sampling)
-        yield one
+        yield read_back(cases[index], image)
         if progress:
             progress(index + 1, len(cases))
+
+
+class _Job(NamedTuple):
+    """What a layout is sampled from."""
+
+    image: PlanImage
+    draw: Draw
+    draft: Draft | None
+
+
+def _job(case: Case, sampling: Sampling, index: int, lists: ListDrawer | None) -> _Job:
+    image = _plan_image(case, sampling)
+    draw = Draw(sampling.seed + index, sampling.steps, sampling.sampler, lists)
+    listed = draw.listed(case.plan.scene(), case.plan.rooms)
+    draft = Draft.of(listed.items, listed.rooms, image.frame) if listed else None
+    return _Job(image, draw, draft)
 
 
 def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
@@ -130,23 +149,12 @@ def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
 
 def read_back(case: Case, image: LayoutImage) -> Furnished:
     """The items of a layout in the rooms of its plan, and the plan as the layout shows it."""
-    scene = extract_graph(image, plan=case.plan)
+    scene = extract_graph(image, plan=case.plan, without=RULES)
     try:
         plan = extract_graph(image, detector=_Blind()).plan
     except SceneError:
         plan = None
-    return Furnished(case, image, scene, plan)
-
-
-def _mended(
-    one: Furnished, plan_image: PlanImage, model: LayoutModel, seed: int, sampling: Sampling
-) -> Furnished:
-    """With those rooms drawn again that have faults."""
-    mended = mend_rooms(
-        one.scene, one.image, plan_image, model, extract_graph,
-        Draw(seed, sampling.steps, sampling.sampler), times=sampling.redraws,
-    )  # fmt: skip
-    return replace(one, image=mended.layout, scene=mended.graph)
+    return Furnished(case, image, scene, arrange(scene, Seen.on(image)), plan)
 
 
 def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
@@ -203,6 +211,13 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
             **_fidelity(furnished),
         }
     }  # fmt: skip
+    arranged = [one.arranged for one in furnished if one.arranged]
+    if arranged:
+        final = [score_scene(scene) for scene in arranged]
+        homely = [score.homely for score in final]
+        rows[ARRANGED] = {
+            **mean_scores(final), **homely_house_scores(homely), **_house_scores(arranged)
+        }  # fmt: skip
     for kind in JUDGED:
         # What stands at an open side is judged by what lies beyond it.
         rows[kind] = score_scenes(rooms_of_kind(scenes, kind)) | homely_scores(homely, kind)
@@ -212,7 +227,6 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
         made_by=made_by,
         steps=sampling.steps or 0,
         sampler=sampling.sampler or "",
-        redraws=sampling.redraws,
     )
 
 

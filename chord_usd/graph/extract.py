@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
 from functools import lru_cache
 from typing import Protocol
 
+from chord_usd.graph.arrange import Seen, arrange
 from chord_usd.graph.colours import read_pixels
 from chord_usd.graph.detect import (
     ItemDetector,
@@ -16,10 +19,8 @@ from chord_usd.graph.detect import (
 from chord_usd.graph.directions import plan_directions
 from chord_usd.graph.match import Database, match_assets, place_items
 from chord_usd.graph.rooms import read_plan
-from chord_usd.graph.seating import seat_chairs
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
-from chord_usd.graph.usual import grow_to_usual
 from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
 
 
@@ -43,12 +44,14 @@ def extract_graph(
     database: Database | None = None,
     detector: Detector | None = None,
     segmenter: Segmenter | None = None,
+    without: Collection[str] = (),
 ) -> SceneGraph:
     """The scene graph of a layout raster.
 
     plan: its rooms and openings are taken as they are; without it they are read from the raster.
     Rooms of unknown kind are named by the segmenter. database: gives each item its mesh; without
     it items have none. detector, segmenter: the shipped networks by default, loaded when needed.
+    without: names of arrange.RULES; without all of them, pieces stand where they are painted.
     Raises CheckpointError when they cannot be, SceneError when there is no room, AssetError.
     """
     pixels = read_pixels(layout.rgb)
@@ -58,14 +61,9 @@ def extract_graph(
         plan = name_in_tiles((segmenter or _shipped_segmenter()).segment, plan, layout)
     directions = plan_directions(plan.rooms, layout.frame)
     found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
-    graph = SceneGraph(
-        rooms=plan.rooms,
-        openings=plan.openings,
-        items=place_items(found, plan.rooms, layout.frame, plan.openings, pixels.item),
-        provenance=layout.provenance,
-        extra=plan.extra,
-    )
-    graph = seat_chairs(grow_to_usual(graph))
+    items = place_items(found, plan.rooms, layout.frame)
+    graph = replace(plan.scene(), items=items, provenance=layout.provenance)
+    graph = arrange(graph, Seen(pixels.item, layout.frame), without)
     return match_assets(graph, database) if database else graph
 
 

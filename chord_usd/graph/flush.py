@@ -205,21 +205,26 @@ def _fits(rectangle: Rectangle, room: Polygon) -> bool:
     return bool(out.buffer(-_OUT_M / 2).is_empty)
 
 
-def part(standings: Sequence[Standing], rounding_m: float = 0.0) -> list[Standing]:
+def part(
+    standings: Sequence[Standing], rounding_m: float = 0.0, share: float = OVERLAP_SHARE
+) -> list[Standing]:
     """Neighbours of one direction that overlap a little share the overlap and touch.
 
     rounding_m: overlaps up to here may come from drawing in pixels, however thin the piece.
+    share: of the smaller piece's side, overlaps up to which come from torn edges.
     """
     result = list(standings)
     for i in range(len(result)):
         for j in range(i + 1, len(result)):
             turns = fold_deg(result[i].rectangle.angle_deg - result[j].rectangle.angle_deg)
             if abs(turns) < _TURN_EPSILON_DEG:
-                result[i], result[j] = _parted(result[i], result[j], rounding_m)
+                result[i], result[j] = _parted(result[i], result[j], rounding_m, share)
     return result
 
 
-def _parted(first: Standing, second: Standing, rounding_m: float) -> tuple[Standing, Standing]:
+def _parted(
+    first: Standing, second: Standing, rounding_m: float, share: float
+) -> tuple[Standing, Standing]:
     depths = []
     for axis in (0, 1):
         (a0, a1), (b0, b1) = _span(first.rectangle, axis), _span(second.rectangle, axis)
@@ -228,7 +233,7 @@ def _parted(first: Standing, second: Standing, rounding_m: float) -> tuple[Stand
     lower, upper = (first, second) if first_below else (second, first)
     below, above = _span(lower.rectangle, axis), _span(upper.rectangle, axis)
     thinner = min(below[1] - below[0], above[1] - above[0])
-    reach = max(OVERLAP_SHARE * thinner, min(rounding_m, _ROUNDING_SHARE * thinner))
+    reach = max(share * thinner, min(rounding_m, _ROUNDING_SHARE * thinner))
     if not 0.0 < depth <= reach:
         return first, second
     names = (("u0", "u1"), ("v0", "v1"))[axis]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -12,7 +12,6 @@ import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.geometry import footprint_polygon, room_polygon
-from chord_usd.graph.colours import LabelArray
 from chord_usd.graph.fit import fitted_box, is_built_in
 from chord_usd.graph.flush import (
     ALIGN_BUILT_IN_DEG,
@@ -22,14 +21,11 @@ from chord_usd.graph.flush import (
     flush_with_walls,
     kept_deep,
     part,
-    pull_into,
 )
-from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor, Painted
-from chord_usd.graph.panels import end_with_wall
-from chord_usd.graph.runs import level_fronts
+from chord_usd.graph.free_floor import BELOW_SILL
 from chord_usd.graph.snap import FoundItem
-from chord_usd.palette import Category, Mount, category
-from chord_usd.types import Asset, Box, Detection, Item, Opening, PixelFrame, Room, SceneGraph
+from chord_usd.palette import Mount, category
+from chord_usd.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
 from chord_usd.units import m_from_px, wrap_deg
 
 LEAST_INSIDE = 0.5
@@ -62,19 +58,14 @@ def place_items(
     found: Sequence[FoundItem],
     rooms: Sequence[Room],
     frame: PixelFrame,
-    openings: Sequence[Opening] = (),
-    item_pixels: LabelArray | None = None,
 ) -> tuple[Item, ...]:
-    """Items in the rooms they lie in, flush with walls and neighbours, named per room.
+    """Items in the rooms they lie in, named per room; edges that are half a pixel from a wall or a
+    neighbour's edge are on it.
 
     An item goes to the room that covers most of it. What lies in no room is dropped. Ids are
     room/category_n, counted in a fixed order: rooms as given, then category, then position.
-    openings: what they say of the items before them counts, see free_floor. item_pixels: (H, W)
-    as LayoutPixels.item, what the raster shows.
     """
     floors = _Floors(rooms, frame.m_per_px)
-    painted = None if item_pixels is None else Painted(item_pixels, frame)
-    raster = _Raster(frame.m_per_px, FreeFloor(rooms, openings), painted)
     by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
     for one in found:
         box = box_of(one.detection, frame)
@@ -83,7 +74,7 @@ def place_items(
             by_room[index].append((one, box))
     items: list[Item] = []
     for index, room in enumerate(rooms):
-        items += _items_of(room, floors.polygons[index], by_room[index], raster)
+        items += _items_of(room, by_room[index], FLUSH_PX * frame.m_per_px)
     return tuple(items)
 
 
@@ -168,50 +159,22 @@ class _Floors:
         return best if 0.0 < inside >= LEAST_INSIDE * shape.area else None
 
 
-@dataclass(frozen=True, eq=False)
-class _Raster:
-    """What items are read from."""
-
-    m_per_px: float
-    free_floor: FreeFloor
-    """What its openings keep free."""
-    painted: Painted | None
-
-    @property
-    def reach_m(self) -> float:
-        """Edges no farther apart than this are one."""
-        return FLUSH_PX * self.m_per_px
-
-    def kept_free(self, box: Box, row: Category) -> Box:
-        """The box without what only seems to stand before an opening."""
-        return self.free_floor.kept(Standing.of(box), box, row, self.reach_m, self.painted)
-
-
-def _items_of(
-    room: Room, floor: Polygon, found: Sequence[tuple[FoundItem, Box]], raster: _Raster
-) -> list[Item]:
-    rows = [category(one.detection.category) for one, _ in found]
-    boxes = _flush_boxes(room, floor, found, raster.reach_m)
-    boxes = _with_level_fronts(boxes, rows, raster.m_per_px)
-    placed = [
-        (one, raster.kept_free(box, row))
-        for (one, _), box, row in zip(found, boxes, rows, strict=True)
-    ]
+def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Item]:
+    boxes = _flush_boxes(room, found, reach_m)
+    placed = [(one, box) for (one, _), box in zip(found, boxes, strict=True)]
     placed.sort(key=lambda pair: reading_order(pair[0].detection.category, pair[1]))
     counts: dict[str, int] = defaultdict(int)
     items = []
     for one, box in placed:
         name = one.detection.category
-        item = _item(f"{room.id}/{name}_{counts[name]}", one, box, room.id)
-        items.append(raster.free_floor.below_sill(item))
+        items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
         counts[name] += 1
     return items
 
 
-def _flush_boxes(
-    room: Room, floor: Polygon, found: Sequence[tuple[FoundItem, Box]], reach_m: float
-) -> list[Box]:
-    """The boxes of a room, square to its walls, flush with them and with each other."""
+def _flush_boxes(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Box]:
+    """The boxes of a room, square to its walls; edges that lie within reach_m of a wall or of each
+    other are on it."""
     on_wall = [category(one.detection.category).mount is Mount.WALL for one, _ in found]
     standings = [
         align(Standing.of(box), room.polygon_m, _align_within_deg(one.detection.category))
@@ -220,27 +183,9 @@ def _flush_boxes(
     for index, standing in enumerate(standings):
         others = standings[:index] + standings[index + 1 :]
         flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
-        if on_wall[index]:
-            flush = kept_deep(standing, flush)
-        standings[index] = pull_into(flush, floor)
-    boxes = [
-        standing.on(box) for standing, (_, box) in zip(part(standings, reach_m), found, strict=True)
-    ]
-    return [
-        end_with_wall(box, floor) if on else box for box, on in zip(boxes, on_wall, strict=True)
-    ]
-
-
-def _with_level_fronts(
-    boxes: Sequence[Box], rows: Sequence[Category], m_per_px: float
-) -> list[Box]:
-    """The boxes of a room with kitchen units in line."""
-    units = [box for box, row in zip(boxes, rows, strict=True) if is_built_in(row)]
-    others = [box for box, row in zip(boxes, rows, strict=True) if not is_built_in(row)]
-    levelled = iter(level_fronts(units, others, m_per_px))
-    return [
-        next(levelled) if is_built_in(row) else box for box, row in zip(boxes, rows, strict=True)
-    ]
+        standings[index] = kept_deep(standing, flush) if on_wall[index] else flush
+    parted = part(standings, reach_m, share=0.0)
+    return [standing.on(box) for standing, (_, box) in zip(parted, found, strict=True)]
 
 
 def _align_within_deg(name: str) -> float:

@@ -102,7 +102,7 @@ class LayoutModel:
         """One layout per plan and seed, in one batch; each is what sample would give it.
 
         sampler: one of schedule.SAMPLERS; by default the checkpoint's own. drafts: one per plan,
-        or none; with them the walk begins late (DRAFT_STEPS).
+        or none; where one knows all floor, the walk begins late (DRAFTED_SHARE).
         """
         sizes = [self._window_size(plan_image) for plan_image in plan_images]
         pictures: dict[int, LayoutImage] = {}
@@ -133,6 +133,7 @@ class LayoutModel:
         seed: int = 0,
         steps: int | None = None,
         sampler: str | None = None,
+        draft: Draft | None = None,
         progress: Progress | None = None,
     ) -> LayoutImage:
         """The layout of these labels, sampled anew in a region of its floor: masked diffusion.
@@ -140,6 +141,7 @@ class LayoutModel:
         labels, front: (H, W) as raster.draw_items gives them; what they hold in the region is not
         looked at. region: (H, W). Outside of it every pixel is that of the layout given, which the
         noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
+        draft: of the whole plan, what stays and what is to come; the walk begins late then.
         """
         run = self._run([seed], steps, sampler, progress)
         before = self.traits.paint(plan_image, labels, front)
@@ -147,7 +149,9 @@ class LayoutModel:
         kept = _Kept(
             self.encode(labels[window], front[window], before[window]), region[window][None, None]
         )
-        final = self._denoise(self.plans([plan_image], [window], region[window]), run, kept)
+        seen = self._seen([window], [draft])
+        plans = self.plans([plan_image], [window], region[window], drafts=seen)
+        final = self._denoise(plans, run, kept, seen)
         image = self._picture(plan_image, final[0], run, 0, [window])
         rgb = np.where(region[..., None], image.rgb, before)
         return LayoutImage(frozen_array(rgb, np.uint8), image.frame, image.provenance)
@@ -282,10 +286,10 @@ class LayoutModel:
         noise = self._noise(run.seeds, *plans.inside.shape[-2:])
         levels = [float(self._alphas[time]) for time in sampler.times]
         first = _first_step(len(levels), plans.inside, drafts)
-        state = _held(noise, noise, kept, levels[first])
-        if first:
-            assert drafts is not None
+        state = noise
+        if first and drafts is not None:
             state = noised(self._drawn(drafts), noise, levels[first])
+        state = _held(state, noise, kept, levels[first])
         output = state
         for index in range(first, len(levels)):
             time, after = sampler.times[index], [*levels[1:], 1.0][index]

@@ -338,11 +338,16 @@ class _Walk:
                 archive.require_package()
         try:
             layer = open_named(name)
-        except StageError:
+        except StageError as error:
             if not self._held:
                 raise
-            self.missing[name] = None
-            return
+            # Here it may be memory that did not suffice; elsewhere there would be no limit.
+            raise StageError(
+                f"refers to {file}, which cannot be read",
+                where=str(self.path),
+                expected="a layer that is whole",
+                try_="copy that file again",
+            ) from error
         self._held.append(layer)
         self.layers[file] = None
         for asset_path in _named_in(name):

@@ -19,7 +19,7 @@ from chord_usd.geometry import footprint, room_polygon
 from chord_usd.metrics import SceneScores, score_scene
 from chord_usd.metrics.complete import Misplaced
 from chord_usd.palette import CATEGORIES, Mount
-from chord_usd.runtime.stages import open_stage, reading
+from chord_usd.runtime.stages import open_known, open_stage, reading
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_scene
@@ -96,10 +96,13 @@ class Report:
         return self.valid and not any(faults)
 
 
-def check_stage(path: Path) -> Report:
-    """Check a stage. Raises StageError for a file that cannot be opened."""
+def check_stage(path: Path, *, own: bool = False) -> Report:
+    """Check a stage. Raises StageError for a file that cannot be opened.
+
+    own: whether this process wrote it, so that it need not be looked through first.
+    """
     with reading(path):
-        return _reported(open_stage(path))
+        return _reported(open_known(path) if own else open_stage(path))
 
 
 def _reported(stage: Usd.Stage) -> Report:

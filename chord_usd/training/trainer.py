@@ -183,7 +183,8 @@ class LayoutTrainer:
         with half_precision(self.config.device) if self.config.mixed_precision else nullcontext():
             losses = self._run_step(batch)
         rate, clip = self._learning_rate(), self.config.gradient_clip
-        self.weights.step(losses["loss"], rate, clip, self.step)
+        # Counted from where this run began, so that the average forgets what a start did not know.
+        self.weights.step(losses["loss"], rate, clip, self.step - self.first_step)
         self.step += 1
         return losses
 

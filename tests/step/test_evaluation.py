@@ -55,7 +55,7 @@ class Drawer:
     def sample(self, image, *, seed=0, **options):
         return self.sample_batch([image], seeds=[seed], **options)[0]
 
-    def sample_batch(self, images, *, seeds, steps=None, sampler=None):
+    def sample_batch(self, images, *, seeds, steps=None, sampler=None, drafts=()):
         return [self._draw(image, seed) for image, seed in zip(images, seeds, strict=True)]
 
     def _draw(self, image, seed):

@@ -219,7 +219,14 @@ def cut(folder: Path) -> Path:
     return folder / "cut2.usdc"
 
 
-@pytest.mark.parametrize("make", [deep, nested, exponential, noise, cut])
+def noise_below(folder: Path) -> Path:
+    """What cannot be read in the trial may be what memory did not suffice for."""
+    path = folder / "above.usda"
+    path.write_text(f"#usda 1.0\n(\n subLayers = [@./{noise(folder).name}@]\n)\n")
+    return path
+
+
+@pytest.mark.parametrize("make", [deep, nested, exponential, noise, noise_below, cut])
 def test_a_bomb_is_one_line(
     tmp_path: Path, make: Callable[[Path], Path], capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -216,3 +216,8 @@ def test_drafts_are_small_unless_told(words: list[str], size_px: tuple[int, int]
     options = build_parser().parse_args(["render", "house.usda", "-o", "pictures", *words])
     assert look_of(options)["resolution_px"] == size_px
     assert f"{size_px[0]}x{size_px[1]}" in words_of(options), "farms are told so, too"
+
+
+def test_a_value_that_argparse_would_drop_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train", "outline2plan", "--seed=--", "-o", "run"]) == 2
+    assert capsys.readouterr().err.startswith("error: argument --seed: expected one argument")
