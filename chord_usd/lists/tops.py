@@ -18,8 +18,8 @@ from chord_usd.types import Item
 
 DRAFTS, KEPT = 10, 6
 """Of each top, at most; of one list."""
-OVER_EDGE = 0.01
-"""A smaller share of a thing's footprint beside the top is rounding."""
+OFF = 0.05
+"""A smaller share of a thing's footprint beside the piece is rounding of cells."""
 
 TABLE_HEAT = Heat(categories=1.0)
 """As full as tables are: sharper lists are shorter."""
@@ -81,11 +81,18 @@ def top_faults(things: Sequence[Item], top: TableTop) -> float:
         return 1.0
     relief = Relief(top.free.astype(np.float64), (*top.size_m, 1.0))
     total = sum(pair.area_m2 for pair in items_overlap(things).overlapping if not pair.natural)
-    for thing in things:
-        beside = 1.0 - relief.free_share(thing.box)
-        length, depth, _ = thing.box.size_m
-        total += beside * length * depth if beside > OVER_EDGE else 0.0
+    total += sum(_beside_m2(thing, relief) for thing in things)
     return total / len(things)
+
+
+def _beside_m2(thing: Item, relief: Relief) -> float:
+    """How much of a thing's footprint lies beside the top, or on what rises from it, if only a
+    cell."""
+    mask, window = relief.under(thing.box)
+    length, depth, _ = thing.box.size_m
+    off = length * depth - float(mask.sum()) * relief.cell_m2
+    risen = float((mask & ~relief.free[window]).sum()) * relief.cell_m2
+    return risen + (off if off > OFF * length * depth else 0.0)
 
 
 def load_lister(folder: Path, drafts: int = DRAFTS) -> TopLister:
