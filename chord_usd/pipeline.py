@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -183,7 +184,8 @@ def load_table_model(settings: Settings) -> TopModel | None:
     from chord_usd.layout.sample import LayoutModel
 
     model = LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
-    return TopPainter(model, sampler=settings.sampler)
+    sample = partial(model.sample_batch, sampler=settings.sampler)
+    return TopPainter(sample, model.checkpoint.content_hash)
 
 
 def draw_layout(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ from chord_usd.commands.evaluate_options import (
 if TYPE_CHECKING:
     from chord_usd.evaluation.tabletop_cases import Case
     from chord_usd.evaluation.tabletops import ReaderScores, Workplace
-    from chord_usd.graph.table_items import TopPainter
+    from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.tops import TopLister
 
 DATA = "data"
@@ -66,7 +67,8 @@ def run(options: argparse.Namespace) -> Outcome:
 
     watch = stopwatch(options)
     with watch.step("load"):
-        at = _workplace(options)
+        painter = _painter(options)
+        at = _workplace(options, painter)
     cases = tabletop_cases.procedural_cases(options.tops)
     with watch.step("tops") as progress:
         judged = {
@@ -82,34 +84,35 @@ def run(options: argparse.Namespace) -> Outcome:
         seconds = tabletops.cpu_seconds(at, timed)
     columns = {name: tabletops.score_tabletops(these, at) for name, these in judged.items()}
     with watch.step("read"):
-        readers = _readers(at, cases)
-    made = tabletop_report.Made(at.model.content_hash, _how(at), seconds, len(timed))
+        readers = _readers(painter, cases)
+    made = tabletop_report.Made(at.model.content_hash, _how(options, painter), seconds, len(timed))
     data = {**tabletop_report.as_data(columns, readers, made), "seconds": watch.seconds}
     sheet = tabletop_report.draw_sheet(list(judged.values()))
     markdown = tabletop_report.as_markdown(columns, readers, made)
     return told(options, markdown, data, {"": sheet}, [])
 
 
-def _how(at: Workplace) -> str:
-    from chord_usd.graph.table_items import TopPainter
-    from chord_usd.lists.tops import TopLister
+def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
+    from chord_usd.lists.tops import DRAFTS
 
-    model = at.model
-    if isinstance(model, TopPainter):
-        config = model.model.config
-        steps = model.steps or config.default_steps
-        return f"{steps} steps of {model.sampler or config.default_sampler}"
-    assert isinstance(model, TopLister)
-    return f"the best of {model.drafts} lists of each top"
+    if painter is None:
+        return f"the best of {options.drafts or DRAFTS} lists of each top"
+    config = painter.config
+    steps = options.steps or config.default_steps
+    return f"{steps} steps of {options.sampler or config.default_sampler}"
 
 
-def _workplace(options: argparse.Namespace) -> Workplace:
-    """The model and the meshes. Raises UsageError for a model of another level."""
+def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Workplace:
+    """The model and the meshes."""
     from chord_usd.assets.database import load_database
     from chord_usd.assets.tops import relief_of
     from chord_usd.evaluation.tabletops import Workplace
+    from chord_usd.graph.table_items import TopPainter
 
-    model = _painter(options) if options.no_list or options.checkpoint else _lister(options)
+    if painter is None:
+        return Workplace(_lister(options), load_database(), relief_of, options.seed)
+    sample = partial(painter.sample_batch, steps=options.steps, sampler=options.sampler)
+    model = TopPainter(sample, painter.checkpoint.content_hash)
     return Workplace(model, load_database(), relief_of, options.seed)
 
 
@@ -122,9 +125,10 @@ def _lister(options: argparse.Namespace) -> TopLister:
     return load_lister(folder, options.drafts or DRAFTS)
 
 
-def _painter(options: argparse.Namespace) -> TopPainter:
-    from chord_usd.graph.table_items import TopPainter
-
+def _painter(options: argparse.Namespace) -> LayoutModel | None:
+    """The diffusion model, where it is asked for. Raises UsageError for one of another level."""
+    if not options.no_list and not options.checkpoint:
+        return None
     model = load_layout_model(options, "table")
     if model.config.level != "table":
         raise UsageError(
@@ -133,18 +137,17 @@ def _painter(options: argparse.Namespace) -> TopPainter:
             expected="one of tabletops",
             try_="chord-usd evaluate layouts",
         )
-    return TopPainter(model, options.steps, options.sampler)
+    return model
 
 
-def _readers(at: Workplace, cases: Sequence[Case]) -> dict[str, ReaderScores]:
+def _readers(painter: LayoutModel | None, cases: Sequence[Case]) -> dict[str, ReaderScores]:
     """How well rasters are read, clean ones and soft ones; nothing where none are painted."""
     from chord_usd.evaluation.tabletop_cases import redrawn
     from chord_usd.evaluation.tabletops import score_reader
-    from chord_usd.graph.table_items import TopPainter
 
-    if not isinstance(at.model, TopPainter):
+    if painter is None:
         return {}
     return {
         "drawn": score_reader(cases, [case.drawn for case in cases]),
-        "drawn anew": score_reader(cases, redrawn(at.model.model, cases, SOFT_NOISE)),
+        "drawn anew": score_reader(cases, redrawn(painter, cases, SOFT_NOISE)),
     }

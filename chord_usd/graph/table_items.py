@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -28,10 +28,7 @@ from chord_usd.palette import (
 )
 from chord_usd.progress import Progress
 from chord_usd.table_top import NEIGHBOURS, TableTop, border_rgb, draw_table
-from chord_usd.types import BoolArray, ByteArray, Item, LayoutImage
-
-if TYPE_CHECKING:
-    from chord_usd.layout.sample import LayoutModel
+from chord_usd.types import BoolArray, ByteArray, Item, LayoutImage, PlanImage
 
 _WALL = 0
 """Structure label of walls."""
@@ -51,31 +48,27 @@ _STRAIGHT = Directions(np.zeros(1), np.zeros((0, 4)), _NONE, _NONE)
 """Items keep to the sides of the top unless their pixels clearly draw another direction."""
 
 
+class SampleRasters(Protocol):
+    """A layout model of tops, ready to be called (layout.sample.LayoutModel.sample_batch)."""
+
+    def __call__(
+        self, images: Sequence[PlanImage], *, seeds: Sequence[int], progress: Progress | None
+    ) -> list[LayoutImage]:
+        """A raster over each top view."""
+
+
 class TopPainter:
     """Paints what stands on tops, as the paper does."""
 
-    def __init__(
-        self, model: LayoutModel, steps: int | None = None, sampler: str | None = None
-    ) -> None:
-        """steps, sampler: None takes what the checkpoint was tuned for."""
-        self.model, self.steps, self.sampler = model, steps, sampler
-
-    @property
-    def content_hash(self) -> str:
-        """Of the weights."""
-        return self.model.checkpoint.content_hash
+    def __init__(self, sample: SampleRasters, content_hash: str) -> None:
+        """content_hash: of the weights."""
+        self._sample, self.content_hash = sample, content_hash
 
     def layouts(
         self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
     ) -> list[LayoutImage]:
         """A raster of each top."""
-        return self.model.sample_batch(
-            [draw_table(top) for top in tops],
-            seeds=seeds,
-            steps=self.steps,
-            sampler=self.sampler,
-            progress=progress,
-        )
+        return self._sample([draw_table(top) for top in tops], seeds=seeds, progress=progress)
 
     def things(
         self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None

@@ -47,7 +47,7 @@ def model() -> LayoutModel:
 
 @pytest.fixture(scope="module")
 def at(model: LayoutModel) -> tabletops.Workplace:
-    return tabletops.Workplace(TopPainter(model), load_database(), relief_of)
+    return tabletops.Workplace(TopPainter(model.sample_batch, "hash"), load_database(), relief_of)
 
 
 @pytest.fixture(scope="module")
