@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,7 @@ from chord_usd.types import (
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
     from chord_usd.graph.detect import ItemDetector
-    from chord_usd.graph.tabletop import Tabletops
+    from chord_usd.graph.tabletop import Tabletops, TopModel
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
     from chord_usd.lists.wishes import Asked, Wishes
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 LAYOUT_CHECKPOINT = "plan2layout"
 LISTS_CHECKPOINT = "lists"
 TABLE_CHECKPOINT = "table"
+THINGS_CHECKPOINT = "things"
 DETECTOR_CHECKPOINT = "detector_items"
 
 
@@ -186,13 +188,20 @@ def load_model(settings: Settings) -> LayoutModel:
     return LayoutModel.load(checkpoint_folder(LAYOUT_CHECKPOINT), settings.device)
 
 
-def load_table_model(settings: Settings) -> LayoutModel | None:
+def load_table_model(settings: Settings) -> TopModel | None:
     """The model of what stands on tables; None where that is not wanted."""
     if not settings.tabletop:
         return None
+    if settings.lists:
+        from chord_usd.lists.tops import load_lister
+
+        return load_lister(checkpoint_folder(THINGS_CHECKPOINT))
+    from chord_usd.graph.table_items import TopPainter
     from chord_usd.layout.sample import LayoutModel
 
-    return LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
+    model = LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
+    sample = partial(model.sample_batch, sampler=settings.sampler)
+    return TopPainter(sample, model.checkpoint.content_hash)
 
 
 def draw_layout(
@@ -252,7 +261,7 @@ class Models:
     """What takes longest to load; it furnishes any number of houses."""
 
     layout: LayoutModel
-    table: LayoutModel | None
+    table: TopModel | None
     """Of what stands on tables; None where that is not wanted."""
     reader: GraphReader
     lists: ListDrawer | None = None
@@ -261,7 +270,8 @@ class Models:
 
 def checkpoints(settings: Settings) -> tuple[str, ...]:
     """Names of the checkpoints that decide what a house looks like."""
-    table = (TABLE_CHECKPOINT,) if settings.tabletop else ()
+    of_tables = THINGS_CHECKPOINT if settings.lists else TABLE_CHECKPOINT
+    table = (of_tables,) if settings.tabletop else ()
     lists = (LISTS_CHECKPOINT,) if settings.lists else ()
     return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *lists, *table)
 
@@ -324,7 +334,7 @@ def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel)
 
 def lay_tables(
     graph: SceneGraph,
-    model: LayoutModel,
+    model: TopModel,
     database: AssetDatabase,
     settings: Settings,
     progress: Progress | None = None,
@@ -333,25 +343,15 @@ def lay_tables(
 ) -> Tabletops:
     """SceneGraph -> the same with items on every supporting piece, all of them in one batch.
 
-    Those that come out bare are drawn again.
-
     rooms: ids of the rooms whose pieces are laid, by default all. but: ids of pieces that stay as
     they are.
     """
     from chord_usd.assets.tops import relief_of
-    from chord_usd.graph.tabletop import View, lay_pieces, table_views, with_items
-    from chord_usd.table_top import draw_table
-
-    def draw(pieces: Sequence[View], attempt: int) -> list[LayoutImage]:
-        return model.sample_batch(
-            [draw_table(view.top) for view in pieces],
-            seeds=[view.seed(settings.seed, attempt) for view in pieces],
-            sampler=settings.sampler,
-            progress=None if attempt else progress,
-        )
+    from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
 
     views = [view for view in table_views(graph, relief_of, rooms) if view.item.id not in but]
-    return with_items(graph, views, lay_pieces(views, draw, database, relief_of))
+    laid = lay_pieces(views, model, settings.seed, database, relief_of, progress)
+    return with_items(graph, views, laid)
 
 
 def settle(graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()) -> SceneGraph:

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from chord_usd import palette
-from chord_usd.types import BoolArray, ByteArray, PixelFrame, PlanImage
+from chord_usd.types import BoolArray, ByteArray, PixelFrame, PlanImage, RoomKind
 
 CANVAS_M = 2.0
 """Side of the square that is drawn (paper, section "Fine-grained layout synthesis")."""
@@ -54,6 +54,8 @@ class TableTop:
     free: BoolArray
     """(rows, columns) of the footprint, first row at the back: where something can stand."""
     borders: tuple[Border, ...] = ()
+    room: RoomKind = "unknown"
+    """Where it stands; no picture shows it."""
 
 
 def table_frame(size_m: tuple[float, float]) -> PixelFrame:

@@ -1,8 +1,11 @@
-"""evaluate tabletops: supporting pieces -> what the table model lays on them -> scores."""
+"""evaluate tabletops: supporting pieces -> what is laid on them, by list or by pixels -> scores."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import Outcome, UsageError, Verbs, add_verb, stopwatch, whole_number
@@ -13,10 +16,12 @@ from chord_usd.commands.evaluate_options import (
     load_layout_model,
     told,
 )
-from chord_usd.progress import Stopwatch
 
 if TYPE_CHECKING:
-    from chord_usd.evaluation.tabletops import Judged, ReaderScores, Workplace
+    from chord_usd.evaluation.tabletop_cases import Case
+    from chord_usd.evaluation.tabletops import ReaderScores, Workplace
+    from chord_usd.layout.sample import LayoutModel
+    from chord_usd.lists.tops import TopLister
 
 DATA = "data"
 """Column of what the data's own rules lay: what the model is to come up to."""
@@ -37,8 +42,19 @@ def add(group: Verbs) -> None:
         help="held-out procedural tops (200)",
     )  # fmt: skip
     parser.add_argument(
-        "--houses", type=whole_number(0, 100_000), default=10, metavar="N",
-        help="held-out houses, furnished by the layout model, whose pieces are laid (10)",
+        "--houses", type=whole_number(0, 100_000), default=20, metavar="N",
+        help="held-out houses, furnished as homes, whose pieces are laid (20)",
+    )  # fmt: skip
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        "--lists", type=Path, metavar="DIR", help="checkpoint of lists instead of the shipped one"
+    )
+    which.add_argument(
+        "--no-list", action="store_true", help="score the diffusion model of tops, as in the paper"
+    )
+    parser.add_argument(
+        "--drafts", type=whole_number(1, 64), metavar="N",
+        help="lists drawn of each top, of which the best is taken (as generate does)",
     )  # fmt: skip
     add_checkpoint(parser, "table")
     add_sampling(parser)
@@ -47,35 +63,72 @@ def add(group: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.evaluation import tabletop_report, tabletops
+    from chord_usd.evaluation import tabletop_cases, tabletop_report, tabletops
 
     watch = stopwatch(options)
     with watch.step("load"):
-        at = _workplace(options)
-    judged, readers = _procedural(options, at, watch)
+        painter = _painter(options)
+        at = _workplace(options, painter)
+    cases = tabletop_cases.procedural_cases(options.tops)
+    with watch.step("tops") as progress:
+        judged = {
+            DATA: tabletops.judge(at, cases, [case.truth or () for case in cases]),
+            "tops": tabletops.drawn(at, cases, progress),
+        }
     if options.houses:
-        judged["houses"] = _in_houses(options, at, watch)
+        with watch.step("houses") as progress:
+            pieces = tabletop_cases.house_cases(at.database, at.reliefs, options.houses)
+            judged["houses"] = tabletops.drawn(at, pieces, progress)
     with watch.step("time"):
         timed = [one.case for one in list(judged.values())[-1][:BATCH_OF]]
         seconds = tabletops.cpu_seconds(at, timed)
     columns = {name: tabletops.score_tabletops(these, at) for name, these in judged.items()}
-    for name in judged.keys() - {DATA}:
-        columns[name].rows["filled_in_tries"] = tabletops.filled_in_tries(at, judged[name])
-    made = tabletop_report.Made(
-        at.model.checkpoint.content_hash, at.steps, at.sampler, seconds, len(timed)
-    )
+    with watch.step("read"):
+        readers = _readers(painter, cases)
+    made = tabletop_report.Made(at.model.content_hash, _how(options, painter), seconds, len(timed))
     data = {**tabletop_report.as_data(columns, readers, made), "seconds": watch.seconds}
     sheet = tabletop_report.draw_sheet(list(judged.values()))
     markdown = tabletop_report.as_markdown(columns, readers, made)
     return told(options, markdown, data, {"": sheet}, [])
 
 
-def _workplace(options: argparse.Namespace) -> Workplace:
-    """The model and the meshes. Raises UsageError for a model of another level."""
+def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
+    from chord_usd.lists.tops import DRAFTS
+
+    if painter is None:
+        return f"the best of {options.drafts or DRAFTS} lists of each top"
+    config = painter.config
+    steps = options.steps or config.default_steps
+    return f"{steps} steps of {options.sampler or config.default_sampler}"
+
+
+def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Workplace:
+    """The model and the meshes."""
     from chord_usd.assets.database import load_database
     from chord_usd.assets.tops import relief_of
     from chord_usd.evaluation.tabletops import Workplace
+    from chord_usd.graph.table_items import TopPainter
 
+    if painter is None:
+        return Workplace(_lister(options), load_database(), relief_of, options.seed)
+    sample = partial(painter.sample_batch, steps=options.steps, sampler=options.sampler)
+    model = TopPainter(sample, painter.checkpoint.content_hash)
+    return Workplace(model, load_database(), relief_of, options.seed)
+
+
+def _lister(options: argparse.Namespace) -> TopLister:
+    from chord_usd.lists.tops import DRAFTS, load_lister
+    from chord_usd.pipeline import THINGS_CHECKPOINT
+    from chord_usd.runtime.locations import checkpoint_folder
+
+    folder = options.lists or checkpoint_folder(THINGS_CHECKPOINT)
+    return load_lister(folder, options.drafts or DRAFTS)
+
+
+def _painter(options: argparse.Namespace) -> LayoutModel | None:
+    """The diffusion model, where it is asked for. Raises UsageError for one of another level."""
+    if not options.no_list and not options.checkpoint:
+        return None
     model = load_layout_model(options, "table")
     if model.config.level != "table":
         raise UsageError(
@@ -84,42 +137,17 @@ def _workplace(options: argparse.Namespace) -> Workplace:
             expected="one of tabletops",
             try_="chord-usd evaluate layouts",
         )
-    return Workplace(
-        model, load_database(), relief_of, options.seed, options.steps, options.sampler
-    )
+    return model
 
 
-def _procedural(
-    options: argparse.Namespace, at: Workplace, watch: Stopwatch
-) -> tuple[dict[str, list[Judged]], dict[str, ReaderScores]]:
-    """Held-out tops as the data lays them and as the model does; how well both are read."""
-    from chord_usd.evaluation.tabletop_cases import procedural_cases, redrawn
-    from chord_usd.evaluation.tabletops import judge, sampled, score_reader
+def _readers(painter: LayoutModel | None, cases: Sequence[Case]) -> dict[str, ReaderScores]:
+    """How well rasters are read, clean ones and soft ones; nothing where none are painted."""
+    from chord_usd.evaluation.tabletop_cases import redrawn
+    from chord_usd.evaluation.tabletops import score_reader
 
-    cases = procedural_cases(options.tops)
-    drawn = [case.drawn for case in cases]
-    with watch.step("tops") as progress:
-        made = sampled(at, cases, progress)
-    with watch.step("read"):
-        readers = {
-            "drawn": score_reader(cases, drawn),
-            "drawn anew": score_reader(cases, redrawn(at.model, cases, SOFT_NOISE)),
-        }
-        return {DATA: judge(at, cases, drawn), "tops": judge(at, cases, made)}, readers
-
-
-def _in_houses(options: argparse.Namespace, at: Workplace, watch: Stopwatch) -> list[Judged]:
-    """The supporting pieces of houses that the layout model furnishes, laid."""
-    from chord_usd.evaluation.tabletop_cases import house_cases
-    from chord_usd.evaluation.tabletops import judge, sampled
-    from chord_usd.graph.detect import load_item_detector
-    from chord_usd.pipeline import Settings, load_model
-
-    with watch.step("houses") as progress:
-        houses = load_model(Settings(device=options.device))
-        detector = load_item_detector()
-        cases = list(
-            house_cases(houses, detector, at.database, at.reliefs, options.houses, progress)
-        )
-    with watch.step("pieces") as progress:
-        return judge(at, cases, sampled(at, cases, progress))
+    if painter is None:
+        return {}
+    return {
+        "drawn": score_reader(cases, [case.drawn for case in cases]),
+        "drawn anew": score_reader(cases, redrawn(painter, cases, SOFT_NOISE)),
+    }

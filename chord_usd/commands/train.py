@@ -26,6 +26,7 @@ from chord_usd.commands.paths import output_run
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
     from chord_usd.training.detector_data import Sample
+    from chord_usd.training.lists_trainer import Task
     from chord_usd.training.stream import BatchStream
     from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
 
@@ -73,9 +74,15 @@ def add(verbs: Verbs) -> None:
         help="procedural houses to learn from (40000)",
     )
     lists = add_verb(
-        group, "lists", run_lists, "train the model that writes down what is in a room"
+        group, "lists", run_lists, "train the model that writes down what is in a room or on a top"
     )
     _add_training_options(lists, minutes=60.0, batch=None)
+    lists.add_argument(
+        "--of",
+        choices=("pieces", "things"),
+        default="pieces",
+        help="pieces of a room, or things on tables, desks and worktops (pieces)",
+    )
     _add_flats(lists)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
@@ -296,10 +303,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
 
 def run_lists(options: argparse.Namespace) -> Outcome:
     """Runs train lists."""
-    from chord_usd.data.flats import read_flats
-    from chord_usd.lists.pieces import PIECES
-    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
-    from chord_usd.training.lists_trainer import ListTraining, Task, train_lists
+    from chord_usd.training.lists_trainer import ListTraining, train_lists
 
     base = ListTraining()
     config = replace(
@@ -309,13 +313,31 @@ def run_lists(options: argparse.Namespace) -> Outcome:
         seed=options.seed,
         device=options.device,
     )
-    flats = read_flats(options.flats, part="train") if options.flats else []
+    task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
     with stopwatch(options).step("train") as progress:
-        batches = partial(endless_batches, flats, config.batch)
-        task = Task(PIECES, batches, batch_of(held_out(50)))
         facts = train_lists(config, options.output, task, progress)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+
+
+def _pieces(options: argparse.Namespace, batch: int) -> Task:
+    """To write down what is in a room."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.lists_trainer import Task
+
+    flats = read_flats(options.flats, part="train") if options.flats else []
+    return Task(PIECES, partial(endless_batches, flats, batch), batch_of(held_out(50)))
+
+
+def _things(batch: int) -> Task:
+    """To write down what stands on a supporting piece."""
+    from chord_usd.lists.things import THINGS
+    from chord_usd.training.lists_trainer import Task
+    from chord_usd.training.things_data import batch_of, endless_batches, held_out
+
+    return Task(THINGS, partial(endless_batches, batch), batch_of(held_out(500)))
 
 
 def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:

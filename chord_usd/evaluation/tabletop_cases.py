@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from chord_usd import raster
+from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED
 from chord_usd.data.tabletops import random_tabletop
-from chord_usd.graph.detect import ItemDetector
-from chord_usd.graph.extract import extract_graph
-from chord_usd.graph.match import Database
+from chord_usd.graph.match import Database, match_assets
 from chord_usd.graph.tabletop import View, table_views
-from chord_usd.layout.device import in_batches
 from chord_usd.layout.outlier import NoiseError
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.schedule import alphas_cumprod, noised
 from chord_usd.palette import Level, category
-from chord_usd.progress import Progress
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.table_top import draw_table
 from chord_usd.types import Box, Item, LayoutImage, PlanImage
-
-BATCH = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,31 +57,21 @@ def procedural_cases(count: int) -> list[Case]:
     return cases
 
 
-def house_cases(
-    model: LayoutModel,
-    detector: ItemDetector,
-    database: Database,
-    reliefs: Reliefs,
-    count: int,
-    progress: Progress | None = None,
-) -> Iterator[Case]:
-    """The supporting pieces of the first held-out houses, as the layout model furnishes them.
+def house_cases(database: Database, reliefs: Reliefs, count: int) -> list[Case]:
+    """The supporting pieces of the first held-out houses, furnished as homes, with meshes.
 
-    Pieces on which nothing fits are left out.
+    Pieces on which nothing fits are left out. Raises AssetError.
     """
-    plans = [random_plan(np.random.default_rng(TEST_SEED + index)) for index in range(count)]
-
-    def furnish(indices: Sequence[int]) -> list[LayoutImage]:
-        images = [raster.draw_plan(plans[index]) for index in indices]
-        return model.sample_batch(images, seeds=[TEST_SEED + index for index in indices])
-
-    for index, layout in enumerate(in_batches(furnish, range(count), BATCH)):
-        graph = extract_graph(layout, plans[index], database, detector)
-        for view in table_views(graph, reliefs):
-            if not view.is_too_small:
-                yield Case(f"procedural/{TEST_SEED + index}/{view.item.id}", view)
-        if progress:
-            progress(index + 1, count)
+    cases = []
+    for seed in range(TEST_SEED, TEST_SEED + count):
+        rng = np.random.default_rng(seed)
+        house = match_assets(furnish(random_plan(rng), rng), database)
+        cases += [
+            Case(f"procedural/{seed}/{view.item.id}", view)
+            for view in table_views(house, reliefs)
+            if not view.is_too_small
+        ]
+    return cases
 
 
 def redrawn(model: LayoutModel, cases: Sequence[Case], noise_to_signal: float) -> list[LayoutImage]:

@@ -1,11 +1,12 @@
 """Scores of the table model: what it lays, before and after items are stood on their pieces.
 
-"Raw" scores are of what is read from the raster, before anything is moved or left out.
+"Raw" scores are of what is drawn, by list or by pixels, before anything is moved or left out.
 """
 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,12 +19,10 @@ from chord_usd.data.splits import split_hash
 from chord_usd.data.tabletops.board import FACING_DEG as SIDE_YAW_DEG
 from chord_usd.evaluation.tabletop_cases import Case
 from chord_usd.geometry import footprint_polygon
-from chord_usd.graph.match import Database, items_seen
-from chord_usd.graph.snap import FoundItem
-from chord_usd.graph.table_items import read_items, read_table_pixels
+from chord_usd.graph.match import FRONT_FROM, Database, items_seen
+from chord_usd.graph.table_items import TopPainter, read_items, read_table_pixels, things_seen
 from chord_usd.graph.table_place import Laid
-from chord_usd.graph.tabletop import TRIES
-from chord_usd.layout.sample import LayoutModel
+from chord_usd.graph.tabletop import TopModel
 from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items
 from chord_usd.metrics.footprints import is_underfoot
@@ -53,35 +52,22 @@ FACING_DEG = 45.0
 class Workplace:
     """What it takes to lay tables."""
 
-    model: LayoutModel
+    model: TopModel
     database: Database
     reliefs: Reliefs
     seed: int = 0
-    asked_steps: int | None = None
-    """None takes what the checkpoint was tuned for, here and of the sampler."""
-    asked_sampler: str | None = None
-
-    @property
-    def steps(self) -> int:
-        """Sampler steps."""
-        return self.asked_steps or self.model.config.default_steps
-
-    @property
-    def sampler(self) -> str:
-        """One of layout.schedule.SAMPLERS."""
-        return self.asked_sampler or self.model.config.default_sampler
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One piece with the raster that was laid on it, and all that came of it."""
+    """One piece with what was drawn for it, and all that came of it."""
 
     case: Case
-    layout: LayoutImage
-    found: tuple[FoundItem, ...]
     raw: tuple[Item, ...]
-    """What was read, as it was read."""
+    """What was drawn, as it was drawn."""
     laid: Laid
+    layout: LayoutImage | None = None
+    """The raster that it was read from, if it was painted."""
 
 
 @dataclass(frozen=True)
@@ -95,56 +81,50 @@ class TableScores:
     """filled and items, by the category of the piece."""
 
 
-def sampled(
-    at: Workplace, cases: Sequence[Case], progress: Progress | None = None
-) -> list[LayoutImage]:
-    """What the model lays on each piece; case i gets the seed plus i."""
-    return at.model.sample_batch(
-        [case.image for case in cases],
-        seeds=[at.seed + index for index in range(len(cases))],
-        steps=at.steps,
-        sampler=at.sampler,
-        progress=progress,
-    )
+def drawn(at: Workplace, cases: Sequence[Case], progress: Progress | None = None) -> list[Judged]:
+    """What the model lays on each piece; case i gets the seed plus i. Raises AssetError."""
+    tops = [case.view.top for case in cases]
+    seeds = [at.seed + index for index in range(len(cases))]
+    if isinstance(at.model, TopPainter):
+        return judge_layouts(at, cases, at.model.layouts(tops, seeds, progress))
+    return judge(at, cases, at.model.things(tops, seeds, progress))
 
 
-def judge(at: Workplace, cases: Sequence[Case], layouts: Sequence[LayoutImage]) -> list[Judged]:
+def judge_layouts(
+    at: Workplace, cases: Sequence[Case], layouts: Sequence[LayoutImage]
+) -> list[Judged]:
     """Reads every raster and stands its items on its piece. Raises AssetError."""
-    return [_judged(at, case, layout) for case, layout in zip(cases, layouts, strict=True)]
+    things = [
+        things_seen(layout, case.view.item.category)
+        for case, layout in zip(cases, layouts, strict=True)
+    ]
+    judged = judge(at, cases, things)
+    return [replace(one, layout=layout) for one, layout in zip(judged, layouts, strict=True)]
 
 
-def _judged(at: Workplace, case: Case, layout: LayoutImage) -> Judged:
-    found = read_items(layout, case.view.item.category)
-    laid = case.view.laid(layout, at.database, at.reliefs)
-    raw = items_seen([one.detection for one in found], layout.frame)
-    return Judged(case, layout, tuple(found), raw, laid)
-
-
-def filled_in_tries(at: Workplace, judged: Sequence[Judged]) -> Score:
-    """Share of pieces filled when those that came out bare are drawn again, as `generate` does."""
-    bare = [one.case for one in judged if not one.laid.children]
-    for attempt in range(1, TRIES):
-        again = replace(at, seed=at.seed + attempt * len(judged))
-        bare = [one.case for one in judge(at, bare, sampled(again, bare)) if not one.laid.children]
-    return Score(1.0 - len(bare) / max(len(judged), 1), len(judged), "pieces")
+def judge(at: Workplace, cases: Sequence[Case], things: Sequence[Sequence[Item]]) -> list[Judged]:
+    """Stands things on their pieces. Raises AssetError."""
+    return [
+        Judged(case, tuple(own), case.view.laid(own, at.database, at.reliefs))
+        for case, own in zip(cases, things, strict=True)
+    ]
 
 
 def cpu_seconds(at: Workplace, cases: Sequence[Case]) -> float:
-    """Processor time of laying these pieces in one batch, all threads, reading and placing too.
+    """Processor time of laying these pieces in one batch, all threads, placing too.
 
     Processor time is what counts on a machine that is shared.
     """
     started = time.process_time()
-    judge(at, cases, sampled(at, cases))
+    drawn(at, cases)
     return time.process_time() - started
 
 
 def score_tabletops(judged: Sequence[Judged], at: Workplace) -> TableScores:
     """All scores of these pieces; those that need a truth only where there is one."""
-    rows = {**_raw_scores(judged), **_placed_scores(judged, at.reliefs)}
-    known = [one for one in judged if one.case.truth is not None]
-    if known and len(known) == len(judged):
-        rows["items_of_data"] = mean_of([float(len(o.case.truth or ())) for o in known], "pieces")
+    rows = {**_raw_scores(judged), **_placed_scores(judged, at.reliefs), **_dining(judged)}
+    if judged and all(one.case.truth is not None for one in judged):
+        rows.update(_beside_data(judged))
     by_category = {}
     for name in SUPPORTS:
         own = [one for one in judged if one.case.view.item.category == name]
@@ -162,19 +142,55 @@ def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
         for item in one.raw
     ]
     facing = [
-        found.front_seen and faces_somebody(item, one.case)
+        faces_somebody(item, one.case)
         for one in judged
-        for found, item in zip(one.found, one.raw, strict=True)
+        for item in one.raw
         if item.category in FACING
     ]
-    marks = [found.front_seen for one in judged for found in one.found]
-    return {
+    scores = {
         **_overlap_scores(overlaps, ""),
         "off_edge": mean_of(over_edge, "items"),
-        "front_shown": mean_of(marks, "items"),
         "faces_right": mean_of(facing, "items with a right way round"),
-        "round_trip": mean_of([round_trip(one) for one in judged if one.raw], "pieces"),
     }
+    painted = [one for one in judged if one.layout is not None]
+    if painted:
+        marks = [item.extra.get(FRONT_FROM) == "mark" for one in painted for item in one.raw]
+        scores["front_shown"] = mean_of(marks, "items")
+        scores["round_trip"] = mean_of([round_trip(one) for one in painted if one.raw], "pieces")
+    return scores
+
+
+def _dining(judged: Sequence[Judged]) -> dict[str, Score]:
+    """Whether dining tables are laid, and at how many of their seats."""
+    tables = [one for one in judged if one.case.view.item.category == "dining_table"]
+    counts = [sum(child.category == "dinner_set" for child in one.laid.children) for one in tables]
+    seats = [sum(border.kind == "seat" for border in one.case.view.top.borders) for one in tables]
+    laid_seats = sum(min(pair) for pair in zip(counts, seats, strict=True))
+    return {
+        "dining_laid": mean_of([count > 0 for count in counts], "dining tables"),
+        "seats_laid": share_of(laid_seats, sum(seats), "seats at dining tables"),
+    }
+
+
+def _beside_data(judged: Sequence[Judged]) -> dict[str, Score]:
+    """How what was drawn differs from what the data lays on the same pieces, in all."""
+    truths = [one.case.truth or () for one in judged]
+    mine, data = (
+        Counter(item.category for items in these for item in items)
+        for these in ([one.raw for one in judged], truths)
+    )
+    counts = Counter(len(one.raw) for one in judged), Counter(map(len, truths))
+    return {
+        "items_of_data": mean_of([float(len(items)) for items in truths], "pieces"),
+        "categories_tv": Score(_variation(mine, data), sum(mine.values()), "items"),
+        "counts_tv": Score(_variation(*counts), len(judged), "pieces"),
+    }
+
+
+def _variation(one: Counter[Any], other: Counter[Any]) -> float:
+    """Total variation between two histograms, [0, 1]."""
+    sums = max(one.total(), 1), max(other.total(), 1)
+    return sum(abs(one[key] / sums[0] - other[key] / sums[1]) for key in one | other) / 2
 
 
 def _placed_scores(judged: Sequence[Judged], reliefs: Reliefs) -> dict[str, Score]:
@@ -227,10 +243,11 @@ def faces_somebody(item: Item, case: Case) -> bool:
 
 def round_trip(one: Judged) -> float:
     """Share of pixels with the same item where the raster or what was read of it has one."""
+    assert one.layout is not None
     painted = read_table_pixels(one.layout.rgb, one.case.view.item.category).item + 1
-    drawn, _ = raster.draw_items(one.raw, one.layout.frame, Level.TABLE)
-    either = (painted > 0) | (drawn > 0)
-    return float((painted == drawn)[either].mean()) if either.any() else 1.0
+    again, _ = raster.draw_items(one.raw, one.layout.frame, Level.TABLE)
+    either = (painted > 0) | (again > 0)
+    return float((painted == again)[either].mean()) if either.any() else 1.0
 
 
 def is_supported(child: Item, siblings: Sequence[Item], relief: Relief, reliefs: Reliefs) -> bool:

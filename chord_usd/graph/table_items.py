@@ -1,4 +1,4 @@
-"""Tabletop raster -> boxes of its items, by the pixel reader of the house level.
+"""Tops -> what the diffusion model paints on them, read by the pixel reader of the house level.
 
 What lies underfoot (a mat below a laptop) is seen in parts only: it is read on its own, with the
 items over it taken for parts of it.
@@ -6,13 +6,17 @@ items over it taken for parts of it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
+from typing import Protocol
 
 import cv2
 import numpy as np
 
 from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels
 from chord_usd.graph.directions import Directions
+from chord_usd.graph.match import FRONT_FROM, box_of
 from chord_usd.graph.snap import FoundItem, find_items
 from chord_usd.palette import (
     BACKGROUND_RGB,
@@ -22,8 +26,9 @@ from chord_usd.palette import (
     Mount,
     painted,
 )
-from chord_usd.table_top import NEIGHBOURS, border_rgb
-from chord_usd.types import BoolArray, ByteArray, LayoutImage
+from chord_usd.progress import Progress
+from chord_usd.table_top import NEIGHBOURS, TableTop, border_rgb, draw_table
+from chord_usd.types import BoolArray, ByteArray, Item, LayoutImage, PlanImage
 
 _WALL = 0
 """Structure label of walls."""
@@ -35,9 +40,59 @@ _LEAST_PART_PX = 12
 
 _DARK = 40
 
+STRAIGHT_DEG = 3.0
+"""Smaller turns are noise of the pixels."""
+
 _NONE = np.zeros(0, np.intp)
 _STRAIGHT = Directions(np.zeros(1), np.zeros((0, 4)), _NONE, _NONE)
 """Items keep to the sides of the top unless their pixels clearly draw another direction."""
+
+
+class SampleRasters(Protocol):
+    """A layout model of tops, ready to be called (layout.sample.LayoutModel.sample_batch)."""
+
+    def __call__(
+        self, images: Sequence[PlanImage], *, seeds: Sequence[int], progress: Progress | None
+    ) -> list[LayoutImage]:
+        """A raster over each top view."""
+
+
+class TopPainter:
+    """Paints what stands on tops, as the paper does."""
+
+    def __init__(self, sample: SampleRasters, content_hash: str) -> None:
+        """content_hash: of the weights."""
+        self._sample, self.content_hash = sample, content_hash
+
+    def layouts(
+        self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
+    ) -> list[LayoutImage]:
+        """A raster of each top."""
+        return self._sample([draw_table(top) for top in tops], seeds=seeds, progress=progress)
+
+    def things(
+        self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
+    ) -> list[list[Item]]:
+        """Things on each top, in its frame."""
+        layouts = self.layouts(tops, seeds, progress)
+        return [
+            things_seen(layout, top.category) for layout, top in zip(layouts, tops, strict=True)
+        ]
+
+
+def things_seen(layout: LayoutImage, category: str) -> list[Item]:
+    """The items of a raster in the frame of the piece, in no room and without meshes."""
+    things = []
+    for index, one in enumerate(read_items(layout, category)):
+        box = box_of(one.detection, layout.frame)
+        nearest = round(box.yaw_deg / 90.0) * 90.0
+        if abs(box.yaw_deg - nearest) < STRAIGHT_DEG:
+            box = replace(box, yaw_deg=nearest)
+        name = one.detection.category
+        extra = {FRONT_FROM: "mark" if one.front_seen else "guess"}
+        score = round(one.detection.score, 4)
+        things.append(Item(f"{name}_{index}", name, box, score=score, extra=extra))
+    return things
 
 
 def read_items(layout: LayoutImage, category: str) -> list[FoundItem]:

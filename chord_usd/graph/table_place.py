@@ -1,6 +1,6 @@
-"""Items read from a tabletop raster -> children that stand on the mesh of their piece.
+"""Items drawn for a top -> children that stand on the mesh of their piece.
 
-An item keeps the place the raster gives it; it is moved a little only to bring it back over the
+An item keeps the place it was drawn at; it is moved a little only to bring it back over the
 edge, or wholly onto or off a mat over whose rim it would tip. What cannot stand there is left out:
 beyond the edge, on top of another item, or up against a panel on the wall behind. Its height comes
 from the meshes: the highest point below its footprint, of the piece or of what lies underfoot.
@@ -19,18 +19,14 @@ from shapely import Polygon
 
 from chord_usd.geometry import footprint_polygon, to_own, to_world
 from chord_usd.graph.fit import fitted_box
-from chord_usd.graph.match import FRONT_FROM, Database, box_of, reading_order
-from chord_usd.graph.snap import FoundItem
+from chord_usd.graph.match import Database, reading_order
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import Mount, category
 from chord_usd.relief import Relief, Reliefs
-from chord_usd.types import Box, FloatArray, Item, PixelFrame
+from chord_usd.types import Box, FloatArray, Item
 
 ON_TOP = 0.995
 """Share of its footprint that must lie over the top; the rest is rounding of cells."""
-
-STRAIGHT_DEG = 3.0
-"""Smaller turns are noise of the pixels."""
 
 _STEP_M, _STEPS = 0.01, 6
 """How an item is moved back over the edge."""
@@ -46,45 +42,36 @@ _TOUCH_M = 0.002
 """Boxes that share no more height than this only touch."""
 
 
-_BARE = 100
-"""More than the faults of any piece that carries something."""
-
-
 @dataclass(frozen=True, eq=False)
 class Laid:
-    """What became of a tabletop raster."""
+    """What became of the items drawn for a top."""
 
     children: tuple[Item, ...]
     """In the frame of the piece, standing."""
     seen: tuple[Item, ...]
-    """All that was read, before anything was moved or left out; z is that of the top."""
+    """All that was drawn, before anything was moved or left out; z is that of the top."""
 
     @property
     def left_out(self) -> int:
         """How many items found no place to stand."""
         return len(self.seen) - len(self.children)
 
-    @property
-    def faults(self) -> int:
-        """What another draw may mend: items without a place, or a bare piece, which is worst."""
-        return self.left_out if self.children else _BARE
-
 
 def place_on(
     table: Item,
     relief: Relief,
-    found: Sequence[FoundItem],
-    frame: PixelFrame,
+    things: Sequence[Item],
     database: Database,
     reliefs: Reliefs,
     around: Sequence[Item] = (),
 ) -> Laid:
-    """Stand what was read from a tabletop raster on its piece.
+    """Stand what was drawn for a top on its piece.
 
-    relief: of the piece's mesh at the size of the piece. around: items of the room that hang over
-    it. Raises AssetError where the database has nothing of a category.
+    things: in the frame of the piece, without meshes. relief: of the piece's mesh at the size of
+    the piece. around: items of the room that hang over it. Raises AssetError where the database
+    has nothing of a category.
     """
-    seen = [_matched(table, one, frame, relief.level_m, database) for one in found]
+    seen = [_matched(table, one, relief.level_m, database) for one in things]
     standing: list[Item] = []
     for item in sorted(seen, key=_order):
         moved = _back_over_edge(item, relief)
@@ -103,22 +90,13 @@ def _order(item: Item) -> tuple[bool, float, str, tuple[float, float, float]]:
     return row.mount is not Mount.UNDERFOOT, -round(area, 6), item.category, item.box.center_m
 
 
-def _matched(
-    table: Item, one: FoundItem, frame: PixelFrame, level_m: float, database: Database
-) -> Item:
-    """The item with its mesh, in the mesh's own proportions, about the place it was read at."""
-    row = category(one.detection.category)
-    box = box_of(one.detection, frame)
-    nearest = round(box.yaw_deg / 90.0) * 90.0
-    yaw_deg = nearest if abs(box.yaw_deg - nearest) < STRAIGHT_DEG else box.yaw_deg
-    asset = database.nearest(row.name, box.size_m)
-    size_m = fitted_box(box, asset, row, is_guess=True).size_m
-    x, y, _ = box.center_m
-    extra = {FRONT_FROM: "mark" if one.front_seen else "guess"}
-    return Item(
-        id="", category=row.name, box=Box((x, y, level_m), size_m, yaw_deg),
-        room_id=table.room_id, asset=asset, score=round(one.detection.score, 4), extra=extra,
-    )  # fmt: skip
+def _matched(table: Item, thing: Item, level_m: float, database: Database) -> Item:
+    """The item with its mesh, in the mesh's own proportions, about the place it was drawn at."""
+    asset = database.nearest(thing.category, thing.box.size_m)
+    size_m = fitted_box(thing.box, asset, category(thing.category), is_guess=True).size_m
+    x, y, _ = thing.box.center_m
+    box = Box((x, y, level_m), size_m, thing.box.yaw_deg)
+    return replace(thing, id="", box=box, room_id=table.room_id, asset=asset)
 
 
 def _back_over_edge(item: Item, relief: Relief) -> Item | None:

@@ -50,7 +50,7 @@ def view_from_above(item: Item, others: Iterable[Item], room: Room, relief: Reli
     for other in others:
         beside += _neighbour(item, other)
     length, width, _ = item.box.size_m
-    return TableTop(item.category, (length, width), relief.free, tuple(beside))
+    return TableTop(item.category, (length, width), relief.free, tuple(beside), room.kind)
 
 
 def is_too_small(top: TableTop) -> bool:

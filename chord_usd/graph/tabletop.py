@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import Database
-from chord_usd.graph.table_items import read_items
 from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.palette import CATEGORIES
+from chord_usd.progress import Progress
 from chord_usd.relief import Relief, Reliefs
 from chord_usd.table_top import TableTop
-from chord_usd.types import Item, LayoutImage, SceneGraph
-
-TRIES = 3
-"""How often a piece is drawn before it stays bare: small tops now and then get nothing."""
+from chord_usd.types import Item, SceneGraph
 
 _HANGS_FROM_M = 0.3
 """What has its underside higher than this hangs, and things may be below it."""
@@ -40,19 +38,26 @@ class View:
         """Whether nothing fits on it."""
         return is_too_small(self.top)
 
-    def seed(self, house_seed: int, attempt: int = 0) -> int:
+    def seed(self, house_seed: int) -> int:
         """A seed of its own, which what else is in the house does not change."""
-        again = f"/{attempt}" if attempt else ""
-        return zlib.crc32(f"{house_seed}/{self.item.id}{again}".encode())
+        return zlib.crc32(f"{house_seed}/{self.item.id}".encode())
 
-    def laid(self, layout: LayoutImage, database: Database, reliefs: Reliefs) -> Laid:
-        """The items of a tabletop raster, standing on the piece."""
-        found = read_items(layout, self.item.category)
-        return place_on(self.item, self.relief, found, layout.frame, database, reliefs, self.around)
+    def laid(self, things: Sequence[Item], database: Database, reliefs: Reliefs) -> Laid:
+        """What was drawn for its top, standing on the piece."""
+        return place_on(self.item, self.relief, things, database, reliefs, self.around)
 
 
-Draw = Callable[[Sequence[View], int], Sequence[LayoutImage]]
-"""Tabletop rasters of these pieces, at this attempt."""
+class TopModel(Protocol):
+    """What says what stands on tops: lists.tops.TopLister or graph.table_items.TopPainter."""
+
+    @property
+    def content_hash(self) -> str:
+        """Of the weights."""
+
+    def things(
+        self, tops: Sequence[TableTop], seeds: Sequence[int], progress: Progress | None = None
+    ) -> list[list[Item]]:
+        """Things on each top, in its frame, without meshes; a top's seed alone varies its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +82,7 @@ class Tabletops:
 
     @property
     def left_out(self) -> int:
-        """How many were read and found no place to stand."""
+        """How many were drawn and found no place to stand."""
         return sum(laid.left_out for laid in self.laid.values())
 
 
@@ -114,25 +119,26 @@ def _can_be_hit(other: Item, piece: Item) -> bool:
 
 
 def lay_pieces(
-    views: Sequence[View], draw: Draw, database: Database, reliefs: Reliefs, tries: int = TRIES
+    views: Sequence[View],
+    model: TopModel,
+    house_seed: int,
+    database: Database,
+    reliefs: Reliefs,
+    progress: Progress | None = None,
 ) -> dict[str, Laid]:
     """What comes to stand on each piece that is not too small, by the id of the piece.
 
-    Pieces that stay bare, or on which something finds no place, are drawn again, all of them
-    together, until all stands or tries is reached; the first draw with the fewest faults stays.
+    All are drawn in one batch.
     """
-    waiting = [view for view in views if not view.is_too_small]
-    laid: dict[str, Laid] = {}
-    for attempt in range(tries):
-        if not waiting:
-            break
-        layouts = draw(waiting, attempt)
-        for view, layout in zip(waiting, layouts, strict=True):
-            drawn, before = view.laid(layout, database, reliefs), laid.get(view.item.id)
-            if before is None or drawn.faults < before.faults:
-                laid[view.item.id] = drawn
-        waiting = [view for view in waiting if laid[view.item.id].faults]
-    return laid
+    fitting = [view for view in views if not view.is_too_small]
+    if not fitting:
+        return {}
+    tops, seeds = [view.top for view in fitting], [view.seed(house_seed) for view in fitting]
+    drawn = model.things(tops, seeds, progress)
+    return {
+        view.item.id: view.laid(things, database, reliefs)
+        for view, things in zip(fitting, drawn, strict=True)
+    }
 
 
 def with_items(graph: SceneGraph, views: Sequence[View], laid: dict[str, Laid]) -> Tabletops:

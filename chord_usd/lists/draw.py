@@ -76,10 +76,13 @@ class ListDrawer:
     def draw(
         self,
         subjects: Sequence[Subject],
-        rng: np.random.Generator,
+        rng: np.random.Generator | Sequence[np.random.Generator],
         heat: Heat = HEAT,
     ) -> list[Drawn]:
-        """One list for each subject, all drawn together."""
+        """One list for each subject, all drawn together.
+
+        rng: one for all, or one for each, whose list then does not depend on the others.
+        """
         if not subjects:
             return []
         lines = _Lines(self.vocabulary, subjects)
@@ -87,12 +90,16 @@ class ListDrawer:
             self._tell(lines, rng, heat)
         return lines.drawn()
 
-    def _tell(self, lines: _Lines, rng: np.random.Generator, heat: Heat) -> None:
+    def _tell(
+        self, lines: _Lines, rng: np.random.Generator | Sequence[np.random.Generator], heat: Heat
+    ) -> None:
         """One more position of every list that is not at its end."""
         inputs = lines.inputs()
-        gumbel = rng.gumbel(
-            size=(len(lines.open), len(self.vocabulary.slots), self.vocabulary.size)
-        )
+        size = (len(self.vocabulary.slots), self.vocabulary.size)
+        if isinstance(rng, np.random.Generator):
+            gumbel = rng.gumbel(size=(len(lines.open), *size))
+        else:
+            gumbel = np.stack([rng[line].gumbel(size=size) for line in lines.open])
         closed = lines.is_closed[lines.open, None, None]
         gumbel *= np.where(closed, heat.places, heat.categories)
         inputs["noise"] = (gumbel + lines.barred()).astype(np.float32)

@@ -13,7 +13,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.lists import pieces
-from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Sequences, sequence_of
+from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Floats, Ints, Sequences, sequence_of
 from chord_usd.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
 from chord_usd.units import rotation_2d
 
@@ -108,32 +108,49 @@ def endless_batches(
             yield batch_of(chosen[start : start + batch], rng)
 
 
-def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None) -> Batch:
-    """Rooms side by side, each in a pose of its own where rng is given."""
-    told = [_told(example, rng) for example in examples]
-    longest = max(len(one.roles) for _, one in told)
-    most = max(len(segments) for segments, _ in told)
-    count, slots = len(told), len(pieces.PIECES.slots)
+@dataclass(frozen=True, eq=False)
+class Told:
+    """One list and what it is for, as numbers."""
+
+    segments: Ints
+    """(S, SEGMENT_FIELDS)"""
+    facts: Ints
+    flags: Floats
+    sequence: Sequences
+
+
+def stacked(told: Sequence[Told]) -> Batch:
+    """Lists of one vocabulary side by side, padded to the longest."""
+    longest = max(len(one.sequence.roles) for one in told)
+    most = max(len(one.segments) for one in told)
+    count, slots = len(told), told[0].sequence.values.shape[1]
     segments = np.zeros((count, most, SEGMENT_FIELDS), np.int64)
     roles = np.zeros((count, longest), np.int64)
     left = np.zeros_like(roles)
     values = np.zeros((count, longest, slots), np.int64)
-    for index, (lines, one) in enumerate(told):
-        length = len(one.roles)
-        segments[index, : len(lines)] = lines
-        roles[index, :length], left[index, :length] = one.roles, one.left
-        values[index, :length] = one.values
-    facts = np.stack([example.around.facts for example in examples])
-    if rng is not None:
-        facts[rng.random(count) < UNNAMED_SHARE, 0] = ROOM_KINDS.index("unknown")
-    flags = np.stack([example.around.flags for example in examples])
+    for index, one in enumerate(told):
+        length = len(one.sequence.roles)
+        segments[index, : len(one.segments)] = one.segments
+        roles[index, :length], left[index, :length] = one.sequence.roles, one.sequence.left
+        values[index, :length] = one.sequence.values
+    facts = np.stack([one.facts for one in told])
+    flags = np.stack([one.flags for one in told])
     arrays = (segments, facts, flags, roles, left, values)
     found = [torch.from_numpy(array) for array in arrays]
     return found[0], found[1], found[2], found[3], found[4], found[5]
 
 
-def _told(example: Example, rng: np.random.Generator | None) -> tuple[pieces.Ints, Sequences]:
-    """The segments and the list of a room, in a random pose."""
+def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None) -> Batch:
+    """Rooms side by side, each in a pose of its own where rng is given."""
+    told = [_told(example, rng) for example in examples]
+    if rng is not None:
+        for index in np.flatnonzero(rng.random(len(told)) < UNNAMED_SHARE):
+            told[index].facts[0] = ROOM_KINDS.index("unknown")
+    return stacked(told)
+
+
+def _told(example: Example, rng: np.random.Generator | None) -> Told:
+    """A room and its list, in a random pose."""
     turns, mirrored = (int(rng.integers(4)), bool(rng.integers(2))) if rng else (0, False)
     around = example.around
     lines = _posed(around.lines_m, turns, mirrored)
@@ -141,7 +158,8 @@ def _told(example: Example, rng: np.random.Generator | None) -> tuple[pieces.Int
     segments = pieces.segments_of(around, lines)
     if rng is not None:
         segments = rng.permutation(segments)
-    return segments, sequence_of(pieces.PIECES, elements)
+    sequence = sequence_of(pieces.PIECES, elements)
+    return Told(segments, around.facts.copy(), around.flags, sequence)
 
 
 def _posed(lines_m: FloatArray, quarter_turns: int, mirrored: bool) -> FloatArray:

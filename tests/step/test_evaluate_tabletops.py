@@ -16,13 +16,17 @@ from chord_usd.assets.tops import relief_of
 from chord_usd.cli import DONE, UNUSABLE, main
 from chord_usd.evaluation import tabletop_report, tabletops
 from chord_usd.evaluation.tabletop_cases import Case, procedural_cases, redrawn
+from chord_usd.graph.table_items import TopPainter
 from chord_usd.layout.checkpoint import Checkpoint, save_checkpoint
 from chord_usd.layout.config import PRESETS, TABLE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
+from chord_usd.lists.things import THINGS
 from chord_usd.palette import Level
 from chord_usd.table_top import Border
+from chord_usd.training.lists_network import ListNetwork
+from chord_usd.training.lists_trainer import write_checkpoint
 from chord_usd.types import Asset, Box, Item
 
 TINY = replace(
@@ -43,7 +47,7 @@ def model() -> LayoutModel:
 
 @pytest.fixture(scope="module")
 def at(model: LayoutModel) -> tabletops.Workplace:
-    return tabletops.Workplace(model, load_database(), relief_of)
+    return tabletops.Workplace(TopPainter(model.sample_batch, "hash"), load_database(), relief_of)
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +68,11 @@ def case_of(*items: Item, borders: tuple[Border, ...] = ()) -> Case:
 
 def judged_of(at: tabletops.Workplace, *items: Item) -> tabletops.Judged:
     case = case_of(*items)
-    return tabletops.judge(at, [case], [case.drawn])[0]
+    return tabletops.judge_layouts(at, [case], [case.drawn])[0]
 
 
 def test_the_data_itself_has_no_fault(at: tabletops.Workplace, cases: list[Case]) -> None:
-    judged = tabletops.judge(at, cases, [case.drawn for case in cases])
+    judged = tabletops.judge_layouts(at, cases, [case.drawn for case in cases])
     scores = tabletops.score_tabletops(judged, at)
     values = {name: score.value for name, score in scores.rows.items()}
     assert values["por"] == values["placed_por"] == 0.0
@@ -77,13 +81,16 @@ def test_the_data_itself_has_no_fault(at: tabletops.Workplace, cases: list[Case]
     assert values["filled"] > 0.95
     assert values["items"] == pytest.approx(values["items_of_data"], rel=0.05)
     assert values["round_trip"] > 0.95
+    assert values["categories_tv"] < 0.02
+    assert values["counts_tv"] < 0.1
+    assert values["dining_laid"] == 1.0
     assert scores.pieces == len(cases)
     assert set(scores.by_category) == {case.view.item.category for case in cases}
 
 
 def test_a_bare_table_is_not_filled(at: tabletops.Workplace, cases: list[Case]) -> None:
     bare = [raster.layout_image(case.image, (), Level.TABLE) for case in cases]
-    scores = tabletops.score_tabletops(tabletops.judge(at, cases, bare), at)
+    scores = tabletops.score_tabletops(tabletops.judge_layouts(at, cases, bare), at)
     assert scores.rows["filled"].value == 0.0
     assert scores.rows["por"].count == 0, "no pair, no overlap ratio"
 
@@ -181,7 +188,7 @@ def test_redrawing_with_hardly_any_noise_shows_no_more_than_the_network(
 def test_the_sheet_has_a_row_per_part(at: tabletops.Workplace, cases: list[Case]) -> None:
     import cv2
 
-    judged = tabletops.judge(at, cases[:2], [case.drawn for case in cases[:2]])
+    judged = tabletops.judge(at, cases[:2], [case.truth or () for case in cases[:2]])
     png = tabletop_report.draw_sheet([judged, judged[:1]])
     height, width, _ = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR).shape
     assert width / height == pytest.approx(tabletop_report.COLUMNS / 2)
@@ -189,7 +196,7 @@ def test_the_sheet_has_a_row_per_part(at: tabletops.Workplace, cases: list[Case]
 
 def test_the_verb_writes_table_figures_and_sheet(tmp_path: Path, capsys) -> None:
     words = ["evaluate", "tabletops", "--n", 3, "--houses", 0, "-o", tmp_path / "scores.md"]
-    words += ["--steps", 4, "--json", "--progress", "none"]
+    words += ["--no-list", "--steps", 4, "--json", "--progress", "none"]
     assert main([*map(str, words)]) == DONE
     told = json.loads(capsys.readouterr().out)
     assert told["columns"]["data"]["rows"]["por"]["value"] == 0.0
@@ -198,6 +205,17 @@ def test_the_verb_writes_table_figures_and_sheet(tmp_path: Path, capsys) -> None
     assert json.loads((tmp_path / "scores.json").read_text())["columns"] == told["columns"]
     assert "supported" in (tmp_path / "scores.md").read_text()
     assert (tmp_path / "scores.png").stat().st_size > 1000
+
+
+def test_lists_are_scored_on_tops_and_in_houses(tmp_path: Path, capsys) -> None:
+    torch.manual_seed(0)
+    write_checkpoint(tmp_path, ListNetwork(THINGS, channels=16, layers=1, heads=2), THINGS, {})
+    words = ["evaluate", "tabletops", "--lists", tmp_path, "--n", 4, "--houses", 1, "--drafts", 2]
+    assert main([*map(str, words), "--json", "--progress", "none"]) == DONE
+    told = json.loads(capsys.readouterr().out)
+    assert told["how"] == "the best of 2 lists of each top"
+    assert told["columns"]["houses"]["pieces"] > 3
+    assert not told["reader"], "no raster, no reader"
 
 
 def test_a_model_of_houses_is_refused(tmp_path: Path, capsys) -> None:

@@ -11,10 +11,12 @@ import pytest
 import torch
 
 from chord_usd.cli import main
+from chord_usd.data.tabletops import random_tabletop
 from chord_usd.errors import CheckpointError
 from chord_usd.lists import pieces
 from chord_usd.lists.draw import GRAPH_INPUTS, Subject, load_lists
 from chord_usd.lists.pieces import PIECES
+from chord_usd.lists.tops import load_lister
 from chord_usd.lists.vocabulary import NOTHING
 from chord_usd.runtime.networks import load_network
 from chord_usd.training.lists_data import batch_of, endless_batches, held_out
@@ -26,6 +28,7 @@ from chord_usd.training.lists_trainer import (
     train_lists,
     write_checkpoint,
 )
+from chord_usd.types import Box
 
 EXAMPLES = held_out(4)
 
@@ -156,3 +159,21 @@ def test_a_run_is_started_from_the_command_line(
     found = json.loads(capsys.readouterr().out)
     assert found["steps"] >= 1
     assert load_lists(Path(found["checkpoint"]), PIECES).content_hash
+
+
+def test_things_on_tops_are_learned_and_drawn_by_the_same_network(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["train", "lists", "--of", "things", "-o", str(tmp_path / "run"), "--minutes", "0.01"]
+    assert main([*command, "--batch", "2", "--json"]) == 0
+    lister = load_lister(Path(json.loads(capsys.readouterr().out)["checkpoint"]))
+    tops = [random_tabletop(np.random.default_rng(seed)).top for seed in range(4)]
+
+    def boxes(count: int, seeds: list[int]) -> list[list[tuple[str, Box]]]:
+        found = lister.things(tops[:count], seeds)
+        return [[(item.category, item.box) for item in items] for items in found]
+
+    together = boxes(4, [1, 2, 3, 4])
+    assert together == boxes(4, [1, 2, 3, 4])
+    assert together != boxes(4, [5, 6, 7, 8])
+    assert boxes(2, [1, 2]) == together[:2], "a top's seed alone varies its own"

@@ -117,8 +117,19 @@ class TestData:
                 if item.category == "dinner_set":
                     settings_laid += 1
                     facing = front_direction(item.box.yaw_deg)
-                    assert any(facing @ np.array(out[seat.side]) > 0.99 for seat in seats)
+                    sides = [seat.side for seat in seats] or list(out)
+                    assert any(facing @ np.array(out[side]) > 0.99 for side in sides)
         assert settings_laid > 20
+
+    def test_every_dining_table_is_laid_at_nearly_all_of_its_seats(self) -> None:
+        laid = seats = 0
+        for one in tabletops():
+            if one.piece.category == "dining_table":
+                settings_laid = sum(item.category == "dinner_set" for item in one.items)
+                assert settings_laid > 0, one.piece
+                laid += min(settings_laid, len(one.piece.seats()))
+                seats += len(one.piece.seats())
+        assert laid > 0.9 * seats
 
     def test_screens_face_who_sits_at_the_desk(self) -> None:
         sides = {"back": 180.0, "front": 0.0, "left": -90.0, "right": 90.0}

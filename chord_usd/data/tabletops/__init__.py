@@ -44,17 +44,17 @@ def lay(piece: Piece, dice: Dice) -> tuple[Item, ...]:
     if piece.category == "table":
         side, seat = work.sitter_of(piece)
         place = Place(board, side)
-        work.lay_desk(place, place.along(seat))
+        work.lay_desk(place, place.along(seat), piece.room)
     elif piece.category == "dining_table":
         meals.lay_dining_table(front, piece)
     elif piece.category == "coffee_table":
         leisure.lay_coffee_table(Place(board, leisure.main_side(piece)), piece)
     elif piece.category == "side_coffee_table":
-        leisure.lay_side_table(Place(board, leisure.main_side(piece)))
+        leisure.lay_side_table(Place(board, leisure.main_side(piece)), piece)
     elif piece.category == "bedside_table":
         leisure.lay_bedside_table(front, piece)
     elif piece.category == "tv_cabinet":
-        leisure.lay_tv_cabinet(front)
+        leisure.lay_tv_cabinet(front, piece)
     else:
         meals.lay_worktop(front)
     return board.items()

@@ -46,11 +46,11 @@ def lay_coffee_table(place: Place, piece: Piece) -> None:
     _at_least_one(place, "coffee_cup")
 
 
-def lay_side_table(place: Place) -> None:
-    """One large thing or two small ones, for whoever sits beside it."""
+def lay_side_table(place: Place, piece: Piece) -> None:
+    """One large thing or two small ones, for whoever sits beside it; no lamp outside."""
     dice = place.board.dice
     half, deep = place.length_m / 2, place.depth_m
-    if dice.chance(0.4):
+    if dice.chance(0.05 if piece.room == "balcony" else 0.4):
         size_m = varied(dice, dice.pick((SHADE_LAMP, SMALL_LAMP)))
         place.put("table_lamp", size_m, (-0.06, 0.06), (deep * 0.5, deep * 0.65))
     elif dice.chance(0.3):
@@ -79,7 +79,8 @@ def lay_bedside_table(place: Place, piece: Piece) -> None:
         size_m = varied(dice, dice.pick((SHADE_LAMP, SMALL_LAMP, SMALL_LAMP)))
         at = bed * max(half - size_m[0] / 2 - 0.03, 0.0)
         far = deep - size_m[1] / 2 - 0.025
-        place.put("table_lamp", size_m, (at - 0.03, at + 0.03), (far - 0.04, far))
+        along = (min(at, 0.6 * at) - 0.02, max(at, 0.6 * at) + 0.02)
+        place.put("table_lamp", size_m, along, (far - 0.08, far), tries=10)
     kind = dice.weighted((("clock", 0.3), ("photo_frame", 0.25), ("small_plant", 0.15),
                           ("small_ornament", 0.1), ("", 0.2)))  # fmt: skip
     if kind:
@@ -95,11 +96,11 @@ def lay_bedside_table(place: Place, piece: Piece) -> None:
     _at_least_one(place, "table_lamp")
 
 
-def lay_tv_cabinet(place: Place) -> None:
+def lay_tv_cabinet(place: Place, piece: Piece) -> None:
     """place: at the front. Both ends, for the set is in the middle; before it only what is low."""
     dice = place.board.dice
     half, deep = place.length_m / 2, place.depth_m
-    if dice.chance(0.3):
+    if dice.chance(0.1 if piece.room == "bedroom" else 0.3):
         size_m = varied(dice, SPEAKER)
         at = half * (0.75 + 0.15 * dice.unit())
         for side in (-at, at):
@@ -138,5 +139,9 @@ def _at_least_one(place: Place, kind: str) -> None:
     """Something small where chance left the top bare."""
     if not place.board.placed:
         size_m = min(usual(place.board.dice, kind, longest_m=0.25) for _ in range(2))
-        span = (-place.length_m / 4, place.length_m / 4)
-        place.put(kind, size_m, span, (place.depth_m * 0.4, place.depth_m * 0.6), 0.0, 6)
+        half, deep = place.length_m / 2, place.depth_m
+        middle = (-half / 2, half / 2), (deep * 0.4, deep * 0.6)
+        anywhere = (-half + 0.06, half - 0.06), (0.05, deep * 0.8)
+        for spans, tries in ((middle, 6), (anywhere, 20)):
+            if place.put(kind, size_m, *spans, tries=tries):
+                return

@@ -2,44 +2,51 @@
 
 from __future__ import annotations
 
-from chord_usd.data.tabletops.board import Place
-from chord_usd.data.tabletops.sizes import SPEAKER, USUAL_M, usual, varied
+from chord_usd.data.tabletops.board import Place, Placed
+from chord_usd.data.tabletops.sizes import SPEAKER, USUAL_M, Size, usual, varied
 from chord_usd.data.tabletops.tops import Piece
+from chord_usd.table_top import Side
 
-LAID_CHANCE = 0.72
-"""Share of dining tables that are laid; on the others stands what is not cleared away."""
+_USUAL_SEATS: tuple[Side, ...] = ("front", "back", "left", "right")
+"""Where a table is laid that has no chairs yet: at its long sides, else where no wall is."""
 
 
 def lay_dining_table(place: Place, piece: Piece) -> None:
-    """place: at the front; each seat is laid from its own side."""
-    dice = place.board.dice
-    if dice.chance(LAID_CHANCE) and piece.seats():
-        size_m = varied(dice, dice.pick(USUAL_M["dinner_set"]))
-        for seat in piece.seats():
-            if dice.chance(0.94):
-                _lay_setting(Place(place.board, seat.side), (seat.from_m + seat.to_m) / 2, size_m)
-        _put_dishes(place, dice.steps(1, 2))
-    else:
-        _put_dishes(place, dice.steps(2, 4))
-        if dice.chance(0.4):
-            _put_leftovers(place)
+    """place: at the front; each seat is laid from its own side, all with one kind of setting."""
+    dice, board = place.board.dice, place.board
+    seats = [(seat.side, (seat.from_m + seat.to_m) / 2) for seat in piece.seats()]
+    seats = seats or [(side, 0.0) for side in _USUAL_SEATS if side not in piece.sides("wall")][:2]
+    sets = USUAL_M["dinner_set"]
+    for size_m in (varied(dice, dice.pick(sets)), varied(dice, min(sets)), min(sets)):
+        board.placed.clear()
+        settings = [_setting(Place(board, side), at, size_m) for side, at in seats]
+        if all(settings):
+            break
+    for (side, at), setting in zip(seats, settings, strict=True):
+        if setting and dice.chance(0.18):
+            _put_cup(Place(board, side), at, setting.box.size_m[0])
+    _put_dishes(place, dice.steps(1, 2))
 
 
-def _lay_setting(place: Place, seat: float, size_m: tuple[float, float, float]) -> None:
-    """A set that faces its seat and, by chance, a cup beside it."""
-    dice = place.board.dice
+def _setting(place: Place, seat: float, size_m: Size) -> Placed | None:
+    """A set that faces its seat."""
     along = place.along(seat)
     near = size_m[1] / 2 + 0.025
-    placed = None
     for farther in (0.0, 0.04, 0.08, 0.13):
-        # Where the edge is round a setting lies a little farther in.
+        # Where the edge is round, or somebody sits round the corner, it lies farther in.
         span = (near + farther, near + farther + 0.03)
         inwards = along * (1.0 - farther)
-        placed = placed or place.put("dinner_set", size_m, (inwards - 0.02, inwards + 0.02), span)
-    if placed and dice.chance(0.18):
-        cup_m = usual(dice, "coffee_cup")
-        at = along + dice.pick((-1.0, 1.0)) * (size_m[0] / 2 + 0.1)
-        place.put("coffee_cup", cup_m, (at - 0.01, at + 0.02), (0.14, 0.28), 20.0)
+        aside = 0.02 + farther / 2
+        placed = place.put("dinner_set", size_m, (inwards - aside, inwards + aside), span)
+        if placed:
+            return placed
+    return None
+
+
+def _put_cup(place: Place, seat: float, setting_m: float) -> None:
+    dice = place.board.dice
+    at = place.along(seat) + dice.pick((-1.0, 1.0)) * (setting_m / 2 + 0.1)
+    place.put("coffee_cup", usual(dice, "coffee_cup"), (at - 0.01, at + 0.02), (0.14, 0.28), 20.0)
 
 
 def _put_dishes(place: Place, count: int) -> None:
@@ -52,14 +59,8 @@ def _put_dishes(place: Place, count: int) -> None:
     for index in range(count):
         kind = dice.weighted(kinds)
         span = (-0.05, 0.05) if index == 0 and dice.chance(0.6) else (-reach, reach)
-        place.put(kind, usual(dice, kind), span, middle, 20.0 if kind == "food" else 0.0)
-
-
-def _put_leftovers(place: Place) -> None:
-    dice = place.board.dice
-    half, deep = place.length_m / 2 - 0.15, place.depth_m
-    kind = dice.pick(("coffee_cup", "laptop", "lying_book", "magazine"))
-    place.put(kind, usual(dice, kind), (-half, half), (0.2, deep - 0.2), 10.0)
+        turn = 20.0 if kind == "food" else 0.0
+        place.put(kind, usual(dice, kind), span, middle, turn, tries=8)
 
 
 def lay_worktop(place: Place) -> None:

@@ -8,7 +8,7 @@ from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.tabletops.board import Outline
 from chord_usd.palette import category
 from chord_usd.table_top import SIDES, Border, Side, TableTop
-from chord_usd.types import Box
+from chord_usd.types import Box, RoomKind
 
 SHARES: tuple[tuple[str, float], ...] = (
     ("table", 0.2),
@@ -41,12 +41,14 @@ class Piece:
     category: str
     outline: Outline
     borders: tuple[Border, ...]
+    room: RoomKind = "unknown"
+    """Where it stands."""
 
     @property
     def top(self) -> TableTop:
         """The piece as the condition shows it."""
         size_m = (self.outline.length_m, self.outline.width_m)
-        return TableTop(self.category, size_m, self.outline.mask(), self.borders)
+        return TableTop(self.category, size_m, self.outline.mask(), self.borders, self.room)
 
     def sides(self, kind: str) -> tuple[Side, ...]:
         """Sides at which there is something of this kind."""
@@ -66,7 +68,7 @@ def random_piece(dice: Dice) -> Piece:
     if name == "table" and dice.chance(0.1):
         length, width = width + 0.2, width
     outline = _outline(dice, name, length, width)
-    return Piece(name, outline, _borders(dice, name, outline))
+    return Piece(name, outline, _borders(dice, name, outline), dice.pick(row.rooms))
 
 
 def _outline(dice: Dice, name: str, length: float, width: float) -> Outline:

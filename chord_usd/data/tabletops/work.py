@@ -15,11 +15,16 @@ from chord_usd.data.tabletops.sizes import (
 )
 from chord_usd.data.tabletops.tops import Piece
 from chord_usd.table_top import Side
+from chord_usd.types import RoomKind
 
 
-def lay_desk(place: Place, seat_m: float) -> None:
-    """Computer on its pad before the seat, the rest around it. seat_m: along the side."""
+def lay_desk(place: Place, seat_m: float, room: RoomKind) -> None:
+    """Computer on its pad before the seat, the rest around it; in a bedroom it may be a dressing
+    table. seat_m: along the side."""
     dice = place.board.dice
+    if room == "bedroom" and dice.chance(0.3):
+        _put_dressing(place, seat_m)
+        return
     device = dice.weighted((("all_in_one_computer", 0.45), ("laptop", 0.4), ("", 0.15)))
     if device == "laptop":
         _put_laptop(place, seat_m)
@@ -83,6 +88,18 @@ def _put_reading(place: Place, seat_m: float) -> None:
     kind = "magazine" if size_m[2] < 0.012 else "lying_book"
     near = size_m[1] / 2 + 0.05
     place.put(kind, size_m, (seat_m - 0.1, seat_m + 0.1), (near, near + 0.06), 8.0)
+
+
+def _put_dressing(place: Place, seat_m: float) -> None:
+    """Lamp and picture at the back, small things in reach, the middle free."""
+    dice = place.board.dice
+    _put_behind(place)
+    half, deep = place.length_m / 2 - 0.1, place.depth_m
+    for kind in ("small_ornament", "small_ornament", "small_plant", "lying_book"):
+        if dice.chance(0.55):
+            aside = seat_m + dice.pick((-1.0, 1.0)) * (0.25 + 0.3 * dice.unit())
+            at = min(max(aside, -half), half)
+            place.put(kind, usual(dice, kind), (at - 0.03, at + 0.03), (0.15, deep - 0.1), 10.0)
 
 
 def _put_behind(place: Place) -> None:
