@@ -102,11 +102,15 @@ def draw_chains(canvas: Canvas, house: Masonry, look: Look, rng: np.random.Gener
 def draw_inner_dimensions(
     canvas: Canvas, house: Masonry, look: Look, rng: np.random.Generator
 ) -> None:
-    """Lines from wall to wall through rooms."""
+    """Lines from wall to wall through rooms, and circles in which a wheelchair turns."""
     mark = _Mark(look, rng)
     for _, area in house.rooms:
         if rng.random() >= look.inner_dimensions:
             continue
+        if rng.random() < 0.3:
+            spot = shapely.maximum_inscribed_circle(area, tolerance=0.2)
+            ring = shapely.Point(spot.coords[0]).buffer(0.75)
+            canvas.outline(ring, look.ink_rgb, 1, dash_m=0.12)
         left, low, right, high = area.bounds
         mark.draw(canvas, 0, low + rng.uniform(0.15, 0.85) * (high - low), [left, right], None)
         mark.draw(canvas, 1, left + rng.uniform(0.15, 0.85) * (right - left), [low, high], None)

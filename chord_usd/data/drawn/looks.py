@@ -66,6 +66,8 @@ class Look:
     glass_rgb: RGB = (255, 255, 255)
     floors: FloorKind = "bare"
     tint_rgb: RGB = (255, 255, 255)
+    wet_tiles: float = 0.0
+    """How likely bathrooms and balconies are tiled where floors are bare."""
     pieces: PieceKind = "lines"
     piece_rgb: RGB = (0, 0, 0)
     pieces_kept: float = 0.9
@@ -122,6 +124,7 @@ def _common(rng: np.random.Generator, kind: str) -> Look:
         has_arrow=bool(rng.random() < 0.15),
         windows=_windows(rng),
         window_rgb=ink,
+        wet_tiles=0.15,
         pieces_kept=float(rng.uniform(0.6, 1.0)),
         piece_rgb=ink if rng.random() < 0.6 else _grey(rng, 60, 190),
         only_fixtures=bool(rng.random() < 0.3),
@@ -202,7 +205,7 @@ def _cad(rng: np.random.Generator, base: Look) -> dict[str, Any]:
         "outer_fill": str(outer), "inner_fill": str(inner), "line_px": 1,
         "wall_rgb": _vivid(rng, 0.7) if colored else _grey(rng, 0, 60),
         "door_rgb": _vivid(rng, 0.7) if colored else base.ink_rgb,
-        "chains": float(rng.choice([0.0, 0.5, 0.9])),
+        "chains": float(rng.choice([0.0, 0.5, 0.9])), "wet_tiles": 0.4,
         "inner_dimensions": float(rng.choice([0.0, 0.2, 0.6])),
         "surroundings": float(rng.choice([0.2, 0.7])),
         "pieces": str(rng.choice(["lines", "lines", "lines", "none"])),

@@ -35,6 +35,8 @@ def draw_floors(canvas: Canvas, house: Masonry, look: Look, rng: np.random.Gener
     bare = look.paper_rgb if look.floors in ("bare", "kinds") else look.tint_rgb
     canvas.fill(house.house, bare, built=FLOOR, laid=0)
     if look.floors in ("bare", "tinted"):
+        if rng.random() < look.wet_tiles:
+            _tile_wet_rooms(canvas, house, bare, rng)
         return
     palette = int(rng.integers(4))
     dry, wet = _texture(canvas, look, rng), _texture(canvas, look, rng)
@@ -48,6 +50,15 @@ def draw_floors(canvas: Canvas, house: Masonry, look: Look, rng: np.random.Gener
             continue
         texture = wet if is_wet else dry
         canvas.paint(area, texture if rng.random() < 0.8 else _texture(canvas, look, rng))
+
+
+def _tile_wet_rooms(canvas: Canvas, house: Masonry, bare: RGB, rng: np.random.Generator) -> None:
+    texture = tiles(canvas.px_per_m, np.array(bare, np.float64), rng)
+    kinds: tuple[RoomKind, ...] = ("bathroom", "balcony", "kitchen")
+    tiled = kinds[: int(rng.integers(1, 4))]
+    for kind, area in house.rooms:
+        if kind in tiled:
+            canvas.paint(area, texture)
 
 
 def _texture(canvas: Canvas, look: Look, rng: np.random.Generator) -> ByteArray:

@@ -13,6 +13,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from chord_usd.data.drawn.canvas import Canvas
+from chord_usd.data.drawn.from_above import draw_from_above
 from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.surfaces import tiles
@@ -38,6 +39,10 @@ _WORKTOPS = frozenset(
 )  # fmt: skip
 
 
+_MESHES = 0.65
+"""Share of pages with furniture in colours that show ours."""
+
+
 @dataclass(eq=False)
 class Hand:
     """How one person draws furniture; colours are kept for each category."""
@@ -47,6 +52,8 @@ class Hand:
     is_round: bool = False
     line_px: int = 1
     has_worktop_lines: bool = True
+    has_meshes: bool = False
+    """Pieces are our own, seen from above."""
     colors: dict[str, RGB] = field(default_factory=dict)
 
     def color(self, category: str) -> RGB | None:
@@ -61,8 +68,8 @@ class Hand:
             elif self.rng.random() < 0.5:  # wood and cloth, in photographs
                 values = self.rng.uniform(60, 235) * np.array([1.0, 0.9, 0.78])
             else:
-                values = self.rng.uniform(50, 250, 3)
-            red, green, blue = (int(v) for v in values)
+                values = self.rng.uniform(70, 240) + self.rng.normal(0, 25, 3)
+            red, green, blue = (int(v) for v in np.clip(values, 0, 255))
             self.colors[category] = (red, green, blue)
         return self.colors[category]
 
@@ -73,7 +80,8 @@ def draw_items(
     """Furniture and fixtures, labelled."""
     if look.pieces == "none":
         return
-    hand = Hand(look, rng, bool(rng.random() < 0.4), 1, bool(rng.random() < 0.5))
+    has_meshes = look.pieces == "photo" and rng.random() < _MESHES
+    hand = Hand(look, rng, bool(rng.random() < 0.4), 1, bool(rng.random() < 0.5), has_meshes)
     for item in items:
         is_fixture = item.category in FIXTURES
         if look.only_fixtures and not is_fixture:
@@ -97,6 +105,8 @@ def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
         for shape in shapes
     ]
     canvas.fill(footprint_polygon(item.box), None, laid=PIECE)
+    if hand.has_meshes and draw_from_above(canvas, item, rng, has_shadow=look.has_shadows):
+        return
     fill = hand.color(item.category)
     if fill is not None:
         _fill_body(canvas, placed[0], fill, hand)
