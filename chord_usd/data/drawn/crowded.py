@@ -13,6 +13,7 @@ import shapely
 
 from chord_usd.data.drawn.annotations import draw_chains, draw_inner_dimensions, write_names
 from chord_usd.data.drawn.canvas import Canvas
+from chord_usd.data.drawn.draw import without_seams
 from chord_usd.data.drawn.joinery import Leaf, draw_gap
 from chord_usd.data.drawn.looks import Look, random_look
 from chord_usd.data.drawn.masonry import Masonry, build
@@ -116,7 +117,7 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
 
 def _as_vectors(one: _Placed, leaves: list[Leaf]) -> DrawnStorey:
     """A storey in metres on the sheet."""
-    plan = one.house.plan()
+    plan = without_seams(one.house.plan())
     shift = one.origin_m
     rooms = tuple(
         replace(room, polygon_m=frozen_array(room.polygon_m + shift)) for room in plan.rooms

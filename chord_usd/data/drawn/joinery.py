@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.data.drawn.canvas import Canvas, rectangle
@@ -206,10 +204,3 @@ def _draw_casements(canvas: Canvas, gap: Gap, look: Look) -> None:
         arc = hinge + reach * (np.cos(angles) * -side * gap.along + np.sin(angles) * gap.across)
         canvas.line(arc, look.window_rgb, 1)
         canvas.line(np.array([hinge, arc[-1]]), look.window_rgb, 1)
-
-
-def swept_area(leaves: list[Leaf]) -> Polygon:
-    """Roughly where leaves move: nothing is written there."""
-    return shapely.union_all(
-        [shapely.Point(*leaf.hinge).buffer(math.dist(leaf.hinge, leaf.tip)) for leaf in leaves]
-    )

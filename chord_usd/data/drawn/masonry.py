@@ -73,8 +73,8 @@ class Masonry:
     gaps: tuple[Gap, ...]
     items: tuple[Item, ...]
 
-    def plan(self, names: tuple[str, ...] = ()) -> Plan:
-        """As vectors."""
+    def plan(self) -> Plan:
+        """As vectors; rooms of an open plan touch."""
         rooms = tuple(
             Room(f"room{index + 1}", kind, frozen_array(orient(area).exterior.coords[:-1]))
             for index, (kind, area) in enumerate(self.rooms)

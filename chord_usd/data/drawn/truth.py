@@ -12,8 +12,8 @@ class DrawnStorey:
     """One storey of a page, as vectors."""
 
     plan: Plan
-    """As drawn: rooms between the faces of their walls, openings where and as deep as they are
-    drawn. Metres on the sheet."""
+    """As drawn: rooms between the faces of their walls, those that run into each other as one;
+    openings where and as deep as they are drawn. Metres on the sheet."""
     walls_m: tuple[FloatArray, ...]
     """(N, 2) rings of the walls' bodies, openings left out; holes run clockwise."""
     hinges_m: tuple[tuple[str, FloatArray, FloatArray], ...]

@@ -12,6 +12,7 @@ import numpy as np
 
 from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.styles import RGB
+from chord_usd.page_labels import LAID_SHIFT, WRITING
 from chord_usd.types import ByteArray, FloatArray
 
 
@@ -179,14 +180,19 @@ def _on_a_phone(page: Picture, rng: np.random.Generator) -> Picture:
     labels = np.zeros(screen.shape[:2], np.uint8)
     screen[top : top + tall] = page.rgb
     labels[top : top + tall] = page.labels
-    _fill_screen(screen, page.rgb, (0, top), 255 - back, rng)
-    _fill_screen(screen, page.rgb, (top + tall, top + tall + below), 255 - back, rng)
+    _fill_screen(screen, labels, page.rgb, (0, top), 255 - back, rng)
+    _fill_screen(screen, labels, page.rgb, (top + tall, len(screen)), 255 - back, rng)
     matrix = np.array([[1, 0, 0], [0, 1, top], [0, 0, 1.0]]) @ page.matrix
     return Picture(screen, labels, matrix)
 
 
 def _fill_screen(
-    screen: ByteArray, plan: ByteArray, rows: tuple[int, int], ink: int, rng: np.random.Generator
+    screen: ByteArray,
+    labels: ByteArray,
+    plan: ByteArray,
+    rows: tuple[int, int],
+    ink: int,
+    rng: np.random.Generator,
 ) -> None:
     """Lines of words, buttons and thumbnails between two rows of a screen."""
     y, width = rows[0] + 8, screen.shape[1]
@@ -197,6 +203,8 @@ def _fill_screen(
             place = (int(rng.uniform(8, 40)), y + 8)
             cv2.putText(screen, words, place, cv2.FONT_HERSHEY_SIMPLEX, 0.35, (ink,) * 3, 1,
                         cv2.LINE_AA)  # fmt: skip
+            wide = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, 0.35, 1)[0][0]
+            labels[y : y + 11, place[0] : place[0] + wide] = WRITING << LAID_SHIFT
             y += 16
         elif kind < 0.7:
             for x in range(12, width - 12, int(width / rng.integers(4, 9))):
