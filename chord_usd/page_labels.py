@@ -6,6 +6,8 @@ what a network says by them.
 
 from __future__ import annotations
 
+import numpy as np
+
 from chord_usd.types import ByteArray
 
 OUTSIDE, FLOOR, WALL, DOOR, WINDOW, STAIRS, PASSAGE = range(7)
@@ -27,12 +29,12 @@ POINT_NAMES = ("hinge", "jamb", "corner")
 
 def built_of(labels: ByteArray) -> ByteArray:
     """(H, W) what is built, of labels."""
-    return labels & ((1 << LAID_SHIFT) - 1)
+    return np.asarray(labels & ((1 << LAID_SHIFT) - 1), np.uint8)
 
 
 def laid_of(labels: ByteArray) -> ByteArray:
     """(H, W) what is drawn over it, of labels."""
-    return labels >> LAID_SHIFT
+    return np.asarray(labels >> LAID_SHIFT, np.uint8)
 
 
 READER_INPUT = "rgb"

@@ -57,8 +57,9 @@ def crop_of(page: CrowdedPage, side_px: float, rng: np.random.Generator) -> Crop
     share = min(side_px / max(height, width), _LARGEST)
     size = max(8, round(width * share)), max(8, round(height * share))
     way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_LINEAR
-    rgb = cv2.resize(page.rgb, size, interpolation=way)
-    labels = cv2.resize(page.labels, size, interpolation=cv2.INTER_NEAREST)
+    rgb = np.asarray(cv2.resize(page.rgb, size, interpolation=way), np.uint8)
+    near = cv2.resize(page.labels, size, interpolation=cv2.INTER_NEAREST)
+    labels = np.asarray(near, np.uint8)
     spare = CROP_PX - np.array(size)
     spot = rng.integers(np.minimum(-spare, 0), np.maximum(-spare, 0) + 1)
     inside = np.argwhere(labels)

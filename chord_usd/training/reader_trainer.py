@@ -201,18 +201,17 @@ def score(network: ReaderNetwork, crops: Sequence[Crop], device: str) -> dict[st
     for crop in crops:
         rgb, built, laid, _ = _moved(batch_of([crop]), device)
         said_built, said_laid, _ = logits_of(network, rgb)
-        for name, said, true in (("built", said_built, built), ("laid", said_laid, laid)):
+        for head, said, true in (("built", said_built, built), ("laid", said_laid, laid)):
             guess = said.argmax(dim=1)
-            for kind in range(len(counts[name])):
-                both = ((guess == kind) & (true == kind)).sum()
-                counts[name][kind] += torch.stack(
-                    [both, (guess == kind).sum(), (true == kind).sum()]
-                ).cpu()
+            for kind, row in enumerate(counts[head]):
+                guesses, truths = guess == kind, true == kind
+                both = guesses & truths
+                row += torch.stack([both.sum(), guesses.sum(), truths.sum()]).cpu()
     found: dict[str, float] = {"crops": float(len(crops))}
-    for name, kinds in (("built", BUILT_NAMES), ("laid", LAID_NAMES)):
-        for kind, (both, guessed, true_count) in zip(kinds, counts[name].tolist(), strict=True):
-            if true_count:
-                found[kind] = round(both / (guessed + true_count - both), 3)
+    for head, kinds in (("built", BUILT_NAMES), ("laid", LAID_NAMES)):
+        for name, (both, guessed, really) in zip(kinds, counts[head].tolist(), strict=True):
+            if really:
+                found[name] = round(both / (guessed + really - both), 3)
     return found
 
 

@@ -116,6 +116,21 @@ def draw_inner_dimensions(
         mark.draw(canvas, 1, left + rng.uniform(0.15, 0.85) * (right - left), [low, high], None)
 
 
+def draw_axes(canvas: Canvas, house: Masonry, look: Look, rng: np.random.Generator) -> None:
+    """An engineer's grid: dashed lines through all of the house, with a letter at their ends."""
+    left, low, right, high = house.house.bounds
+    letters = rng.permutation(list("ABCDEF123456"))
+    for axis in (0, 1):
+        ends = np.array([(low, high), (left, right)][axis]) + np.array([-1.0, 1.0]) * 0.8
+        for index, place in enumerate(_stops(house, axis, rng)[:6]):
+            line = np.array([[place, ends[0]], [place, ends[1]]])[:, :: 1 - 2 * axis]
+            canvas.line(line, look.piece_rgb, 1, dash_m=0.35)
+            spot = line[1] + (line[1] - line[0]) * 0.02
+            canvas.outline(shapely.Point(spot).buffer(0.25), look.ink_rgb)
+            height = round(0.25 * canvas.px_per_m)
+            write(canvas, str(letters[index]), canvas.px(spot), height, look.ink_rgb, look.font)
+
+
 def _stops(house: Masonry, axis: int, rng: np.random.Generator) -> list[float]:
     """Where a chain is divided: at the faces of rooms."""
     faces = {round(area.bounds[axis + k], 1) for _, area in house.rooms for k in (0, 2)}
@@ -158,10 +173,10 @@ class _Mark:
                 canvas.line(
                     [point(middle + gap, place), point(other, place)], self.rgb, 1, laid=WRITING
                 )
-                shift = np.zeros(2)
+                shift: FloatArray = np.zeros(2)
             else:
                 canvas.line([point(one, place), point(other, place)], self.rgb, 1, laid=WRITING)
-                shift = np.array([0.0, -0.75] if axis == 0 else [-0.75, 0.0]) * height
+                shift = (np.array([[0.0, -0.75], [-0.75, 0.0]])[axis] * height).astype(np.float64)
             if room > 0.7 * wide:
                 spot = canvas.px(point(middle, place)) + shift
                 write(canvas, text, spot, height, self.rgb, self.font, is_upright=axis == 1)

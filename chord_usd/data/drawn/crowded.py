@@ -11,7 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.data.drawn.annotations import draw_chains, draw_inner_dimensions, write_names
+from chord_usd.data.drawn.annotations import (
+    draw_axes,
+    draw_chains,
+    draw_inner_dimensions,
+    write_names,
+)
 from chord_usd.data.drawn.canvas import Canvas
 from chord_usd.data.drawn.draw import without_seams
 from chord_usd.data.drawn.joinery import Leaf, draw_gap
@@ -60,6 +65,8 @@ def draw_page(seed: int, look: Look | None = None) -> CrowdedPage:
     placed, size_m = _laid_out(houses, look, rng)
     side = rng.uniform(*_PX) * (1.2 if count > 1 else 1.0)
     canvas = Canvas(size_m, side / float(size_m.max()), look.paper_rgb)
+    for one in placed:
+        _draw_around(canvas, one, look, rng)
     leaves = [_draw_storey(canvas, one, look, rng) for one in placed]
     draw_page_furniture(canvas, look, rng)
     page = worn(Picture(canvas.rgb, canvas.labels, canvas.matrix()), look, rng)
@@ -92,12 +99,17 @@ def _laid_out(
     return placed, far + margins[2:]
 
 
+def _draw_around(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Generator) -> None:
+    """What lies outside, before any storey is drawn over it."""
+    canvas.origin_m = one.origin_m
+    draw_outdoors(canvas, one.house, look, rng)
+    if rng.random() < look.surroundings * 0.6:
+        draw_neighbours(canvas, one.house, look, rng)
+
+
 def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Generator) -> list[Leaf]:
     house = one.house
     canvas.origin_m = one.origin_m
-    draw_outdoors(canvas, house, look, rng)
-    if rng.random() < look.surroundings * 0.6:
-        draw_neighbours(canvas, house, look, rng)
     draw_floors(canvas, house, look, rng)
     flights = draw_stairs(canvas, house, look, rng)
     clear = tuple(
@@ -107,6 +119,8 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
     draw_walls(canvas, house, look, rng)
     leaves = [leaf for gap in house.gaps for leaf in draw_gap(canvas, gap, look, rng)]
     draw_inner_dimensions(canvas, house, look, rng)
+    if rng.random() < look.axes:
+        draw_axes(canvas, house, look, rng)
     write_names(canvas, house, look, rng)
     draw_chains(canvas, house, look, rng)
     return leaves

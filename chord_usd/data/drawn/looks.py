@@ -89,6 +89,8 @@ class Look:
     """How likely each of titles, north arrows, legends, logos and bars is."""
     surroundings: float = 0.3
     """How likely terraces, plots, trees and neighbours are."""
+    axes: float = 0.0
+    """How likely an engineer's grid is."""
     inner_dimensions: float = 0.0
     """Share of rooms with a dimension line through them."""
 
@@ -205,7 +207,7 @@ def _cad(rng: np.random.Generator, base: Look) -> dict[str, Any]:
         "outer_fill": str(outer), "inner_fill": str(inner), "line_px": 1,
         "wall_rgb": _vivid(rng, 0.7) if colored else _grey(rng, 0, 60),
         "door_rgb": _vivid(rng, 0.7) if colored else base.ink_rgb,
-        "chains": float(rng.choice([0.0, 0.5, 0.9])), "wet_tiles": 0.4,
+        "chains": float(rng.choice([0.0, 0.5, 0.9])), "wet_tiles": 0.4, "axes": 0.15,
         "inner_dimensions": float(rng.choice([0.0, 0.2, 0.6])),
         "surroundings": float(rng.choice([0.2, 0.7])),
         "pieces": str(rng.choice(["lines", "lines", "lines", "none"])),

@@ -6,9 +6,11 @@ Beside what paper.py does to single drawings: phones' screens, hand-drawn wobble
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.styles import RGB
@@ -35,7 +37,7 @@ class Picture:
             borderValue=border,
         )  # fmt: skip
         labels = cv2.warpPerspective(self.labels, whole, size, flags=cv2.INTER_NEAREST)
-        return Picture(rgb, labels, matrix @ self.matrix)
+        return Picture(_bytes(rgb), _bytes(labels), matrix @ self.matrix)
 
     def scaled(self, share: float, far: int) -> Picture:
         """Resized. far: an interpolation flag for shrinking."""
@@ -44,7 +46,11 @@ class Picture:
         rgb = cv2.resize(self.rgb, size, interpolation=way)
         labels = cv2.resize(self.labels, size, interpolation=cv2.INTER_NEAREST)
         shares = size[0] / self.rgb.shape[1], size[1] / self.rgb.shape[0]
-        return Picture(rgb, labels, np.diag([*shares, 1.0]) @ self.matrix)
+        return Picture(_bytes(rgb), _bytes(labels), np.diag([*shares, 1.0]) @ self.matrix)
+
+
+def _bytes(array: npt.NDArray[Any]) -> ByteArray:
+    return np.asarray(array, np.uint8)
 
 
 def worn(page: Picture, look: Look, rng: np.random.Generator) -> Picture:
@@ -65,7 +71,7 @@ def worn(page: Picture, look: Look, rng: np.random.Generator) -> Picture:
         share = rng.uniform(0.5, 0.95)
         size = page.rgb.shape[1], page.rgb.shape[0]
         small = cv2.resize(page.rgb, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
-        page = replace(page, rgb=cv2.resize(small, size, interpolation=cv2.INTER_CUBIC))
+        page = replace(page, rgb=_bytes(cv2.resize(small, size, interpolation=cv2.INTER_CUBIC)))
     return replace(page, rgb=_recorded(page.rgb, rng))
 
 
@@ -83,7 +89,7 @@ def _recorded(rgb: ByteArray, rng: np.random.Generator) -> ByteArray:
         low, high = rng.uniform(0, 70), rng.uniform(200, 255)
         rgb = (low + rgb * ((high - low) / 255)).astype(np.uint8)
     if rng.random() < 0.02:
-        rgb = 255 - rgb
+        rgb = _bytes(255 - rgb)
     if rng.random() < 0.5:
         quality = int(rng.uniform(30, 92))
         _, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
@@ -106,17 +112,15 @@ def _turned(page: Picture, quarters: int) -> Picture:
 def _wobbled(page: Picture, rng: np.random.Generator) -> Picture:
     """Lines that no ruler drew. Vectors keep their places, to within two or three pixels."""
     height, width = page.rgb.shape[:2]
-    maps = []
-    for grid in np.meshgrid(
-        np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)
-    ):
+    grids = np.meshgrid(*(np.arange(side, dtype=np.float32) for side in (width, height)))
+    shifts = []
+    for _ in grids:
         coarse = rng.normal(0, rng.uniform(0.5, 2.0), (height // 40 + 2, width // 40 + 2))
-        smooth = cv2.resize(
-            coarse.astype(np.float32), (width, height), interpolation=cv2.INTER_CUBIC
-        )
-        maps.append(grid.astype(np.float32) + smooth)
-    rgb = cv2.remap(page.rgb, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    labels = cv2.remap(page.labels, *maps, cv2.INTER_NEAREST)
+        smooth = cv2.resize(coarse, (width, height), interpolation=cv2.INTER_CUBIC)
+        shifts.append(np.asarray(smooth, np.float32))
+    x, y = grids[0] + shifts[0], grids[1] + shifts[1]
+    rgb = _bytes(cv2.remap(page.rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))
+    labels = _bytes(cv2.remap(page.labels, x, y, cv2.INTER_NEAREST))
     grain = rng.normal(0, 8, (height, width, 1)).astype(np.float32)
     # Pencil is lighter where the paper is rough.
     pencil = np.clip(rgb + grain * (255 - rgb.min(axis=2, keepdims=True)) / 255, 0, 255)
