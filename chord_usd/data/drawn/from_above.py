@@ -47,7 +47,10 @@ def _lay(canvas: Canvas, picture: ByteArray, box: Box, shift_m: FloatArray) -> N
     size = np.ceil(far).astype(int) + 2 - low
     source = np.array([[0, 0], [0, height], [width, height]], np.float32) - 0.5
     matrix = cv2.getAffineTransform(source, (target - low).astype(np.float32))
-    placed = cv2.warpAffine(picture, matrix, (int(size[0]), int(size[1])), flags=cv2.INTER_AREA)
+    wide, tall = size.tolist()
+    placed = np.asarray(
+        cv2.warpAffine(picture, matrix, (wide, tall), flags=cv2.INTER_AREA), np.uint8
+    )
     canvas.paste((int(low[0]), int(low[1])), placed[..., :3], placed[..., 3] / 255)
 
 
