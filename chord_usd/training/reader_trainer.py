@@ -39,10 +39,10 @@ _LOG_STEPS = 20
 _END_RATE = 0.02
 """Share of the learning rate at which a run ends."""
 
-_BUILT_WEIGHTS = (1.0, 1.0, 2.0, 5.0, 4.0, 3.0, 4.0)
-_LAID_WEIGHTS = (1.0, 3.0, 1.5, 1.5)
+_BUILT_WEIGHTS = (1.0, 1.0, 2.0, 8.0, 6.0, 4.0, 6.0)
+_LAID_WEIGHTS = (1.0, 6.0, 2.5, 3.0)
 """Of the classes in the loss: thin ones have few pixels."""
-_LAID_SHARE, _POINTS_SHARE = 0.5, 0.1
+_LAID_SHARE, _POINTS_SHARE, _OVERLAP_SHARE = 0.5, 0.1, 0.3
 _LEAST_CHANCE = 1e-4
 
 
@@ -53,7 +53,7 @@ class ReaderTraining:
     minutes: float = 60.0
     batch: int = 4
     learning_rate: float = 2e-3
-    warmup_steps: int = 100
+    warmup_steps: int = 50
     cooldown_share: float = 0.7
     """Last share of the budget in which the learning rate falls to a fiftieth."""
     weight_decay: float = 0.01
@@ -163,7 +163,7 @@ def batch_losses(network: ReaderNetwork, batch: Batch) -> Tensor:
     of_points = _point_loss(said_points, heat.float() / 255)
     losses = (
         of_built, _LAID_SHARE * of_laid, _POINTS_SHARE * of_points,
-        0.3 * _overlap_loss(said_built, built),
+        _OVERLAP_SHARE * (_overlap_loss(said_built, built) + _overlap_loss(said_laid, laid)),
     )  # fmt: skip
     return torch.stack(losses)
 
@@ -177,11 +177,11 @@ def _point_loss(said: Tensor, heat: Tensor) -> Tensor:
     return -(hit + miss).sum() / is_point.sum().clamp(min=1)
 
 
-def _overlap_loss(said: Tensor, built: Tensor) -> Tensor:
+def _overlap_loss(said: Tensor, labels: Tensor) -> Tensor:
     """One minus the soft overlap (Dice) of each class that is there; a door counts as much as a
     floor."""
     chances = said.softmax(dim=1)
-    true = functional.one_hot(built.long(), OUTPUTS[0]).permute(0, 3, 1, 2).to(chances.dtype)
+    true = functional.one_hot(labels.long(), said.shape[1]).permute(0, 3, 1, 2).to(chances.dtype)
     both = (chances * true).sum(dim=(0, 2, 3))
     either = (chances + true).sum(dim=(0, 2, 3))
     is_there = true.sum(dim=(0, 2, 3)) > 0
