@@ -93,7 +93,7 @@ def train_reader(
         weights.step(losses.sum(), config.learning_rate * rate, config.gradient_clip, step)
         step, seen = step + 1, seen + losses.detach().cpu()
         if step % _LOG_STEPS == 0:
-            _log(folder, step, budget.spent, seen / _LOG_STEPS)
+            _log(folder, step, budget.spent, seen / min(_LOG_STEPS, step - first_step))
             seen = torch.zeros(4)
         if progress and step % 10 == 0:
             progress(round(budget.spent * 60), round(config.minutes * 60))
