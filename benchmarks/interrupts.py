@@ -52,6 +52,7 @@ VERBS: dict[str, str] = {
     "evaluate layouts": "evaluate layouts --n 4 --no-fid",
     "train bubbles": "train bubbles -o out --houses 300 --minutes 1",
     "train lists": "train lists -o out --minutes 1",
+    "train reader": "train reader -o out --minutes 1",
     "train plan2layout": "train plan2layout -o out --minutes 1",
     "assets add": "assets add library -o out",
     "assets build": "assets build -o out",

@@ -42,6 +42,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "train outline2plan": (),
     "train bubbles": (),
     "train lists": (),
+    "train reader": (),
     "train detector": (),
     "evaluate layouts": ("--from", "houses"),
     "evaluate ood": ("--houses", "houses"),

@@ -84,6 +84,15 @@ def add(verbs: Verbs) -> None:
         help="pieces of a room, or things on tables, desks and worktops (pieces)",
     )
     _add_flats(lists)
+    reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
+    _add_training_options(reader, minutes=60.0, batch=None)
+    reader.add_argument(
+        "--workers",
+        type=whole_number(0, 4096),
+        default=1,
+        metavar="N",
+        help="processes that draw (1)",
+    )
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -338,6 +347,29 @@ def _things(batch: int) -> Task:
     from chord_usd.training.things_data import batch_of, endless_batches, held_out
 
     return Task(THINGS, partial(endless_batches, batch), batch_of(held_out(500)))
+
+
+def run_reader(options: argparse.Namespace) -> Outcome:
+    """Runs train reader."""
+    from chord_usd.training.reader_data import held_out
+    from chord_usd.training.reader_trainer import ReaderTraining, train_reader
+
+    base = ReaderTraining()
+    config = replace(
+        base,
+        minutes=options.minutes,
+        batch=options.batch or base.batch,
+        workers=options.workers,
+        seed=options.seed,
+        device=_device(options),
+    )
+    watch = stopwatch(options)
+    with watch.step("draw"):
+        crops = held_out(24)
+    with watch.step("train") as progress:
+        facts = train_reader(config, options.output, crops, progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
 def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:

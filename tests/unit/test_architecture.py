@@ -27,7 +27,7 @@ ALLOWED: dict[str, set[str]] = {
     **{step: {"metrics"} for step in STEPS},
     "assets": set(),
     "metrics": set(),
-    "data": {"metrics"},
+    "data": {"assets", "metrics"},
     "training": {"planning", "lists", "layout", "graph", "data"},
     "evaluation": {"planning", "lists", "layout", "graph", "data", "metrics", "redraw"},
     "farm": set(),

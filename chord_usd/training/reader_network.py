@@ -1,0 +1,101 @@
+"""The network that reads pages: a U-Net from colours to what is built, what is drawn over it, and
+points."""
+
+from __future__ import annotations
+
+import copy
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+from chord_usd.page_labels import BUILT_NAMES, LAID_NAMES, POINT_NAMES
+
+CHANNELS = (16, 32, 80, 144, 224)
+"""From a half to a thirty-second of the page's resolution."""
+
+OUTPUTS = (len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES))
+
+_RARE_POINT = -4.0
+"""Logit of a point before anything is learned: there are few."""
+
+
+class _Layer(nn.Sequential):
+    """A convolution, normalised over the batch until it is fused."""
+
+    def __init__(self, inner: int, outer: int, size: int = 3, dilation: int = 1) -> None:
+        convolution = nn.Conv2d(
+            inner, outer, size, padding=dilation * (size // 2), dilation=dilation, bias=False
+        )
+        super().__init__(convolution, nn.BatchNorm2d(outer), nn.ReLU(inplace=True))
+
+
+def _pair(inner: int, outer: int) -> nn.Sequential:
+    return nn.Sequential(_Layer(inner, outer), _Layer(outer, outer))
+
+
+class ReaderNetwork(nn.Module):
+    """(B, 3, H, W) in [-1, 1] to (B, sum(OUTPUTS), H, W) logits; sides are multiples of 32."""
+
+    def __init__(self, channels: tuple[int, ...] = CHANNELS) -> None:
+        super().__init__()
+        self.stem = nn.Sequential(nn.PixelUnshuffle(2), _Layer(12, channels[0]))
+        inner = (channels[0], *channels[:-1])
+        self.down = nn.ModuleList(
+            _pair(a, b) if level else _Layer(a, b)
+            for level, (a, b) in enumerate(zip(inner, channels, strict=True))
+        )
+        self.middle = nn.Sequential(
+            *(_Layer(channels[-1], channels[-1], dilation=step) for step in (2, 4))
+        )
+        self.narrow = nn.ModuleList(_Layer(b, a, size=1) for a, b in pairwise(channels))
+        self.up = nn.ModuleList(
+            _pair(2 * a, a) if level else _Layer(2 * a, a) for level, a in enumerate(channels[:-1])
+        )
+        self.out = nn.Sequential(nn.Conv2d(channels[0], 4 * sum(OUTPUTS), 1), nn.PixelShuffle(2))
+        with torch.no_grad():
+            bias = self.out[0].bias
+            assert isinstance(bias, Tensor)
+            bias.zero_()[-4 * OUTPUTS[-1] :] = _RARE_POINT
+
+    def forward(self, rgb: Tensor) -> Tensor:
+        """Logits of all heads, one after the other."""
+        now = self.stem(rgb)
+        seen = []
+        for level, down in enumerate(self.down):
+            now = down(functional.max_pool2d(now, 2) if level else now)
+            seen.append(now)
+        now = now + self.middle(now)
+        for level in reversed(range(len(self.up))):
+            above = functional.interpolate(self.narrow[level](now), scale_factor=2.0)
+            now = self.up[level](torch.cat([above, seen[level]], dim=1))
+        logits: Tensor = self.out(now)
+        return logits
+
+
+class Reading(nn.Module):
+    """The network as it is shipped: fused, and saying chances."""
+
+    def __init__(self, network: ReaderNetwork) -> None:
+        super().__init__()
+        self.network = fused(network)
+
+    def forward(self, rgb: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Chances of what is built, of what is drawn over it, and of points."""
+        built, laid, points = self.network(rgb).split(OUTPUTS, dim=1)
+        return built.softmax(dim=1), laid.softmax(dim=1), points.sigmoid()
+
+
+def fused(network: ReaderNetwork) -> ReaderNetwork:
+    """A copy whose convolutions do what normalisation did after them."""
+    copied = copy.deepcopy(network).eval()
+    for layer in copied.modules():
+        if isinstance(layer, _Layer):
+            convolution, norm = layer[0], layer[1]
+            assert isinstance(convolution, nn.Conv2d)
+            assert isinstance(norm, nn.BatchNorm2d)
+            layer[0] = fuse_conv_bn_eval(convolution, norm)
+            layer[1] = nn.Identity()
+    return copied
