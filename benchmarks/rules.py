@@ -13,7 +13,6 @@ import argparse
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from results import write_section
@@ -24,33 +23,14 @@ from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
 from chord_usd.graph.arrange import RULES
 from chord_usd.graph.extract import extract_graph
 from chord_usd.metrics.scores import SceneScores, score_scene
+from chord_usd.redraw import Draw, unbuildable
 from chord_usd.types import LayoutImage, Plan, SceneGraph
 
-BUILDING: Mapping[str, Callable[[SceneGraph, Any], SceneGraph]] = {
-    "kitchen units end before openings": lambda graph, database: _ends(graph, database),
-    "a step aside": lambda graph, _: _aside(graph),
-    "what shuts a room is left out": lambda graph, _: _let_in(graph),
-    "on the wall, chairs drawn out": lambda graph, _: pipeline.settle(graph),
+BUILDING: Mapping[str, Callable[[SceneGraph], SceneGraph]] = {
+    "what stands in the way is left out": lambda graph: graph.without(unbuildable(graph, Draw())),
+    "on the wall, chairs drawn out": pipeline.settle,
 }
 """Steps of the pipeline after reading."""
-
-
-def _ends(graph: SceneGraph, database: Any) -> SceneGraph:
-    from chord_usd.graph.ends import end_before_openings
-
-    return end_before_openings(graph, database)
-
-
-def _aside(graph: SceneGraph) -> SceneGraph:
-    from chord_usd.graph.aside import step_aside
-
-    return step_aside(graph)
-
-
-def _let_in(graph: SceneGraph) -> SceneGraph:
-    from chord_usd.graph.aside import shut_in
-
-    return graph.without(shut_in(graph))
 
 
 def _arranged(
@@ -60,7 +40,7 @@ def _arranged(
     graph = extract_graph(layout, plan, reader.database, reader.detector, without=out)
     for name, step in BUILDING.items():
         if name not in out:
-            graph = step(graph, reader.database)
+            graph = step(graph)
     return graph
 
 

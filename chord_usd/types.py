@@ -51,8 +51,7 @@ one that it would not have put there (layout.outlier)."""
 
 MOVED = "moved_m"
 """Key of Item.extra: how far an item was moved from where the raster has it: chairs off the table
-that they run into (stage.seats), panels onto their wall (stage.hanging), what reaches before a door
-out of its way (graph.ends, graph.aside)."""
+that they run into (stage.seats), panels onto their wall (stage.hanging)."""
 
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:

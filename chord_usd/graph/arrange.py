@@ -15,11 +15,10 @@ from chord_usd.graph.fit import is_built_in
 from chord_usd.graph.flush import Standing, part, pull_into
 from chord_usd.graph.free_floor import FreeFloor, Painted
 from chord_usd.graph.match import FLUSH_PX
-from chord_usd.graph.panels import end_with_wall
 from chord_usd.graph.runs import level_fronts
 from chord_usd.graph.seating import seat_chairs
 from chord_usd.graph.usual import grow_to_usual
-from chord_usd.palette import Mount, category
+from chord_usd.palette import category
 from chord_usd.types import Box, Item, LayoutImage, PixelFrame, Room, SceneGraph
 
 
@@ -81,14 +80,6 @@ def _parted(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
     return [standing.on(item.box) for standing, item in zip(standings, items, strict=True)]
 
 
-def _ended_with_walls(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
-    floor = room_polygon(room)
-    return [
-        end_with_wall(item.box, floor) if category(item.category).mount is Mount.WALL else item.box
-        for item in items
-    ]
-
-
 def _levelled(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
     built_in = [is_built_in(category(item.category)) for item in items]
     units = [item.box for item, is_unit in zip(items, built_in, strict=True) if is_unit]
@@ -121,7 +112,6 @@ def _below_sills(graph: SceneGraph, seen: Seen) -> SceneGraph:
 RULES: Mapping[str, Rule] = {
     "cut at the room's edge": _room_by_room(_cut_at_walls),
     "neighbours parted": _room_by_room(_parted),
-    "panels end with their wall": _room_by_room(_ended_with_walls),
     "one depth of kitchen units": _room_by_room(_levelled),
     "off the floor before openings": _off_free_floor,
     "below window sills": _below_sills,

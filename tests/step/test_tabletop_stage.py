@@ -99,7 +99,7 @@ class TestTraining:
         with pytest.raises(CheckpointError, match="built differently"):
             adopt(LayoutNetwork(TINY), LayoutNetwork(replace(TINY_HOUSE, channels=(16, 48))))
         house = PRESETS["default"]
-        apart = ("level", "default_steps", "default_sampler", "front_amplitude")
+        apart = ("level", "draft", "default_steps", "default_sampler", "front_amplitude")
         assert replace(TABLE, **{name: getattr(house, name) for name in apart}) == house
 
 
