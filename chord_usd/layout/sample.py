@@ -39,7 +39,7 @@ from chord_usd.types import (
 
 RGB_CHANNELS = 3
 
-DRAFTED_SHARE = 0.3
+DRAFTED_SHARE = 0.2
 """Share of the walk's steps that are taken where a draft says what a house holds."""
 MOSTLY = 0.99
 """Of the floor, to count as all of it: outlines are rounded to pixels."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -37,6 +38,9 @@ metre of overlap."""
 WISHED = 4
 """Times as many drafts."""
 
+ROUNDS = 4
+"""So often at most drafts are drawn of a room, as long as the best of it has faults."""
+
 
 @dataclass(frozen=True)
 class Drafts:
@@ -44,8 +48,8 @@ class Drafts:
 
     seed: int = 0
     count: int = 1
-    """Of each room, WISHED times as many where something is wanted; the one with the fewest faults
-    is taken, of equal ones the likeliest."""
+    """Of each room in a round, WISHED times as many where something is wanted; the one with the
+    fewest faults is taken, of equal ones the likeliest. More than one in all: up to ROUNDS."""
     heat: Heat = HEAT
     teacher: Teacher = "homes"
 
@@ -78,24 +82,43 @@ def furnish_by_lists(
         if room.id in chosen
     ]
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
-    told = _drawn(jobs, wishes, drawer, drafts)
-    tries = [
-        [own[draft % len(own)] for own in told] for draft in range(max(map(len, told), default=1))
-    ]
-    rooms_drawn = [room for room, _ in jobs]
-    best = tries[0] if len(tries) == 1 else _best(house, rooms_drawn, tries, wishes)
-    return replace(house, items=(*there, *(item for own, _ in best for item in own)))
+    rng = np.random.default_rng(drafts.seed)
+    best: dict[int, _Try] = {}
+    due = list(range(len(jobs)))
+    for _ in range(ROUNDS if drafts.count > 1 else 1):
+        own_jobs, own_wishes = [jobs[at] for at in due], [wishes[at] for at in due]
+        told = _drawn(own_jobs, own_wishes, drawer, drafts, rng)
+        _keep_best(house, jobs, wishes, dict(zip(due, told, strict=True)), best)
+        due = [at for at in due if best[at].key > _FAULTLESS]
+        if not due:
+            break
+    return replace(house, items=(*there, *(item for at in sorted(best) for item in best[at].items)))
+
+
+class _Try(NamedTuple):
+    """A draft of a room that is the best so far."""
+
+    key: tuple[int, float]
+    """What it lacks of what is wanted, and its faults."""
+    unlikely: float
+    items: list[Item]
+
+
+_FAULTLESS = (0, 0.0)
 
 
 def _drawn(
-    jobs: Sequence[tuple[Room, Around]], wishes: Sequence[Asked], drawer: ListDrawer, drafts: Drafts
+    jobs: Sequence[tuple[Room, Around]],
+    wishes: Sequence[Asked],
+    drawer: ListDrawer,
+    drafts: Drafts,
+    rng: np.random.Generator,
 ) -> list[list[_Told]]:
     """All drafts of every room."""
     subjects = [_subject(around, own) for (_, around), own in zip(jobs, wishes, strict=True)]
     counts = [drafts.count * (WISHED if own.wanted else 1) for own in wishes]
     order = [at for draft in range(max(counts, default=0)) for at, n in enumerate(counts)
              if draft < n]  # fmt: skip
-    rng = np.random.default_rng(drafts.seed)
     drawn = drawer.draw([subjects[at] for at in order], rng, drafts.heat)
     # Once more, around pieces that were made as long as they are wanted.
     sized = [nth for nth, at in enumerate(order) if wishes[at].has_lengths]
@@ -141,43 +164,46 @@ def _told(room: Room, around: Around, drawn: Drawn) -> _Told:
     return items_from(drawn.elements, around, room.id), drawn.likelihood / values
 
 
-def _best(
+def _keep_best(
     house: SceneGraph,
-    rooms: Sequence[Room],
-    tries: Sequence[Sequence[_Told]],
+    jobs: Sequence[tuple[Room, Around]],
     wishes: Sequence[Asked],
-) -> list[_Told]:
-    """Of each room, the draft that lacks the least of what is wanted, then has the fewest faults,
-    then is the likeliest."""
-    faults = [
-        room_faults(
-            replace(house, items=(*house.items, *(item for own, _ in one for item in own))), rooms
-        )
-        for one in tries
-    ]
-    best = []
-    for index in range(len(rooms)):
-        order = [
-            (len(wishes[index].missing(one[index][0])), own[index], -one[index][1], i)
-            for i, (own, one) in enumerate(zip(faults, tries, strict=True))
-        ]
-        best.append(tries[min(order)[-1]][index])
-    return best
+    told: Mapping[int, Sequence[_Told]],
+    best: dict[int, _Try],
+) -> None:
+    """Of each room, keep the draft that lacks the least of what is wanted, then has the fewest
+    faults, then is the likeliest. told: drafts by number of the job."""
+    rooms = [jobs[at][0] for at in told]
+    settled = [item for at, one in best.items() if at not in told for item in one.items]
+    for draft in range(max(map(len, told.values()), default=0)):
+        tried = {at: own[draft % len(own)] for at, own in told.items()}
+        items = (*house.items, *settled, *(item for own, _ in tried.values() for item in own))
+        faults = room_faults(replace(house, items=items), rooms, unpainted=True)
+        for (at, (own, likelihood)), fault in zip(tried.items(), faults, strict=True):
+            found = _Try((len(wishes[at].missing(own)), fault), -likelihood, own)
+            if at not in best or found[:2] < best[at][:2]:
+                best[at] = found
 
 
 def room_faults(
     graph: SceneGraph,
     rooms: Sequence[Room],
     excluded: Mapping[str, Collection[str]] | None = None,
+    *,
+    unpainted: bool = False,
 ) -> list[float]:
     """How much is wrong in each of these rooms; 0 is good.
 
     Per piece, in square metres or what weighs as much: pieces in each other, beyond walls, before
     openings, off their places. A total would favour short lists. Then essentials that are missing,
     but for those of excluded categories, by room id.
+
+    unpainted: whether what stands before openings is missing, since the painter may not paint it.
     """
     blocked = {one.item for one in blocked_openings(graph)}
     homely = {one.room: one for one in homely_rooms(graph)}
+    stays = homely_rooms(graph.without(blocked)) if unpainted and blocked else homely.values()
+    lacks = {one.room: one.missing for one in stays}
     faults = []
     for room in rooms:
         items = tuple(graph.items_of(room.id))
@@ -190,7 +216,7 @@ def room_faults(
             total += BLOCKED * (item.id in blocked)
         found = homely[room.id]
         total += MISPLACED * len(found.misplaced)
-        missing = [n for n in found.missing if not _is_excluded(n, room, excluded or {})]
+        missing = [n for n in lacks[room.id] if not _is_excluded(n, room, excluded or {})]
         faults.append(round(MISSING * len(missing) + total / max(1, len(items)), 4))
     return faults
 

@@ -142,7 +142,7 @@ def test_batches_depend_on_the_seed_alone() -> None:
 
 
 def test_lists_alone_are_scored(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    command = ["evaluate", "layouts", "--lists", str(folder), "--drafts", "2", "--n", "2"]
+    command = ["evaluate", "layouts", "--lists", str(folder), "--unpainted", "2", "--n", "2"]
     assert main([*command, "--no-fid", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["steps"] == 0
