@@ -146,7 +146,7 @@ def test_a_config_of_other_types_is_told_or_means_the_same(
         except CheckpointError:
             continue
         # Numbers may be others, lists shorter; anything may be said of the training.
-        like = strange in ({}, []) or type(right) in (int, float) or path == ("training",)
+        like = strange in ({}, []) or type(right) in (bool, int, float) or path == ("training",)
         assert like, (strange, found)
 
 
