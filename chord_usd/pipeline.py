@@ -127,8 +127,7 @@ def generate(
             times=settings.redraws, progress=progress,
         )  # fmt: skip
         graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
-        left_out = unbuildable(graph, draw)
-        graph = graph.without(left_out)
+        graph = graph.without(unbuildable(graph, draw))
         draw.refuse_lacking(graph)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
@@ -140,6 +139,8 @@ def generate(
             graph = tabletops.graph
     with watch.step("stage"):
         graph = settle(graph)
+        built = {item.id for item in graph.items}
+        left_out = tuple(item.id for item in mended.graph.items if item.id not in built)
         stage = write_stage(graph, stage_path, settings)
     return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms, left_out)
 

@@ -24,24 +24,36 @@ _ASKEW_M = 0.01
 
 _THERE_M = 1e-4
 
+_AT_WALL_M = 0.01
+"""What is farther from a wall does not hang on it (stage.check_contact)."""
+
 
 def hang_on_walls(
     graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
 ) -> SceneGraph:
-    """The house with what hangs on walls touching them, where it was within REACH_M of one.
+    """The house with what hangs on walls touching them, where it was within REACH_M of one, and
+    without what would hang nowhere.
 
     rooms: ids of the rooms whose panels may move, by default all. but: ids of items that stay.
     """
     floors = {room.id: room_polygon(room) for room in graph.rooms if not rooms or room.id in rooms}
-    items = tuple(
-        _hung(item, floors[item.room_id])
-        if category(item.category).mount is Mount.WALL
-        and item.room_id in floors
-        and item.id not in but
-        else item
-        for item in graph.items
-    )
-    return replace(graph, items=items)
+    items = []
+    for item in graph.items:
+        is_panel = category(item.category).mount is Mount.WALL
+        if is_panel and item.room_id in floors and item.id not in but:
+            floor = floors[item.room_id]
+            item = _hung(item, floor)
+            if not _hangs(item, floor):
+                continue
+        items.append(item)
+    return replace(graph, items=tuple(items))
+
+
+def _hangs(item: Item, floor: shapely.Polygon) -> bool:
+    """Whether both ends of a back are at a wall, or in one."""
+    ends = shapely.points(footprint(item.box)[[0, 3]])
+    at_wall = shapely.distance(floor.exterior, ends) <= _AT_WALL_M
+    return bool(np.all(at_wall | ~shapely.contains(floor, ends)))
 
 
 def _hung(item: Item, floor: shapely.Polygon) -> Item:
