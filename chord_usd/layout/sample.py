@@ -390,7 +390,8 @@ def _first_step(steps: int, inside: BoolArray, drafts: Sequence[State] | None) -
     if drafts is None:
         return 0
     known = (np.stack(drafts) != 0).any(axis=1, keepdims=True)
-    return round(steps * (1.0 - DRAFTED_SHARE)) if known[inside].mean() > MOSTLY else 0
+    late = min(round(steps * (1.0 - DRAFTED_SHARE)), steps - 1)
+    return late if known[inside].mean() > MOSTLY else 0
 
 
 def _held(state: State, noise: State, kept: _Kept | None, alpha: float) -> State:

@@ -9,21 +9,21 @@ import pytest
 import torch
 
 from chord_usd import raster
-from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint
+from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.config import PRESETS
 from chord_usd.layout.draft import DRAFT_PLANES, Draft
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.layout.transfer import take_up
-from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.training.drafts import rough_draft
 from chord_usd.types import SceneGraph
 
 
 @pytest.fixture(scope="module")
 def pure() -> LayoutNetwork:
-    return load_checkpoint(checkpoint_folder("plan2layout"), "cpu").network
+    torch.manual_seed(0)
+    return LayoutNetwork(replace(PRESETS["default"], draft=False)).eval()
 
 
 @pytest.fixture(scope="module")
@@ -81,4 +81,14 @@ def test_the_walk_begins_late_where_all_floor_is_known(
             drafts=[draft],
             progress=lambda done, total: totals.append(total),
         )
-    assert totals == [2] * 2 + [5] * 5 + [5] * 5
+    assert totals == [1] + [5] * 5 + [5] * 5
+
+
+@pytest.mark.parametrize("steps", [1, 2])
+def test_one_step_is_taken_at_least(
+    drafted: LayoutNetwork, furnished_house: SceneGraph, steps: int
+) -> None:
+    model = LayoutModel(TorchDenoiser(Checkpoint(drafted, drafted.config)))
+    image = raster.draw_plan(furnished_house.plan)
+    whole = Draft.of(furnished_house.items, furnished_house.rooms, image.frame)
+    assert model.sample_batch([image], seeds=[0], steps=steps, drafts=[whole])
