@@ -1,5 +1,5 @@
-# make house   set up, furnish an example plan and render it into out/
-# make test    set up and run the tests
+# make house   set up the core, furnish an example plan and render it into out/
+# make test    set up all extras, too, and run the tests
 # make lint    ruff and mypy
 # make extension   build the Blender extension into dist/
 
@@ -15,18 +15,25 @@ BLENDER_LIBRARIES := libegl1 libgl1 libgomp1 libice6 libopengl0 libsm6 libx11-6 
 # Blender's own tool, out of the bpy wheel.
 BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py
 
-.PHONY: setup house test lint wheel extension clean
+.PHONY: setup setup-dev house test lint wheel extension clean
 
 setup: .venv/.ready
+
+setup-dev: .venv/.ready-dev
 
 .venv/.ready: pyproject.toml setup.py constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' \
 		|| { echo "error: $(PYTHON) is not Python 3.11, which bpy asks for. Try: make PYTHON=/path/to/python3.11"; exit 2; }
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || $(call install,python3.11-venv)
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --upgrade-strategy only-if-needed -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --upgrade-strategy only-if-needed -c constraints.txt -e .
 	@! ldd $(BIN)/../lib/python3.11/site-packages/bpy/__init__.so 2>/dev/null | grep -q 'not found' \
 		|| $(call install,$(BLENDER_LIBRARIES))
+	@touch $@
+
+# All extras, on top of what is there.
+.venv/.ready-dev: .venv/.ready
+	$(BIN)/python -m pip install --quiet --upgrade-strategy only-if-needed -c constraints.txt -e '.[dev]'
 	@touch $@
 
 # Debian packages: installed when we may, named when we may not.
@@ -40,12 +47,12 @@ house: setup
 	$(BIN)/chord-usd generate $(PLAN) -o out/house.usda --layout-out out/layout.png --preview out/plan.png
 	$(BIN)/chord-usd render out/house.usda -o out/pictures $(CAMERAS:%=--camera %) --samples 32 --resolution 960x540
 
-test: setup
+test: setup-dev
 	@command -v strace >/dev/null || $(call install,strace)
 	$(BIN)/python -m pytest -n 2 tests/unit
 	$(BIN)/python -m pytest tests/step tests/end_to_end
 
-lint: setup
+lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy chord_usd

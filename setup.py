@@ -1,4 +1,4 @@
-"""Puts materials/ and checkpoints/ inside the wheel; everything else is in pyproject.toml."""
+"""Puts what is no code inside the wheel; everything else is in pyproject.toml."""
 
 from setuptools import find_packages, setup
 
@@ -10,6 +10,9 @@ SHIPPED = {
 setup(
     packages=[*find_packages(include=["chord_usd*"]), *SHIPPED],
     package_dir=SHIPPED,
-    package_data={"chord_usd": ["py.typed"], **{name: ["**/*"] for name in SHIPPED}},
+    package_data={
+        "chord_usd": ["py.typed", "planning/*.onnx"],
+        **{name: ["**/*"] for name in SHIPPED},
+    },
     include_package_data=False,
 )

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from chord_usd.commands.common import Outcome, Parser
 from chord_usd.progress import held_lines
 from chord_usd.runtime import console
+from chord_usd.runtime.extras import missing_extra
 from chord_usd.runtime.locations import keep_caches
 from chord_usd.runtime.offline import stay_offline
 
@@ -122,6 +123,8 @@ def _tell(outcome: Outcome, *, as_json: bool) -> None:
 
 def _sentence(error: Exception) -> str:
     """One line that says what, where, expected and what to try."""
+    if isinstance(error, ImportError):
+        error = missing_extra(error, "this verb") or error
     if isinstance(error, ChordError):
         sentence = str(error)
     elif isinstance(error, OSError) and error.filename:

@@ -17,7 +17,7 @@ from chord_usd.batch.records import (
     read_record,
 )
 from chord_usd.batch.shared import SHARED_FOLDERS
-from chord_usd.errors import MissingExtraError
+from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.files import deliver, write_atomic
 
 INDEX_FILE = "index.jsonl"
@@ -91,12 +91,8 @@ def write_parquet(rows: list[dict[str, Any]], folder: Path) -> Path:
 
 def require_parquet() -> None:
     """Raises MissingExtraError without pyarrow."""
-    try:
+    with needed_for("a Parquet index"):
         import pyarrow  # noqa: F401
-    except ImportError:
-        raise MissingExtraError(
-            "a Parquet index needs pyarrow", try_="pip install 'chord-usd[parquet]'"
-        ) from None
 
 
 def _figure_type(name: str) -> Any:

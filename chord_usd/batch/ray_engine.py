@@ -16,7 +16,8 @@ from typing import Any
 from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.lock import LOCK_FILE
 from chord_usd.batch.units import Unit
-from chord_usd.errors import ChordError, MissingExtraError, OutputError
+from chord_usd.errors import ChordError, OutputError
+from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.offline import refuse_telemetry, stay_offline
 
 KNOCK_SECONDS = 10.0
@@ -169,12 +170,8 @@ def _unable(unit: Unit, how: str) -> Result:
 
 def _import_ray() -> Any:
     refuse_telemetry()
-    try:
+    with needed_for("the Ray engine", "--engine local"):
         import ray
-    except ImportError:
-        raise MissingExtraError(
-            "the Ray engine needs ray", where="--engine ray", try_="pip install 'chord-usd[ray]'"
-        ) from None
     return ray
 
 

@@ -164,7 +164,15 @@ def add_part(parser: Parser) -> None:
     """The option --part."""
     parser.add_argument(
         "--part", type=whole_number(1, 1000), default=1, metavar="N",
-        help="which plan of a sheet, or storey of a file, by floor area (1, the largest)",
+        help="which plan of a sheet, by floor area, or storey, by rooms with doors (1, the most)",
+    )  # fmt: skip
+
+
+def add_rooms(parser: Parser) -> None:
+    """The option --rooms."""
+    parser.add_argument(
+        "--rooms", metavar="KINDS",
+        help='what rooms are, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"',
     )  # fmt: skip
 
 

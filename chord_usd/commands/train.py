@@ -1,4 +1,7 @@
-"""train: data -> checkpoint; every run takes up where it stopped."""
+"""train: data -> checkpoint; a run in the same folder is resumed.
+
+The detector is resumed from its weights alone: its optimizer starts anew.
+"""
 
 from __future__ import annotations
 

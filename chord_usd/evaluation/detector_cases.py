@@ -67,7 +67,7 @@ def generated_cases(
 
 
 def cases_of_files(files: Sequence[Path]) -> Iterator[Case]:
-    """Layout rasters of anybody's; their colours are the truth. Raises RasterError."""
+    """Layout rasters of anybody's; their colours are the truth. Raises SceneError."""
     for file in files:
         layout = read_layout(file)
         yield Case(file.stem, layout, read_by_colour(layout), None, False)

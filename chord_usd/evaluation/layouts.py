@@ -1,4 +1,7 @@
-"""Scores of first draws: what the model painted, read back, nothing moved; and arranged, beside."""
+"""Scores of first samples: what the model painted, read back; and the same arranged, beside.
+
+Reading snaps edges within half a pixel of a wall or of each other, and moves nothing else.
+"""
 
 from __future__ import annotations
 

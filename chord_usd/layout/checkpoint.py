@@ -21,7 +21,7 @@ from chord_usd.layout.description import (
     read_description,
 )
 from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.schedule import Walk, written_walk
+from chord_usd.layout.schedule import Walk, walk_of
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 
@@ -36,15 +36,21 @@ class Checkpoint:
     """First 16 hex digits of the SHA-256 of the weights file."""
     training: dict[str, Any] = field(default_factory=dict)
     """Steps, images, minutes, data; as the training run wrote it."""
+    walk: Walk = ()
+    """As Description has it; empty where that of the configuration is meant."""
 
     @property
     def description(self) -> Description:
         """The same without the network."""
-        return Description(self.config, self.content_hash, self.training, _walk(self.config))
+        return Description(
+            self.config, self.content_hash, self.training, self.walk or _walk(self.config)
+        )
 
 
 def _walk(config: LayoutConfig) -> Walk:
-    return written_walk(config) if config.prediction == "sample" else ()
+    if config.prediction != "sample":
+        return ()
+    return walk_of(config, config.default_sampler, config.default_steps)
 
 
 def save_checkpoint(folder: Path, network: LayoutNetwork, training: dict[str, Any]) -> None:
@@ -95,4 +101,6 @@ def load_checkpoint(folder: Path, device: str = "cpu") -> Checkpoint:
             try_="copy the checkpoint again",
         ) from error
     network.eval().requires_grad_(False)
-    return Checkpoint(network.to(device), found.config, found.content_hash, found.training)
+    return Checkpoint(
+        network.to(device), found.config, found.content_hash, found.training, found.walk
+    )

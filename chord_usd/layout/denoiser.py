@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from chord_usd.layout.description import REMEDY, Description, read_description
 from chord_usd.layout.device import choose_device
-from chord_usd.runtime.networks import Network, has_graph, load_network
+from chord_usd.runtime.extras import needed_for
+from chord_usd.runtime.networks import GRAPH_FILE, Network, has_graph, load_network
 
 GRAPH_INPUTS = ("state", "time", "pixels", "grid", "words")
 """The last only where the network attends to words."""
@@ -79,14 +80,15 @@ def load_denoiser(folder: Path, device: str) -> Denoiser:
     """The network of a checkpoint folder, without torch where that can be.
 
     device: auto, cpu or cuda. Raises CheckpointError for an unusable folder, ChordError where CUDA
-    is asked for and absent.
+    is asked for and absent, MissingExtraError where this takes torch and there is none.
     """
     chosen = choose_device(device)
     description = read_description(folder)
     if chosen == "cpu" and has_graph(folder):
         return OnnxDenoiser(load_network(folder, REMEDY), description)
 
-    from chord_usd.layout.checkpoint import load_checkpoint
-    from chord_usd.layout.torch_denoiser import TorchDenoiser
+    with needed_for(f"a checkpoint without {GRAPH_FILE}"):
+        from chord_usd.layout.checkpoint import load_checkpoint
+        from chord_usd.layout.torch_denoiser import TorchDenoiser
 
     return TorchDenoiser(load_checkpoint(folder, chosen), chosen)

@@ -28,7 +28,7 @@ class Description:
     training: dict[str, Any] = field(default_factory=dict)
     """Steps, images, minutes, data; as the training run wrote it."""
     walk: Walk = ()
-    """The default sampler's (schedule.written_walk); none in checkpoints of the paper's kind."""
+    """The default sampler's (schedule.walk_of); none in checkpoints of the paper's kind."""
 
 
 def read_description(folder: Path) -> Description:

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeVar
 
-from chord_usd.errors import ChordError
+from chord_usd.errors import ChordError, MissingExtraError
+from chord_usd.runtime.extras import needed_for
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -19,16 +20,23 @@ _NO_MEMORY_WORDS = ("not enough memory", "can't allocate memory", "out of memory
 
 
 def choose_device(name: str) -> str:
-    """auto, cpu, cuda or cuda:1 to what torch takes. Raises ChordError where there is no such
-    device."""
+    """auto, cpu, cuda or cuda:1 to what torch takes; auto is cpu where torch is not installed.
+
+    Raises ChordError where there is no such device, MissingExtraError where only torch is missing.
+    """
     if not re.fullmatch(r"auto|cpu|cuda(:\d{1,3})?", name):
         raise ChordError("unknown device", where=f"--device {name:.40}", expected="cpu or cuda")
     if name == "cpu":
         return name
-    has_cuda = _has_cuda()
+    try:
+        has_cuda = _has_cuda()
+    except MissingExtraError:
+        if name != "auto":
+            raise
+        has_cuda = False
     if name == "auto":
         return "cuda" if has_cuda else "cpu"
-    if name.startswith("cuda") and not has_cuda:
+    if not has_cuda:
         raise ChordError(
             "no CUDA device here", where=f"--device {name}", try_="--device cpu or --device auto"
         )
@@ -57,8 +65,8 @@ def _has_cuda() -> bool:
         ctypes.CDLL("nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1")
     except OSError:
         return False
-    import torch
-
+    with needed_for("a CUDA device", "--device cpu"):
+        import torch
     return torch.cuda.is_available()
 
 

@@ -18,12 +18,14 @@ from chord_usd.layout.known import bare_outside, bare_pixel, held_to_plan
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.mosaic import Mosaic, mosaic_of
 from chord_usd.layout.schedule import (
+    WALKED,
     DiffusersSampler,
     Sampler,
     State,
     WrittenSampler,
     alphas_cumprod,
     noised,
+    walk_of,
 )
 from chord_usd.layout.window import Window, WindowSize, window_of, window_size
 from chord_usd.progress import Progress
@@ -320,6 +322,9 @@ class LayoutModel:
     def _sampler(self, run: _Run) -> Sampler:
         walk = self.checkpoint.walk
         if run.sampler == self.config.default_sampler and run.steps == len(walk):
+            return WrittenSampler(walk, run.seeds)
+        if run.sampler in WALKED and self.config.prediction == "sample":
+            walk = walk_of(self.config, run.sampler, run.steps)
             return WrittenSampler(walk, run.seeds)
         return DiffusersSampler(self.config, run.sampler, run.steps, run.seeds)
 

