@@ -1,102 +1,296 @@
-"""What a room is, from what people call it, in nine languages and in draughtsmen's short forms."""
+"""What a room is, from what people call it, in 17 languages and in draughtsmen's short forms.
+
+The words are in room_words.tsv. A name is taken apart until its parts are words that are known:
+at blanks and separators, then compounds ("Elternschlafzimmer"), then letters that OCR confuses.
+A name most of which stays unknown is no room's: addresses, brands and sentences about rooms hold
+their words, too.
+"""
 
 from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import cast
 
+from chord_usd.room_words import ROOM_KINDS, WORDS, Word, plain, skeleton
 from chord_usd.types import RoomKind
 
-_KIND_WORDS: dict[RoomKind, str] = {
-    # English
-    "living": "living livingroom lounge parlour parlor sittingroom familyroom livingdining ldk"
-    " family theatre sitting greatroom reception"
-    # German, French, Spanish, Portuguese, Swedish, Finnish
-    " wohnzimmer wohnen wohnkueche wohnkuche stube sejour salon sala estar saladeestar"
-    " vardagsrum allrum storstuga olohuone oh tupakeittio tupa",
-    "dining": "dining diningroom breakfastroom dinette breakfast nook"
-    " esszimmer essen essplatz manger salleamanger comedor jantar saladejantar"
-    " matplats matsal matrum ruokailu ruokailutila ruokasali rt",
-    "bedroom": "bedroom masterbedroom secondbedroom guestroom kidsroom childrensroom childroom"
-    " childrenroom nursery elderlyroom masterroom secondroom japaneseroom tatamiroom"
-    " bed suite mastersuite br mbr"
-    " schlafzimmer schlafen kinderzimmer kind eltern gaestezimmer gastezimmer zimmer chambre"
-    " dormitorio habitacion recamara alcoba cuarto quarto suite"
-    " sovrum barnrum gastrum makuuhuone mh lastenhuone vierashuone alkovi alk",
-    "kitchen": "kitchen kitchenette pantrykitchen cookingarea kit"
-    " kueche kuche kochen kochnische cuisine kitchinette cocina cozinha kok koksdel pentry"
-    " keittio keittokomero kk k",
-    "bathroom": "bathroom bath toilet wc restroom washroom washingroom lavatory powderroom ensuite"
-    " masterbathroom secondbathroom showerroom shower powder ens"
-    " bad badezimmer dusche gaestewc gastewc duschbad bain salledebain salledebains sdb eau"
-    " salledeau toilettes douche bano aseo banheiro banho lavabo badrum dusch toalett bastu"
-    " kylpyhuone kh kph pesuhuone psh ph sauna suihku ub",
-    "balcony": "balcony terrace loggia veranda verandah patio deck porch alfresco cabana"
-    " balkon terrasse balcon balcao terraza terraco varanda sacada balkong terrass uteplats altan"
-    " parveke terassi kuisti lasitettu",
-    "corridor": "corridor hall hallway entrance entry entryway foyer vestibule aisle passage"
-    " passageway lobby stairs stairwell landing"
-    " flur diele gang eingang windfang treppenhaus treppe couloir entree degagement palier"
-    " pasillo vestibulo recibidor entrada corredor circulacao korridor kapprum trapphus"
-    " entre eteinen et kaytava aula tuulikaappi tk",
-    "study": "study studyroom office homeoffice workroom library den"
-    " arbeitszimmer buero buro arbeiten bureau estudio despacho oficina escritorio arbetsrum"
-    " kontor tyohuone th kirjasto",
-    "store": "store storage storeroom storageroom closet cloakroom wardrobe walkincloset pantry"
-    " utility utilityroom laundry laundryroom equipmentroom boxroom garage cellar robe wir wic clo"
-    " cl abstellraum abst abstellkammer hauswirtschaftsraum hwr keller ankleide garderobe"
-    " speisekammer speis vorrat technik cellier rangement placard dressing buanderie debarras"
-    " almacen trastero armario lavadero despensa arrumos lavanderia servico"
-    " forrad klk kladkammare kladvard tvatt tvattstuga skafferi garderob"
-    " varasto var vaatehuone vh kodinhoitohuone khh komero",
-    "unknown": "unknown undefined other room",
-}
-_KIND_OF_WORD = {word: kind for kind, words in _KIND_WORDS.items() for word in words.split()}
+LEADING: tuple[RoomKind, ...] = (
+    "living", "bedroom", "kitchen", "bathroom", "dining", "study", "balcony", "store", "corridor",
+)  # fmt: skip
+"""The kind of an open plan is that of its leading part; a wardrobe in a bedroom is no store."""
 
-_HAN_AND_KANA: dict[RoomKind, str] = {
-    "living": "客厅 客廳 起居 居间 居間 リビング 大厅 大廳 会客",
-    "dining": "餐厅 餐廳 饭厅 飯廳 食堂 ダイニング",
-    "bedroom": "卧室 臥室 卧房 臥房 主卧 主臥 次卧 次臥 客卧 儿童房 兒童房 洋室 和室 寝室 子供部屋"
-    " 主寝室 ベッドルーム",
-    "kitchen": "厨房 廚房 台所 キッチン 厨",
-    "bathroom": "卫生间 衛生間 卫 厕所 廁所 洗手间 洗手間 浴室 主卫 客卫 淋浴 洗面 脱衣 トイレ 便所"
-    " バス ユニットバス 浴",
-    "balcony": "阳台 陽台 露台 バルコニー ベランダ テラス",
-    "corridor": "走廊 走道 过道 過道 玄关 玄關 玄関 门厅 門廳 廊下 ホール 階段 楼梯 樓梯",
-    "study": "书房 書房 书斋 書斎 工作间 ワークスペース",
-    "store": "储藏 儲藏 储物 儲物 衣帽间 衣帽間 杂物 雜物 押入 物入 収納 納戸 クローゼット 洗衣",
-}
-_LONGEST_FIRST = sorted(
-    ((word, kind) for kind, words in _HAN_AND_KANA.items() for word in words.split()),
-    key=lambda row: -len(row[0]),
-)
+_LEAST_KNOWN = 0.5
+"""Share of a name's letters that must be known."""
 
-_FLATTENED = str.maketrans({"ß": "ss", "ø": "o", "æ": "ae", "œ": "oe", "ð": "d", "ł": "l"})
+_OPEN_PLAN: frozenset[RoomKind] = frozenset({"living", "dining", "kitchen"})
+_ANNEXES: frozenset[RoomKind] = frozenset({"bathroom", "store", "balcony", "corridor"})
+"""Named after the room that they belong to: "Bedroom closet"."""
 
-_SHORTEST_PART = 5
-"""A shorter word inside a longer one is chance: "den" in "Garden"."""
+_LONGEST_PHRASE = 4
+_LONGEST_NAME = 80
+_SHORTEST_COMPOUND, _SHORTEST_PART = 6, 3
+_LINKS = ("s", "n", "en", "e")
+"""Letters between the parts of German, Dutch and Scandinavian compounds."""
+
+_SHORTEST_ABBREVIATION = 4
+_SHORTEST_LOOKALIKE, _SHORTEST_MISSPELT = 5, 8
+"""In letters: shorter words are too near to one another."""
+_UNITS = frozenset(("m", "cm", "mm", "qm", "kvm", "sqm", "sq", "ft", "sf", "in", "feet", "jo"))
+
+_TOKEN = re.compile(r"[^\W_]+\.?|[/+&,;|()\n]")
+_NUMBERED = re.compile(r"(\d*)(.*?)(\d*)(\.?)")
+_UNBLANKED = re.compile(r"[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af々〆]+")
+"""Scripts that put no blanks between words."""
 
 
 def room_kind(name: str) -> RoomKind:
     """The kind that a room's name speaks of ("Master Bedroom 2" -> "bedroom"), else "unknown".
 
-    Names may be English, German, French, Spanish, Portuguese, Swedish, Finnish, Chinese or
-    Japanese. The longest known word decides where several are joined to one.
+    Of several rooms in one name ("Kitchen / Dining Room") the leading one counts. What is not
+    mostly made of known words has no kind, nor has what speaks of streets, firms or the sheet.
     """
-    folded = unicodedata.normalize("NFKC", name).casefold()
-    for word, kind in _LONGEST_FIRST:
-        if word in folded:
-            return kind
+    return _kind(name) if len(name) <= _LONGEST_NAME else "unknown"
+
+
+@lru_cache(4096)
+def _kind(name: str) -> RoomKind:
+    folded = unicodedata.normalize("NFKC", _humps_parted(name)).casefold()
     # Japanese sheets: LDK, DK and K, with the area behind them.
     if match := re.match(r"[^a-z]*(s?ldk|ld|dk)(?![a-z])", folded):
         return "living" if "l" in match[1] else "kitchen"
-    words = re.findall(r"[a-z]+", _without_accents(folded))
-    joined = "".join(words)
-    for candidate in (joined, *reversed(words)):
-        if candidate in _KIND_OF_WORD:
-            return _KIND_OF_WORD[candidate]
-    known = (word for word in _KIND_OF_WORD if len(word) >= _SHORTEST_PART and word in joined)
-    return _KIND_OF_WORD.get(max(known, key=len, default=""), "unknown")
+    pieces = _pieces(folded)
+    if any(piece.means == "not" for piece in pieces):
+        return "unknown"
+    told = [piece for piece in pieces if piece.means not in ("page", "of", "and", "part")]
+    letters = sum(piece.letters for piece in told)
+    known = sum(piece.letters for piece in told if piece.means)
+    if not letters or known / letters < _LEAST_KNOWN:
+        return "unknown"
+    found = [_kind_of_part(part) for part in _parts(pieces)]
+    kinds = {kind for kind in found if kind}
+    if not kinds and known == letters and not any(piece.means == "page" for piece in pieces):
+        kinds = {cast(RoomKind, piece.means) for piece in pieces if piece.means in ROOM_KINDS}
+    return min(kinds, key=LEADING.index, default="unknown")
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A word, or several that are one, and what is known of it."""
+
+    means: str
+    """A kind of room, a role (see room_words.tsv), "part" for a separator, or "" if unknown."""
+    letters: int
+    is_weak: bool = False
+    """Whether it counts only where nothing unknown stands beside."""
+
+
+def _pieces(folded: str) -> list[_Piece]:
+    """The words of a name in the order in which they are written."""
+    found: list[_Piece] = []
+    end = 0
+    for run in _UNBLANKED.finditer(folded):
+        found += [*_spaced(folded[end : run.start()]), *_unblanked(run[0])]
+        end = run.end()
+    return [*found, *_spaced(folded[end:])]
+
+
+def _kind_of_part(part: list[_Piece]) -> RoomKind | None:
+    """What stands between separators: most languages say last what the room is."""
+    kinds: list[RoomKind] = []
+    for piece in part:
+        if piece.means == "of" and kinds:
+            break
+        if piece.means in ROOM_KINDS and not piece.is_weak:
+            kinds.append(cast(RoomKind, piece.means))
+    if not kinds:
+        return None
+    if kinds[-1] not in _ANNEXES and _OPEN_PLAN.issuperset(kinds):
+        return min(kinds, key=LEADING.index)
+    return kinds[-1]
+
+
+def _parts(pieces: Iterable[_Piece]) -> list[list[_Piece]]:
+    parts: list[list[_Piece]] = [[]]
+    for piece in pieces:
+        if piece.means in ("part", "and"):
+            parts.append([])
+        else:
+            parts[-1].append(piece)
+    return parts
+
+
+# Words with blanks between them -------------------------------------------------------------------
+
+
+def _spaced(text: str) -> Iterator[_Piece]:
+    tokens = _tokens(text)
+    index = 0
+    while index < len(tokens):
+        token = tokens[index]
+        if _is_sign(token):
+            if token in "/+&,;|()\n":
+                yield _Piece("part", 0)
+            index += 1
+            continue
+        taken, word = _phrase(tokens, index)
+        if word is not None:
+            yield _piece(word, sum(map(len, tokens[index : index + taken])))
+        else:
+            is_counted = index > 0 and tokens[index - 1] == "#"
+            yield from _single(token, is_alone=len(tokens) == 1, is_counted=is_counted)
+        index += taken
+
+
+def _tokens(text: str) -> list[str]:
+    """Words without accents, numbers as "#", separators; abbreviations keep their point."""
+    # w.c., A/C, с/у
+    joined = re.sub(r"\b([^\W\d_])[./]\s?(?=[^\W\d_]\b)", r"\1", plain(text))
+    found = [part for match in _TOKEN.finditer(joined) for part in _unnumbered(match[0])]
+    words = [token for token in found if not _is_sign(token)]
+    if len(words) > 3 and all(len(word.rstrip(".")) == 1 for word in words):
+        return ["".join(word.rstrip(".") for word in words)]  # K I T C H E N
+    return found
+
+
+def _unnumbered(token: str) -> list[str]:
+    """ "bedroom2" -> "bedroom", "#"; digits that are misread letters stay where they are."""
+    match = _NUMBERED.fullmatch(token)
+    if match is None or not (match[1] or match[3]):
+        return [token]
+    if match[2] not in WORDS.exact and skeleton(token) in WORDS.alike:
+        return [token]
+    parts = ["#" * bool(match[1]), match[2] + match[4], "#" * bool(match[3])]
+    return [part for part in parts if part not in ("", ".")]
+
+
+def _is_sign(token: str) -> bool:
+    return token[0] in "#/+&,;|()\n"
+
+
+def _phrase(tokens: list[str], index: int) -> tuple[int, Word | None]:
+    """The longest known phrase from here on, and how many tokens it takes."""
+    for taken in range(min(_LONGEST_PHRASE, len(tokens) - index), 1, -1):
+        window = tokens[index : index + taken]
+        if any(_is_sign(token) for token in window):
+            continue
+        joined = "".join(token.rstrip(".") for token in window)
+        word = WORDS.exact.get(joined)
+        if word is None and len(joined) >= _SHORTEST_MISSPELT:
+            word = WORDS.alike.get(skeleton(joined))
+        # "Bed" and "en" make no word; parts of it that have meanings of their own keep these.
+        if word is not None and word.is_room:
+            return taken, word
+    return 1, None
+
+
+def _single(token: str, is_alone: bool, is_counted: bool) -> Iterator[_Piece]:
+    """A word by itself. is_alone: nothing else is written; is_counted: a number is before it."""
+    bare = token.rstrip(".")
+    letters = len(bare)
+    if not is_alone and bare in WORDS.roles:
+        yield _Piece(WORDS.roles[bare], letters)
+    elif bare in WORDS.exact:
+        yield _piece(WORDS.exact[bare], letters)
+    elif letters == 1 or bare in _UNITS:
+        return
+    elif bare.endswith("s") and bare[:-1] in WORDS.exact:
+        # "4 bedrooms" is what an advertisement counts.
+        yield _Piece("", letters) if is_counted else _piece(WORDS.exact[bare[:-1]], letters)
+    elif parts := _compound(bare):
+        for part in parts:
+            yield _piece(part, 0)
+        yield _Piece("qualifier", letters)
+    elif word := _misread(bare) or (_abbreviated(bare) if token.endswith(".") else None):
+        yield _piece(word, letters)
+    else:
+        yield _Piece("", letters)
+
+
+def _piece(word: Word, letters: int) -> _Piece:
+    return _Piece(word.means, letters, word.where == "alone")
+
+
+def _compound(word: str) -> list[Word]:
+    """The known words that one is put together from, the fewest possible; none for no way."""
+    if not _SHORTEST_COMPOUND <= len(word) <= _LONGEST_NAME:
+        return []
+    ways: dict[int, list[Word]] = {0: []}
+    for end in range(_SHORTEST_PART, len(word) + 1):
+        for start in range(end - _SHORTEST_PART + 1):
+            known = WORDS.exact.get(word[start:end])
+            if start not in ways or known is None:
+                continue
+            links = [len(link) for link in _LINKS if word.startswith(link, end)]
+            for place in (end, *(end + long for long in links if end + long < len(word))):
+                if place not in ways or len(ways[start]) + 1 < len(ways[place]):
+                    ways[place] = [*ways[start], known]
+    found = ways.get(len(word), [])
+    return found if any(part.is_room and part.where != "alone" for part in found) else []
+
+
+def _misread(word: str) -> Word | None:
+    """The known word that OCR made this of: letters confused, one lost, added or replaced."""
+    if len(word) < _SHORTEST_LOOKALIKE:
+        return None
+    alike = skeleton(word)
+    if alike in WORDS.alike:
+        return WORDS.alike[alike]
+    shorter = [alike[:place] + alike[place + 1 :] for place in range(1, len(alike))]
+    ways = [WORDS.without_one.get(alike)]
+    if len(alike) >= _SHORTEST_MISSPELT:
+        ways += [WORDS.alike.get(less) for less in shorter]
+        ways += [WORDS.without_one.get(less) for less in shorter]
+    return next((word for word in ways if word), None)
+
+
+def _abbreviated(word: str) -> Word | None:
+    """What all known words that begin so are called, if they are of one kind."""
+    if len(word) < _SHORTEST_ABBREVIATION:
+        return None
+    longer = [known for key, known in WORDS.exact.items() if key.startswith(word)]
+    return longer[0] if longer and len({known.means for known in longer}) == 1 else None
+
+
+def _humps_parted(name: str) -> str:
+    """ "DiningRoom" -> "Dining Room"."""
+    return re.sub(r"(?<=[a-zà-ÿ])(?=[A-ZÀ-Þ][a-zà-ÿ])", " ", name)
+
+
+# Chinese, Japanese, Korean ------------------------------------------------------------------------
+
+
+def _unblanked(run: str) -> Iterator[_Piece]:
+    place = 0
+    for start, end, word in _han_words(run):
+        if start > place:
+            yield _Piece("", start - place)
+        yield _Piece(word.means, end - start)
+        place = end
+    if place < len(run):
+        yield _Piece("", len(run) - place)
+
+
+def _han_words(text: str) -> Iterator[tuple[int, int, Word]]:
+    place = 0
+    while place < len(text):
+        match = next((w for w in WORDS.han if text.startswith(w.text, place)), None)
+        if match:
+            yield place, place + len(match.text), match
+        place += len(match.text) if match else 1
+
+
+def kinds_in_han(text: str) -> list[tuple[int, int, RoomKind]]:
+    """Room names in Chinese, Japanese or Korean: from where, to where, and what they name."""
+    return [
+        (start, end, cast(RoomKind, w.means)) for start, end, w in _han_words(text) if w.is_room
+    ]
+
+
+# Sentences ----------------------------------------------------------------------------------------
 
 
 def kind_of_word(word: str, english: bool, inflected: bool = True) -> RoomKind | None:
@@ -106,49 +300,22 @@ def kind_of_word(word: str, english: bool, inflected: bool = True) -> RoomKind |
     english: whether the sentence is; a German "Bad" is none in it. inflected: whether a known word
     with an ending that is not a plural will do.
     """
-    plain = _without_accents(unicodedata.normalize("NFKC", word).casefold())
-    others = _OTHER_WORDS | (_OTHER_IN_ENGLISH if english else _OTHER_BUT_IN_ENGLISH)
-    if len(plain) < _SHORTEST_WORD or plain in others:
+    said = plain(unicodedata.normalize("NFKC", word).casefold())
+    others = _OTHER_IN_ENGLISH if english else _OTHER_BUT_IN_ENGLISH
+    if len(said) < _SHORTEST_WORD or said in others:
         return None
-    stems = [plain, *(plain.removesuffix(end) for end in _PLURALS if plain.endswith(end))]
-    stems += [plain[:-3] + "y"] if plain.endswith("ies") else []
+    stems = [said, *(said.removesuffix(end) for end in _PLURALS if said.endswith(end))]
+    stems += [said[:-3] + "y"] if said.endswith("ies") else []
     for stem in stems:
-        if stem in _KIND_OF_WORD and stem not in others:
-            return _KIND_OF_WORD[stem]
-    known_words = (word for word in _KIND_OF_WORD if inflected and word not in others)
-    longer = (known for known in known_words if len(known) > 5 and plain.startswith(known))
-    best = max((known for known in longer if len(plain) - len(known) <= 4), key=len, default=None)
-    return _KIND_OF_WORD[best] if best else None
+        if stem in WORDS.spoken and stem not in others:
+            return WORDS.spoken[stem]
+    known_words = (word for word in WORDS.spoken if inflected and word not in others)
+    longer = (known for known in known_words if len(known) > 5 and said.startswith(known))
+    best = max((known for known in longer if len(said) - len(known) <= 4), key=len, default=None)
+    return WORDS.spoken[best] if best else None
 
 
 _SHORTEST_WORD = 3
 _PLURALS = ("s", "es", "n", "en", "r", "er", "t", "ta")
-_NOT_IN_SENTENCES = (
-    "room rooms other unknown undefined family master suite var ens office second hwr kit essen"
-    " kind eltern estar manger service servico kochen schlafen arbeiten wohnen zimmer oma aula"
-    " sitting oh tk th kk kh mh ub rt vh alk khh klk psh kph ph eau guest clo robe home entree"
-    " entre technik theatre great"
-)
-_OTHER_WORDS = frozenset(_NOT_IN_SENTENCES.split())
-"""Words that name a room on a drawing, and mean other things, or none alone, in a sentence."""
-
-_OTHER_IN_ENGLISH = frozenset(["bad", "cuarto", "quarto", "dormitorio", "kind"])
+_OTHER_IN_ENGLISH = frozenset(["bad", "cuarto", "quarto", "dormitorio"])
 _OTHER_BUT_IN_ENGLISH = frozenset(["den", "hall", "closet"])
-
-
-def kinds_in_han(text: str) -> list[tuple[int, int, RoomKind]]:
-    """Room names in Chinese or Japanese: from where, to where, and what they name."""
-    found: list[tuple[int, int, RoomKind]] = []
-    place = 0
-    while place < len(text):
-        match = next(((w, k) for w, k in _LONGEST_FIRST if text.startswith(w, place)), None)
-        if match:
-            found.append((place, place + len(match[0]), match[1]))
-        place += len(match[0]) if match else 1
-    return found
-
-
-def _without_accents(text: str) -> str:
-    """Latin letters only: "Küche" -> "kuche"."""
-    parts = unicodedata.normalize("NFD", text.translate(_FLATTENED))
-    return "".join(letter for letter in parts if not unicodedata.combining(letter))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +79,21 @@ def write_dxf(plan: Plan, path: Path, units: int = 4, per_m: float = 1000.0) -> 
     document.saveas(path)
 
 
+def write_single_lines(path: Path) -> None:
+    """Two rooms, 5 by 4 and 3 by 4 m from line to line, a door with its arc between them."""
+    import ezdxf
+
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 6
+    space = document.modelspace()
+    outline = [(0, 0), (8, 0), (8, 4), (0, 4), (0, 0)]
+    for start, stop in (*pairwise(outline), ((5, 0), (5, 1)), ((5, 1.9), (5, 4))):
+        space.add_line(start, stop, dxfattribs={"layer": "WALLS"})
+    space.add_line((5, 1), (5.9, 1), dxfattribs={"layer": "DOORS"})
+    space.add_arc((5, 1), 0.9, 0, 90, dxfattribs={"layer": "DOORS"})
+    document.saveas(path)
+
+
 def add_opening(document: Any, opening: Opening, per_m: float, index: int) -> None:
     corners, space = footprint(opening.box) * per_m, document.modelspace()
     if opening.kind == "door":
@@ -121,8 +137,13 @@ def write_sweethome(path: Path, home: str = HOME, rooms: str = ROOMS) -> None:
         archive.writestr("Home.xml", home.replace("{rooms}", rooms))
 
 
-def write_ifc(path: Path, *, spaces: bool = True, unit: str = "MILLIMETRE") -> None:
-    """A house of two rooms, 5 by 4 and 3 by 4 m, in walls 0.2 m thick, with door and window."""
+def write_ifc(
+    path: Path, *, spaces: bool = True, unit: str = "MILLIMETRE", roof: bool = False
+) -> None:
+    """A house of two rooms, 5 by 4 and 3 by 4 m, in walls 0.2 m thick, with door and window.
+
+    roof: with another storey, a space of 15 by 10 m.
+    """
     import ifcopenshell.api.aggregate
     import ifcopenshell.api.context
     import ifcopenshell.api.feature
@@ -190,4 +211,9 @@ def write_ifc(path: Path, *, spaces: bool = True, unit: str = "MILLIMETRE") -> N
         ]
         rooms[0].LongName, rooms[1].LongName = "Wohnzimmer", "Küche"
         api.aggregate.assign_object(model, products=rooms, relating_object=storey)
+    if roof:
+        above = api.root.create_entity(model, ifc_class="IfcBuildingStorey", name="Roof")
+        api.aggregate.assign_object(model, products=[above], relating_object=project)
+        attic = block("IfcSpace", "attic", (-3, -3, 3), (15, 10, 2))
+        api.aggregate.assign_object(model, products=[attic], relating_object=above)
     model.write(str(path))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -21,6 +21,7 @@ from chord_usd.geometry import (
     to_world,
     wall_area,
 )
+from chord_usd.lettering import text_size, write_text
 from chord_usd.palette import CATEGORIES, Rgb
 from chord_usd.runtime.files import write_atomic
 from chord_usd.types import Box, FloatArray, Item, Opening, PixelFrame, Room, RoomKind, SceneGraph
@@ -57,8 +58,6 @@ ROOM_TINTS: dict[RoomKind, Rgb] = {
     "store": (236, 233, 226),
     "unknown": (244, 244, 244),
 }
-
-Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 
 def draw_preview(graph: SceneGraph, path: Path) -> None:
@@ -242,24 +241,24 @@ def _label_items(sheet: Sheet, draw: ImageDraw.ImageDraw, items: Iterable[Item])
         corners_px = sheet.px(footprint(item.box))
         space_px = corners_px.max(axis=0) - corners_px.min(axis=0)
         center_px = corners_px.mean(axis=0)
-        fitted = _fit(draw, label, space_px)
+        fitted = _fit(label, space_px)
         if fitted is None:
             number = numbers.setdefault(label, len(numbers) + 1)
-            fitted = (str(number), _font(FONT_PX[-1]))
+            fitted = (str(number), FONT_PX[-1])
         _write(draw, center_px, *fitted)
     x_px = draw.im.size[0] - LEGEND_PX + 8
     for row_index, (label, number) in enumerate(numbers.items()):
         y_px = MARGIN_PX + 22 * row_index
-        draw.text((x_px, y_px), f"{number}  {label}", fill=INK, font=_font(14))
+        write_text(draw, (x_px, y_px), f"{number}  {label}", 14, INK, "la")
 
 
-def _fit(draw: ImageDraw.ImageDraw, label: str, space_px: FloatArray) -> tuple[str, Font] | None:
-    """The label, broken into lines where needed, and the largest font that fits the space."""
+def _fit(label: str, space_px: FloatArray) -> tuple[str, int] | None:
+    """The label, broken into lines where needed, and the largest size that fits the space."""
     for size_px in FONT_PX:
         for text in (label, label.replace(" ", "\n")):
-            box_px = draw.multiline_textbbox((0, 0), text, font=_font(size_px), spacing=2)
-            if box_px[2] - box_px[0] <= space_px[0] - 6 and box_px[3] <= space_px[1] - 4:
-                return text, _font(size_px)
+            width_px, height_px = text_size(text, size_px)
+            if width_px <= space_px[0] - 6 and height_px <= space_px[1] - 4:
+                return text, size_px
     return None
 
 
@@ -269,13 +268,12 @@ def _label_rooms(sheet: Sheet, draw: ImageDraw.ImageDraw, graph: SceneGraph) -> 
         area_m2 = room_polygon(room).area
         name = room.name or room.kind.capitalize()
         text = f"{name}\n{area_m2:.1f} sq m"
-        left_px, _, right_px, _ = draw.multiline_textbbox((0, 0), text, font=_font(16))
-        half_px = (right_px - left_px) / 2 + 4
+        half_px = text_size(text, 16)[0] / 2 + 4
         x_px, y_px = sheet.px(_free_spot(room, graph))
         corners_px = sheet.px(room.polygon_m)[:, 0]
         if corners_px.max() - corners_px.min() > 2 * half_px:
             x_px = np.clip(x_px, corners_px.min() + half_px, corners_px.max() - half_px)
-        _write(draw, np.array([x_px, y_px]), text, _font(16), halo=ROOM_TINTS[room.kind])
+        _write(draw, np.array([x_px, y_px]), text, 16, halo=ROOM_TINTS[room.kind])
 
 
 def _free_spot(room: Room, graph: SceneGraph) -> FloatArray:
@@ -292,19 +290,9 @@ def _free_spot(room: Room, graph: SceneGraph) -> FloatArray:
 
 
 def _write(
-    draw: ImageDraw.ImageDraw, at_px: FloatArray, text: str, font: Font, halo: Rgb = PAPER
+    draw: ImageDraw.ImageDraw, at_px: FloatArray, text: str, size_px: int, halo: Rgb = PAPER
 ) -> None:
-    draw.multiline_text(
-        (float(at_px[0]), float(at_px[1])),
-        text,
-        fill=INK,
-        font=font,
-        anchor="mm",
-        align="center",
-        spacing=2,
-        stroke_width=1,
-        stroke_fill=halo,
-    )
+    write_text(draw, (float(at_px[0]), float(at_px[1])), text, size_px, INK, "mm", halo)
 
 
 def _draw_scale(sheet: Sheet, draw: ImageDraw.ImageDraw) -> None:
@@ -315,9 +303,4 @@ def _draw_scale(sheet: Sheet, draw: ImageDraw.ImageDraw) -> None:
     draw.line((x_px, y_px, x_px + length_px, y_px), fill=INK, width=2)
     for end_px in (x_px, x_px + length_px):
         draw.line((end_px, y_px - 5, end_px, y_px + 5), fill=INK, width=2)
-    draw.text((x_px + length_px / 2, y_px - 8), "1 m", fill=INK, font=_font(14), anchor="mb")
-
-
-def _font(size_px: int) -> Font:
-    # Pillow's own font: the same on every machine.
-    return ImageFont.load_default(size_px)
+    write_text(draw, (x_px + length_px / 2, y_px - 8), "1 m", 14, INK, "mb")

@@ -9,7 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plan_files import HOME, write_cubicasa, write_dxf, write_ifc, write_sweethome
+from plan_files import (
+    HOME,
+    write_cubicasa,
+    write_dxf,
+    write_ifc,
+    write_single_lines,
+    write_sweethome,
+)
 
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
@@ -104,6 +111,23 @@ def test_ifc_is_read_in_metres(unit: str, tmp_path: Path) -> None:
     assert window.box.size_m == pytest.approx((1.5, 0.2, 1.2), abs=1e-3)
 
 
+def test_ifc_takes_the_storey_with_rooms_and_doors_and_not_the_roof(tmp_path: Path) -> None:
+    write_ifc(tmp_path / "house.ifc", roof=True)
+    plan = read_plan_file(tmp_path / "house.ifc")
+    assert_two_rooms(plan, [12.0, 20.0], ["kitchen", "living"])
+    assert "number 1 by rooms with doors (Ground) was taken" in plan.extra["warnings"][0]
+
+
+def test_dxf_walls_may_be_single_lines(tmp_path: Path) -> None:
+    write_single_lines(tmp_path / "plan.dxf")
+    plan = read_plan_file(tmp_path / "plan.dxf")
+    areas = sorted(room_polygon(room).area for room in plan.rooms)
+    np.testing.assert_allclose(areas, [2.9 * 3.9, 4.9 * 3.9], rtol=1e-3)
+    (door,) = plan.openings
+    assert (door.kind, len(door.room_ids)) == ("door", 2)
+    assert "single lines" in plan.extra["warnings"][0]
+
+
 def test_ifc_without_spaces_has_the_rooms_that_its_walls_enclose(tmp_path: Path) -> None:
     write_ifc(tmp_path / "house.ifc", spaces=False)
     assert_two_rooms(read_plan_file(tmp_path / "house.ifc"), [12.0, 20.0], ["unknown"] * 2)
@@ -129,8 +153,21 @@ def test_several_storeys_take_the_largest_and_say_so(tmp_path: Path) -> None:
     assert "2 storeys" in plan.extra["warnings"][0]
     smaller = read_plan_file(tmp_path / "home.sh3d", part=2)
     assert area(smaller) < area(plan)
-    with pytest.raises(PlanError, match="part 3 was asked for"):
+    with pytest.raises(PlanError, match="part 3 was asked for, but the file holds 2 storeys"):
         read_plan_file(tmp_path / "home.sh3d", part=3)
+    write_sweethome(tmp_path / "one.sh3d")
+    with pytest.raises(PlanError, match=r"part 2 was .* holds one storey .* expected no --part"):
+        read_plan_file(tmp_path / "one.sh3d", part=2)
+
+
+def test_a_home_of_niches_is_refused_with_the_reason(tmp_path: Path) -> None:
+    niche = "<room level='ground' name='Niche'>" + "".join(
+        f"<point x='{x}' y='{y}'/>" for x, y in ((0, 0), (120, 0), (120, 110), (0, 110))
+    )
+    write_sweethome(tmp_path / "home.sh3d", rooms=niche + "</room>")
+    with pytest.raises(PlanError, match=r"one closed room of 1\.\d+ m² .* niches") as caught:
+        read_plan_file(tmp_path / "home.sh3d")
+    assert "\n" not in str(caught.value)
 
 
 def area(plan: Plan) -> float:

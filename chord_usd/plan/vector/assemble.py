@@ -37,6 +37,9 @@ from chord_usd.types import (
 _SMALLEST_ROOM_M2 = 0.8
 _NARROWEST_ROOM_M = 0.5
 _USUAL_DOOR_M = 0.8
+_SMALLEST_HOME_M2 = 4.0
+_LEAST_COVERED = 0.2
+"""Share of what the walls surround that must be rooms; a plot has walls, too."""
 
 _CORNER_M = 0.005
 """Corners closer to a straight line than this are none."""
@@ -65,10 +68,28 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
             where=where,
             expected="rooms, or walls that meet at their corners",
         )
+    _refuse_niches(rooms, scaled.walls, where)
     openings = _openings(scaled, rooms)
     told = [*drawing.notes, *scale.warnings()]
     extra = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
     return Plan(rooms, openings, extra)
+
+
+def _refuse_niches(rooms: Sequence[Room], walls: Sequence[Polygon], where: str) -> None:
+    """Raises PlanError where what was read are no rooms, but what is left between walls."""
+    floor_m2 = sum(room_polygon(room).area for room in rooms)
+    around_m2 = unary_union(walls).convex_hull.area if walls else 0.0
+    if floor_m2 >= max(_SMALLEST_HOME_M2, _LEAST_COVERED * around_m2):
+        return
+    closed = "one closed room" if len(rooms) == 1 else f"{len(rooms)} closed rooms"
+    told = f"holds {closed} of {floor_m2:.3g} m²"
+    if around_m2 > _SMALLEST_HOME_M2:
+        told += f" within {around_m2:.3g} m² of walls"
+    raise PlanError(
+        f"{told}: niches, no dwelling", where=where,
+        expected=f"rooms of {_SMALLEST_HOME_M2:g} m² or more, whose walls close round them",
+        try_="drawing the missing walls or rooms, or --scale if it is larger",
+    )  # fmt: skip
 
 
 def _scale(drawing: VectorDrawing, where: str, given: float | None) -> Scale:

@@ -1,8 +1,8 @@
 """DXF: layers say what is what; units come from the header.
 
-Walls are closed outlines, hatches or pairs of lines on a wall layer; a door is an arc of a quarter
-circle, wherever it is drawn, or a block or line on a door layer; rooms are closed outlines on a
-room layer, else what the walls enclose.
+Walls are closed outlines, hatches, pairs of lines or single lines on a wall layer; a door is an arc
+of a quarter circle, wherever it is drawn, or a block or line on a door layer; rooms are closed
+outlines on a room layer, else what the walls enclose.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from shapely.ops import polygonize, unary_union
 from chord_usd.errors import PlanError
 from chord_usd.geometry import polygons_of
 from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.locations import cache_folder
 from chord_usd.types import FloatArray, OpeningKind
 
@@ -43,6 +44,10 @@ _HOUSE_M = (3.0, 120.0)
 _SWING_DEG = (50.0, 130.0)
 _SWING_M = (0.5, 1.5)
 _THICKEST_WALL_M = 0.6
+_TOUCH_M = 0.02
+_SINGLE_WALL_M = 0.1
+_SHORTEST_SINGLE_M = 0.3
+_SINGLE = f"walls are drawn as single lines, and taken to be {_SINGLE_WALL_M * 100:.0f} cm thick"
 
 
 def read_dxf(path: Path) -> list[VectorDrawing]:
@@ -64,6 +69,15 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
     drawing = sorter.drawing()
     if not drawing.rooms and not drawing.walls:
         layers = sorted({e.dxf.layer for e in flat if e.dxf.hasattr("layer")})[:8]
+        speaking = [e for e in flat if _means(e) in ("wall", "room")]
+        if speaking:
+            named = sorted({e.dxf.layer for e in speaking})[:4]
+            kinds = sorted({e.dxftype() for e in speaking})[:4]
+            raise PlanError(
+                f"has nothing on {', '.join(named)} that can be read as walls or rooms, only "
+                f"{', '.join(kinds)}",
+                where=str(path), expected="lines, polylines or hatches",
+            )  # fmt: skip
         raise PlanError(
             f"has no layer that speaks of walls or rooms (it has {', '.join(layers) or 'none'})",
             where=str(path), expected=_EXPECTED, try_="rename the walls' layer to WALLS",
@@ -85,14 +99,9 @@ def _fonts_kept() -> Iterator[None]:
 
 
 def _open(path: Path) -> Any:
-    from chord_usd.plan.vector.formats import missing
-
-    try:
-        with _fonts_kept():
-            import ezdxf
-            from ezdxf import recover
-    except ImportError as error:
-        raise missing("ezdxf", "dxf") from error
+    with needed_for("reading this format"), _fonts_kept():
+        import ezdxf
+        from ezdxf import recover
     if path.stat().st_size > _LARGEST_BYTES:
         raise PlanError(
             f"is larger than {_LARGEST_BYTES // 2**20} MiB", where=str(path), expected=_EXPECTED
@@ -263,19 +272,32 @@ class _Sorter:
 
     def drawing(self) -> VectorDrawing:
         openings = [*self._doors(), *self._bars("window")]
+        pairs = self._between_lines()
+        singles = self._single_lines([*self.areas, *pairs])
+        notes = [_SINGLE] if singles and not pairs and not self.areas else []
         return VectorDrawing(
-            self.rooms, [*self.areas, *self._between_lines()], openings, self.labels,
-            self.m_per_unit,
+            self.rooms, [*self.areas, *pairs, *singles], openings, self.labels, self.m_per_unit,
+            notes=notes,
         )  # fmt: skip
 
     def _between_lines(self) -> list[Polygon]:
         """Walls drawn as pairs of lines: the thin faces between them."""
         if not self.lines:
             return []
-        reach = 0.02 / self.m_per_unit
+        reach = _TOUCH_M / self.m_per_unit
         stretched = [_stretched(line, reach) for line in self.lines]
         faces = polygonize(unary_union(stretched))
         return [face for face in faces if self._is_thin(face)]
+
+    def _single_lines(self, walls: list[Polygon]) -> list[Polygon]:
+        """Walls drawn as one line each: those of the lines that bound no other wall."""
+        known = unary_union(walls).buffer(2 * _TOUCH_M / self.m_per_unit)
+        half = _SINGLE_WALL_M / 2 / self.m_per_unit
+        left = [line.difference(known) for line in self.lines]
+        shortest = _SHORTEST_SINGLE_M / self.m_per_unit
+        alone = unary_union([line for line in left if line.length > shortest])
+        thick = alone.buffer(half, cap_style="square", join_style="mitre")
+        return polygons_of(thick.difference(unary_union(walls)))
 
     def _doors(self) -> Iterator[OpeningShape]:
         """By their arcs; what else lies on a door layer counts where no arc is."""

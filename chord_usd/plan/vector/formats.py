@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable
 from pathlib import Path
 
-from chord_usd.errors import MissingExtraError, PlanError
+from chord_usd.errors import PlanError
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.vector.assemble import assemble
 from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
@@ -54,8 +54,8 @@ def read_drawings(path: Path) -> list[VectorDrawing]:
 def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> Plan:
     """The plan in a vector file, read in a process of its own.
 
-    m_per_unit overrides the file's own units; part: which storey, the one with most floor being 1.
-    Raises PlanError.
+    m_per_unit overrides the file's own units; part: which storey, the one with most rooms that
+    doors lead into being 1. Raises PlanError.
     """
     return confined(_read_plan, path, m_per_unit, part, where=str(path), error=PlanError)
 
@@ -70,18 +70,29 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan:
             reasons.append(error)
     if not plans:
         raise reasons[0]
-    plans.sort(key=lambda row: -_floor_m2(row[0]))
+    plans.sort(key=lambda row: _homeliness(row[0]), reverse=True)
     if part > len(plans):
+        holds = "one storey" if len(plans) == 1 else f"{len(plans)} storeys"
         raise PlanError(
-            f"part {part} was asked for, but the file holds {len(plans)}", where=str(path)
-        )
+            f"part {part} was asked for, but the file holds {holds} with rooms", where=str(path),
+            expected="no --part" if len(plans) == 1 else f"--part 1 to {len(plans)}",
+        )  # fmt: skip
     plan, name = plans[part - 1]
     if len(plans) == 1:
         return plan
     called = f" ({name})" if name else ""
-    told = f"the file holds {len(plans)} storeys; number {part} by floor area{called} was taken"
+    told = (
+        f"the file holds {len(plans)} storeys; number {part} by rooms with doors{called} was taken"
+    )
     extra = {**plan.extra, WARNINGS: [f"{told}, --part N takes another", *_told(plan)]}
     return Plan(plan.rooms, plan.openings, extra)
+
+
+def _homeliness(plan: Plan) -> tuple[int, float]:
+    """Rooms that doors lead into, and floor area: a roof has more floor than a storey, no doors."""
+    doors = [opening for opening in plan.openings if opening.kind != "window"]
+    entered = {room_id for door in doors for room_id in door.room_ids}
+    return len(entered), _floor_m2(plan)
 
 
 def _told(plan: Plan) -> list[str]:
@@ -92,10 +103,3 @@ def _floor_m2(plan: Plan) -> float:
     from chord_usd.geometry import room_polygon
 
     return float(sum(room_polygon(room).area for room in plan.rooms))
-
-
-def missing(package: str, extra: str) -> MissingExtraError:
-    """The error for a format whose package is not installed."""
-    return MissingExtraError(
-        f"reading this format needs {package}", try_=f"pip install 'chord-usd[{extra}]'"
-    )

@@ -15,6 +15,7 @@ from shapely.ops import unary_union
 from chord_usd.errors import PlanError
 from chord_usd.geometry import polygons_of
 from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
+from chord_usd.runtime.extras import needed_for
 from chord_usd.types import FloatArray, OpeningKind
 
 _LARGEST_BYTES = 512 * 2**20
@@ -45,12 +46,8 @@ def read_ifc(path: Path) -> list[VectorDrawing]:
 
 
 def _open(path: Path) -> Any:
-    from chord_usd.plan.vector.formats import missing
-
-    try:
+    with needed_for("reading this format"):
         import ifcopenshell
-    except ImportError as error:
-        raise missing("ifcopenshell", "ifc") from error
     with path.open("rb") as file:
         head = file.read(512)
     if b"ISO-10303-21" not in head or path.stat().st_size > _LARGEST_BYTES:

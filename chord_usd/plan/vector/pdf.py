@@ -18,6 +18,7 @@ from chord_usd.errors import PlanError
 from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.text import Text
 from chord_usd.runtime.confined import confined
+from chord_usd.runtime.extras import needed_for
 from chord_usd.types import ByteArray, frozen_array
 
 _SIDE_PX = 3000
@@ -60,12 +61,8 @@ def read_pages(path: Path) -> Iterator[PdfPage]:
 
 
 def _read_page(path: Path, number: int) -> PdfPage:
-    from chord_usd.plan.vector.formats import missing
-
-    try:
+    with needed_for("reading this format"):
         import pypdfium2 as pdfium
-    except ImportError as error:
-        raise missing("pypdfium2", "pdf") from error
     if path.stat().st_size > _LARGEST_BYTES:
         raise PlanError("is too large", where=str(path), expected="at most 256 MiB")
     try:
