@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.types import ByteArray
+from chord_usd.types import ROOM_KINDS, ByteArray, RoomKind
 
 OUTSIDE, FLOOR, WALL, DOOR, WINDOW, STAIRS, PASSAGE = range(7)
 """What is built. Doors, windows and passages are the holes in walls, as deep as the wall."""
@@ -37,8 +37,13 @@ def laid_of(labels: ByteArray) -> ByteArray:
     return np.asarray(labels >> LAID_SHIFT, np.uint8)
 
 
+KIND_NAMES: tuple[RoomKind, ...] = tuple(kind for kind in ROOM_KINDS if kind != "unknown")
+"""What a floor is of."""
+
 READER_INPUT = "rgb"
-READER_OUTPUTS = ("built", "laid", "points")
-"""Of the network that reads pages: (B, 3, H, W) in [-1, 1]; chances, (B, n, H, W) each."""
+READER_OUTPUTS = ("built", "laid", "points", "kinds")
+"""Of the network that reads pages: (B, 3, H, W) in [-1, 1]; chances, (B, n, H, W) each. Kinds of
+floors are a quarter as fine, (B, n, H / KIND_STEP_PX, W / KIND_STEP_PX)."""
+KIND_STEP_PX = 4
 READER_MULTIPLE_PX = 32
 """Sides of what it is given are multiples of this."""

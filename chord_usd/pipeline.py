@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
     from chord_usd.lists.wishes import Asked, Wishes
+    from chord_usd.plan.corrections import RoomSaid
 
 LAYOUT_CHECKPOINT = "plan2layout"
 LISTS_CHECKPOINT = "lists"
@@ -54,7 +55,7 @@ class Settings:
     m_per_px: float | None = None
     """Scale of a plan picture; None measures it."""
     part: int = 1
-    """Which plan of a sheet, or storey of a file, by floor area."""
+    """Which plan of a sheet, by floor area, or storey of a file, by rooms with doors."""
     device: str = "auto"
     """auto, cpu or cuda."""
     asset_folders: tuple[Path, ...] = ()
@@ -68,6 +69,8 @@ class Settings:
     """So often a room with faults is drawn again; 0 leaves the first draw as it is."""
     furniture: tuple[tuple[str, Wishes], ...] = ()
     """What generate's rooms shall hold (lists.wishes.read_furniture)."""
+    rooms: tuple[RoomSaid, ...] = ()
+    """What a user says of rooms (plan.corrections.read_rooms)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +152,12 @@ def read_plan(plan_file: Path, settings: Settings) -> Plan:
     """Plan file, a picture, vector file or CHOrD JSON -> Plan."""
     from chord_usd.plan.read import read_plan_file
 
-    return read_plan_file(plan_file, settings.m_per_px, settings.part)
+    plan = read_plan_file(plan_file, settings.m_per_px, settings.part)
+    if not settings.rooms:
+        return plan
+    from chord_usd.plan.corrections import with_rooms
+
+    return with_rooms(plan, settings.rooms)
 
 
 def refuse_shut(plan: Plan, plan_file: Path) -> None:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import settings
 
+from tests.core_packages import core_environment
+
 if TYPE_CHECKING:
     from chord_usd.types import SceneGraph
 
@@ -33,7 +35,10 @@ settings.load_profile("steady")
 
 @pytest.fixture(scope="session")
 def run_cli() -> RunCli:
-    """Runs `chord-usd ARGUMENTS` in a process of its own and returns what it did."""
+    """Runs `chord-usd ARGUMENTS` in a process of its own and returns what it did.
+
+    It runs as where no extra is installed: what the tests ask of it needs none.
+    """
 
     def run(
         *arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None
@@ -41,7 +46,7 @@ def run_cli() -> RunCli:
         return subprocess.run(
             [sys.executable, "-m", "chord_usd.cli", *map(str, arguments)],
             cwd=cwd,
-            env={**os.environ, **(env or {})},
+            env={**os.environ, **core_environment(), **(env or {})},
             capture_output=True,
             text=True,
             timeout=TIMEOUT_S,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Outcome,
+    UsageError,
     Verbs,
     add_assets,
     add_device,
@@ -15,6 +16,7 @@ from chord_usd.commands.common import (
     add_output,
     add_part,
     add_redraws,
+    add_rooms,
     add_seed,
     add_steps,
     add_verb,
@@ -50,6 +52,7 @@ def add(verbs: Verbs) -> None:
         "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
     )
     add_part(parser)
+    add_rooms(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave tables, desks and worktops bare"
     )
@@ -73,6 +76,7 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
     from chord_usd.lists.wishes import read_furniture
     from chord_usd.pipeline import Settings, generate, require_lists
+    from chord_usd.plan.corrections import read_rooms
 
     settings = Settings(
         seed=options.seed,
@@ -85,7 +89,13 @@ def run(options: argparse.Namespace) -> Outcome:
         lists=not options.no_list,
         redraws=options.redraws,
         furniture=() if options.furniture is None else read_furniture(options.furniture),
+        rooms=() if options.rooms is None else read_rooms(options.rooms),
     )
+    if settings.rooms and options.plan is None:
+        raise UsageError(
+            "names rooms of a plan that is not drawn yet", where="--rooms",
+            expected="PLAN, a plan that was read before",
+        )  # fmt: skip
     if settings.furniture:
         require_lists(settings)
     watch = stopwatch(options)

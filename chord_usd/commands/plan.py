@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     add_group,
     add_output,
     add_part,
+    add_rooms,
     add_verb,
     existing_file,
     scale,
@@ -39,11 +40,12 @@ def add(verbs: Verbs) -> None:
         help="metres per pixel of the drawing, or per unit of a vector file",
     )  # fmt: skip
     add_part(read)
+    add_rooms(read)
     read.add_argument(
         "--overlay",
         type=output_file,
         metavar="PNG",
-        help="also draw what was read over the drawing",
+        help="also draw what was read over the drawing, with numbers and doubts",
     )
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
     draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
@@ -54,15 +56,18 @@ def add(verbs: Verbs) -> None:
 def run_read(options: argparse.Namespace) -> Outcome:
     """Runs plan read."""
     from chord_usd.chord_json import write_plan
+    from chord_usd.pipeline import Settings, read_plan
+    from chord_usd.plan.corrections import read_rooms
     from chord_usd.plan.placement import WARNINGS
-    from chord_usd.plan.read import read_plan_file
 
     image = existing_file(options.image)
+    said = () if options.rooms is None else read_rooms(options.rooms)
+    settings = Settings(m_per_px=options.scale, part=options.part, rooms=said)
     with deliver() as delivery:
         target = delivery.place(options.output)
         overlay = delivery.place(options.overlay) if options.overlay else None
         with stopwatch(options).step("plan"):
-            plan = read_plan_file(image, options.scale, options.part)
+            plan = read_plan(image, settings)
             write_plan(plan, target)
         if overlay:
             from chord_usd.plan.overlay import draw_overlay

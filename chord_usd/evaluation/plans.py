@@ -9,15 +9,29 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.data.drawn.draw import Drawing, draw_in_style
-from chord_usd.data.drawn.styles import FAMILIES, random_style
+from chord_usd.data.drawn.crowded import draw_page
+from chord_usd.data.drawn.draw import draw_in_style
+from chord_usd.data.drawn.looks import random_look
+from chord_usd.data.drawn.styles import random_style
+from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.houses import random_plan
+from chord_usd.data.splits import TEST_SEED
 from chord_usd.errors import PlanError
 from chord_usd.evaluation.report import markdown_table
 from chord_usd.geometry import room_polygon
 from chord_usd.metrics.fidelity import plan_fidelity, room_iou
+from chord_usd.page_labels import PASSAGE, built_of
 from chord_usd.progress import Progress
-from chord_usd.types import Box, ByteArray, FloatArray, PixelFrame, Plan, Room, frozen_array
+from chord_usd.types import (
+    Box,
+    ByteArray,
+    FloatArray,
+    Opening,
+    PixelFrame,
+    Plan,
+    Room,
+    frozen_array,
+)
 from chord_usd.units import m_from_px, px_from_m, rotation_2d
 
 
@@ -36,6 +50,8 @@ class Reader:
 _FIRST_SEED = 900_000
 """Far from the seeds that houses are trained on."""
 
+_SEED_STEP = 10_000
+
 _RIGHT_IOU = 0.7
 """A house whose rooms overlap the true ones less is wrong."""
 
@@ -43,6 +59,23 @@ _WRONG_SCALE = 0.3
 """So is one so much too large or too small, as a share."""
 
 _SAME_ROOM_IOU = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A drawing and its truth."""
+
+    family: str
+    rgb: ByteArray
+    """(H, W, 3)."""
+    storeys: tuple[Plan, ...]
+    """Metres; rooms that run into each other are one. A reading is held against the nearest."""
+    frame: PixelFrame
+    """Where the upright drawing lies."""
+    to_picture: FloatArray
+    """(3, 3) from the upright drawing's continuous pixels to those of rgb."""
+    told: frozenset[str]
+    """Rooms of the truth whose kind is shown."""
 
 
 @dataclass(frozen=True)
@@ -71,24 +104,24 @@ class PlanScore:
 
 def measure_reading(
     reader: Reader, count: int, progress: Progress,
-    families: Sequence[str] = FAMILIES, seed: int = 0,
+    families: Sequence[str], seed: int, draw: Callable[[str, int, int], Case],
     known: Mapping[int, PlanScore] | None = None,
     keep: Callable[[int, PlanScore], None] | None = None,
 ) -> list[PlanScore]:  # fmt: skip
     """Draw count plans of every family and read them. Same seed, same drawings.
 
-    known: scores by the drawing's number, which are not read again; keep: told of every new one.
+    families: kinds of crowded pages, or styles of clean drawings. draw: makes the case of a family,
+    a seed and a number: crowded or clean. known: scores by the drawing's number, which are not read
+    again; keep: told of every new one.
     """
     scores = []
     total = count * len(families)
     for number in range(total):
         score = (known or {}).get(number)
         if score is None:
-            rng = np.random.default_rng([_FIRST_SEED + seed, number])
-            plan = random_plan(rng)
-            style = random_style(rng, families[number % len(families)])
-            drawing = draw_in_style(plan, style, rng)
-            score = score_reading(drawing, reader)
+            family = families[number % len(families)]
+            case = draw(family, seed, number)
+            score = score_reading(case, reader)
             if keep:
                 keep(number, score)
         scores.append(score)
@@ -96,38 +129,85 @@ def measure_reading(
     return scores
 
 
-def score_reading(drawing: Drawing, reader: Reader) -> PlanScore:
+def crowded(family: str, seed: int, number: int) -> Case:
+    """A crowded page of a kind, of a house that nothing is trained on."""
+    number += TEST_SEED + _SEED_STEP * seed
+    page = draw_page(number, random_look(np.random.default_rng(number), family))
+    return crowded_case(page, family)
+
+
+def clean(family: str, seed: int, number: int) -> Case:
+    """A clean drawing in a style."""
+    rng = np.random.default_rng([_FIRST_SEED + seed, number])
+    plan = random_plan(rng)
+    drawing = draw_in_style(plan, random_style(rng, family), rng)
+    return Case(
+        family, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture, drawing.told
+    )
+
+
+def crowded_case(page: CrowdedPage, family: str = "") -> Case:
+    """A crowded page and its truth."""
+    storeys = tuple(_as_drawn(storey.plan, page) for storey in page.storeys)
+    # As coarse as the page is at its middle.
+    height, width = page.rgb.shape[:2]
+    spots = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]) + np.array([[width / 2], [height / 2]])
+    there = np.linalg.inv(page.to_picture) @ np.vstack([spots, np.ones(3)])
+    x, y = there[:2] / there[2]
+    m_per_px = math.sqrt(abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])))
+    frame = PixelFrame(m_per_px, (0.0, 0.0), height)
+    to_m = np.array([[m_per_px, 0, 0], [0, -m_per_px, height * m_per_px], [0, 0, 1]])
+    told = frozenset(room.id for plan in storeys for room in plan.rooms if room.kind != "unknown")
+    return Case(family, page.rgb, storeys, frame, page.to_picture @ to_m, told)
+
+
+def _as_drawn(plan: Plan, page: CrowdedPage) -> Plan:
+    """A door that is drawn without a leaf cannot be told from a passage."""
+    built = built_of(page.labels)
+
+    def drawn(opening: Opening) -> Opening:
+        x, y, far = page.to_picture @ np.array([*opening.box.center_m[:2], 1.0])
+        column, row = int(x / far), int(y / far)
+        inside = 0 <= row < built.shape[0] and 0 <= column < built.shape[1]
+        is_passage = inside and built[row, column] == PASSAGE
+        return replace(opening, kind="passage") if is_passage else opening
+
+    return replace(plan, openings=tuple(map(drawn, plan.openings)))
+
+
+def score_reading(case: Case, reader: Reader) -> PlanScore:
     """Read one drawing and compare; positions are compared on the paper, not by the read scale."""
-    kinds = len(drawing.told)
     try:
-        plan = reader.read(drawing.rgb)
+        plan = reader.read(case.rgb)
     except PlanError:
-        return PlanScore(drawing.style.family, kinds=kinds)
+        return PlanScore(case.family, kinds=len(case.told))
     frame = reader.frame_of(plan)
     if frame is None:
         raise ValueError("the reader does not tell where its plan lies in the picture")
-    placed = _on_paper(plan, frame, reader.straightening(plan, drawing.rgb.shape), drawing)
-    fidelity = plan_fidelity(placed, drawing.truth)
+    placed = _on_paper(plan, frame, reader.straightening(plan, case.rgb.shape), case)
+    truth = max(case.storeys, key=lambda storey: room_iou(placed, storey))
+    fidelity = plan_fidelity(placed, truth)
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
     total = sum(part.found + part.truth for part in parts)
     right = sum(2 * part.found_right for part in parts)
+    told = [room for room in truth.rooms if room.id in case.told]
     return PlanScore(
-        drawing.style.family, refused=False, walls=fidelity.walls.value,
-        openings=right / total if total else 1.0, room_iou=room_iou(placed, drawing.truth),
-        kinds_right=_kinds_right(placed, drawing), kinds=kinds,
-        scale_error=abs(frame.m_per_px / drawing.frame.m_per_px - 1.0),
+        case.family, refused=False, walls=fidelity.walls.value,
+        openings=right / total if total else 1.0, room_iou=fidelity.room_iou,
+        kinds_right=sum(_is_kind_right(placed, room) for room in told), kinds=len(told),
+        scale_error=abs(frame.m_per_px / case.frame.m_per_px - 1.0),
         warned=bool(plan.extra.get("warnings")),
     )  # fmt: skip
 
 
-def _on_paper(plan: Plan, frame: PixelFrame, straight: FloatArray, drawing: Drawing) -> Plan:
+def _on_paper(plan: Plan, frame: PixelFrame, straight: FloatArray, case: Case) -> Plan:
     """The plan in the drawing's own metres: back into the picture, and from there on the paper."""
-    matrix = np.linalg.inv(straight @ drawing.to_picture)
+    matrix = np.linalg.inv(straight @ case.to_picture)
 
     def moved(points: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
         pixels = px_from_m(points, frame)
         paper = np.concatenate([pixels, np.ones((*pixels.shape[:-1], 1))], axis=-1) @ matrix.T
-        return m_from_px(paper[..., :2] / paper[..., 2:], drawing.frame)
+        return m_from_px(paper[..., :2] / paper[..., 2:], case.frame)
 
     rooms = tuple(replace(r, polygon_m=frozen_array(moved(r.polygon_m))) for r in plan.rooms)
     openings = tuple(replace(o, box=_moved_box(o.box, moved)) for o in plan.openings)
@@ -146,11 +226,9 @@ def _moved_box(box: Box, moved: Callable[[np.ndarray], np.ndarray]) -> Box:  # t
     return Box((float(x), float(y), box.center_m[2]), size, math.degrees(math.atan2(dy, dx)))
 
 
-def _kinds_right(plan: Plan, drawing: Drawing) -> int:
-    return sum(
-        any(found.kind == room.kind and _iou(found, room) > _SAME_ROOM_IOU for found in plan.rooms)
-        for room in drawing.truth.rooms
-        if room.id in drawing.told
+def _is_kind_right(plan: Plan, room: Room) -> bool:
+    return any(
+        found.kind == room.kind and _iou(found, room) > _SAME_ROOM_IOU for found in plan.rooms
     )
 
 

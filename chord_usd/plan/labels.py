@@ -1,4 +1,4 @@
-"""Names and kinds of rooms, from what is printed in them and from what is fitted there."""
+"""Names and kinds of rooms, from what is printed in them and from what is drawn there."""
 
 from __future__ import annotations
 
@@ -10,34 +10,28 @@ from shapely.geometry import Point
 from chord_usd.geometry import room_polygon
 from chord_usd.plan.measures import parse_measure
 from chord_usd.plan.text import Text
-from chord_usd.room_names import room_kind
+from chord_usd.room_names import LEADING, room_kind
 from chord_usd.types import PixelFrame, Room, RoomKind
 from chord_usd.units import m_from_px
 
 KIND_CONFIDENCE = "kindConfidence"
-"""Key of Room.extra: how well its name was legible, or fixtures tell its kind, [0, 1]."""
-
-_BY_FIXTURES = 0.7
-
-_LEADING: tuple[RoomKind, ...] = (
-    "living", "bedroom", "kitchen", "bathroom", "dining", "study", "balcony", "store", "corridor",
-)  # fmt: skip
-"""The kind of an open plan is that of its leading part; a wardrobe in a bedroom is no store."""
+"""Key of Room.extra: how well its name was legible, or the drawing tells its kind, [0, 1]."""
 
 
 def label_rooms(
-    rooms: Sequence[Room], texts: Sequence[Text], frame: PixelFrame, fitted: Sequence[RoomKind] = ()
+    rooms: Sequence[Room],
+    texts: Sequence[Text],
+    frame: PixelFrame,
+    seen: Sequence[tuple[RoomKind, float]] = (),
 ) -> tuple[Room, ...]:
     """The rooms with their kinds and names. texts: of the picture that lies in frame.
 
-    fitted: each room's kind by what stands in it, which counts where no name is printed. Ids are by
-    kind where a kind was read (bedroom1), as those of a plan raster are.
+    seen: each room's kind by what is drawn in it, and how sure that is, which counts where no name
+    is printed. Ids are by kind where a kind was read (bedroom1), as those of a plan raster are.
     """
-    kinds: Sequence[RoomKind] = fitted or ["unknown"] * len(rooms)
-    labelled = [
-        _fitted(_labelled(room, texts_in(room, texts, frame)), kind)
-        for room, kind in zip(rooms, kinds, strict=True)
-    ]
+    labelled = [_labelled(room, texts_in(room, texts, frame)) for room in rooms]
+    if seen:
+        labelled = [_seen(room, *kind) for room, kind in zip(labelled, seen, strict=True)]
     counts: dict[RoomKind, int] = {}
     named = []
     for room in labelled:
@@ -66,16 +60,16 @@ def _labelled(room: Room, texts: Sequence[Text]) -> Room:
         found = set(kinds.values())
     if not found:
         return room
-    kind = min(found, key=_LEADING.index)
+    kind = min(found, key=LEADING.index)
     score = min((t.score for t in names if kinds.get(t.text) == kind), default=names[0].score)
     spoken = [name for name, said in kinds.items() if said != "unknown"]
     extra = {**room.extra, KIND_CONFIDENCE: round(score, 2)}
     return replace(room, kind=kind, name=", ".join(spoken), extra=extra)
 
 
-def _fitted(room: Room, kind: RoomKind) -> Room:
+def _seen(room: Room, kind: RoomKind, confidence: float) -> Room:
     if room.kind == "unknown" and kind != "unknown":
-        return replace(room, kind=kind, extra={**room.extra, KIND_CONFIDENCE: _BY_FIXTURES})
+        return replace(room, kind=kind, extra={**room.extra, KIND_CONFIDENCE: confidence})
     return room
 
 

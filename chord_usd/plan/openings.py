@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from chord_usd.plan.wall_openings import WallOpening
 from chord_usd.types import (
     BASE_AND_HEIGHT_M,
     BoolArray,
@@ -111,13 +112,39 @@ def _read_opening(
         along = sides[0].along
         center, width_px = _centered_in_wall(center, sides, thickness_px)
         center, length_px = _lengthwise(bar.mask, center, along)
-    yaw_deg = _yaw_deg(along)
-    base_m, height_m = BASE_AND_HEIGHT_M[bar.kind]
-    x, y = m_from_px(center, frame)
-    size_m = length_px * frame.m_per_px, width_px * frame.m_per_px, height_m
-    box_m = Box((float(x), float(y), base_m), size_m, yaw_deg)
+    box_m = _box(bar.kind, center, along, (length_px, width_px), frame)
+    joined = _joined([(side.room, side.outward) for side in sides], box_m.yaw_deg, room_ids)
     extra = {} if bar.confidence is None else {CONFIDENCE: bar.confidence}
-    return Opening(name, bar.kind, box_m, _joined(sides, yaw_deg, room_ids), extra)
+    return Opening(name, bar.kind, box_m, joined, extra)
+
+
+def openings_of(
+    found: Sequence[WallOpening], room_ids: Sequence[str], frame: PixelFrame
+) -> tuple[Opening, ...]:
+    """Openings found along walls, in metres."""
+    counts = dict.fromkeys(BASE_AND_HEIGHT_M, 0)
+    openings = []
+    for one in found:
+        counts[one.kind] += 1
+        size_px = one.length_px, one.depth_px
+        box = _box(one.kind, one.center_px, one.along, size_px, frame)
+        joined = _joined(one.rooms, box.yaw_deg, room_ids)
+        extra = {CONFIDENCE: one.confidence}
+        openings.append(Opening(f"{one.kind}{counts[one.kind]}", one.kind, box, joined, extra))
+    return tuple(openings)
+
+
+def _box(
+    kind: OpeningKind,
+    center_px: FloatArray,
+    along: FloatArray,
+    size_px: tuple[float, float],
+    frame: PixelFrame,
+) -> Box:
+    base_m, height_m = BASE_AND_HEIGHT_M[kind]
+    x, y = m_from_px(center_px, frame)
+    size_m = size_px[0] * frame.m_per_px, size_px[1] * frame.m_per_px, height_m
+    return Box((float(x), float(y), base_m), size_m, _yaw_deg(along))
 
 
 def _sides(
@@ -173,9 +200,14 @@ def _yaw_deg(along: FloatArray) -> float:
     return nearest % 180.0 if abs(yaw_deg - nearest) < 1e-6 else yaw_deg
 
 
-def _joined(sides: Sequence[_Side], yaw_deg: float, room_ids: Sequence[str]) -> tuple[str, ...]:
-    """The rooms on the opening's +y and -y side, in this order."""
+def _joined(
+    sides: Sequence[tuple[int, FloatArray]], yaw_deg: float, room_ids: Sequence[str]
+) -> tuple[str, ...]:
+    """The rooms on the opening's +y and -y side, in this order.
+
+    sides: index of each room, and its normal into the wall.
+    """
     yaw = math.radians(yaw_deg)
     up = np.array([-math.sin(yaw), -math.cos(yaw)])
-    ordered = sorted(sides, key=lambda side: float(side.outward @ up))
-    return tuple(dict.fromkeys(room_ids[side.room] for side in ordered))
+    ordered = sorted(sides, key=lambda side: float(side[1] @ up))
+    return tuple(dict.fromkeys(room_ids[room] for room, _ in ordered))

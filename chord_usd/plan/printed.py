@@ -6,13 +6,14 @@ import math
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 from shapely.geometry import Point, Polygon
 
-from chord_usd.plan.measures import M_PER_FOOT, parse_measure
+from chord_usd.plan.measures import M_PER_FOOT, Measure, distinct, parse_measure
 from chord_usd.plan.text import Text
 from chord_usd.types import BoolArray, FloatArray
 
@@ -65,24 +66,29 @@ def estimates(
 
 
 def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Estimate]:
-    areas: dict[int, list[Text]] = defaultdict(list)
+    printed: dict[int, dict[Measure, str]] = defaultdict(dict)
     for text in texts:
         measure = parse_measure(text.text)
-        inside = [i for i, room in enumerate(rooms) if room.contains(Point(*text.center_px))]
-        if measure is None or not inside:
+        if measure is None or measure.kind == "length":
             continue
-        if measure.kind == "area":
-            areas[inside[0]].append(text)
-        elif measure.kind == "size":
-            scale = _from_sides(rooms[inside[0]], measure.values)
+        inside = next((i for i, r in enumerate(rooms) if r.contains(Point(*text.center_px))), None)
+        if inside is not None:
+            # Equal areas of two parts of a room are two.
+            while measure in printed[inside]:
+                measure = replace(measure, values=tuple(v * (1 + 1e-9) for v in measure.values))
+            printed[inside][measure] = text.text
+    for index, said in printed.items():
+        kept = distinct(list(said))
+        for measure in kept:
+            scale = _from_sides(rooms[index], measure.values) if measure.kind == "size" else None
             if scale is not None:
-                yield Estimate(_NAMES["size"], scale, text.text)
-    for index, labels in areas.items():
+                yield Estimate(_NAMES["size"], scale, said[measure])
         # An open plan may name the area of each of its parts.
-        measures = [parse_measure(text.text) for text in labels]
-        total = sum(measure.values[0] for measure in measures if measure)
-        said = " + ".join(text.text for text in labels)
-        yield Estimate(_NAMES["area"], math.sqrt(total / rooms[index].area), said)
+        areas = [measure for measure in kept if measure.kind == "area"]
+        if areas:
+            total = sum(measure.values[0] for measure in areas)
+            together = " + ".join(said[measure] for measure in areas)
+            yield Estimate(_NAMES["area"], math.sqrt(total / rooms[index].area), together)
 
 
 def _from_sides(room: Polygon, sides_m: Sequence[float]) -> float | None:
@@ -171,9 +177,43 @@ def _ticks(ink: BoolArray, first: int, last: int, row: int) -> list[float]:
     below = _widened(ink[row + 2 : bottom + 1, near].sum(axis=0) >= 1)
     columns = np.flatnonzero(above & below) + near.start
     groups = np.split(columns, np.flatnonzero(np.diff(columns) > 2) + 1) if len(columns) else []
-    crossings = [float(group.mean()) for group in groups if np.ptp(group) < 4 * _TICK_REACH_PX]
+    reach = _reach(ink, row)
+    marks: list[float] = []
+    for group in groups:
+        mark = (
+            _point(reach, group, (first, last))
+            if np.ptp(group) >= _TICK_REACH_PX
+            else float(group.mean())
+        )
+        # Arrows from both sides, and the line that they point at, are one mark.
+        if marks and mark - marks[-1] <= 2 * _TICK_REACH_PX:
+            mark = (marks.pop() + mark) / 2
+        if np.ptp(group) < 8 * _TICK_REACH_PX:
+            marks.append(mark)
     ends = [float(first), float(last)]
-    return sorted([*crossings, *(e for e in ends if all(abs(e - c) > 8 for c in crossings))])
+    return sorted([*marks, *(e for e in ends if all(abs(e - c) > 8 for c in marks))])
+
+
+def _reach(ink: BoolArray, row: int) -> FloatArray:
+    """(W,) how far what is drawn goes from a line along a row, to that side where it is less."""
+    window = ink[max(row - 3 * _TICK_REACH_PX, 0) : row + 3 * _TICK_REACH_PX + 1]
+    away = np.abs(np.arange(len(window)) - min(row, 3 * _TICK_REACH_PX))[:, None] * window
+    middle = min(row, 3 * _TICK_REACH_PX)
+    return np.minimum(away[:middle].max(axis=0), away[middle + 1 :].max(axis=0)).astype(float)
+
+
+def _point(reach: FloatArray, columns: npt.NDArray[np.intp], ends: tuple[int, int]) -> float:
+    """The place that a broad mark means: of an arrow, which grows steadily, its point."""
+    low, high = int(columns[0]), int(columns[-1])
+    columns = columns[reach[columns] > 0]
+    if len(columns) < _TICK_REACH_PX:
+        return (low + high) / 2
+    slope, offset = np.polyfit(columns, reach[columns], 1)
+    is_arrow = np.corrcoef(columns, reach[columns])[0, 1] ** 2 > 0.7
+    if not is_arrow:
+        return (low + high) / 2
+    point = -float(offset / slope)
+    return next((float(end) for end in ends if abs(end - point) < 2 * _TICK_REACH_PX), point)
 
 
 def _widened(row: BoolArray) -> BoolArray:

@@ -1,4 +1,4 @@
-"""Regions of a drawing between its walls: which are rooms, and what their outlines are."""
+"""Regions of a page between its walls: which are rooms, and what their outlines are."""
 
 from __future__ import annotations
 
@@ -8,25 +8,35 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.plan.gaps import Gap, close_gaps
-from chord_usd.plan.ink import border_values
-from chord_usd.plan.strokes import Strokes
-from chord_usd.types import FloatArray
+from chord_usd.page_labels import (
+    DOOR,
+    FLOOR,
+    KIND_NAMES,
+    PASSAGE,
+    STAIRS,
+    WALL,
+    WINDOW,
+)
+from chord_usd.plan.segment import Segments
+from chord_usd.types import BoolArray, FloatArray, RoomKind
 from chord_usd.vectorize import polygon_from_mask
 
 _SMALLEST_ROOM_M2 = 0.8
-_NARROWEST_ROOM_M = 0.7
-_LARGEST_PASSAGE_M = 1.8
-"""A wider gap between rooms in which nothing is drawn makes them one room."""
+_NARROWEST_ROOM_M = 0.6
 
-_LEAST_EDGE = 3.0
-"""An edge this many wall thicknesses long is straight, not one of many that follow a curve."""
+_CLEAR = 0.25
+"""Floor with a greater chance of a wall or an opening may part two rooms: of the two errors, two
+rooms in one is the worse."""
 
-_LEAST_STRAIGHT = 0.6
-"""Share of a room's outline that runs straight; a blob in a photograph has less."""
+_NECK = 1.5
+"""Floor narrower than so many thicknesses of a wall is a hole in what was seen of one: whatever
+people walk through has jambs, and is seen as an opening."""
 
-_LEAST_WALLED = 0.5
-"""Share of a room's outline along walls; what lies between dimension lines has less."""
+_NOISE = 0.35
+"""By how many thicknesses the rim of a wall strays, beside half a pixel."""
+
+_SURE_KIND = 0.5
+"""A room's kind is told from this chance on."""
 
 _BLOCK = np.ones((3, 3), np.uint8)
 
@@ -34,108 +44,97 @@ Labels = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
-class Outline:
-    """A room of a drawing."""
+class Regions:
+    """A page's floors and walls as pixels."""
 
-    polygon_px: FloatArray
-    """(N, 2) corners."""
-    walled: float
-    """Share of the outline along walls and openings."""
+    labels: Labels
+    """(H, W) a number for each region of floor, 0 for walls and outside."""
+    solid: BoolArray
+    """(H, W) what parts rooms: walls, and openings in them."""
+    thickness_px: float
+    """Of the usual wall."""
 
 
 @dataclass(frozen=True, eq=False)
-class Regions:
-    """The rooms of a drawing as pixels."""
+class Outline:
+    """A room of a page."""
 
-    labels: Labels
-    """(H, W) a number for each room, 0 for walls and outside."""
-    walled: FloatArray
-    """By number: the share of the region's rim that lies along walls and openings."""
+    polygon_px: FloatArray
+    """(N, 2) corners."""
+    confidence: float
+    """How sure the network is of its floor and its rim, [0, 1]."""
+    kind: RoomKind
+    """By what is drawn in it; unknown where that is not sure."""
+    kind_confidence: float
 
 
-def find_regions(strokes: Strokes, gaps: list[Gap]) -> Regions:
-    """What walls and closed gaps enclose.
+def find_regions(segments: Segments) -> Regions:
+    """Regions of floor of a page."""
+    seen = segments.most_likely
+    solid = np.isin(seen, (WALL, DOOR, WINDOW, PASSAGE))
+    thickness_px = _thickness_px(solid)
+    floor = np.isin(seen, (FLOOR, STAIRS))
+    clear = floor & (segments.barrier < _CLEAR)
+    return Regions(_parted(floor, clear, _NECK * thickness_px), solid, thickness_px)
 
-    Between rooms only walls and gaps count; towards the outside any line does, since windows and
-    balconies are often drawn with nothing else.
+
+def _thickness_px(solid: BoolArray) -> float:
+    """Of the usual wall: twice the depth of its middle line; 0 where there is none."""
+    depths = cv2.distanceTransform(solid.astype(np.uint8), cv2.DIST_L2, 5)
+    is_ridge = (depths >= cv2.dilate(depths, _BLOCK)) & solid
+    return float(2 * np.median(depths[is_ridge]) - 1) if is_ridge.any() else 0.0
+
+
+def _parted(floor: BoolArray, clear: BoolArray, neck_px: float) -> Labels:
+    """(H, W) numbers of floors; those that hang together by a neck only are two.
+
+    clear: floor on which hardly anything that parts rooms is suspected.
     """
-    closed = close_gaps(strokes.wall, gaps)
-    drawn = cv2.dilate((closed | strokes.ink).astype(np.uint8), _BLOCK)
-    _, labels = cv2.connectedComponents(1 - drawn, connectivity=4)
-    open_air = border_values(labels)
-    reached = np.isin(np.arange(labels.max() + 1), open_air[open_air > 0])[labels]
-    outside = cv2.dilate(reached.astype(np.uint8), _BLOCK) > 0
-    # Odd, so that opening does not shift the region.
-    side = 2 * max(round(0.25 * strokes.thickness_px), 1) + 1
-    square = np.ones((side, side), np.uint8)
-    inside = cv2.morphologyEx((~closed & ~outside).astype(np.uint8), cv2.MORPH_OPEN, square)
-    count, labels = cv2.connectedComponents(inside, connectivity=4)
-    near_wall = cv2.dilate(closed.astype(np.uint8), np.ones((2 * side + 1,) * 2, np.uint8)) > 0
-    rim = (inside > 0) & (cv2.erode(inside, _BLOCK) == 0)
-    rims = np.bincount(labels[rim], minlength=count)
-    walled = np.bincount(labels[rim & near_wall], minlength=count)
-    share = walled / np.maximum(rims, 1)
-    is_room = share > _LEAST_WALLED
-    is_room[0] = False
-    numbers = np.where(is_room, np.arange(count), 0).astype(np.int32)
-    return Regions(numbers[labels], share)
-
-
-def sides(gap: Gap, regions: Labels) -> tuple[int, int]:
-    """The regions on both sides of a gap."""
-    along = np.linspace(0.25, 0.75, 7) * gap.length_px
-    found = []
-    for side in (-1.0, 1.0):
-        beside = side * (gap.width_px / 2 + np.array([2.5, 4.5]))
-        points = gap.start + gap.along * along[:, None, None] + gap.across * beside[None, :, None]
-        columns = points[..., 0].astype(int).clip(0, regions.shape[1] - 1).ravel()
-        rows = points[..., 1].astype(int).clip(0, regions.shape[0] - 1).ravel()
-        found.append(int(np.bincount(regions[rows, columns]).argmax()))
-    return found[0], found[1]
-
-
-def parting_gaps(strokes: Strokes, gaps: list[Gap]) -> list[Gap]:
-    """Gaps that have different regions on both sides once all are closed."""
-    regions = find_regions(strokes, gaps).labels
-    return [gap for gap in gaps if len(set(sides(gap, regions))) == 2]
-
-
-def without_open_plan(strokes: Strokes, gaps: list[Gap], m_per_px: float) -> list[Gap]:
-    """Without wide empty gaps between two rooms: those are one room."""
-    regions = find_regions(strokes, gaps).labels
-    kept = []
-    for gap in gaps:
-        if (
-            gap.is_empty
-            and gap.length_px * m_per_px > _LARGEST_PASSAGE_M
-            and all(sides(gap, regions))
-        ):
+    depths = cv2.distanceTransform(clear.astype(np.uint8), cv2.DIST_L2, 5)
+    count, whole = cv2.connectedComponents(floor.astype(np.uint8), connectivity=4)
+    _, cores = cv2.connectedComponents((depths > neck_px / 2).astype(np.uint8), connectivity=8)
+    found: Labels = np.asarray(whole, np.int32)
+    for label in range(1, count):
+        own = whole == label
+        numbers = np.unique(cores[own])
+        numbers = numbers[numbers > 0]
+        if len(numbers) < 2:
             continue
-        kept.append(gap)
-    return parting_gaps(strokes, kept)
+        # Each pixel goes to the core that it is nearest to.
+        away = np.array([
+            cv2.distanceTransform((cores != number).astype(np.uint8), cv2.DIST_L2, 5)[own]
+            for number in numbers
+        ])  # fmt: skip
+        nearest = away.argmin(axis=0)
+        found[own] = np.where(nearest == 0, label, found.max() + nearest)
+    return found
 
 
-def room_outlines(regions: Regions, strokes: Strokes, m_per_px: float) -> list[Outline]:
-    """Outlines of the regions that are large and straight enough for rooms."""
-    noise_px = 0.5 + 0.12 * strokes.thickness_px
+# Rooms -------------------------------------------------------------------------------------------
+
+
+def room_outlines(regions: Regions, segments: Segments, m_per_px: float) -> list[Outline]:
+    """Outlines of the regions that are large enough for rooms."""
+    noise_px = 0.5 + _NOISE * regions.thickness_px
     labels = regions.labels
     areas = np.bincount(labels.ravel())
     # Half of the room's least width is how far its middle must be from its walls.
     depths = cv2.distanceTransform((labels > 0).astype(np.uint8), cv2.DIST_L2, 3)
     wide = np.unique(labels[depths * m_per_px >= _NARROWEST_ROOM_M / 2])
-    large = wide[areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2]
-    outlines = [
-        Outline(polygon_from_mask(labels == label, noise_px), float(regions.walled[label]))
-        for label in large
-        if label > 0
-    ]
-    return [line for line in outlines if _is_straight(line.polygon_px, strokes.thickness_px)]
+    large = wide[(areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2) & (wide > 0)]
+    return [_outline(np.asarray(labels == label), segments, noise_px) for label in large]
 
 
-def _is_straight(outline: FloatArray, thickness_px: float) -> bool:
-    """Whether most of an outline runs in long straight edges, as rooms do and blobs do not."""
-    edges = np.roll(outline, -1, axis=0) - outline
-    lengths = np.hypot(edges[:, 0], edges[:, 1])
-    return bool(
-        lengths[lengths > _LEAST_EDGE * thickness_px].sum() > _LEAST_STRAIGHT * lengths.sum()
+def _outline(mask: BoolArray, segments: Segments, noise_px: float) -> Outline:
+    floor = segments.built[FLOOR][mask] + segments.built[STAIRS][mask]
+    rim = (cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0) & ~mask
+    sure = float(min(floor.mean(), segments.barrier[rim].mean()))
+    stairs = float(segments.built[STAIRS][mask].mean())
+    chances = segments.kinds[:, mask].mean(axis=1)
+    best = int(chances.argmax())
+    kind: RoomKind = KIND_NAMES[best] if chances[best] >= _SURE_KIND else "unknown"
+    if stairs > 0.5:
+        kind = "corridor"
+    return Outline(
+        polygon_from_mask(mask, noise_px), round(sure, 2), kind, round(float(chances[best]), 2)
     )

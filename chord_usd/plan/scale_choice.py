@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from chord_usd.plan.printed import Estimate
+from chord_usd.types import BoolArray, FloatArray
 
 SCALE = "scale"
 """Key of Plan.extra: what Scale.report says."""
@@ -22,6 +23,9 @@ _BELIEVABLE = math.log(1.9)
 
 _ODD = math.log(1.6)
 """Witnesses farther apart than this are worth a warning."""
+
+LEAST_AGREEMENT = 0.4
+"""Where fewer of a witness's measures say the same they agree by chance, and are not believed."""
 
 _TRUST = {
     "room sizes": 3.0, "dimension lines": 2.0, "scale bar": 4.0, "room areas": 1.5,
@@ -42,9 +46,11 @@ class Scale:
     count: int = 1
     """How many measures speak for it."""
     agreement: float = 1.0
-    """Share of the printed measures that do, by weight."""
+    """Share of that witness's measures that do."""
     others: dict[str, float] = field(default_factory=dict)
     """Metres per pixel by every witness heard."""
+    disagreement: str = ""
+    """Which printed measures were not believed, and why."""
 
     @property
     def confidence(self) -> float:
@@ -72,6 +78,8 @@ class Scale:
 
     def warnings(self) -> list[str]:
         """What a user should know of the scale."""
+        if self.disagreement:
+            return [f"{self.disagreement}; the scale is taken from {self.witness}: check --scale"]
         rest = {name: math.log(v / self.m_per_px) for name, v in self.others.items()}
         odd = [
             f"{name} say {math.exp(ratio):.2f} times that"
@@ -101,16 +109,19 @@ def choose_scale(
     if given:
         return Scale(given, "given", others=others)
     rough = doors or walls
-    believed = _consensus(printed, rough)
-    if believed is not None:
-        return Scale(*believed, others)
+    found = _consensus(printed, rough)
+    if found is not None and found.agreement >= LEAST_AGREEMENT:
+        return replace(found, others=others)
+    told = ""
+    if found is not None:
+        told = f"only {found.agreement:.0%} of the printed {found.witness} agree"
     if doors:
-        return Scale(doors, "doors", others=others)
-    return Scale(walls, "walls", others=others)
+        return Scale(doors, "doors", others=others, disagreement=told)
+    return Scale(walls, "walls", others=others, disagreement=told)
 
 
-def _consensus(printed: Sequence[Estimate], rough: float) -> tuple[float, str, int, float] | None:
-    """Scale, witness, how many measures speak for it and their share; None for none believable."""
+def _consensus(printed: Sequence[Estimate], rough: float) -> Scale | None:
+    """What most measures say, the best of those that agree well; None for none believable."""
     if not printed:
         return None
     logs = np.log([e.m_per_px for e in printed])
@@ -119,14 +130,21 @@ def _consensus(printed: Sequence[Estimate], rough: float) -> tuple[float, str, i
     # Of clusters that are as heavy, the one nearer to the usual size of doors and walls.
     off = np.abs(logs - math.log(rough))
     believable = off < (_BELIEVABLE if len(printed) < 3 else 2 * _BELIEVABLE)
-    heaviness = np.where(believable, near @ weights - 0.5 * off, -math.inf)
-    best = int(np.argmax(heaviness))
-    if not believable[best]:
-        return None
-    own = near[best]
+    heaviness = near @ weights - 0.5 * off
+    order = [int(i) for i in np.argsort(-heaviness, kind="stable") if believable[i]]
+    clusters = [_cluster(printed, near[i], logs, weights) for i in order]
+    agreed = (cluster for cluster in clusters if cluster.agreement >= LEAST_AGREEMENT)
+    return next(agreed, clusters[0] if clusters else None)
+
+
+def _cluster(
+    printed: Sequence[Estimate], own: BoolArray, logs: FloatArray, weights: FloatArray
+) -> Scale:
+    """The scale of measures that say the same, by the witness that says most of it."""
     center = float(np.exp(np.average(logs[own], weights=weights[own])))
     names = [printed[i].witness for i in np.flatnonzero(own)]
     witness = max(set(names), key=lambda n: (names.count(n) * _TRUST[n], n))
-    said = {e.text for e in printed}
-    agreeing = {printed[i].text for i in np.flatnonzero(own)}
-    return center, witness, len(agreeing), len(agreeing) / len(said)
+    said = {e.text for e in printed if e.witness == witness}
+    agreeing = {(printed[i].witness, printed[i].text) for i in np.flatnonzero(own)}
+    own_words = sum(name == witness for name, _ in agreeing)
+    return Scale(center, witness, len(agreeing), own_words / len(said))

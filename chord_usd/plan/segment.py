@@ -1,12 +1,12 @@
 """What a learned reader sees on a page, pixel by pixel, with how sure it is.
 
-The network takes squares; a page of any size is brought to a few sizes, since nothing says how many
-pixels its walls have, looked at in overlapping tiles, and what is seen at each size is averaged.
+Nothing says how many pixels a wall of a page has. The whole page is therefore looked at small, then
+what is built on it, larger: a house may be a small part of a screenshot, and its walls thin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,13 +14,40 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.page_labels import BUILT_NAMES, LAID_NAMES, POINT_NAMES, READER_INPUT
+from chord_usd.page_labels import (
+    BUILT_NAMES,
+    FLOOR,
+    KIND_NAMES,
+    KIND_STEP_PX,
+    LAID_NAMES,
+    OUTSIDE,
+    POINT_NAMES,
+    READER_INPUT,
+    STAIRS,
+)
 from chord_usd.page_labels import READER_MULTIPLE_PX as MULTIPLE_PX
 from chord_usd.runtime.networks import Network, content_hash, load_network
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.types import BoolArray, ByteArray, FloatArray
 
-SIDES_PX = (544, 768)
-"""Lengths that the longer side of a page is brought to."""
+READER_CHECKPOINT = "reader"
+
+FIRST_SIDE_PX = 544
+"""Length that the longer side of a page is brought to at first."""
+
+HOUSE_SIDE_PX = 736
+"""And that of what is built on it, then."""
+
+_ENLARGED = 1.6
+"""A picture is not enlarged more than this, as in training."""
+
+_CLOSER_WEIGHT = 0.65
+"""Of what is seen from close by, where both looks saw something."""
+
+_MARGIN = 0.05
+"""Round what is built, as a share of its longer side."""
+
+_LEAST_PART = 0.04
+"""What is smaller than this share of the largest thing built on a page is a symbol or a legend."""
 
 TILE_PX = 512
 OVERLAP_PX = 128
@@ -30,42 +57,39 @@ REMEDY = "chord-usd train reader, or reinstall chord-usd"
 
 Chances = npt.NDArray[np.float32]
 
+_ENDS = np.cumsum([len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES)])
+_CHANNELS = int(_ENDS[-1]) + len(KIND_NAMES)
+
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """A page as the network sees it."""
+    """A picture as the network sees it, pixel by pixel."""
 
     built: Chances
-    """(7, h, w) chances of page_labels.BUILT_NAMES; they add up to one."""
+    """(7, H, W) chances of page_labels.BUILT_NAMES; they add up to one."""
     laid: Chances
-    """(4, h, w) of LAID_NAMES."""
+    """(4, H, W) of LAID_NAMES."""
     points: Chances
-    """(3, h, w) of POINT_NAMES, each from 0 to 1."""
-    share: float
-    """Pixels here for one of the picture."""
+    """(3, H, W) of POINT_NAMES, each from 0 to 1."""
+    kinds: Chances
+    """(9, H, W) of KIND_NAMES: what a floor is of."""
 
     @property
-    def kinds(self) -> ByteArray:
-        """(h, w) what is most likely built."""
+    def most_likely(self) -> ByteArray:
+        """(H, W) what is most likely built."""
         return self.built.argmax(axis=0).astype(np.uint8)
 
     @property
-    def over(self) -> ByteArray:
-        """(h, w) what is most likely drawn over it."""
-        return self.laid.argmax(axis=0).astype(np.uint8)
-
-    @property
-    def confidence(self) -> Chances:
-        """(h, w) chance of what is most likely built, [0, 1]."""
-        return np.asarray(self.built.max(axis=0))
+    def barrier(self) -> Chances:
+        """(H, W) chance of what parts rooms: walls, doors, windows, and passages."""
+        return 1.0 - self.built[OUTSIDE] - self.built[FLOOR] - self.built[STAIRS]
 
     def peaks(self, point: int, least: float = 0.3) -> FloatArray:
-        """(N, 3) x and y in continuous pixels of the picture, and how sure; point: HINGE, ..."""
+        """(N, 3) x and y in continuous pixels, and how sure; point: HINGE, ..."""
         heat = self.points[point]
         is_peak = (heat == cv2.dilate(heat, np.ones((7, 7), np.uint8))) & (heat > least)
         rows, columns = np.nonzero(is_peak)
-        where = (np.stack([columns, rows], axis=1) + 0.5) / self.share
-        return np.column_stack([where, heat[is_peak]])
+        return np.column_stack([columns + 0.5, rows + 0.5, heat[is_peak]])
 
 
 class PageReader:
@@ -75,20 +99,28 @@ class PageReader:
         self._network = network
         self.content_hash = content_hash
 
-    def read(self, rgb: ByteArray, sides_px: Sequence[int] = SIDES_PX) -> Segments:
-        """See a picture, (H, W, 3), at several sizes; the result has the largest of them."""
-        longer = max(rgb.shape[:2])
-        share = max(sides_px) / longer
-        size = _size(rgb, share)
-        total = np.zeros((_CHANNELS, size[1], size[0]), np.float32)
-        for side in sides_px:
-            seen = self._at(_resized(rgb, _size(rgb, side / longer)))
-            for channel, one in enumerate(seen):
-                total[channel] += cv2.resize(one, size, interpolation=cv2.INTER_LINEAR)
-        total /= len(sides_px)
-        ends = np.cumsum([len(BUILT_NAMES), len(LAID_NAMES)])
-        built, laid, points = np.split(total, ends)
-        return Segments(built, laid, points, share)
+    def read(self, rgb: ByteArray) -> Segments:
+        """See a picture, (H, W, 3)."""
+        total = self._seen(rgb, FIRST_SIDE_PX / max(rgb.shape[:2]))
+        rows, columns = _built_window(total[OUTSIDE] < 0.5)
+        part = rgb[rows, columns]
+        share = HOUSE_SIDE_PX / max(part.shape[:2])
+        if share > 1.1 * FIRST_SIDE_PX / max(rgb.shape[:2]):
+            window = total[:, rows, columns]
+            window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
+        return Segments(*np.split(total, _ENDS))
+
+    def _seen(self, rgb: ByteArray, share: float) -> Chances:
+        """(channels, H, W) of a picture, looked at with so many pixels for one of its own."""
+        height, width = rgb.shape[:2]
+        share = min(share, _ENLARGED)
+        small = max(1, round(width * share)), max(1, round(height * share))
+        way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_CUBIC
+        seen = self._at(np.asarray(cv2.resize(rgb, small, interpolation=way), np.uint8))
+        found = np.empty((_CHANNELS, height, width), np.float32)
+        for channel, one in enumerate(seen):
+            cv2.resize(one, (width, height), dst=found[channel], interpolation=cv2.INTER_LINEAR)
+        return found
 
     def _at(self, rgb: ByteArray) -> Chances:
         """(channels, H, W) of a picture at its own size."""
@@ -100,16 +132,17 @@ class PageReader:
         weights = np.zeros((tall, wide), np.float32)
         for rows in _tiles(tall):
             for columns in _tiles(wide):
-                part = np.ascontiguousarray(scaled[None, :, rows, columns])
-                seen = np.concatenate(self._network.run({READER_INPUT: part}), axis=1)[0]
+                seen = self._tile(np.ascontiguousarray(scaled[None, :, rows, columns]))
                 weight = np.outer(_ramp(seen.shape[1]), _ramp(seen.shape[2]))
                 total[:, rows, columns] += seen * weight
                 weights[rows, columns] += weight
         found: Chances = (total / weights)[:, :height, :width]
         return found
 
-
-_CHANNELS = len(BUILT_NAMES) + len(LAID_NAMES) + len(POINT_NAMES)
+    def _tile(self, scaled: Chances) -> Chances:
+        *fine, kinds = (one[0] for one in self._network.run({READER_INPUT: scaled}))
+        wide = kinds.repeat(KIND_STEP_PX, axis=1).repeat(KIND_STEP_PX, axis=2)
+        return np.concatenate([*fine, wide])
 
 
 def load_reader(folder: Path) -> PageReader:
@@ -117,13 +150,20 @@ def load_reader(folder: Path) -> PageReader:
     return PageReader(load_network(folder, REMEDY), content_hash(folder))
 
 
-def _size(rgb: ByteArray, share: float) -> tuple[int, int]:
-    return max(1, round(rgb.shape[1] * share)), max(1, round(rgb.shape[0] * share))
-
-
-def _resized(rgb: ByteArray, size: tuple[int, int]) -> ByteArray:
-    way = cv2.INTER_AREA if size[0] < rgb.shape[1] else cv2.INTER_CUBIC
-    return np.asarray(cv2.resize(rgb, size, interpolation=way), np.uint8)
+def _built_window(built: BoolArray) -> tuple[slice, slice]:
+    """Rows and columns round everything built but specks; all of the picture where there is
+    nothing."""
+    count, _, stats, _ = cv2.connectedComponentsWithStats(built.astype(np.uint8))
+    height, width = built.shape
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    if count < 2:
+        return slice(0, height), slice(0, width)
+    kept = stats[1:][areas >= _LEAST_PART * areas.max()]
+    low, high = kept[:, :2].min(axis=0), (kept[:, :2] + kept[:, 2:4]).max(axis=0)
+    margin = round(_MARGIN * float((high - low).max())) + 4
+    left, top = np.maximum(low - margin, 0).tolist()
+    right, bottom = np.minimum(high + margin, (width, height)).tolist()
+    return slice(top, bottom), slice(left, right)
 
 
 def _tiles(length: int) -> Iterator[slice]:

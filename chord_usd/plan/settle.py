@@ -56,19 +56,6 @@ def settle(
     return _move_edges(polygons, anchors, edges, _chain(spans, pairs))
 
 
-def even_out(
-    polygons: Sequence[FloatArray], thickness_px: float, reach_px: float
-) -> list[FloatArray]:
-    """Make the walls between rooms of a drawing thickness_px thick, whatever they are.
-
-    Edges along an axis move by reach_px at most; walls that would need more stay as they are.
-    """
-    edges = _all_axis_edges(polygons)
-    spans = [(edge.place - reach_px, edge.place + reach_px) for edge in edges]
-    pairs = _pairs(edges, thickness_px, 2 * reach_px)
-    return _move_edges(polygons, [p.copy() for p in polygons], edges, _chain(spans, pairs))
-
-
 def _chain(
     spans: Sequence[tuple[float, float]], pairs: Sequence[tuple[float, int, int, float]]
 ) -> _Chains:

@@ -10,13 +10,17 @@ import numpy as np
 
 from chord_usd.plan.perspective import find_sheet, rectifying, sheet_size
 from chord_usd.plan.placement import Straightening
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.types import BoolArray, ByteArray, FloatArray
 from chord_usd.units import rotation_2d
 
-_WORKING_SIDE_PX = 1600
+_WORKING_SIDE_PX = 1280
 """Larger drawings are scaled down to this: walls stay several pixels thick."""
 
 _TEXT_SIDE_PX = 1800
+
+_BLACK_SCREEN = 60
+_FAINTEST_INK = 0.88
+"""Share of the paper's brightness below which anything is drawn at all."""
 
 _LEAST_SKEW_DEG = 0.2
 _FINE_REACH_DEG, _FINE_STEP_DEG = 1.2, 0.1
@@ -31,7 +35,7 @@ class Sheet:
     """A picture, ready to be read."""
 
     rgb: ByteArray
-    """(H, W, 3), sides of 1600 px at most."""
+    """(H, W, 3), sides of 1280 px at most."""
     fine: ByteArray
     """The same, sides of 1800 px at most, for what is printed small."""
     shrink: float
@@ -183,3 +187,20 @@ def _skew_of_lines(edges: ByteArray) -> float:
     # Drawn on the square grid of a screen, upright lines are upright to the pixel.
     upright = lengths[np.abs(angles) < _STEP_DEG].sum()
     return 0.0 if upright > 0.5 * smooth[peak] else skew_deg
+
+
+def on_white(rgb: ByteArray) -> ByteArray:
+    """A drawing (H, W, 3) on light paper: one on a black screen has its colours turned round."""
+    dark = np.median(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)[::4, ::4]) < _BLACK_SCREEN
+    return np.asarray(255 - rgb, np.uint8) if dark else rgb
+
+
+def ink_of(rgb: ByteArray) -> BoolArray:
+    """(H, W) what is drawn: darker than the paper round it, whatever shadow lies on that."""
+    grey = cv2.cvtColor(on_white(rgb), cv2.COLOR_RGB2GRAY)
+    small = cv2.resize(grey, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    side = max(small.shape) // 12 * 2 + 1
+    paper = cv2.morphologyEx(small, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
+    paper = cv2.GaussianBlur(paper, (side, side), 0)
+    paper = cv2.resize(paper, (grey.shape[1], grey.shape[0]), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(grey < _FAINTEST_INK * np.maximum(paper, 1.0))

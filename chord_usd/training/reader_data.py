@@ -12,16 +12,27 @@ from torch import Tensor
 from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
 from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.truth import CrowdedPage
+from chord_usd.data.drawn.no_plans import draw_no_plan
+from chord_usd.data.drawn.truth import CrowdedPage, DrawnStorey
 from chord_usd.data.splits import TEST_SEED, is_test_seed
-from chord_usd.page_labels import OUTSIDE, POINT_NAMES, built_of, laid_of
+from chord_usd.page_labels import (
+    KIND_NAMES,
+    KIND_STEP_PX,
+    OUTSIDE,
+    POINT_NAMES,
+    built_of,
+    laid_of,
+)
 from chord_usd.types import ByteArray, FloatArray
 
-Batch = tuple[Tensor, Tensor, Tensor, Tensor]
+Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor]
 """Colours (B, 3, S, S) uint8, what is built and what is drawn over it (B, S, S) uint8, points
-(B, 3, S, S) uint8: 255 at a point, less about it."""
+(B, 3, S, S) uint8: 255 at a point, less about it; kinds of floors (B, K, K) uint8, K = S /
+KIND_STEP_PX, NO_KIND where there is none."""
 
-CROP_PX = 512
+NO_KIND = 255
+
+CROP_PX = 384
 
 SIDES_PX = (360, 860)
 """Lengths that a page's longer side is brought to before it is cropped: plans are read at several
@@ -32,8 +43,11 @@ TEST_SIDE_PX = 672
 
 POOL = 24
 """Pages that are kept, to take crops from."""
-CROPS = 4
+CROPS = 6
 """Taken before another page takes a page's place, on average."""
+
+NO_PLANS = 0.06
+"""Share of pages that show no plan."""
 
 _RADIUS_PX = 6
 _SPREAD_PX = 1.8
@@ -47,6 +61,8 @@ class Crop:
 
     rgb: ByteArray
     labels: ByteArray
+    kinds: ByteArray
+    """Of floors: index in KIND_NAMES, or NO_KIND."""
     points: FloatArray
     """(P, 3) as CrowdedPage has them; some may lie outside."""
 
@@ -71,9 +87,22 @@ def crop_of(page: CrowdedPage, side_px: float, rng: np.random.Generator) -> Crop
     points = page.points.copy()
     points[:, :2] = points[:, :2] * shares - spot
     paper = rgb[2, 2] if rng.random() < 0.8 else rng.integers(0, 256, 3).astype(np.uint8)
-    return Crop(
-        _window(rgb, spot, paper), _window(labels, spot, np.array(OUTSIDE, np.uint8)), points
-    )
+    moved = np.array([[shares[0], 0.0, -spot[0]], [0.0, shares[1], -spot[1]], [0.0, 0.0, 1.0]])
+    outside = np.array(OUTSIDE, np.uint8)
+    kinds = _kinds(page.storeys, moved @ page.to_picture)
+    return Crop(_window(rgb, spot, paper), _window(labels, spot, outside), kinds, points)
+
+
+def _kinds(storeys: Sequence[DrawnStorey], matrix: FloatArray) -> ByteArray:
+    """(CROP_PX, CROP_PX) kinds of floors. matrix: (3, 3) from metres to pixels of the crop."""
+    found = np.full((CROP_PX, CROP_PX), NO_KIND, np.uint8)
+    for room in (room for storey in storeys for room in storey.plan.rooms):
+        if room.kind == "unknown":
+            continue
+        seen = np.column_stack([room.polygon_m, np.ones(len(room.polygon_m))]) @ matrix.T
+        corners = np.rint(seen[:, :2] / seen[:, 2:] - 0.5).astype(np.int32)
+        cv2.fillPoly(found, [corners], (KIND_NAMES.index(room.kind),))
+    return found
 
 
 def _window(array: ByteArray, spot: np.ndarray, beyond: np.ndarray) -> ByteArray:
@@ -89,20 +118,20 @@ def _window(array: ByteArray, spot: np.ndarray, beyond: np.ndarray) -> ByteArray
 
 def posed(crop: Crop, rng: np.random.Generator) -> Crop:
     """In one of eight poses, in other colours."""
-    rgb, labels, points = crop.rgb, crop.labels, crop.points.copy()
+    rgb, labels, kinds, points = crop.rgb, crop.labels, crop.kinds, crop.points.copy()
     if rng.random() < 0.5:
-        rgb, labels = rgb[:, ::-1], labels[:, ::-1]
+        rgb, labels, kinds = rgb[:, ::-1], labels[:, ::-1], kinds[:, ::-1]
         points[:, 0] = CROP_PX - points[:, 0]
     # Most pages are upright, and letters tell.
     if rng.random() < 0.3:
-        rgb, labels = rgb.transpose(1, 0, 2), labels.T
+        rgb, labels, kinds = rgb.transpose(1, 0, 2), labels.T, kinds.T
         points[:, :2] = points[:, 1::-1]
     if rng.random() < 0.3:
         rgb = rgb[..., rng.permutation(3)]
     if rng.random() < 0.3:
         curve = 255 * (np.arange(256) / 255) ** rng.uniform(0.6, 1.6)
         rgb = curve.astype(np.uint8)[rgb]
-    return Crop(rgb, labels, points)
+    return Crop(rgb, labels, kinds, points)
 
 
 def heat_of(points: FloatArray) -> ByteArray:
@@ -128,9 +157,11 @@ def batch_of(crops: Sequence[Crop]) -> Batch:
     rgb = np.stack([crop.rgb.transpose(2, 0, 1) for crop in crops])
     labels = np.stack([crop.labels for crop in crops])
     heat = np.stack([heat_of(crop.points) for crop in crops])
-    arrays = (rgb, built_of(labels), laid_of(labels), heat)
+    middle = KIND_STEP_PX // 2
+    kinds = np.stack([crop.kinds[middle::KIND_STEP_PX, middle::KIND_STEP_PX] for crop in crops])
+    arrays = (rgb, built_of(labels), laid_of(labels), heat, kinds)
     found = [torch.from_numpy(np.ascontiguousarray(array)) for array in arrays]
-    return found[0], found[1], found[2], found[3]
+    return found[0], found[1], found[2], found[3], found[4]
 
 
 def held_out(count: int) -> list[Crop]:
@@ -167,7 +198,7 @@ def _page(rng: np.random.Generator) -> CrowdedPage:
     seed = int(rng.integers(2**40))
     while is_test_seed(seed):
         seed = int(rng.integers(2**40))
-    return draw_page(seed)
+    return draw_no_plan(seed) if rng.random() < NO_PLANS else draw_page(seed)
 
 
 def page_loader(stream: PageStream, workers: int) -> DataLoader[Batch]:

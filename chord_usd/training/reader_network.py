@@ -1,5 +1,5 @@
-"""The network that reads pages: a U-Net from colours to what is built, what is drawn over it, and
-points."""
+"""The network that reads pages: a U-Net from colours to what is built, what is drawn over it,
+points, and what rooms are for."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ from torch import Tensor, nn
 from torch.nn import functional
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
-from chord_usd.page_labels import BUILT_NAMES, LAID_NAMES, POINT_NAMES
+from chord_usd.page_labels import BUILT_NAMES, KIND_NAMES, KIND_STEP_PX, LAID_NAMES, POINT_NAMES
 
 CHANNELS = (16, 32, 80, 144, 224)
 """From a half to a thirty-second of the page's resolution."""
 
 OUTPUTS = (len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES))
+
+_KIND_LEVEL = KIND_STEP_PX // 2 - 1
+"""Of the way up, where features are as coarse as kinds."""
 
 _RARE_POINT = -4.0
 """Logit of a point before anything is learned: there are few."""
@@ -37,7 +40,8 @@ def _pair(inner: int, outer: int) -> nn.Sequential:
 
 
 class ReaderNetwork(nn.Module):
-    """(B, 3, H, W) in [-1, 1] to (B, sum(OUTPUTS), H, W) logits; sides are multiples of 32."""
+    """(B, 3, H, W) in [-1, 1], sides multiples of 32, to logits: (B, sum(OUTPUTS), H, W), and of
+    kinds, (B, len(KIND_NAMES), H / KIND_STEP_PX, W / KIND_STEP_PX)."""
 
     def __init__(self, channels: tuple[int, ...] = CHANNELS) -> None:
         super().__init__()
@@ -55,24 +59,27 @@ class ReaderNetwork(nn.Module):
             _pair(2 * a, a) if level else _Layer(2 * a, a) for level, a in enumerate(channels[:-1])
         )
         self.out = nn.Sequential(nn.Conv2d(channels[0], 4 * sum(OUTPUTS), 1), nn.PixelShuffle(2))
+        self.kinds = nn.Conv2d(channels[_KIND_LEVEL], len(KIND_NAMES), 1)
         with torch.no_grad():
             bias = self.out[0].bias
             assert isinstance(bias, Tensor)
             bias.zero_()[-4 * OUTPUTS[-1] :] = _RARE_POINT
 
-    def forward(self, rgb: Tensor) -> Tensor:
-        """Logits of all heads, one after the other."""
+    def forward(self, rgb: Tensor) -> tuple[Tensor, Tensor]:
+        """Logits of all fine heads, one after the other, and of kinds."""
         now = self.stem(rgb)
         seen = []
         for level, down in enumerate(self.down):
             now = down(functional.max_pool2d(now, 2) if level else now)
             seen.append(now)
         now = now + self.middle(now)
+        kinds = now
         for level in reversed(range(len(self.up))):
             above = functional.interpolate(self.narrow[level](now), scale_factor=2.0)
             now = self.up[level](torch.cat([above, seen[level]], dim=1))
-        logits: Tensor = self.out(now)
-        return logits
+            if level == _KIND_LEVEL:
+                kinds = self.kinds(now)
+        return self.out(now), kinds
 
 
 class Reading(nn.Module):
@@ -82,10 +89,11 @@ class Reading(nn.Module):
         super().__init__()
         self.network = fused(network)
 
-    def forward(self, rgb: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Chances of what is built, of what is drawn over it, and of points."""
-        built, laid, points = self.network(rgb).split(OUTPUTS, dim=1)
-        return built.softmax(dim=1), laid.softmax(dim=1), points.sigmoid()
+    def forward(self, rgb: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+        """Chances of what is built, of what is drawn over it, of points, and of kinds."""
+        fine, kinds = self.network(rgb)
+        built, laid, points = fine.split(OUTPUTS, dim=1)
+        return built.softmax(dim=1), laid.softmax(dim=1), points.sigmoid(), kinds.softmax(dim=1)
 
 
 def fused(network: ReaderNetwork) -> ReaderNetwork:

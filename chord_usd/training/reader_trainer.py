@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -10,12 +11,13 @@ from typing import Any
 
 import torch
 from safetensors.torch import save
-from torch import Tensor
+from torch import Tensor, nn
 from torch.nn import functional
 
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.page_labels import (
     BUILT_NAMES,
+    KIND_NAMES,
     LAID_NAMES,
     POINT_NAMES,
     READER_INPUT,
@@ -28,7 +30,14 @@ from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.training.budget import Budget
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.onnx_file import write_graph
-from chord_usd.training.reader_data import Batch, Crop, PageStream, batch_of, page_loader
+from chord_usd.training.reader_data import (
+    NO_KIND,
+    Batch,
+    Crop,
+    PageStream,
+    batch_of,
+    page_loader,
+)
 from chord_usd.training.reader_network import CHANNELS, OUTPUTS, ReaderNetwork, Reading
 from chord_usd.training.weights import Weights, warm_and_cool
 
@@ -36,14 +45,17 @@ STATE_FOLDER = "state"
 LOG_FILE = "log.jsonl"
 _SAVE_MINUTES = 5.0
 _LOG_STEPS = 20
+_CALIBRATED_ON = 24
+"""Batches."""
 _END_RATE = 0.02
 """Share of the learning rate at which a run ends."""
 
 _BUILT_WEIGHTS = (1.0, 1.0, 2.0, 8.0, 6.0, 4.0, 6.0)
 _LAID_WEIGHTS = (1.0, 6.0, 2.5, 3.0)
 """Of the classes in the loss: thin ones have few pixels."""
-_LAID_SHARE, _POINTS_SHARE, _OVERLAP_SHARE = 0.5, 0.1, 0.3
+_LAID_SHARE, _POINTS_SHARE, _OVERLAP_SHARE, _KINDS_SHARE = 0.5, 0.1, 0.3, 0.3
 _LEAST_CHANCE = 1e-4
+_LOSSES = ("built", "laid", "points", "overlap", "kinds")
 
 
 @dataclass(frozen=True)
@@ -83,23 +95,26 @@ def train_reader(
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
     before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
     step = first_step = int(before["step"])
-    budget, seen = Budget(config.minutes), torch.zeros(4)
+    budget, seen = Budget(config.minutes), torch.zeros(len(_LOSSES))
+    pictures: deque[Tensor] = deque(maxlen=_CALIBRATED_ON)
     facts: dict[str, Any] = {}
     for told in page_loader(PageStream(config.batch, config.seed + step), config.workers):
         rate = warm_and_cool(
             step - first_step, config.warmup_steps, budget.share, config.cooldown_share, _END_RATE
         )
-        losses = batch_losses(network, _moved(told, config.device))
+        batch = _moved(told, config.device)
+        pictures.append(batch[0])
+        losses = batch_losses(network, batch)
         weights.step(losses.sum(), config.learning_rate * rate, config.gradient_clip, step)
         step, seen = step + 1, seen + losses.detach().cpu()
         if step % _LOG_STEPS == 0:
             _log(folder, step, budget.spent, seen / min(_LOG_STEPS, step - first_step))
-            seen = torch.zeros(4)
+            seen = torch.zeros(len(_LOSSES))
         if progress and step % 10 == 0:
             progress(round(budget.spent * 60), round(config.minutes * 60))
         ended = budget.is_over
         if ended or budget.is_due("save", _SAVE_MINUTES):
-            _keep_statistics(weights)
+            _calibrate(weights, pictures)
             minutes = before["minutes"] + budget.spent
             weights.save(folder / STATE_FOLDER, {"step": step, "minutes": minutes})
             facts = {
@@ -113,35 +128,43 @@ def train_reader(
 
 
 def _moved(batch: Batch, device: str) -> Batch:
-    rgb, built, laid, heat = (part.to(device) for part in batch)
-    return rgb, built, laid, heat
+    rgb, built, laid, heat, kinds = (part.to(device) for part in batch)
+    return rgb, built, laid, heat, kinds
 
 
 def _log(folder: Path, step: int, minutes: float, losses: Tensor) -> None:
-    names = ("built", "laid", "points", "overlap")
-    row = {name: round(float(loss), 4) for name, loss in zip(names, losses, strict=True)}
+    row = {name: round(float(loss), 4) for name, loss in zip(_LOSSES, losses, strict=True)}
     with (folder / LOG_FILE).open("a", encoding="utf-8") as log:
         log.write(json.dumps({"step": step, "minutes": round(minutes, 2), **row}) + "\n")
 
 
-def _keep_statistics(weights: Weights[ReaderNetwork]) -> None:
-    """Give the average what normalisation counted; only weights are averaged."""
-    counted = dict(weights.network.named_buffers())
-    for name, buffer in weights.average.named_buffers():
-        buffer.copy_(counted[name])
+@torch.no_grad()
+def _calibrate(weights: Weights[ReaderNetwork], pictures: Sequence[Tensor]) -> None:
+    """Let the averaged network count what it normalises by, on pictures of the last steps.
+
+    What the trained one has counted is of other weights, and costs a third of all rooms.
+    """
+    norms = [m for m in weights.average.modules() if isinstance(m, nn.BatchNorm2d)]
+    for norm in norms:
+        norm.reset_running_stats()
+        norm.momentum = None  # a plain mean over all that follows
+    weights.average.train()
+    for rgb in pictures:
+        logits_of(weights.average, rgb)
+    weights.average.eval()
 
 
 # Losses ------------------------------------------------------------------------------------------
 
 
-def logits_of(network: ReaderNetwork, rgb: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """What the network says of uint8 colours: built, laid and points."""
+def logits_of(network: ReaderNetwork, rgb: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """What the network says of uint8 colours: built, laid, points and kinds."""
     device = rgb.device.type
     with torch.autocast(device, torch.bfloat16, enabled=_has_halves(device)):
         scaled = (rgb.float() / 127.5 - 1.0).contiguous(memory_format=torch.channels_last)
-        logits = network(scaled)
-    built, laid, points = logits.float().split(OUTPUTS, dim=1)
-    return built, laid, points
+        fine, kinds = network(scaled)
+    built, laid, points = fine.float().split(OUTPUTS, dim=1)
+    return built, laid, points, kinds.float()
 
 
 def _has_halves(device: str) -> bool:
@@ -150,9 +173,9 @@ def _has_halves(device: str) -> bool:
 
 
 def batch_losses(network: ReaderNetwork, batch: Batch) -> Tensor:
-    """(4,) losses of what is built, what is drawn over it, of points, and of overlap."""
-    rgb, built, laid, heat = batch
-    said_built, said_laid, said_points = logits_of(network, rgb)
+    """(5,) losses of what is built, what is drawn over it, of points, of overlap, and of kinds."""
+    rgb, built, laid, heat, kinds = batch
+    said_built, said_laid, said_points, said_kinds = logits_of(network, rgb)
     device = rgb.device
     of_built = functional.cross_entropy(
         said_built, built.long(), torch.tensor(_BUILT_WEIGHTS, device=device)
@@ -164,6 +187,7 @@ def batch_losses(network: ReaderNetwork, batch: Batch) -> Tensor:
     losses = (
         of_built, _LAID_SHARE * of_laid, _POINTS_SHARE * of_points,
         _OVERLAP_SHARE * (_overlap_loss(said_built, built) + _overlap_loss(said_laid, laid)),
+        _KINDS_SHARE * _kinds_loss(said_kinds, kinds),
     )  # fmt: skip
     return torch.stack(losses)
 
@@ -175,6 +199,12 @@ def _point_loss(said: Tensor, heat: Tensor) -> Tensor:
     hit = is_point * (1 - chance) ** 2 * chance.log()
     miss = ~is_point * (1 - heat) ** 4 * chance**2 * (1 - chance).log()
     return -(hit + miss).sum() / is_point.sum().clamp(min=1)
+
+
+def _kinds_loss(said: Tensor, kinds: Tensor) -> Tensor:
+    """Cross-entropy on floors; zero where a batch has none."""
+    each = functional.cross_entropy(said, kinds.long(), ignore_index=NO_KIND, reduction="sum")
+    return each / (kinds != NO_KIND).sum().clamp(min=1)
 
 
 def _overlap_loss(said: Tensor, labels: Tensor) -> Tensor:
@@ -193,23 +223,27 @@ def _overlap_loss(said: Tensor, labels: Tensor) -> Tensor:
 
 @torch.inference_mode()
 def score(network: ReaderNetwork, crops: Sequence[Crop], device: str) -> dict[str, float]:
-    """Intersection over union of each class over all crops; classes that are nowhere left out."""
+    """Intersection over union of each class over all crops, classes that are nowhere left out; and
+    kinds: the share of floor whose kind is right."""
     if not crops:
         return {}
     network.eval()
     counts = {"built": torch.zeros(OUTPUTS[0], 3), "laid": torch.zeros(OUTPUTS[1], 3)}
+    right, floor = 0, 0
     for crop in crops:
-        rgb, built, laid, _ = _moved(batch_of([crop]), device)
-        said_built, said_laid, _ = logits_of(network, rgb)
+        rgb, built, laid, _, kinds = _moved(batch_of([crop]), device)
+        said_built, said_laid, _, said_kinds = logits_of(network, rgb)
+        right += int((said_kinds.argmax(dim=1) == kinds).sum())
+        floor += int((kinds != NO_KIND).sum())
         for head, said, true in (("built", said_built, built), ("laid", said_laid, laid)):
             guess = said.argmax(dim=1)
             for kind, row in enumerate(counts[head]):
                 guesses, truths = guess == kind, true == kind
                 both = guesses & truths
                 row += torch.stack([both.sum(), guesses.sum(), truths.sum()]).cpu()
-    found: dict[str, float] = {"crops": float(len(crops))}
-    for head, kinds in (("built", BUILT_NAMES), ("laid", LAID_NAMES)):
-        for name, (both, guessed, really) in zip(kinds, counts[head].tolist(), strict=True):
+    found = {"crops": float(len(crops)), "kinds": round(right / max(floor, 1), 3)}
+    for head, names in (("built", BUILT_NAMES), ("laid", LAID_NAMES)):
+        for name, (both, guessed, really) in zip(names, counts[head].tolist(), strict=True):
             if really:
                 found[name] = round(both / (guessed + really - both), 3)
     return found
@@ -223,7 +257,7 @@ def write_checkpoint(folder: Path, network: ReaderNetwork, facts: dict[str, Any]
         name: tensor.contiguous().to(torch.float16)
         for name, tensor in reading.network.state_dict().items()
     }
-    names = {"built": BUILT_NAMES, "laid": LAID_NAMES, "points": POINT_NAMES}
+    names = {"built": BUILT_NAMES, "laid": LAID_NAMES, "points": POINT_NAMES, "kinds": KIND_NAMES}
     with checkpoint_files(folder):
         write_atomic(folder / WEIGHTS_FILE, save(halves))
         description = json.dumps({"format": FORMAT, "labels": names, "training": facts}, indent=2)
@@ -235,5 +269,8 @@ def write_checkpoint(folder: Path, network: ReaderNetwork, facts: dict[str, Any]
         stored={f"network.{name}": name for name in halves},
         inputs={READER_INPUT: torch.zeros(1, 3, 64, 64)},
         outputs=READER_OUTPUTS,
-        free_axes=dict.fromkeys((READER_INPUT, *READER_OUTPUTS), axes),
+        free_axes={
+            **dict.fromkeys((READER_INPUT, *READER_OUTPUTS), axes),
+            "kinds": {0: "batch", 2: "rows", 3: "columns"},
+        },
     )

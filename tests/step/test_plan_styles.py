@@ -16,8 +16,10 @@ from chord_usd.data.drawn.styles import FAMILIES, random_style
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.evaluation.plans import (
+    Case,
     PlanScore,
     Reader,
+    clean,
     measure_reading,
     score_reading,
     summaries,
@@ -36,6 +38,13 @@ def drawn(family: str, seed: int, rooms: int = 4) -> Drawing:
     return draw_in_style(random_plan(rng, rooms=rooms), random_style(rng, family), rng)
 
 
+def case_of(drawing: Drawing) -> Case:
+    style = drawing.style.family
+    return Case(
+        style, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture, drawing.told
+    )
+
+
 def straight(plan: Plan, shape: tuple[int, ...]) -> FloatArray:
     return straightening_matrix(straightening_of(plan), shape)[0]
 
@@ -47,17 +56,18 @@ def unlettered(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("unlettered")
-@pytest.mark.parametrize("family", FAMILIES)
-def test_every_style_is_read(family: str) -> None:
-    style = replace(random_style(np.random.default_rng(3), family), has_names=False, sizes="none")
-    rng = np.random.default_rng(3)
-    drawing = draw_in_style(random_plan(rng, rooms=4), style, rng)
-    m_per_px = drawing.frame.m_per_px
-    reader = Reader(lambda rgb: read_drawing(rgb, m_per_px), frame_of, straight)
-    score = score_reading(drawing, reader)
-    assert not score.refused
-    assert score.walls > 0.95
-    assert score.room_iou > 0.9
+def test_clean_drawings_in_every_style_are_read() -> None:
+    """They are drawn by other means than the pages that the network is trained on."""
+    scores = []
+    for number, family in enumerate(FAMILIES):
+        case = clean(family, 3, number)
+        m_per_px = case.frame.m_per_px
+        reader = Reader(lambda rgb, s=m_per_px: read_drawing(rgb, s), frame_of, straight)
+        scores.append(score_reading(case, reader))
+    assert sum(score.refused for score in scores) <= 1
+    assert np.median([score.walls for score in scores]) > 0.85
+    assert np.median([score.room_iou for score in scores]) > 0.85
+    assert not any(score.wrong_in_silence for score in scores)
 
 
 # What is no plan ---------------------------------------------------------------------------------
@@ -142,11 +152,12 @@ def test_what_is_printed_of_several_rooms_in_one_is_told() -> None:
     page[430:450, 300:360] = 255
     box = np.array([[-50.0, 240.0], [50.0, 240.0], [50.0, 260.0], [-50.0, 260.0]])
     texts = (
-        Text("11.2 m2", box + np.array([200.0, 0.0]), 1.0),
-        Text("10.4 m2", box + np.array([500.0, 0.0]), 1.0),
+        Text("Bedroom 1", box + np.array([200.0, 0.0]), 1.0),
+        Text("Bedroom 2", box + np.array([500.0, 0.0]), 1.0),
     )
     plan = read_drawing(page, known=Known(texts))
-    assert any("of several rooms" in warning for warning in plan.extra[WARNINGS])
+    warnings = plan.extra[WARNINGS]
+    assert any("of several rooms" in told or "in another way" in told for told in warnings)
 
 
 # Scores ------------------------------------------------------------------------------------------
@@ -160,7 +171,7 @@ def perfect(drawing: Drawing) -> Reader:
 
 def test_a_perfect_reader_scores_one() -> None:
     drawing = drawn("agent", 2)
-    score = score_reading(drawing, perfect(drawing))
+    score = score_reading(case_of(drawing), perfect(drawing))
     assert score.walls == score.openings == 1.0
     assert score.room_iou == pytest.approx(1.0)
     assert score.kinds_right == score.kinds
@@ -172,7 +183,9 @@ def test_a_wrong_house_counts_only_in_silence() -> None:
     half = replace(drawing.truth, rooms=drawing.truth.rooms[:1], openings=())
     for extra, silent in (({}, True), ({WARNINGS: ["look"]}, False)):
         plan = replace(half, extra={**placement(drawing.frame), **extra})
-        score = score_reading(drawing, replace(perfect(drawing), read=lambda rgb, p=plan: p))
+        score = score_reading(
+            case_of(drawing), replace(perfect(drawing), read=lambda rgb, p=plan: p)
+        )
         assert score.wrong_in_silence is silent
 
 
@@ -187,7 +200,7 @@ def test_who_refuses_scores_nothing() -> None:
     def refuse(rgb: ByteArray) -> Plan:
         raise PlanError("no closed room was found")
 
-    score = score_reading(drawn("agent", 2), Reader(refuse, frame_of, straight))
+    score = score_reading(case_of(drawn("agent", 2)), Reader(refuse, frame_of, straight))
     assert score.refused
     assert not score.wrong_in_silence
     assert summaries([score])["all"]["read"] == 0
@@ -204,7 +217,7 @@ def test_a_measurement_that_was_stopped_goes_on(tmp_path: Path) -> None:
         records = Records(path, 3, styles)
         reader = Reader(refuse, frame_of, straight)
         return measure_reading(
-            reader, count, lambda done, total: None, styles, 3, records.scores, records.keep
+            reader, count, lambda done, total: None, styles, 3, clean, records.scores, records.keep
         )
 
     first = measured(1)

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from chord_usd.chord_json import read_plan, write_plan
+from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import CheckpointError, ChordError
 from chord_usd.layout.checkpoint import save_checkpoint
@@ -24,9 +25,10 @@ from chord_usd.plan_labels import sheet_frame
 from chord_usd.planning.encoder import (
     ENCODER_FOLDER,
     MOST_WORDS,
+    MiniLM,
     TransformersEncoder,
-    default_encoder,
     encoder_of,
+    minilm_folder,
 )
 from chord_usd.planning.outline import open_shell
 from chord_usd.planning.sheet import blank_sheet
@@ -96,12 +98,19 @@ def test_a_folder_without_a_text_model_is_an_error(tmp_path: Path) -> None:
         TransformersEncoder(tmp_path)
 
 
-def test_the_default_encoder_tells_texts_apart() -> None:
-    encoder = default_encoder()
-    two, three, long = encoder.encode(["two bedrooms", "three bedrooms", "a very big house " * 99])
-    assert two.shape == three.shape == (4, 384)
-    assert np.abs(two - three).max() > 0.1
-    assert len(long) == MOST_WORDS
+def test_minilm_gives_what_transformers_gives() -> None:
+    """For every word of fifty texts, whether they come alone or with longer ones."""
+    dice = [np.random.default_rng(seed) for seed in range(46)]
+    texts = [describe(random_plan(rng), rng).text for rng in dice]
+    texts += ["", "a", "Zwei Zimmer, Küche & Bad: 70 m²", "three bedrooms " * MOST_WORDS]
+    ours, theirs = MiniLM(), TransformersEncoder(minilm_folder())
+    together, expected = ours.encode(texts), theirs.encode(texts)
+    for text, found, wanted in zip(texts, together, expected, strict=True):
+        (alone,) = ours.encode([text])
+        np.testing.assert_allclose(found, wanted, atol=1e-4)
+        np.testing.assert_allclose(alone, wanted, atol=1e-4)
+    assert ours.channels == expected[0].shape[1]
+    assert len(expected[-1]) == MOST_WORDS
 
 
 def test_text_becomes_a_plan(run_cli: RunCli, tmp_path: Path) -> None:

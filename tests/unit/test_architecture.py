@@ -43,11 +43,12 @@ ALLOWED: dict[str, set[str]] = {
 
 HEAVY = {
     "torch": ("layout", "planning", "training", "evaluation"),
-    "diffusers": ("layout", "training", "evaluation"),
+    "diffusers": ("layout", "training"),
     "ultralytics": ("training",),
+    "onnx": ("training",),
     "pxr": ("runtime", "stage", "assets", "image"),
     "bpy": ("image",),
-    "transformers": ("planning",),
+    "transformers": ("planning", "training"),
 }
 """Which parts may import a heavy library at all."""
 

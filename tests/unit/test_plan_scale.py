@@ -27,6 +27,13 @@ MEASURES = {
     "3220x3470": ("size", (3.22, 3.47)),
     "10'1\" × 11'1\"": ("size", (3.073, 3.378)),
     "11'1° × 13'6\"": ("size", (3.378, 4.115)),
+    "3.66m x 3.05m (12'0\" x 10'0\")": ("size", (3.66, 3.05)),
+    "12'0\" x 10'0\" / 3.66 x 3.05": ("size", (3.66, 3.05)),
+    "13 m² (140 sq ft)": ("area", (13.0,)),
+    "Bedroom 2 3.66m x 3.05m": ("size", (3.66, 3.05)),
+    "9,8 f X 11.1 f": ("size", (2.987, 3.383)),
+    "162×14'10": ("size", (4.928, 4.521)),
+    '8\'2" x 5°3"': ("size", (2.489, 1.600)),
     "12'-6\"": ("length", (3.81,)),
     "12ft 6in": ("length", (3.81,)),
     "4500": ("length", (4.5,)),
@@ -80,6 +87,31 @@ def test_areas_of_an_open_plan_are_added() -> None:
     assert estimate.m_per_px == pytest.approx(0.01)
 
 
+def test_a_size_in_two_units_is_one_and_a_lost_mark_does_no_harm() -> None:
+    room = np.array([[0, 0], [400, 0], [400, 300], [0, 300]], float)
+    # 132×910 was 13'2 × 9'10, and looks like centimetres.
+    for feet in ("13'1\" x 9'10\"", "13'1 × 910", "132×910"):
+        (estimate,) = estimates([text_at(feet, 200, 100), text_at("4.00 x 3.00", 200, 150)], [room])
+        assert estimate.m_per_px == pytest.approx(0.01)
+    areas = [text_at("12 m²", 100, 100), text_at("129 sq ft", 100, 120)]
+    (estimate,) = estimates(areas, [room])
+    assert estimate.m_per_px == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("extended", [False, True])
+def test_an_arrow_ends_at_its_point(extended: bool) -> None:
+    canvas = np.zeros((200, 700), np.uint8)
+    cv2.line(canvas, (50, 92), (650, 92), (255,), 1)
+    for tip, inward in ((50, 1), (250, -1), (250, 1), (650, -1)):
+        head = np.array([[tip, 92], [tip + 14 * inward, 87], [tip + 14 * inward, 97]])
+        cv2.fillPoly(canvas, [head], (255,))
+        if extended:
+            cv2.line(canvas, (tip, 70), (tip, 130), (255,), 1)
+    texts = [text_at("2000", 150, 80), text_at("4000", 450, 80)]
+    scales = [e.m_per_px for e in estimates(texts, [], canvas > 0)]
+    assert sum(value == pytest.approx(0.01, rel=0.012) for value in scales) == 2
+
+
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("broken", [False, True])
 def test_a_dimension_line_is_measured_between_its_ticks(turned: bool, broken: bool) -> None:
@@ -124,6 +156,19 @@ def test_a_lone_misread_measure_loses_to_the_doors() -> None:
     assert choose_scale(printed(0.1), doors=0.012, walls=0.015).witness == "doors"
     assert choose_scale(printed(0.011), doors=0.012, walls=0.015).witness == "room sizes"
     assert choose_scale([], doors=None, walls=0.015).witness == "walls"
+
+
+def test_measures_of_which_few_agree_lose_and_say_so() -> None:
+    lines = printed(*np.geomspace(0.004, 0.04, 12), 0.016, 0.0161, witness="dimension lines")
+    scale = choose_scale(lines, doors=0.012, walls=0.011)
+    assert (scale.witness, scale.m_per_px) == ("doors", 0.012)
+    assert "only 14% of the printed dimension lines agree" in scale.warnings()[0]
+    # Room sizes that agree are believed beside them.
+    sizes = printed(0.0099, 0.01, 0.0101, witness="room sizes")
+    scale = choose_scale([*lines, *sizes], doors=0.012, walls=0.011)
+    assert scale.witness == "room sizes"
+    assert scale.m_per_px == pytest.approx(0.01, rel=0.03)
+    assert scale.warnings() == []
 
 
 def test_the_scale_given_wins_and_the_report_tells_what_the_others_say() -> None:

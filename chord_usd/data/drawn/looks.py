@@ -95,10 +95,10 @@ class Look:
     """Share of rooms with a dimension line through them."""
 
 
-def random_look(rng: np.random.Generator) -> Look:
-    """A look of a random kind."""
+def random_look(rng: np.random.Generator, kind: str | None = None) -> Look:
+    """A look of a kind, by default of a random one."""
     kinds = list(KINDS)
-    kind = kinds[int(rng.choice(len(kinds), p=list(KINDS.values())))]
+    kind = kind or kinds[int(rng.choice(len(kinds), p=list(KINDS.values())))]
     base = _common(rng, kind)
     return replace(base, **_of_kind(rng, kind, base))
 

@@ -9,14 +9,14 @@ import numpy as np
 
 RGB = tuple[int, int, int]
 
-FAMILIES = ("agent", "cad", "hatched", "coloured", "line", "scan", "photo")
+FAMILIES = (
+    "agent", "cad", "hatched", "coloured", "line", "scan", "photo", "blueprint", "crossed", "grey",
+    "chart", "symbols", "sheet",
+)  # fmt: skip
 """Estate agent's; hollow double lines; hatched walls; filled floors; single lines; a scanned
-print, askew; a photo with shadow and noise."""
-
-HELD_OUT = ("blueprint", "crossed", "grey", "chart", "symbols", "sheet")
-"""What the reader was not made on: white on blue; cross-hatched walls; grey walls between thin
-faces; walls, doors and windows each in a colour; symbols of fixtures in place of names; a photo of
-a sheet on a table, in perspective."""
+print, askew; a photo with shadow and noise; white on blue; cross-hatched walls; grey walls between
+thin faces; walls, doors and windows each in a colour; symbols of fixtures in place of names; a
+photo of a sheet on a table, in perspective."""
 
 _DARK: tuple[RGB, ...] = ((0, 0, 0), (30, 30, 30), (60, 60, 70), (20, 40, 80), (80, 20, 20))
 

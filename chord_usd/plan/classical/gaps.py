@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from shapely.geometry import Polygon
 
-from chord_usd.plan.strokes import Strokes
+from chord_usd.plan.classical.strokes import Strokes
 from chord_usd.types import BoolArray, ByteArray, FloatArray
 
 _END_WIDTHS = (0.3, 2.2)

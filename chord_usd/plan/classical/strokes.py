@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.plan.bodies import filled_bodies
+from chord_usd.plan.classical.bodies import filled_bodies
 from chord_usd.types import BoolArray, ByteArray, FloatArray
 
 _DARKNESS = (0.45, 0.65, 0.8)

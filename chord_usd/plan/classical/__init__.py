@@ -1,0 +1,1 @@
+"""Reading of clean drawings by their strokes: exact to a pixel where walls are plainly drawn."""

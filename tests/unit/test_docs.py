@@ -1,0 +1,128 @@
+"""What the documents say is true: verbs, options, extras, links and examples exist."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shlex
+import tomllib
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from chord_usd import pipeline
+from chord_usd.chord_json import read_scene
+from chord_usd.cli import build_parser
+from tests.verbs import ACTIONS, VERBS
+
+ROOT = Path(__file__).parents[2]
+CARDS = sorted((ROOT / "checkpoints").glob("*/README.md"))
+DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md")), *CARDS]
+
+OPTIONS = {option for _, action in ACTIONS for option in action.option_strings}
+OF_OTHERS = {"--head", "--dependency"}
+"""Options of ray and Slurm that documents name."""
+
+LONGEST = {ROOT / "README.md": 100, ROOT / "ARCHITECTURE.md": 130, **dict.fromkeys(CARDS, 60)}
+"""Lines: what is longer is not read."""
+
+
+def name_of(document: Path) -> str:
+    return str(document.relative_to(ROOT))
+
+
+def fences(text: str) -> list[str]:
+    """The insides of fenced blocks."""
+    return re.findall(r"^```\w*\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def command_lines(text: str) -> list[str]:
+    """Command lines of chord-usd in fenced blocks."""
+    return [
+        line
+        for block in fences(text)
+        for line in block.splitlines()
+        if line.startswith("chord-usd ")
+    ]
+
+
+def verb_of(line: str) -> str | None:
+    """The verb that a command line begins with; None for what is no verb."""
+    words = line.split()[1:]
+    return next((v for v in (" ".join(words[:n]) for n in (2, 1)) if v in VERBS), None)
+
+
+def test_every_verb_has_one_line_and_one_example() -> None:
+    lines = [
+        line for block in fences((ROOT / "docs/commands.md").read_text())
+        for line in block.splitlines() if line
+    ]  # fmt: skip
+    said, shown = lines[::2], lines[1::2]
+    assert all(line.startswith("# ") for line in said)
+    assert sorted(str(verb_of(line)) for line in shown) == sorted(VERBS)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+def test_commands_can_be_typed(document: Path) -> None:
+    """Whole ones parse; of those that are only mentioned, verbs and options exist."""
+    text = document.read_text()
+    for line in command_lines(text):
+        build_parser().parse_args(shlex.split(line.split(" #")[0])[1:])
+    for span in re.findall(r"`([^`\n]+)`", text):
+        if span.startswith("chord-usd ") and span.split()[1][0].islower():
+            assert verb_of(span) or any(v.startswith(f"{span.split()[1]} ") for v in VERBS), span
+        if span.startswith(("-", "chord-usd", "train", "evaluate", "generate", "render")):
+            named = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", span))
+            assert named <= OPTIONS | OF_OTHERS, span
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+def test_extras_and_links_lead_somewhere(document: Path) -> None:
+    text = document.read_text()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    named = re.findall(r"(?:chord-usd|'\.)\[([\w,-]+)\]", text)
+    assert {e for one in named for e in one.split(",")} <= set(project["optional-dependencies"])
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if target.startswith(("http:", "https:")):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (document.parent / path).resolve() if path else document
+        assert file.exists(), target
+        if anchor:
+            titles = re.findall(r"^#+ (.+)$", file.read_text(), re.MULTILINE)
+            assert anchor in {re.sub(r"[^\w -]", "", t.lower()).replace(" ", "-") for t in titles}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+def test_modules_that_are_named_exist(document: Path) -> None:
+    """Paths of this repository in backticks; a part of a path will do inside the package."""
+    for span in re.findall(r"`([\w/.]+\.py|chord_usd/[\w/.]+)`", document.read_text()):
+        if "NAME" in span:
+            continue
+        near = (ROOT / span, ROOT / "chord_usd" / span, document.parent / span)
+        assert any(path.exists() for path in near) or any(ROOT.glob(f"*/**/{span}")), span
+
+
+@pytest.mark.parametrize("document", LONGEST, ids=name_of)
+def test_documents_are_short_enough_to_read(document: Path) -> None:
+    lines = len(document.read_text().splitlines())
+    assert lines <= LONGEST[document]
+
+
+def test_the_example_of_the_readme_runs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With a house that is there already in place of the minute that generating takes."""
+    graph = read_scene(ROOT / "tests/fixtures/furnished_house.json")
+    signature = inspect.signature(pipeline.generate)
+
+    def generate(*given: object, **named: object) -> SimpleNamespace:
+        plan_file = signature.bind(*given, **named).arguments["plan_file"]
+        assert (ROOT / plan_file).is_file()
+        return SimpleNamespace(graph=graph)
+
+    monkeypatch.setattr(pipeline, "generate", generate)
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    exec(code, {})
+    assert len(capsys.readouterr().out.splitlines()) == len(graph.items) > 0
