@@ -89,13 +89,7 @@ def add(verbs: Verbs) -> None:
     _add_flats(lists)
     reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
     _add_training_options(reader, minutes=60.0, batch=None)
-    reader.add_argument(
-        "--workers",
-        type=whole_number(0, 4096),
-        default=1,
-        metavar="N",
-        help="processes that draw (1)",
-    )
+    _add_loop_options(reader)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -370,7 +364,7 @@ def run_reader(options: argparse.Namespace) -> Outcome:
     with watch.step("draw"):
         crops = held_out(24)
     with watch.step("train") as progress:
-        facts = train_reader(config, options.output, crops, progress)
+        facts = train_reader(config, options.output, crops, progress, start=options.start)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 

@@ -4,6 +4,7 @@ points, and what rooms are for."""
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from itertools import pairwise
 
 import torch
@@ -94,6 +95,36 @@ class Reading(nn.Module):
         fine, kinds = self.network(rgb)
         built, laid, points = fine.split(OUTPUTS, dim=1)
         return built.softmax(dim=1), laid.softmax(dim=1), points.sigmoid(), kinds.softmax(dim=1)
+
+
+@torch.no_grad()
+def take_up_fused(network: ReaderNetwork, weights: Mapping[str, Tensor], rgb: Tensor) -> None:
+    """Take up the weights of a fused network: what fused() made of another one.
+
+    Each normalisation is given the scale and offset that undo what it does to rgb, (B, 3, H, W) in
+    [-1, 1], so that the network says of such pictures what the fused one does. Raises KeyError or
+    RuntimeError where the weights are those of a network of other channels.
+    """
+    plain = dict(network.named_parameters())
+    offsets: dict[nn.Module, Tensor] = {}
+    for name, layer in network.named_modules():
+        if isinstance(layer, _Layer):
+            offsets[layer[1]] = weights[f"{name}.0.bias"]
+            plain[f"{name}.0.weight"].copy_(weights[f"{name}.0.weight"])
+    for name in ("out.0.weight", "out.0.bias", "kinds.weight", "kinds.bias"):
+        plain[name].copy_(weights[name])
+
+    def undo(norm: nn.Module, told: tuple[Tensor]) -> None:
+        assert isinstance(norm, nn.BatchNorm2d)
+        variance, mean = torch.var_mean(told[0], dim=(0, 2, 3), correction=0)
+        norm.weight.copy_((variance + norm.eps).sqrt())
+        norm.bias.copy_(mean + offsets[norm])
+
+    hooks = [norm.register_forward_pre_hook(undo) for norm in offsets]
+    network.train()
+    network(rgb)
+    for hook in hooks:
+        hook.remove()
 
 
 def fused(network: ReaderNetwork) -> ReaderNetwork:

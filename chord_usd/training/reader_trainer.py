@@ -14,6 +14,7 @@ from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional
 
+from chord_usd.errors import CheckpointError
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.page_labels import (
     BUILT_NAMES,
@@ -26,7 +27,7 @@ from chord_usd.page_labels import (
 from chord_usd.progress import Progress
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic
-from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 from chord_usd.training.budget import Budget
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.onnx_file import write_graph
@@ -38,7 +39,13 @@ from chord_usd.training.reader_data import (
     batch_of,
     page_loader,
 )
-from chord_usd.training.reader_network import CHANNELS, OUTPUTS, ReaderNetwork, Reading
+from chord_usd.training.reader_network import (
+    CHANNELS,
+    OUTPUTS,
+    ReaderNetwork,
+    Reading,
+    take_up_fused,
+)
 from chord_usd.training.weights import Weights, warm_and_cool
 
 STATE_FOLDER = "state"
@@ -47,6 +54,8 @@ _SAVE_MINUTES = 5.0
 _LOG_STEPS = 20
 _CALIBRATED_ON = 24
 """Batches."""
+_TAKEN_UP_ON = 16
+"""Crops."""
 _END_RATE = 0.02
 """Share of the learning rate at which a run ends."""
 
@@ -82,8 +91,11 @@ def train_reader(
     held_out: Sequence[Crop],
     progress: Progress | None = None,
     channels: tuple[int, ...] = CHANNELS,
+    start: Path | None = None,
 ) -> dict[str, Any]:
     """Run until the minutes are spent, going on where a run in the folder stopped.
+
+    start: checkpoint whose weights a new run begins with.
 
     Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, and is
     renewed whenever the state is saved.
@@ -93,7 +105,9 @@ def train_reader(
     torch.manual_seed(config.seed)
     network = ReaderNetwork(channels).to(config.device, memory_format=torch.channels_last)  # type: ignore[call-overload]
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
-    before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
+    before = weights.load(folder / STATE_FOLDER, config.device)
+    if before is None:
+        before = _begun(weights, start, config) if start else {"step": 0, "minutes": 0.0}
     step = first_step = int(before["step"])
     budget, seen = Budget(config.minutes), torch.zeros(len(_LOSSES))
     pictures: deque[Tensor] = deque(maxlen=_CALIBRATED_ON)
@@ -125,6 +139,30 @@ def train_reader(
         if ended:
             break
     return facts
+
+
+def _begun(weights: Weights[ReaderNetwork], start: Path, config: ReaderTraining) -> dict[str, Any]:
+    """Take up a checkpoint, and say how long it was trained.
+
+    Raises CheckpointError where it is damaged or of another size.
+    """
+    stored = read_weights(start / WEIGHTS_FILE, "chord-usd train reader, or reinstall chord-usd")
+    tensors = {name: torch.from_numpy(value).float() for name, value in stored.items()}
+    rgb = next(iter(PageStream(_TAKEN_UP_ON, config.seed)))[0].float() / 127.5 - 1.0
+    for network in (weights.network, weights.average):
+        network.to("cpu")
+        try:
+            take_up_fused(network, tensors, rgb)
+        except (KeyError, RuntimeError) as error:
+            raise CheckpointError(
+                f"weights of another reader ({str(error).splitlines()[0]})",
+                where=str(start / WEIGHTS_FILE),
+                expected="a checkpoint that train reader wrote",
+            ) from error
+        network.to(config.device)
+    weights.average.eval()
+    told = json.loads((start / CONFIG_FILE).read_text(encoding="utf-8"))["training"]
+    return {"step": int(told["steps"]), "minutes": float(told["minutes"])}
 
 
 def _moved(batch: Batch, device: str) -> Batch:

@@ -41,6 +41,9 @@ from chord_usd.types import Box, FloatArray, Plan, frozen_array
 _STOREYS = (0.78, 0.17, 0.05)
 """Shares of pages with one, two and three storeys."""
 
+_TIGHT = 0.2
+"""Share of pages that are cut to the walls, as pictures of data sets are."""
+
 _PX = (420, 1150)
 """Of a page's longer side."""
 
@@ -83,7 +86,9 @@ def _laid_out(
 ) -> tuple[list[_Placed], FloatArray]:
     """Storeys side by side or one above the other, and the size of the sheet, metres."""
     margins = rng.uniform(0.3, 2.0, 4)
-    if look.chains or rng.random() < 0.3:
+    if rng.random() < _TIGHT:
+        margins = rng.uniform(0.0, 0.2, 4)
+    elif look.chains or rng.random() < 0.3:
         margins += rng.uniform(0.5, 3.0, 4)
     is_row = rng.random() < 0.65
     cursor, placed = margins[:2].copy(), []

@@ -21,8 +21,8 @@ FloorKind = Literal["bare", "tinted", "kinds", "textured", "photo"]
 PieceKind = Literal["none", "lines", "white", "grey", "coloured", "photo"]
 
 KINDS: dict[str, float] = {
-    "agent": 0.3, "cad": 0.16, "furnished": 0.12, "coloured": 0.1, "photoreal": 0.1,
-    "japanese": 0.06, "chart": 0.06, "sketch": 0.05, "blueprint": 0.02, "pastel": 0.03,
+    "agent": 0.26, "cad": 0.2, "furnished": 0.12, "coloured": 0.1, "photoreal": 0.09,
+    "japanese": 0.05, "chart": 0.11, "sketch": 0.04, "blueprint": 0.01, "pastel": 0.02,
 }  # fmt: skip
 """Kinds of page and how often they come: estate agents' black walls; engineers' hollow ones with
 chains of dimensions; brochures in grey; floors in colours; furniture seen from above; flats with
@@ -265,13 +265,15 @@ def _japanese(rng: np.random.Generator, base: Look) -> dict[str, Any]:
 
 def _chart(rng: np.random.Generator, base: Look) -> dict[str, Any]:
     """Walls, doors and windows in a colour each, filled or as outlines."""
-    filled = rng.random() < 0.6
+    filled = rng.random() < 0.5
     fill = "solid" if filled else "hollow"
     return {
         "outer_fill": fill, "inner_fill": fill,
         "wall_rgb": _vivid(rng, 0.9), "doors": ("filled",), "door_rgb": _vivid(rng, 0.9),
-        "windows": ("filled",) if filled else ("framed",), "window_rgb": _vivid(rng, 0.9),
-        "glass_rgb": _vivid(rng, 1.0), "floors": "kinds" if filled else "bare",
+        "windows": ("filled",) if filled else ("framed",),
+        "window_rgb": _vivid(rng, 0.9) if rng.random() < 0.7 else _grey(rng, 0, 60),
+        "glass_rgb": _vivid(rng, 1.0) if filled or rng.random() < 0.4 else (255, 255, 255),
+        "floors": "kinds" if filled else "bare",
         "door_fill_rgb": _vivid(rng, 1.0) if filled else None,
         "pieces": "none" if rng.random() < 0.8 else "lines",
         "names": 0.0 if rng.random() < 0.7 else 1.0, "sizes": 0.0, "chains": 0.0,
