@@ -61,6 +61,11 @@ def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> np
     return array
 
 
+OPEN = "openM"
+"""Key of Room.extra: metres of its outline with nothing between it and the outside, where that is
+more than a door."""
+
+
 @dataclass(frozen=True)
 class PixelFrame:
     """Where a raster lies in the world. units.px_from_m and units.m_from_px do the arithmetic."""

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from chord_usd.data.drawn.truth import CrowdedPage
-from chord_usd.page_labels import BUILT_NAMES, KIND_NAMES, LAID_NAMES, built_of, laid_of
+from chord_usd.page_labels import BUILT_NAMES, KIND_NAMES, built_of
 from chord_usd.plan.segment import Segments
 from chord_usd.types import ByteArray
 
@@ -37,11 +37,9 @@ class TrueReader:
 
 def segments_of(labels: ByteArray, kinds: np.ndarray | None = None) -> Segments:
     """(H, W) labels of a page as a network would say them that has no doubt."""
-    built, laid = built_of(labels), laid_of(labels)
+    built = built_of(labels)
     shape = labels.shape
     return Segments(
         np.stack([built == kind for kind in range(len(BUILT_NAMES))]).astype(np.float32),
-        np.stack([laid == kind for kind in range(len(LAID_NAMES))]).astype(np.float32),
-        np.zeros((3, *shape), np.float32),
         np.full((len(KIND_NAMES), *shape), 1 / 9, np.float32) if kinds is None else kinds,
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -13,10 +14,11 @@ from chord_usd.geometry import room_polygon
 from chord_usd.plan.labels import texts_in
 from chord_usd.plan.measures import distinct, parse_measure
 from chord_usd.plan.openings import CONFIDENCE
+from chord_usd.plan.parts import built_parts
 from chord_usd.plan.regions import Regions
 from chord_usd.plan.text import Text
 from chord_usd.room_names import room_kind
-from chord_usd.types import FloatArray, PixelFrame, Plan, RoomKind
+from chord_usd.types import OPEN, FloatArray, PixelFrame, Plan, RoomKind
 from chord_usd.units import m_from_px, px_from_m
 
 _HOUSE_M2 = (4.0, 3000.0)
@@ -63,54 +65,66 @@ def refuse_nonsense(polygons_px: Sequence[FloatArray], regions: Regions, frame: 
 
 
 def _surrounded_px(polygons_px: Sequence[FloatArray], regions: Regions) -> float:
-    """Pixels within the hull of all walls that hang together with those round the rooms."""
-    rooms = np.zeros(regions.solid.shape, np.uint8)
+    """Pixels within the hull of all that hangs together with the rooms."""
+    built, labels = built_parts(regions)
+    rooms = np.zeros(built.shape, np.uint8)
     for polygon in polygons_px:
         cv2.fillPoly(rooms, [np.rint(polygon).astype(np.int32)], (1.0,))
-    reach = 2 * max(round(3.0 * regions.thickness_px), 4) + 1
-    near = cv2.dilate((regions.solid | (rooms > 0)).astype(np.uint8), np.ones((reach, reach)))
-    _, labels = cv2.connectedComponents(near)
-    own = np.unique(labels[rooms > 0])
-    points = np.argwhere((regions.solid | (rooms > 0)) & np.isin(labels, own[own > 0]))
+    points = np.argwhere(built & np.isin(labels, np.unique(labels[built & (rooms > 0)])))
     return float(cv2.contourArea(cv2.convexHull(points.astype(np.int32))))
 
 
-def doubts(plan: Plan, regions: Regions, texts: Sequence[Text], frame: PixelFrame) -> list[str]:
-    """What a user should look at, in sentences. texts: of the picture that lies in frame."""
-    told = [*_doubts_of_rooms(plan, texts, frame), *_doubts_of_openings(plan)]
+@dataclass(frozen=True)
+class NamedRooms:
+    """What is printed on a page, held against the rooms that were read on it."""
+
+    crowded: tuple[str, ...]
+    """Ids of rooms in which the names or sizes of several are printed."""
+    homeless: tuple[str, ...]
+    """Names within the house's bounds that stand in none of its rooms."""
+    contradictions: int
+    """How many names speak against the plan: those beyond one in crowded rooms, and those in no
+    room."""
+
+
+def named_rooms(plan: Plan, texts: Sequence[Text], frame: PixelFrame) -> NamedRooms:
+    """texts: of the picture that lies in frame."""
+    kinds = {id(text): room_kind(text.text) for text in texts}
+    names = [text for text in texts if kinds[id(text)] != "unknown"]
+    crowded, right = [], 0
+    for room in plan.rooms:
+        own = texts_in(room, texts, frame)
+        said = [kinds[id(text)] for text in own if kinds[id(text)] != "unknown"]
+        if _is_several([text.text for text in own], said):
+            crowded.append(room.id)
+        right += min(len(said), 1) if room.id in crowded else len(said)
+    homeless = tuple(_in_no_room(plan, names, frame))
+    return NamedRooms(tuple(crowded), homeless, len(names) - right + len(crowded))
+
+
+def doubts(plan: Plan, regions: Regions, named: NamedRooms, frame: PixelFrame) -> list[str]:
+    """What a user should look at, in sentences. frame: where the picture of the regions lies."""
+    told = [*_doubts_of_rooms(plan, named), *_doubts_of_openings(plan)]
     sides = _cut_sides(regions, [px_from_m(room.polygon_m, frame) for room in plan.rooms])
     if sides:
         told.append(f"the drawing seems to be cut off at its {' and '.join(sides)} edge")
     return told
 
 
-def contradictions(plan: Plan, texts: Sequence[Text], frame: PixelFrame) -> int:
-    """How many printed names contradict a plan: those beyond one in rooms that bear several, and
-    those that stand in no room.
-    """
-    named = 0
-    for room in plan.rooms:
-        own = texts_in(room, texts, frame)
-        count = sum(room_kind(text.text) != "unknown" for text in own)
-        named += min(count, 1) if _is_several(own) else count
-    names = sum(room_kind(text.text) != "unknown" for text in texts)
-    several = sum(_is_several(texts_in(room, texts, frame)) for room in plan.rooms)
-    return names - named + several
-
-
-def _doubts_of_rooms(plan: Plan, texts: Sequence[Text], frame: PixelFrame) -> list[str]:
+def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
     told = []
-    several = [room.id for room in plan.rooms if _is_several(texts_in(room, texts, frame))]
-    if several:
+    if named.crowded:
         told.append(
-            f"{', '.join(several)}: what is printed there is of several rooms; an opening "
+            f"{', '.join(named.crowded)}: what is printed there is of several rooms; an opening "
             "or a wall may be missing"
         )
-    homeless = _names_in_no_room(plan, texts, frame)
-    if homeless:
-        told.append(f"no room was found where {', '.join(map(repr, homeless))} is printed")
+    if named.homeless:
+        told.append(f"no room was found where {', '.join(map(repr, named.homeless))} is printed")
     if all(room.kind == "unknown" for room in plan.rooms):
         told.append("of no room is it known what it is for")
+    ajar = [room.id for room in plan.rooms if OPEN in room.extra]
+    if ajar:
+        told.append(f"{', '.join(ajar)}: open to the outside; a wall may be missing")
     shaky = [r.id for r in plan.rooms if r.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM]
     if shaky:
         told.append(f"the outlines of {', '.join(shaky)} are uncertain")
@@ -129,19 +143,16 @@ def _doubts_of_openings(plan: Plan) -> list[str]:
     return told
 
 
-def _names_in_no_room(plan: Plan, texts: Sequence[Text], frame: PixelFrame) -> list[str]:
-    """Names of rooms that are printed within the house's bounds, and in none of its rooms."""
+def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterator[str]:
+    """Names that are printed within the house's bounds, and in none of its rooms."""
     floors = [room_polygon(room).buffer(_NAME_REACH_M) for room in plan.rooms]
     corners = np.concatenate([room.polygon_m for room in plan.rooms])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    found = []
-    for text in texts:
-        place = m_from_px(text.center_px, frame)
-        if room_kind(text.text) == "unknown" or not np.all((low < place) & (place < high)):
-            continue
-        if not any(floor.contains(Point(*place)) for floor in floors):
-            found.append(text.text)
-    return found
+    for name in names:
+        place = m_from_px(name.center_px, frame)
+        is_within = bool(np.all((low < place) & (place < high)))
+        if is_within and not any(floor.contains(Point(*place)) for floor in floors):
+            yield name.text
 
 
 def _reached_together(plan: Plan) -> list[list[str]]:
@@ -155,12 +166,14 @@ def _reached_together(plan: Plan) -> list[list[str]]:
     return sorted(groups, key=lambda group: (-len(group), group))
 
 
-def _is_several(texts: Sequence[Text]) -> bool:
-    """Whether what is printed in a room is of more rooms than an open plan has parts."""
-    measures = [m for m in (parse_measure(text.text) for text in texts) if m is not None]
+def _is_several(texts: Sequence[str], kinds: Sequence[RoomKind]) -> bool:
+    """Whether what is printed in a room is of more rooms than an open plan has parts.
+
+    kinds: that the names among the texts say.
+    """
+    measures = [m for m in map(parse_measure, texts) if m is not None]
     sizes = distinct([measure for measure in measures if measure.kind == "size"])
     areas = distinct([measure for measure in measures if measure.kind == "area"])
-    kinds = [kind for kind in (room_kind(text.text) for text in texts) if kind != "unknown"]
     own = sum(kind in _OWN_ROOM for kind in kinds)
     return (
         max(len(sizes), len(areas)) > 1 or len(kinds) >= _MOST_NAMES or (own > 0 and len(kinds) > 1)

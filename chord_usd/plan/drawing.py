@@ -11,40 +11,44 @@ import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Protocol
 
 from chord_usd.errors import PlanError
 from chord_usd.metrics.fidelity import room_iou
 from chord_usd.plan.classical.reading import read_strokes
-from chord_usd.plan.doubts import contradictions, doubts, refuse_nonsense
+from chord_usd.plan.doubts import doubts, named_rooms, refuse_nonsense
 from chord_usd.plan.labels import label_rooms
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import parts_of
 from chord_usd.plan.placement import DRAWING, WARNINGS, placement
 from chord_usd.plan.printed import STATED, Estimate, estimates
-from chord_usd.plan.regions import Outline, Regions
+from chord_usd.plan.regions import Outline, Regions, kinds_seen
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.seen import Reader, read_seen
-from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, load_reader
+from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.types import (
+    OPEN,
     WALL_THICKNESS_M,
+    BoolArray,
     ByteArray,
     FloatArray,
     Opening,
     PixelFrame,
     Plan,
     Room,
-    RoomKind,
     frozen_array,
 )
 from chord_usd.units import m_from_px
 
 _SAME_ROOMS = 0.85
 """Two readings whose rooms overlap so far, on average, see the same rooms."""
+
+_OPEN_M = 1.2
+"""Wider than a door."""
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
@@ -70,13 +74,7 @@ class Reading(Protocol):
         """At another scale, which changes what is large enough for a room."""
         ...
 
-    def kinds(self, m_per_px: float) -> list[tuple[RoomKind, float]]:
-        """Of the rooms, by what is drawn in them, and how sure that is."""
-        ...
-
-    def placed(
-        self, polygons_px: Sequence[FloatArray], room_ids: Sequence[str], frame: PixelFrame
-    ) -> tuple[Opening, ...]:
+    def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
         """The openings in the walls of rooms."""
         ...
 
@@ -115,10 +113,13 @@ def read_drawing(
         if not known.texts:
             aside.submit(warm_up)
         sheet = prepare(rgb)
-    page = _Page(sheet, _texts(sheet, known), m_per_px, part, known.stated_m_per_px)
-    ways: list[_Way] = [lambda: read_seen(sheet.rgb, page.given, reader or _reader())]
+    light = on_white(sheet.rgb)
+    segments = (reader or _reader()).read(light)
+    texts = _texts(sheet, known)
+    page = _Page(sheet, segments, texts, m_per_px, part, known.stated_m_per_px)
+    ways: list[_Way] = [lambda: read_seen(segments, page.given)]
     if reader is None:
-        ways.append(lambda: read_strokes(sheet.rgb, page.texts_px, page.given))
+        ways.append(lambda: read_strokes(light, page.texts_px, page.given))
     found, refusals = [], []
     for way in ways:
         try:
@@ -135,6 +136,8 @@ class _Page:
     """A sheet, and what is known of it."""
 
     sheet: Sheet
+    segments: Segments
+    """What the network sees on it."""
     texts: tuple[Text, ...]
     m_per_px: float | None
     part: int
@@ -144,6 +147,11 @@ class _Page:
     def given(self) -> float | None:
         """Metres per pixel of the working picture, if the user gave a scale."""
         return self.m_per_px and self.m_per_px / self.sheet.shrink
+
+    @cached_property
+    def ink(self) -> BoolArray:
+        """(H, W) what is drawn."""
+        return ink_of(on_white(self.sheet.rgb))
 
     @property
     def texts_px(self) -> list[FloatArray]:
@@ -192,14 +200,15 @@ def _finished(whole: Reading | None, page: _Page) -> _Found:
         reading, told = _take_part(reading.again(scale.m_per_px), page.part)
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
-    plan = _plan(reading, page.texts, frame)
+    plan = _plan(reading, page, frame)
     sheet = page.sheet
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
-    told += [*scale.warnings(), *doubts(plan, reading.regions, page.texts, frame)]
+    rooms = named_rooms(plan, page.texts, frame)
+    told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     extra = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
     plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
-    return _Found(plan, contradictions(plan, page.texts, frame))
+    return _Found(plan, rooms.contradictions)
 
 
 def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
@@ -244,29 +253,25 @@ def _take_part(reading: Reading | None, part: int) -> tuple[Reading, list[str]]:
 
 def _scale(reading: Reading, page: _Page) -> Scale:
     polygons = [outline.polygon_px for outline in reading.outlines]
-    printed = estimates(page.texts, polygons, ink_of(page.sheet.rgb))
+    printed = estimates(page.texts, polygons, page.ink)
     if page.stated_m_per_px:
         printed.append(Estimate(STATED, page.stated_m_per_px / page.sheet.shrink, "1:n"))
     walls = WALL_THICKNESS_M / max(reading.regions.thickness_px, 1.0)
     return choose_scale(printed, reading.doors_m_per_px, walls, page.given)
 
 
-def _plan(reading: Reading, texts: Sequence[Text], frame: PixelFrame) -> Plan:
+def _plan(reading: Reading, page: _Page, frame: PixelFrame) -> Plan:
     """Rooms with what they are for, and the openings in their walls."""
     polygons = [outline.polygon_px for outline in reading.outlines]
-    rooms = label_rooms(
-        [
-            Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_sure(o))
-            for o in reading.outlines
-        ],
-        texts,
-        frame,
-        reading.kinds(frame.m_per_px),
-    )
-    room_ids = [room.id for room in rooms]
-    openings = reading.placed(polygons, room_ids, frame)
+    outlined = [
+        Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
+        for o in reading.outlines
+    ]
+    rooms = label_rooms(outlined, page.texts, frame, kinds_seen(polygons, page.segments))
+    openings = reading.placed([room.id for room in rooms], frame)
     return Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
 
 
-def _sure(outline: Outline) -> dict[str, float]:
-    return {CONFIDENCE: outline.confidence}
+def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:
+    open_m = round(outline.open_px * frame.m_per_px, 2)
+    return {CONFIDENCE: outline.confidence, **({OPEN: open_m} if open_m > _OPEN_M else {})}

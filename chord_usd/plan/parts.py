@@ -9,11 +9,19 @@ import cv2
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.plan.regions import Regions
-from chord_usd.types import FloatArray
+from chord_usd.plan.regions import Labels, Regions
+from chord_usd.types import BoolArray, FloatArray
 
 _SHED = 0.15
 """What is smaller than this share of the largest part is no plan of its own, but a shed."""
+
+
+def built_parts(regions: Regions) -> tuple[BoolArray, Labels]:
+    """(H, W) what is built, and the number of the part that it belongs to; 0 beside it."""
+    built = regions.solid | (regions.labels > 0)
+    near = cv2.dilate(built.astype(np.uint8), np.ones((3, 3)))
+    _, parts = cv2.connectedComponents(near, connectivity=8)
+    return built, np.asarray(parts, np.int32)
 
 
 def parts_of(polygons_px: Sequence[FloatArray], regions: Regions) -> list[list[int]]:
@@ -21,8 +29,7 @@ def parts_of(polygons_px: Sequence[FloatArray], regions: Regions) -> list[list[i
 
     Rooms that hang together by walls are of one plan.
     """
-    built = cv2.dilate((regions.solid | (regions.labels > 0)).astype(np.uint8), np.ones((3, 3)))
-    _, parts = cv2.connectedComponents(built, connectivity=8)
+    _, parts = built_parts(regions)
     groups: dict[int, list[int]] = defaultdict(list)
     shapes = [Polygon(polygon) for polygon in polygons_px]
     for index, shape in enumerate(shapes):

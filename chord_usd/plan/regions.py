@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -12,6 +13,7 @@ from chord_usd.page_labels import (
     DOOR,
     FLOOR,
     KIND_NAMES,
+    OUTSIDE,
     PASSAGE,
     STAIRS,
     WALL,
@@ -34,6 +36,9 @@ people walk through has jambs, and is seen as an opening."""
 
 _NOISE = 0.35
 """By how many thicknesses the rim of a wall strays, beside half a pixel."""
+
+_STAIRWELL = 0.5
+"""A room with stairs on so much of its floor is there for them."""
 
 _SURE_KIND = 0.5
 """A room's kind is told from this chance on."""
@@ -62,10 +67,9 @@ class Outline:
     polygon_px: FloatArray
     """(N, 2) corners."""
     confidence: float
-    """How sure the network is of its floor and its rim, [0, 1]."""
-    kind: RoomKind
-    """By what is drawn in it; unknown where that is not sure."""
-    kind_confidence: float
+    """How sure it is that this is a room, [0, 1]: by its floor and its rim."""
+    open_px: float = 0.0
+    """How much of its rim lies at the outside with nothing between."""
 
 
 def find_regions(segments: Segments) -> Regions:
@@ -73,9 +77,16 @@ def find_regions(segments: Segments) -> Regions:
     seen = segments.most_likely
     solid = np.isin(seen, (WALL, DOOR, WINDOW, PASSAGE))
     thickness_px = _thickness_px(solid)
-    floor = np.isin(seen, (FLOOR, STAIRS))
+    floor = np.isin(seen, (FLOOR, STAIRS)) | _enclosed(seen == OUTSIDE)
     clear = floor & (segments.barrier < _CLEAR)
     return Regions(_parted(floor, clear, _NECK * thickness_px), solid, thickness_px)
+
+
+def _enclosed(outside: BoolArray) -> BoolArray:
+    """(H, W) what is seen as outside, but cannot be reached from the picture's edge: floors without
+    anything on them look like paper."""
+    _, labels = cv2.connectedComponents(np.pad(outside, 1, constant_values=True).astype(np.uint8))
+    return outside & (labels != labels[0, 0])[1:-1, 1:-1]
 
 
 def _thickness_px(solid: BoolArray) -> float:
@@ -117,24 +128,45 @@ def room_outlines(regions: Regions, segments: Segments, m_per_px: float) -> list
     """Outlines of the regions that are large enough for rooms."""
     noise_px = 0.5 + _NOISE * regions.thickness_px
     labels = regions.labels
+    return [
+        _outline(np.asarray(labels == label), segments, noise_px)
+        for label in large_regions(labels, m_per_px)
+    ]
+
+
+def large_regions(labels: Labels, m_per_px: float) -> Labels:
+    """Numbers of the regions, (H, W) with 0 for none, that are large enough for rooms."""
     areas = np.bincount(labels.ravel())
     # Half of the room's least width is how far its middle must be from its walls.
     depths = cv2.distanceTransform((labels > 0).astype(np.uint8), cv2.DIST_L2, 3)
     wide = np.unique(labels[depths * m_per_px >= _NARROWEST_ROOM_M / 2])
-    large = wide[(areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2) & (wide > 0)]
-    return [_outline(np.asarray(labels == label), segments, noise_px) for label in large]
+    found: Labels = wide[(areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2) & (wide > 0)]
+    return found
 
 
 def _outline(mask: BoolArray, segments: Segments, noise_px: float) -> Outline:
     floor = segments.built[FLOOR][mask] + segments.built[STAIRS][mask]
     rim = (cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0) & ~mask
     sure = float(min(floor.mean(), segments.barrier[rim].mean()))
-    stairs = float(segments.built[STAIRS][mask].mean())
-    chances = segments.kinds[:, mask].mean(axis=1)
-    best = int(chances.argmax())
-    kind: RoomKind = KIND_NAMES[best] if chances[best] >= _SURE_KIND else "unknown"
-    if stairs > 0.5:
-        kind = "corridor"
-    return Outline(
-        polygon_from_mask(mask, noise_px), round(sure, 2), kind, round(float(chances[best]), 2)
-    )
+    beside = (cv2.dilate(mask.astype(np.uint8), _BLOCK) > 0) & ~mask
+    open_px = float((segments.most_likely[beside] == OUTSIDE).sum())
+    return Outline(polygon_from_mask(mask, noise_px), round(sure, 2), open_px)
+
+
+def kinds_seen(
+    polygons_px: Sequence[FloatArray], segments: Segments
+) -> list[tuple[RoomKind, float]]:
+    """What rooms are for by what is drawn in them, and how sure the network is; unknown where it is
+    not."""
+    found: list[tuple[RoomKind, float]] = []
+    for polygon in polygons_px:
+        mask = np.zeros(segments.kinds.shape[1:], np.uint8)
+        cv2.fillPoly(mask, [np.rint(polygon - 0.5).astype(np.int32)], (1.0,))
+        inside = mask > 0
+        chances = segments.kinds[:, inside].mean(axis=1)
+        best = int(chances.argmax())
+        kind: RoomKind = KIND_NAMES[best] if chances[best] >= _SURE_KIND else "unknown"
+        if segments.built[STAIRS][inside].mean() > _STAIRWELL:
+            kind = "corridor"
+        found.append((kind, round(float(chances[best]), 2)))
+    return found

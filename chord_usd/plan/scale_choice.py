@@ -15,6 +15,9 @@ from chord_usd.types import BoolArray, FloatArray
 SCALE = "scale"
 """Key of Plan.extra: what Scale.report says."""
 
+USUAL_DOOR_M = 0.8
+"""Between the jambs, inside a home."""
+
 _SAME = math.log(1.06)
 """Printed measures within this of one another say the same."""
 

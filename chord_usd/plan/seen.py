@@ -10,19 +10,16 @@ import numpy as np
 
 from chord_usd.plan.openings import openings_of
 from chord_usd.plan.regions import Outline, Regions, find_regions, room_outlines
+from chord_usd.plan.scale_choice import USUAL_DOOR_M
 from chord_usd.plan.segment import Segments
-from chord_usd.plan.sheet import on_white
 from chord_usd.plan.wall_openings import WallOpening, find_openings
 from chord_usd.types import (
     WALL_THICKNESS_M,
     ByteArray,
-    FloatArray,
     Opening,
     PixelFrame,
-    RoomKind,
 )
 
-_USUAL_DOOR_M = 0.8
 _SHORTEST_M = {"door": 0.45, "passage": 0.45, "window": 0.3}
 
 _SURE_DOOR = 0.5
@@ -52,7 +49,7 @@ class SeenReading:
         """By the usual inner door; None where too few are seen."""
         doors = [o for o in self.openings if o.kind == "door" and len(o.rooms) == 2]
         lengths = [door.length_px for door in doors if door.confidence >= _SURE_DOOR]
-        return _USUAL_DOOR_M / float(np.median(lengths)) if len(lengths) > 1 else None
+        return USUAL_DOOR_M / float(np.median(lengths)) if len(lengths) > 1 else None
 
     def of(self, rooms: Sequence[int]) -> SeenReading:
         """Of these rooms alone, by index."""
@@ -69,24 +66,17 @@ class SeenReading:
         """At another scale, which changes what is large enough for a room."""
         return _opened(self.segments, self.regions, replace(self.frame, m_per_px=m_per_px))
 
-    def kinds(self, m_per_px: float) -> list[tuple[RoomKind, float]]:
-        """Of the rooms, and how sure the network is."""
-        return [(outline.kind, outline.kind_confidence) for outline in self.outlines]
-
-    def placed(
-        self, polygons_px: Sequence[FloatArray], room_ids: Sequence[str], frame: PixelFrame
-    ) -> tuple[Opening, ...]:
+    def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
         """The openings in the walls of rooms."""
         found = [o for o in self.openings if o.length_px * frame.m_per_px > _SHORTEST_M[o.kind]]
         return openings_of(found, room_ids, frame)
 
 
-def read_seen(rgb: ByteArray, given: float | None, reader: Reader) -> SeenReading:
-    """What a reader sees in a picture, (H, W, 3). given: metres per pixel, where known."""
-    segments = reader.read(on_white(rgb))
+def read_seen(segments: Segments, given: float | None) -> SeenReading:
+    """Rooms and openings of what was seen. given: metres per pixel, where known."""
     regions = find_regions(segments)
     m_per_px = given or WALL_THICKNESS_M / max(regions.thickness_px, 1.0)
-    return _opened(segments, regions, PixelFrame(m_per_px, (0.0, 0.0), len(rgb)))
+    return _opened(segments, regions, PixelFrame(m_per_px, (0.0, 0.0), segments.built.shape[1]))
 
 
 def _opened(segments: Segments, regions: Regions, frame: PixelFrame) -> SeenReading:

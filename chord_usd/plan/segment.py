@@ -19,15 +19,13 @@ from chord_usd.page_labels import (
     FLOOR,
     KIND_NAMES,
     KIND_STEP_PX,
-    LAID_NAMES,
     OUTSIDE,
-    POINT_NAMES,
     READER_INPUT,
     STAIRS,
 )
 from chord_usd.page_labels import READER_MULTIPLE_PX as MULTIPLE_PX
 from chord_usd.runtime.networks import Network, content_hash, load_network
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.types import BoolArray, ByteArray
 
 READER_CHECKPOINT = "reader"
 
@@ -43,6 +41,12 @@ _ENLARGED = 1.6
 _CLOSER_WEIGHT = 0.65
 """Of what is seen from close by, where both looks saw something."""
 
+_PAPER = 0.04
+"""Laid round a picture, as a share of its longer side."""
+
+_PLAIN, _LIGHT = 24.0, 100.0
+"""Paper is of one colour, within so many levels, and lighter than this one."""
+
 _MARGIN = 0.05
 """Round what is built, as a share of its longer side."""
 
@@ -57,8 +61,8 @@ REMEDY = "chord-usd train reader, or reinstall chord-usd"
 
 Chances = npt.NDArray[np.float32]
 
-_ENDS = np.cumsum([len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES)])
-_CHANNELS = int(_ENDS[-1]) + len(KIND_NAMES)
+_BUILT = len(BUILT_NAMES)
+_CHANNELS = _BUILT + len(KIND_NAMES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +71,6 @@ class Segments:
 
     built: Chances
     """(7, H, W) chances of page_labels.BUILT_NAMES; they add up to one."""
-    laid: Chances
-    """(4, H, W) of LAID_NAMES."""
-    points: Chances
-    """(3, H, W) of POINT_NAMES, each from 0 to 1."""
     kinds: Chances
     """(9, H, W) of KIND_NAMES: what a floor is of."""
 
@@ -84,13 +84,6 @@ class Segments:
         """(H, W) chance of what parts rooms: walls, doors, windows, and passages."""
         return 1.0 - self.built[OUTSIDE] - self.built[FLOOR] - self.built[STAIRS]
 
-    def peaks(self, point: int, least: float = 0.3) -> FloatArray:
-        """(N, 3) x and y in continuous pixels, and how sure; point: HINGE, ..."""
-        heat = self.points[point]
-        is_peak = (heat == cv2.dilate(heat, np.ones((7, 7), np.uint8))) & (heat > least)
-        rows, columns = np.nonzero(is_peak)
-        return np.column_stack([columns + 0.5, rows + 0.5, heat[is_peak]])
-
 
 class PageReader:
     """The network of a checkpoint."""
@@ -100,7 +93,13 @@ class PageReader:
         self.content_hash = content_hash
 
     def read(self, rgb: ByteArray) -> Segments:
-        """See a picture, (H, W, 3)."""
+        """See a picture, (H, W, 3), of a drawing on light paper."""
+        margin = round(_PAPER * max(rgb.shape[:2]))
+        # Walls at the very edge of a picture have an outside, too.
+        sides, paper = (margin,) * 4, _paper_of(rgb)
+        rgb = np.asarray(
+            cv2.copyMakeBorder(rgb, *sides, cv2.BORDER_CONSTANT, value=paper), np.uint8
+        )
         total = self._seen(rgb, FIRST_SIDE_PX / max(rgb.shape[:2]))
         rows, columns = _built_window(total[OUTSIDE] < 0.5)
         part = rgb[rows, columns]
@@ -108,7 +107,8 @@ class PageReader:
         if share > 1.1 * FIRST_SIDE_PX / max(rgb.shape[:2]):
             window = total[:, rows, columns]
             window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
-        return Segments(*np.split(total, _ENDS))
+        own = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
+        return Segments(own[:_BUILT], own[_BUILT:])
 
     def _seen(self, rgb: ByteArray, share: float) -> Chances:
         """(channels, H, W) of a picture, looked at with so many pixels for one of its own."""
@@ -140,14 +140,23 @@ class PageReader:
         return found
 
     def _tile(self, scaled: Chances) -> Chances:
-        *fine, kinds = (one[0] for one in self._network.run({READER_INPUT: scaled}))
+        # What is drawn over floors, and points, are lessons: they help to learn the rest.
+        built, *_, kinds = (one[0] for one in self._network.run({READER_INPUT: scaled}))
         wide = kinds.repeat(KIND_STEP_PX, axis=1).repeat(KIND_STEP_PX, axis=2)
-        return np.concatenate([*fine, wide])
+        return np.concatenate([built, wide])
 
 
 def load_reader(folder: Path) -> PageReader:
     """The reader of a checkpoint folder. Raises CheckpointError."""
     return PageReader(load_network(folder, REMEDY), content_hash(folder))
+
+
+def _paper_of(rgb: ByteArray) -> list[float]:
+    """The colour of a picture's rim, where that is plain and light; else white."""
+    rim = np.concatenate([rgb[0], rgb[-1], rgb[:, 0], rgb[:, -1]]).astype(np.float64)
+    usual = np.median(rim, axis=0)
+    is_plain = np.mean(np.abs(rim - usual).max(axis=1) < _PLAIN) > 0.6
+    return list(usual) if is_plain and usual.min() > _LIGHT else [255.0] * 3
 
 
 def _built_window(built: BoolArray) -> tuple[slice, slice]:

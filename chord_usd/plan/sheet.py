@@ -19,7 +19,7 @@ _WORKING_SIDE_PX = 1280
 _TEXT_SIDE_PX = 1800
 
 _BLACK_SCREEN = 60
-_FAINTEST_INK = 0.88
+FAINTEST_INK = 0.88
 """Share of the paper's brightness below which anything is drawn at all."""
 
 _LEAST_SKEW_DEG = 0.2
@@ -195,12 +195,18 @@ def on_white(rgb: ByteArray) -> ByteArray:
     return np.asarray(255 - rgb, np.uint8) if dark else rgb
 
 
-def ink_of(rgb: ByteArray) -> BoolArray:
-    """(H, W) what is drawn: darker than the paper round it, whatever shadow lies on that."""
-    grey = cv2.cvtColor(on_white(rgb), cv2.COLOR_RGB2GRAY)
+def brightness_of(rgb: ByteArray) -> FloatArray:
+    """(H, W) grey values of a drawing on light paper, (H, W, 3), relative to the paper round them:
+    shadows on a photo do not count."""
+    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
     small = cv2.resize(grey, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     side = max(small.shape) // 12 * 2 + 1
     paper = cv2.morphologyEx(small, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
     paper = cv2.GaussianBlur(paper, (side, side), 0)
     paper = cv2.resize(paper, (grey.shape[1], grey.shape[0]), interpolation=cv2.INTER_LINEAR)
-    return np.asarray(grey < _FAINTEST_INK * np.maximum(paper, 1.0))
+    return grey / np.maximum(paper, 1.0)
+
+
+def ink_of(rgb: ByteArray) -> BoolArray:
+    """(H, W) what is drawn on light paper: darker than the paper round it."""
+    return np.asarray(brightness_of(rgb) < FAINTEST_INK)

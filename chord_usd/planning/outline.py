@@ -11,7 +11,7 @@ from shapely.ops import unary_union
 from chord_usd import plan_labels
 from chord_usd.errors import PlanError
 from chord_usd.geometry import polygons_of, room_polygon
-from chord_usd.types import WALL_THICKNESS_M, ByteArray, PixelFrame, Plan, frozen_array
+from chord_usd.types import OPEN, WALL_THICKNESS_M, ByteArray, PixelFrame, Plan, frozen_array
 
 LEAST_AREA_M2 = 14.0
 
@@ -30,6 +30,13 @@ def shell_of(plan: Plan, where: str) -> Plan:
             try_="chord-usd generate PLAN, for a plan that has its rooms",
         )
     room = plan.rooms[0]
+    if OPEN in room.extra:
+        raise PlanError(
+            f"has outer walls that are open for {room.extra[OPEN]:.1f} m",
+            where=where,
+            expected="an open plan: outer walls that close, but for doors and windows",
+            try_="drawing what closes them",
+        )
     area_m2 = room_polygon(room).area
     extent_m, most_m = plan_labels.extent_m(plan), plan_labels.LARGEST_M
     if area_m2 < LEAST_AREA_M2 or extent_m > most_m:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from chord_usd.plan.sheet import ink_of, measure_skew, turned
+from chord_usd.plan.sheet import ink_of, measure_skew, on_white, turned
 from chord_usd.types import ByteArray
 
 SIDE = 800
@@ -35,4 +35,4 @@ def test_ink_is_told_from_paper_in_a_shadow_and_on_black() -> None:
     drawn = house()[..., 0] == 0
     light = np.linspace(1.0, 0.4, SIDE)[None, :, None]
     for page in (house(), (house(230, 30) * light).astype(np.uint8), house(0, 255)):
-        assert (ink_of(page) == drawn).mean() > 0.98
+        assert (ink_of(on_white(page)) == drawn).mean() > 0.98

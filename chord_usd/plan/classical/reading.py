@@ -15,10 +15,9 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.plan.classical.bar_colors import alike_by_color
-from chord_usd.plan.classical.fixtures import kind_by_fixtures
 from chord_usd.plan.classical.gaps import Gap, find_gaps
-from chord_usd.plan.classical.regions import Regions as Enclosed
 from chord_usd.plan.classical.regions import (
+    Enclosed,
     find_regions,
     parting_gaps,
     room_outlines,
@@ -28,6 +27,7 @@ from chord_usd.plan.classical.regions import (
 from chord_usd.plan.classical.strokes import Strokes, find_strokes
 from chord_usd.plan.openings import Bar, read_openings
 from chord_usd.plan.regions import Outline, Regions
+from chord_usd.plan.scale_choice import USUAL_DOOR_M
 from chord_usd.types import (
     WALL_THICKNESS_M,
     ByteArray,
@@ -35,10 +35,8 @@ from chord_usd.types import (
     Opening,
     OpeningKind,
     PixelFrame,
-    RoomKind,
 )
 
-USUAL_DOOR_M = 0.8
 _ENOUGH_DOORS = 2
 
 _GOOD_SHARE = 0.8
@@ -50,9 +48,6 @@ _ENTERED_SHARE = 0.6
 _LINES_WEIGHT = 0.6
 _SHUT_WEIGHT = 0.6
 """Rooms without any opening are most likely none."""
-
-_BY_FIXTURES = 0.7
-"""How sure the kind of a room is that fixtures tell."""
 
 _AT_ONCE = 2
 """Ways read at the same time: more memory for no more speed on two cores."""
@@ -92,18 +87,9 @@ class StrokeReading:
         """At another scale, which changes what is a room and what a cupboard."""
         return _read(self.strokes, m_per_px, self.rgb)
 
-    def kinds(self, m_per_px: float) -> list[tuple[RoomKind, float]]:
-        """Of the rooms, by the fixtures drawn in them, and how sure that is."""
-        lines, letters = self.strokes.fine, self.strokes.letters
-        return [
-            (kind_by_fixtures(outline.polygon_px, lines, letters, m_per_px), _BY_FIXTURES)
-            for outline in self.outlines
-        ]
-
-    def placed(
-        self, polygons_px: Sequence[FloatArray], room_ids: Sequence[str], frame: PixelFrame
-    ) -> tuple[Opening, ...]:
+    def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
         """The openings in the walls of rooms."""
+        polygons_px = [outline.polygon_px for outline in self.outlines]
         bars = alike_by_color(self.bars, self.rgb)
         return read_openings(bars, polygons_px, room_ids, self.strokes.thickness_px, frame)
 
@@ -130,10 +116,7 @@ def _read(strokes: Strokes, m_per_px: float | None, rgb: ByteArray) -> StrokeRea
     m_per_px = m_per_px or doors or WALL_THICKNESS_M / strokes.thickness_px
     gaps = without_open_plan(strokes, gaps, m_per_px)
     enclosed = find_regions(strokes, gaps)
-    outlines = [
-        Outline(line.polygon_px, round(min(1.0, line.walled), 2), "unknown", 0.0)
-        for line in room_outlines(enclosed, strokes, m_per_px)
-    ]
+    outlines = room_outlines(enclosed, strokes, m_per_px)
     frame = PixelFrame(m_per_px, (0.0, 0.0), len(strokes.wall))
     bars = [_bar(gap, enclosed) for gap in gaps]
     entered = {side for gap in gaps for side in sides(gap, enclosed.labels)} - {0}

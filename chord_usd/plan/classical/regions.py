@@ -6,16 +6,14 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from chord_usd.plan.classical.gaps import Gap, close_gaps
 from chord_usd.plan.classical.strokes import Strokes
 from chord_usd.plan.ink import border_values
+from chord_usd.plan.regions import Labels, Outline, large_regions
 from chord_usd.types import FloatArray
 from chord_usd.vectorize import polygon_from_mask
 
-_SMALLEST_ROOM_M2 = 0.8
-_NARROWEST_ROOM_M = 0.7
 _LARGEST_PASSAGE_M = 1.8
 """A wider gap between rooms in which nothing is drawn makes them one room."""
 
@@ -30,21 +28,9 @@ _LEAST_WALLED = 0.5
 
 _BLOCK = np.ones((3, 3), np.uint8)
 
-Labels = npt.NDArray[np.int32]
-
 
 @dataclass(frozen=True, eq=False)
-class Outline:
-    """A room of a drawing."""
-
-    polygon_px: FloatArray
-    """(N, 2) corners."""
-    walled: float
-    """Share of the outline along walls and openings."""
-
-
-@dataclass(frozen=True, eq=False)
-class Regions:
+class Enclosed:
     """The rooms of a drawing as pixels."""
 
     labels: Labels
@@ -53,7 +39,7 @@ class Regions:
     """By number: the share of the region's rim that lies along walls and openings."""
 
 
-def find_regions(strokes: Strokes, gaps: list[Gap]) -> Regions:
+def find_regions(strokes: Strokes, gaps: list[Gap]) -> Enclosed:
     """What walls and closed gaps enclose.
 
     Between rooms only walls and gaps count; towards the outside any line does, since windows and
@@ -78,7 +64,7 @@ def find_regions(strokes: Strokes, gaps: list[Gap]) -> Regions:
     is_room = share > _LEAST_WALLED
     is_room[0] = False
     numbers = np.where(is_room, np.arange(count), 0).astype(np.int32)
-    return Regions(numbers[labels], share)
+    return Enclosed(numbers[labels], share)
 
 
 def sides(gap: Gap, regions: Labels) -> tuple[int, int]:
@@ -115,19 +101,16 @@ def without_open_plan(strokes: Strokes, gaps: list[Gap], m_per_px: float) -> lis
     return parting_gaps(strokes, kept)
 
 
-def room_outlines(regions: Regions, strokes: Strokes, m_per_px: float) -> list[Outline]:
+def room_outlines(enclosed: Enclosed, strokes: Strokes, m_per_px: float) -> list[Outline]:
     """Outlines of the regions that are large and straight enough for rooms."""
     noise_px = 0.5 + 0.12 * strokes.thickness_px
-    labels = regions.labels
-    areas = np.bincount(labels.ravel())
-    # Half of the room's least width is how far its middle must be from its walls.
-    depths = cv2.distanceTransform((labels > 0).astype(np.uint8), cv2.DIST_L2, 3)
-    wide = np.unique(labels[depths * m_per_px >= _NARROWEST_ROOM_M / 2])
-    large = wide[areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2]
+    labels = enclosed.labels
     outlines = [
-        Outline(polygon_from_mask(labels == label, noise_px), float(regions.walled[label]))
-        for label in large
-        if label > 0
+        Outline(
+            polygon_from_mask(labels == label, noise_px),
+            round(min(1.0, float(enclosed.walled[label])), 2),
+        )
+        for label in large_regions(labels, m_per_px)
     ]
     return [line for line in outlines if _is_straight(line.polygon_px, strokes.thickness_px)]
 

@@ -11,15 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.plan.classical.bodies import filled_bodies
+from chord_usd.plan.sheet import FAINTEST_INK, brightness_of
 from chord_usd.types import BoolArray, ByteArray, FloatArray
 
 _DARKNESS = (0.45, 0.65, 0.8)
 """Shares of the paper's brightness below which a pixel may be wall, tried in turn."""
-
-_FAINTEST_INK = 0.88
-"""Share of the paper's brightness below which anything is drawn at all."""
-
-_BLACK_SCREEN = 60
 
 _FLAT_COLORS = 6
 _COLOR_STEP = 16
@@ -137,17 +133,17 @@ class Strokes:
 
 
 def find_strokes(rgb: ByteArray, texts_px: Sequence[FloatArray] = ()) -> Iterator[Strokes]:
-    """Ways to tell walls from the rest in a drawing (H, W, 3), the strictest first.
+    """Ways to tell walls from the rest in a drawing on light paper (H, W, 3), the strictest first.
 
     texts_px: (4, 2) corners of each line of text: what lies in one is no wall.
     """
-    brightness = _brightness(on_white(rgb))
+    brightness = brightness_of(rgb)
     # A frame along the picture's edge is no part of the plan.
     edge = max(3, round(_EDGE * min(brightness.shape)))
     brightness = np.pad(brightness[edge:-edge, edge:-edge], edge, constant_values=1.0)
-    ink = brightness < _FAINTEST_INK
+    ink = brightness < FAINTEST_INK
     brightness[_frames(ink)] = 1.0
-    ink = brightness < _FAINTEST_INK
+    ink = brightness < FAINTEST_INK
     drawn = _Drawn(ink, ink & _fine_lines(brightness), _boxes(ink.shape, texts_px))
     soft = _is_soft(brightness)
     for share, rim_px in zip(_DARKNESS, _RIM_PX, strict=True):
@@ -176,7 +172,7 @@ def _fine_lines(brightness: FloatArray) -> BoolArray:
     side = max(round(_WIDEST_LINE * max(brightness.shape)) | 1, _LEAST_WINDOW_PX)
     grey = brightness.astype(np.float32)
     ground = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
-    return np.asarray(grey < _FAINTEST_INK * ground)
+    return np.asarray(grey < FAINTEST_INK * ground)
 
 
 def _flat_colors(rgb: ByteArray) -> Iterator[ByteArray]:
@@ -291,23 +287,6 @@ def _is_soft(brightness: FloatArray) -> bool:
         return False
     contrast = 1.0 - float(np.median(grey[core > 0]))
     return float(np.median(steps[rim])) < _SOFT * contrast
-
-
-def on_white(rgb: ByteArray) -> ByteArray:
-    """A drawing (H, W, 3) on light paper: one on a black screen has its colours turned round."""
-    dark = np.median(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)[::4, ::4]) < _BLACK_SCREEN
-    return np.asarray(255 - rgb, np.uint8) if dark else rgb
-
-
-def _brightness(rgb: ByteArray) -> FloatArray:
-    """(H, W) grey values relative to the paper round them: shadows on a photo do not count."""
-    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
-    small = cv2.resize(grey, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
-    side = max(small.shape) // 12 * 2 + 1
-    paper = cv2.morphologyEx(small, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
-    paper = cv2.GaussianBlur(paper, (side, side), 0)
-    paper = cv2.resize(paper, (grey.shape[1], grey.shape[0]), interpolation=cv2.INTER_LINEAR)
-    return grey / np.maximum(paper, 1.0)
 
 
 def _run_lengths(ink: BoolArray) -> npt.NDArray[np.int64]:
