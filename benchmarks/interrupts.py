@@ -125,7 +125,7 @@ def _wrong(verb: str, how: signal.Signals, code: int, told: str, made: list[str]
         found.append(f"not nothing: {made[:3]}")
     if ".chord-usd-" in str(made):
         found.append("a hidden folder is left")
-    if made and not verb.startswith(_RUNS) and "written" not in told:
+    if made and not verb.startswith(_RUNS) and not re.search("written|kept", told):
         found.append(f"left {made[:3]} without a word")
     return found
 

@@ -34,6 +34,7 @@ _REBUILD = "chord-usd assets build -o FOLDER"
 
 SizeM = tuple[float, float, float]
 
+_LONGEST_M = 1000.0
 
 OWN_FIRST_M = 0.25
 """The shipped furniture comes in so many sizes that hardly anything else would ever be nearest."""
@@ -170,8 +171,10 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
     if entry["category"] not in CATEGORIES:
         raise ValueError(f"{name}: unknown category {entry['category']!r}")
     size = tuple(float(side) for side in entry["size_m"])
-    if len(size) != 3 or not all(math.isfinite(side) and side > 0.0 for side in size):
-        raise ValueError(f"{name}: size_m is {entry['size_m']}, not three positive lengths")
+    if len(size) != 3 or not all(0.0 < side <= _LONGEST_M for side in size):
+        raise ValueError(
+            f"{name}: size_m is {entry['size_m']}, not three lengths up to {_LONGEST_M:g} m"
+        )
     usd_path = folder / entry["path"]
     if not usd_path.is_file():
         raise ValueError(f"{name}: {entry['path']} is missing")

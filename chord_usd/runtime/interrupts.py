@@ -18,7 +18,7 @@ from chord_usd.runtime import console
 INTERRUPTED, TERMINATED = 130, 143
 """Exit codes: 128 and the number of the signal."""
 
-STUBBORN_S = 1.4
+STUBBORN_S = 1.2
 """A library that computes for longer than this without letting Python run is not waited for."""
 
 delivered: list[Path] = []

@@ -10,6 +10,7 @@ import contextlib
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -23,6 +24,7 @@ except ImportError:  # pragma: no cover (not on Linux: leftovers stay, nothing e
 
 PREFIX = ".chord-usd-"
 LOCK_FILE = ".lock"
+_ATTEMPTS, _PAUSE_S = 5, 0.02
 _MARK = b"chord-usd is at work here, or was killed here\n"
 
 
@@ -51,7 +53,12 @@ class Scratch:
 
     def remove(self) -> None:
         """Remove the folder with all that is left in it."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        # A library that did not heed an interrupt may still be writing into it.
+        for _ in range(_ATTEMPTS):
+            shutil.rmtree(self.folder, ignore_errors=True)
+            if not self.folder.exists():
+                break
+            time.sleep(_PAUSE_S)
         if self._handle >= 0:
             os.close(self._handle)
             self._handle = -1

@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from chord_usd.assets.database import load_database
 from chord_usd.assets.shading import corner_normals
 from chord_usd.assets.solids import Solid
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.data.flats import read_flats_or_why
 from chord_usd.data.foreign import Models, foreign_houses
-from chord_usd.errors import ChordError, SceneError
+from chord_usd.errors import AssetError, ChordError, SceneError
 from chord_usd.json_text import MOST_VALUES, parse_json
 from chord_usd.runtime import json_lines
 from chord_usd.runtime.json_lines import read_lines
@@ -161,3 +162,10 @@ def test_a_line_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.Monke
 def test_json_of_millions_of_values_is_refused_before_it_is_read() -> None:
     with pytest.raises(ChordError, match="too many values"):
         parse_json("[" + "[]," * MOST_VALUES + "[]]", "file.json")
+
+
+def test_a_model_of_astronomical_size_is_refused(tmp_path: Path) -> None:
+    entry = {"id": "far", "category": "chair", "size_m": [5e299, 0.5, 0.9], "path": "far.usda"}
+    (tmp_path / "index.json").write_text(json.dumps({"schema": 1, "assets": [entry]}))
+    with pytest.raises(AssetError, match="not three lengths"):
+        load_database([tmp_path])
