@@ -53,8 +53,10 @@ def polygon_from_mask(mask: BoolArray | ByteArray, noise_px: float = 0.0) -> Flo
     outline = _crack_outline(region)
     edges = _fit_edges(_Cracks(outline, noise_px))
     corners = _corners(outline, edges)
-    if not _is_outline(corners, outline, noise_px):
-        # Lines that meet where no corner is: keep to corners on the pixel grid.
+    is_block = np.ptp(outline, axis=0).prod() == region.sum()
+    if is_block or not _is_outline(corners, outline, noise_px):
+        # A rectangle, of however few pixels, or lines that meet where no corner is: keep to corners
+        # on the pixel grid.
         corners = _grid_corners(outline).astype(np.float64)
     polygon = Polygon(corners)
     if not polygon.is_valid:

@@ -29,6 +29,8 @@ _UNCERTAIN = 0.5
 _UNCERTAIN_ROOM = 0.6
 """Least chance of an opening, and of a room's floor and rim, that goes without a word."""
 
+_MOST_LISTED = 6
+
 _MOST_NAMES = 4
 """An open plan has up to three names; more are a sign of walls that were not seen."""
 
@@ -124,22 +126,34 @@ def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
         told.append("of no room is it known what it is for")
     ajar = [room.id for room in plan.rooms if OPEN in room.extra]
     if ajar:
-        told.append(f"{', '.join(ajar)}: open to the outside; a wall may be missing")
+        told.append(f"{_listed(ajar, 'rooms')}: open to the outside; a wall may be missing")
     shaky = [r.id for r in plan.rooms if r.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM]
     if shaky:
-        told.append(f"the outlines of {', '.join(shaky)} are uncertain")
+        told.append(f"the outlines of {_listed(shaky, 'rooms')} are uncertain")
     return told
+
+
+def _listed(ids: Sequence[str], what: str) -> str:
+    """Their names, or how many there are where nobody would read them all."""
+    if len(ids) <= _MOST_LISTED:
+        return ", ".join(ids)
+    return f"{len(ids)} {what} (red on the overlay)"
 
 
 def _doubts_of_openings(plan: Plan) -> list[str]:
     told = []
     vague = [o.id for o in plan.openings if o.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN]
     if vague:
-        told.append(f"it is uncertain what {', '.join(vague)} {'is' if len(vague) == 1 else 'are'}")
+        is_one = len(vague) == 1
+        told.append(
+            f"it is uncertain what {_listed(vague, 'openings')} {'is' if is_one else 'are'}"
+        )
     groups = _reached_together(plan)
     if len(groups) > 1:
-        apart = ", ".join(room_id for group in groups[1:] for room_id in group)
-        told.append(f"no door leads from the other rooms to {apart}; one may be missing")
+        apart = [room_id for group in groups[1:] for room_id in group]
+        told.append(
+            f"no door leads from the other rooms to {_listed(apart, 'rooms')}; one may be missing"
+        )
     return told
 
 

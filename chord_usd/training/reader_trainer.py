@@ -18,6 +18,7 @@ from chord_usd.errors import CheckpointError
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.page_labels import (
     BUILT_NAMES,
+    BUILT_WEIGHTS,
     KIND_NAMES,
     LAID_NAMES,
     POINT_NAMES,
@@ -59,7 +60,6 @@ _TAKEN_UP_ON = 16
 _END_RATE = 0.02
 """Share of the learning rate at which a run ends."""
 
-_BUILT_WEIGHTS = (1.0, 1.0, 2.0, 8.0, 6.0, 4.0, 6.0)
 _LAID_WEIGHTS = (1.0, 6.0, 2.5, 3.0)
 """Of the classes in the loss: thin ones have few pixels."""
 _LAID_SHARE, _POINTS_SHARE, _OVERLAP_SHARE, _KINDS_SHARE = 0.5, 0.1, 0.3, 0.3
@@ -216,7 +216,7 @@ def batch_losses(network: ReaderNetwork, batch: Batch) -> Tensor:
     said_built, said_laid, said_points, said_kinds = logits_of(network, rgb)
     device = rgb.device
     of_built = functional.cross_entropy(
-        said_built, built.long(), torch.tensor(_BUILT_WEIGHTS, device=device)
+        said_built, built.long(), torch.tensor(BUILT_WEIGHTS, device=device)
     )
     of_laid = functional.cross_entropy(
         said_laid, laid.long(), torch.tensor(_LAID_WEIGHTS, device=device)
