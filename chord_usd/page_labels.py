@@ -13,7 +13,7 @@ from chord_usd.types import ROOM_KINDS, ByteArray, RoomKind
 OUTSIDE, FLOOR, WALL, DOOR, WINDOW, STAIRS, PASSAGE = range(7)
 """What is built. Doors, windows and passages are the holes in walls, as deep as the wall."""
 BUILT_NAMES = ("outside", "floor", "wall", "door", "window", "stairs", "passage")
-BUILT_WEIGHTS = (1.0, 1.0, 2.0, 8.0, 6.0, 4.0, 6.0)
+BUILT_WEIGHTS = (1.0, 1.0, 2.0, 6.0, 3.0, 4.0, 6.0)
 """Of these classes in the loss: thin ones have few pixels."""
 
 NOTHING, SWING, PIECE, WRITING = range(4)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.draw import draw_in_style
+from chord_usd.data.drawn.draw import Drawing, draw_in_style
 from chord_usd.data.drawn.looks import random_look
 from chord_usd.data.drawn.styles import random_style
 from chord_usd.data.drawn.truth import CrowdedPage
@@ -140,10 +140,15 @@ def clean(family: str, seed: int, number: int) -> Case:
     """A clean drawing in a style."""
     rng = np.random.default_rng([_FIRST_SEED + seed, number])
     plan = random_plan(rng)
-    drawing = draw_in_style(plan, random_style(rng, family), rng)
+    return clean_case(draw_in_style(plan, random_style(rng, family), rng))
+
+
+def clean_case(drawing: Drawing) -> Case:
+    """A clean drawing and its truth."""
     return Case(
-        family, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture, drawing.told
-    )
+        drawing.style.family, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture,
+        drawing.told,
+    )  # fmt: skip
 
 
 def crowded_case(page: CrowdedPage, family: str = "") -> Case:

@@ -194,8 +194,7 @@ def unsupported(
     ground: floors and whatever else of the building one may stand on. is_held: whether something
     other than what is below carries an item (a panel on its wall).
     """
-    # A part of the building may be without a mesh: a balcony all of whose sides are walls.
-    carriers = [body for body in (*ground, *items) if body.solids]
+    carriers = [*ground, *items]
     if not carriers:
         return []
     bounds = np.array([body.bounds_m for body in carriers])

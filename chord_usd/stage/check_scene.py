@@ -8,7 +8,7 @@ rooms, and which prim is an item. Prim paths serve as ids.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,9 +68,14 @@ def read_scene(stage: Usd.Stage) -> StageScene:
     return StageScene(
         graph=SceneGraph(tuple(reader.rooms), tuple(reader.openings), tuple(reader.items)),
         items=tuple(reader.bodies),
-        walls=tuple(reader.walls),
-        ground=tuple(reader.ground),
+        walls=_meshed(reader.walls),
+        ground=_meshed(reader.ground),
     )
+
+
+def _meshed(bodies: Sequence[Body]) -> tuple[Body, ...]:
+    """Those that are there: a balcony all of whose sides are walls has parts without a mesh."""
+    return tuple(body for body in bodies if body.solids)
 
 
 class _Reader:

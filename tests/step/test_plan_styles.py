@@ -16,10 +16,10 @@ from chord_usd.data.drawn.styles import FAMILIES, random_style
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.evaluation.plans import (
-    Case,
     PlanScore,
     Reader,
     clean,
+    clean_case,
     measure_reading,
     score_reading,
     summaries,
@@ -36,13 +36,6 @@ from chord_usd.types import ByteArray, FloatArray, PixelFrame, Plan
 def drawn(family: str, seed: int, rooms: int = 4) -> Drawing:
     rng = np.random.default_rng(seed)
     return draw_in_style(random_plan(rng, rooms=rooms), random_style(rng, family), rng)
-
-
-def case_of(drawing: Drawing) -> Case:
-    style = drawing.style.family
-    return Case(
-        style, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture, drawing.told
-    )
 
 
 def straight(plan: Plan, shape: tuple[int, ...]) -> FloatArray:
@@ -171,7 +164,7 @@ def perfect(drawing: Drawing) -> Reader:
 
 def test_a_perfect_reader_scores_one() -> None:
     drawing = drawn("agent", 2)
-    score = score_reading(case_of(drawing), perfect(drawing))
+    score = score_reading(clean_case(drawing), perfect(drawing))
     assert score.walls == score.openings == 1.0
     assert score.room_iou == pytest.approx(1.0)
     assert score.kinds_right == score.kinds
@@ -184,7 +177,7 @@ def test_a_wrong_house_counts_only_in_silence() -> None:
     for extra, silent in (({}, True), ({WARNINGS: ["look"]}, False)):
         plan = replace(half, extra={**placement(drawing.frame), **extra})
         score = score_reading(
-            case_of(drawing), replace(perfect(drawing), read=lambda rgb, p=plan: p)
+            clean_case(drawing), replace(perfect(drawing), read=lambda rgb, p=plan: p)
         )
         assert score.wrong_in_silence is silent
 
@@ -200,7 +193,7 @@ def test_who_refuses_scores_nothing() -> None:
     def refuse(rgb: ByteArray) -> Plan:
         raise PlanError("no closed room was found")
 
-    score = score_reading(case_of(drawn("agent", 2)), Reader(refuse, frame_of, straight))
+    score = score_reading(clean_case(drawn("agent", 2)), Reader(refuse, frame_of, straight))
     assert score.refused
     assert not score.wrong_in_silence
     assert summaries([score])["all"]["read"] == 0

@@ -21,8 +21,8 @@ FloorKind = Literal["bare", "tinted", "kinds", "textured", "photo"]
 PieceKind = Literal["none", "lines", "white", "grey", "coloured", "photo"]
 
 KINDS: dict[str, float] = {
-    "agent": 0.26, "cad": 0.2, "furnished": 0.12, "coloured": 0.1, "photoreal": 0.09,
-    "japanese": 0.05, "chart": 0.11, "sketch": 0.04, "blueprint": 0.01, "pastel": 0.02,
+    "agent": 0.22, "cad": 0.22, "furnished": 0.1, "coloured": 0.09, "photoreal": 0.08,
+    "japanese": 0.04, "chart": 0.18, "sketch": 0.04, "blueprint": 0.01, "pastel": 0.02,
 }  # fmt: skip
 """Kinds of page and how often they come: estate agents' black walls; engineers' hollow ones with
 chains of dimensions; brochures in grey; floors in colours; furniture seen from above; flats with
@@ -265,7 +265,7 @@ def _japanese(rng: np.random.Generator, base: Look) -> dict[str, Any]:
 
 def _chart(rng: np.random.Generator, base: Look) -> dict[str, Any]:
     """Walls, doors and windows in a colour each, filled or as outlines."""
-    filled = rng.random() < 0.5
+    filled = rng.random() < 0.35
     fill = "solid" if filled else "hollow"
     return {
         "outer_fill": fill, "inner_fill": fill,
