@@ -10,16 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.page_labels import (
-    DOOR,
     FLOOR,
     KIND_NAMES,
     OUTSIDE,
-    PASSAGE,
     STAIRS,
-    WALL,
-    WINDOW,
 )
-from chord_usd.plan.segment import Segments
+from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
 from chord_usd.types import BoolArray, FloatArray, RoomKind
 from chord_usd.vectorize import polygon_from_mask
 
@@ -75,8 +71,8 @@ class Outline:
 def find_regions(segments: Segments) -> Regions:
     """Regions of floor of a page."""
     seen = segments.most_likely
-    solid = np.isin(seen, (WALL, DOOR, WINDOW, PASSAGE))
-    thickness_px = _thickness_px(solid)
+    solid = np.isin(seen, SOLID)
+    thickness_px = usual_thickness_px(solid)
     floor = np.isin(seen, (FLOOR, STAIRS)) | _enclosed(seen == OUTSIDE)
     clear = floor & (segments.barrier < _CLEAR)
     return Regions(_parted(floor, clear, _NECK * thickness_px), solid, thickness_px)
@@ -87,13 +83,6 @@ def _enclosed(outside: BoolArray) -> BoolArray:
     anything on them look like paper."""
     _, labels = cv2.connectedComponents(np.pad(outside, 1, constant_values=True).astype(np.uint8))
     return outside & (labels != labels[0, 0])[1:-1, 1:-1]
-
-
-def _thickness_px(solid: BoolArray) -> float:
-    """Of the usual wall: twice the depth of its middle line; 0 where there is none."""
-    depths = cv2.distanceTransform(solid.astype(np.uint8), cv2.DIST_L2, 5)
-    is_ridge = (depths >= cv2.dilate(depths, _BLOCK)) & solid
-    return float(2 * np.median(depths[is_ridge]) - 1) if is_ridge.any() else 0.0
 
 
 def _parted(floor: BoolArray, clear: BoolArray, neck_px: float) -> Labels:

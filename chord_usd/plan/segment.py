@@ -1,11 +1,12 @@
 """What a learned reader sees on a page, pixel by pixel, with how sure it is.
 
-Nothing says how many pixels a wall of a page has. The whole page is therefore looked at small, then
-what is built on it, larger: a house may be a small part of a screenshot, and its walls thin.
+Nothing says how many pixels a wall of a page has. The whole page is therefore looked at first, then
+what is built on it, so near that its walls are as thick as the network knows them best.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +17,16 @@ import numpy.typing as npt
 
 from chord_usd.page_labels import (
     BUILT_NAMES,
+    DOOR,
     FLOOR,
     KIND_NAMES,
     KIND_STEP_PX,
     OUTSIDE,
+    PASSAGE,
     READER_INPUT,
     STAIRS,
+    WALL,
+    WINDOW,
 )
 from chord_usd.page_labels import READER_MULTIPLE_PX as MULTIPLE_PX
 from chord_usd.runtime.networks import Network, content_hash, load_network
@@ -32,14 +37,23 @@ READER_CHECKPOINT = "reader"
 FIRST_SIDE_PX = 544
 """Length that the longer side of a page is brought to at first."""
 
-HOUSE_SIDE_PX = 736
-"""And that of what is built on it, then."""
+_WALL_PX = 7.0
+"""How thick the usual wall is brought to, then."""
+
+_HOUSE_PX = (260, 900)
+"""Bounds of what the longer side of a house is brought to for that."""
+
+SOLID = (WALL, DOOR, WINDOW, PASSAGE)
+"""What parts rooms."""
 
 _ENLARGED = 1.6
 """A picture is not enlarged more than this, as in training."""
 
+_OTHER_LOOK = math.log(1.1)
+"""Looks that differ by less see the same."""
+
 _CLOSER_WEIGHT = 0.65
-"""Of what is seen from close by, where both looks saw something."""
+"""Of the second look."""
 
 _PAPER = 0.04
 """Laid round a picture, as a share of its longer side."""
@@ -100,11 +114,14 @@ class PageReader:
         rgb = np.asarray(
             cv2.copyMakeBorder(rgb, *sides, cv2.BORDER_CONSTANT, value=paper), np.uint8
         )
-        total = self._seen(rgb, FIRST_SIDE_PX / max(rgb.shape[:2]))
+        first = min(FIRST_SIDE_PX / max(rgb.shape[:2]), _ENLARGED)
+        total = self._seen(rgb, first)
         rows, columns = _built_window(total[OUTSIDE] < 0.5)
         part = rgb[rows, columns]
-        share = HOUSE_SIDE_PX / max(part.shape[:2])
-        if share > 1.1 * FIRST_SIDE_PX / max(rgb.shape[:2]):
+        solid = np.isin(total[:_BUILT, rows, columns].argmax(axis=0), SOLID)
+        low, high = (side / max(part.shape[:2]) for side in _HOUSE_PX)
+        share = min(max(_WALL_PX / max(usual_thickness_px(solid), 0.5), low), high, _ENLARGED)
+        if abs(math.log(share / first)) > _OTHER_LOOK:
             window = total[:, rows, columns]
             window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
         own = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
@@ -113,7 +130,6 @@ class PageReader:
     def _seen(self, rgb: ByteArray, share: float) -> Chances:
         """(channels, H, W) of a picture, looked at with so many pixels for one of its own."""
         height, width = rgb.shape[:2]
-        share = min(share, _ENLARGED)
         small = max(1, round(width * share)), max(1, round(height * share))
         way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_CUBIC
         seen = self._at(np.asarray(cv2.resize(rgb, small, interpolation=way), np.uint8))
@@ -144,6 +160,14 @@ class PageReader:
         built, *_, kinds = (one[0] for one in self._network.run({READER_INPUT: scaled}))
         wide = kinds.repeat(KIND_STEP_PX, axis=1).repeat(KIND_STEP_PX, axis=2)
         return np.concatenate([built, wide])
+
+
+def usual_thickness_px(solid: BoolArray) -> float:
+    """Of walls, (H, W) of them and the openings in them: twice the depth of their middle line; 0
+    where there is none."""
+    depths = cv2.distanceTransform(solid.astype(np.uint8), cv2.DIST_L2, 5)
+    is_ridge = (depths >= cv2.dilate(depths, np.ones((3, 3), np.uint8))) & solid
+    return float(2 * np.median(depths[is_ridge]) - 1) if is_ridge.any() else 0.0
 
 
 def load_reader(folder: Path) -> PageReader:
