@@ -19,8 +19,8 @@ from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.graph.fit import fitted_box
-from chord_usd.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES, category
-from chord_usd.types import Item
+from chord_usd.scene.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES, category
+from chord_usd.scene.types import Item
 
 NEAR_M = 0.05 + 1e-6
 """Retrieval misses by at most this (and a rounding error)..."""

@@ -21,10 +21,10 @@ from chord_usd.data.splits import TEST_SEED
 from chord_usd.layout.checkpoint import load_checkpoint
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.raster import draw_plan
+from chord_usd.raster.canvas import draw_plan
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import usable_cores
-from chord_usd.types import PlanImage
+from chord_usd.scene.types import PlanImage
 
 REPEATS = 5
 

@@ -34,7 +34,7 @@ from chord_usd.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Qualit
 from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES
 from chord_usd.runtime.files import hash_file
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 GOAL_DB = 35.0
 FURTHER_DB = 36.0

@@ -23,8 +23,8 @@ from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
 from chord_usd.graph.arrange import RULES
 from chord_usd.graph.extract import extract_graph
 from chord_usd.metrics.scores import SceneScores, score_scene
-from chord_usd.redraw import Draw, unbuildable
-from chord_usd.types import LayoutImage, Plan, SceneGraph
+from chord_usd.pipeline.redraw import Draw, unbuildable
+from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
 
 BUILDING: Mapping[str, Callable[[SceneGraph], SceneGraph]] = {
     "what stands in the way is left out": lambda graph: graph.without(unbuildable(graph, Draw())),

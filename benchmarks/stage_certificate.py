@@ -20,8 +20,6 @@ from typing import Any
 import numpy as np
 from results import write_section
 
-from chord_usd import raster
-from chord_usd.chord_json import write_plan
 from chord_usd.data.floorplans.programme import spread_room_count
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
@@ -34,8 +32,10 @@ from chord_usd.pipeline import (
     settle,
     write_stage,
 )
+from chord_usd.raster import canvas
+from chord_usd.scene.chord_json import write_plan
+from chord_usd.scene.types import Item, Plan, SceneGraph
 from chord_usd.stage.check import certificate, check_stage
-from chord_usd.types import Item, Plan, SceneGraph
 
 FAULTS = (
     "errors",
@@ -101,7 +101,7 @@ def _read_back(
     plan: Plan, items: tuple[Item, ...], models: Models, settings: Settings
 ) -> SceneGraph:
     """The house as it is read from its own raster, with things on its tables."""
-    layout = raster.layout_image(raster.draw_plan(plan), items)
+    layout = canvas.layout_image(canvas.draw_plan(plan), items)
     graph = models.reader.read(layout, plan)
     assert models.table is not None
     graph = lay_tables(graph, models.table, models.reader.database, settings).graph

@@ -26,8 +26,8 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.graph.match import match_assets
 from chord_usd.pipeline import Settings, lay_tables, load_models, write_stage
+from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.export import PACKAGES, export_stage
-from chord_usd.types import SceneGraph
 
 MIB = 2**20
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)

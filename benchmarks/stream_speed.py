@@ -16,7 +16,7 @@ from results import write_section
 
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.raster import draw_items, draw_plan, fit_frame
+from chord_usd.raster.canvas import draw_items, draw_plan, fit_frame
 
 
 def main() -> None:

@@ -23,11 +23,11 @@ from chord_usd.runtime import interrupts
 
 if TYPE_CHECKING:
     from chord_usd.commands.common import Outcome, Parser
-from chord_usd.progress import held_lines
 from chord_usd.runtime import console
 from chord_usd.runtime.extras import missing_extra
 from chord_usd.runtime.locations import keep_caches
 from chord_usd.runtime.offline import stay_offline
+from chord_usd.runtime.progress import held_lines
 
 VERBS = (
     "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",

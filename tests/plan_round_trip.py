@@ -8,11 +8,11 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from chord_usd import raster
 from chord_usd.data.houses import random_plan
-from chord_usd.geometry import footprint, footprint_polygon, polygons_of, room_polygon
 from chord_usd.plan.decode import decode_plan
-from chord_usd.types import BASE_AND_HEIGHT_M, Opening, Plan, RoomKind
+from chord_usd.raster import canvas
+from chord_usd.scene.geometry import footprint, footprint_polygon, polygons_of, room_polygon
+from chord_usd.scene.types import BASE_AND_HEIGHT_M, Opening, Plan, RoomKind
 
 HALF_PX = 0.5
 SLANTED_PX = 0.8
@@ -81,8 +81,8 @@ def assert_opening(opening: Opening, plan: Plan, decoded: Plan, m_per_px: float)
 def assert_round_trip(seed: int) -> int:
     """Check one random house; returns how many pixels differ when it is drawn again."""
     plan = random_plan(np.random.default_rng(seed))
-    image = raster.draw_plan(plan)
+    image = canvas.draw_plan(plan)
     decoded = decode_plan(image)
     assert_decoded(plan, decoded, image.frame.m_per_px)
-    again = raster.draw_plan(decoded, image.frame)
+    again = canvas.draw_plan(decoded, image.frame)
     return int((again.rgb != image.rgb).any(axis=2).sum())

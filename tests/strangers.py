@@ -14,7 +14,7 @@ from PIL import Image
 from pxr import Sdf
 
 from chord_usd.assets.database import write_index
-from chord_usd.types import Asset
+from chord_usd.scene.types import Asset
 
 SECRET = b"-----BEGIN PRIVATE KEY----- of somebody else"
 

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 
 from chord_usd.data.drawn.truth import CrowdedPage
-from chord_usd.page_labels import BUILT_NAMES, KIND_NAMES, built_of
 from chord_usd.plan.segment import Segments
-from chord_usd.types import ByteArray
+from chord_usd.raster.page_labels import BUILT_NAMES, KIND_NAMES, built_of
+from chord_usd.scene.types import ByteArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -64,12 +64,12 @@ KINDS: dict[str, Kind] = {
     ),
     "scene json": Kind(
         ("small.json", "scene.json"),
-        (("call", "chord_usd.chord_json:read_scene", "{in}"),) * 9
+        (("call", "chord_usd.scene.chord_json:read_scene", "{in}"),) * 9
         + (("stage", "{in}", "-o", "{out}.usda"),),
     ),
     "layout png": Kind(
         ("layout.png", "plan.png"),
-        (("call", "chord_usd.raster_files:read_layout", "{in}"),) * 9
+        (("call", "chord_usd.raster.files:read_layout", "{in}"),) * 9
         + (("graph", "{in}", "-o", "{out}.json"), ("layout", "{in}", "-o", "{out}.png", "--steps",
         "1")),
     ),

@@ -19,7 +19,7 @@ import numpy as np
 from chord_usd.assets.finishes import Finish
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
-from chord_usd.credits import AUTHOR, LICENCE
+from chord_usd.scene.credits import AUTHOR, LICENCE
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd

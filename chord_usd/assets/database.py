@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.errors import AssetError, OutputError
-from chord_usd.json_text import parse_json
-from chord_usd.palette import CATEGORIES, category
-from chord_usd.progress import Progress
+from chord_usd.runtime.json_text import parse_json
 from chord_usd.runtime.locations import CACHE_VARIABLE, cache_folder
+from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.scratch import scratch_folder
-from chord_usd.types import Asset
+from chord_usd.scene.palette import CATEGORIES, category
+from chord_usd.scene.types import Asset
 
 if TYPE_CHECKING:
     from chord_usd.assets.model import Design
@@ -199,7 +199,7 @@ def build_assets(
     """
     from chord_usd.assets.component import write_component
     from chord_usd.assets.furniture.catalogue import designs
-    from chord_usd.credits import AUTHOR, LICENCE
+    from chord_usd.scene.credits import AUTHOR, LICENCE
 
     assets = []
     catalogue = designs() if chosen is None else tuple(chosen)
@@ -237,7 +237,7 @@ def embedded_assets() -> tuple[Asset, ...]:
     Each asset lies in the user's cache once something has asked for it (draw_embedded).
     """
     from chord_usd.assets.furniture.catalogue import designs
-    from chord_usd.credits import AUTHOR, LICENCE
+    from chord_usd.scene.credits import AUTHOR, LICENCE
 
     folder = embedded_folder()
     return tuple(

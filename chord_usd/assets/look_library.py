@@ -19,9 +19,9 @@ import numpy as np
 from chord_usd.assets import look_maps as draw
 from chord_usd.assets.look_maps import Boards, Maps
 from chord_usd.assets.look_noise import Shape, normal_map
-from chord_usd.credits import AUTHOR, LICENCE
-from chord_usd.looks import LOOK_FILE, Surface
-from chord_usd.types import FloatArray, RoomKind
+from chord_usd.scene.credits import AUTHOR, LICENCE
+from chord_usd.scene.looks import LOOK_FILE, Surface
+from chord_usd.scene.types import FloatArray, RoomKind
 
 BASE_PX = 1024
 RELIEF_PX = 512

@@ -14,7 +14,7 @@ from chord_usd.assets.look_noise import (
     shifted_samples,
     spectral_noise,
 )
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 Rgb = tuple[int, int, int]
 

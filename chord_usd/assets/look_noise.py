@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 Shape = tuple[int, int]
 

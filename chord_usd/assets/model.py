@@ -11,7 +11,7 @@ import numpy as np
 from chord_usd.assets.finishes import FINISHES, Finish
 from chord_usd.assets.solids import Solid
 from chord_usd.errors import AssetError
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 Collider = Literal["boundingCube", "convexHull", "none"]
 """USD Physics approximation; `none` collides with the triangles themselves (fixed, hollow parts).

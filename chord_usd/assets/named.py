@@ -11,7 +11,7 @@ from chord_usd.assets.database import INDEX_NAME, AssetDatabase, embedded_assets
 from chord_usd.errors import AssetError, StageError
 from chord_usd.runtime.locations import cache_folder
 from chord_usd.runtime.stages import LAYER_SUFFIXES, look_through, open_layer
-from chord_usd.types import Asset, Item, SceneGraph
+from chord_usd.scene.types import Asset, Item, SceneGraph
 
 _EXPECTED = "a USD layer in the scene's folder, or in a folder given with --assets"
 

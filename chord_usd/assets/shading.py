@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from chord_usd.assets.solids import Solid
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 CREASE_DEG = 38.0
 """Faces that meet at a sharper angle keep their edge; flatter ones shade as one surface."""

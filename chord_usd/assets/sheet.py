@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chord_usd.errors import AssetError, StageError
-from chord_usd.progress import Progress
+from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.stages import open_asset, open_known
-from chord_usd.types import Asset, ByteArray, FloatArray
+from chord_usd.scene.types import Asset, ByteArray, FloatArray
 
 if TYPE_CHECKING:
     from PIL import Image

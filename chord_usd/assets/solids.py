@@ -16,7 +16,7 @@ import mapbox_earcut
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.types import FloatArray, frozen_array
+from chord_usd.scene.types import FloatArray, frozen_array
 
 IntArray = npt.NDArray[np.int64]
 Axis = Literal["x", "y", "z"]

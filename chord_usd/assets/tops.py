@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 
 from chord_usd.errors import AssetError, StageError
-from chord_usd.relief import LEAST_HEIGHT, Relief
+from chord_usd.raster.relief import LEAST_HEIGHT, Relief
 from chord_usd.runtime.stages import open_asset
-from chord_usd.types import Asset, FloatArray
+from chord_usd.scene.types import Asset, FloatArray
 
 if TYPE_CHECKING:
     from pxr import Usd

@@ -21,14 +21,14 @@ from chord_usd.batch.records import (
 )
 from chord_usd.batch.shared import keep_pictures, share_files
 from chord_usd.batch.units import Order, Unit
-from chord_usd.progress import Stopwatch
 from chord_usd.runtime.files import hash_file, output_folder
+from chord_usd.runtime.progress import Stopwatch
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions
     from chord_usd.pipeline import House, Models
+    from chord_usd.scene.types import Item, SceneGraph
     from chord_usd.stage.check import Report
-    from chord_usd.types import Item, SceneGraph
 
 Make = Callable[[Unit], None]
 """Makes what is not there yet of a unit. Raises ChordError; then it has left no half of it."""
@@ -119,9 +119,9 @@ def _plan_file(unit: Unit, folder: Path) -> Path:
         return unit.plan
     import numpy as np
 
-    from chord_usd.chord_json import write_plan
     from chord_usd.data.floorplans.programme import spread_room_count
     from chord_usd.data.houses import random_plan
+    from chord_usd.scene.chord_json import write_plan
 
     plan = random_plan(np.random.default_rng(unit.plan), spread_room_count(unit.plan))
     write_plan(plan, folder / PROCEDURAL_FILE)
@@ -129,8 +129,8 @@ def _plan_file(unit: Unit, folder: Path) -> Path:
 
 
 def _write_rasters(house: House, folder: Path) -> None:
-    from chord_usd.chord_json import write_scene
-    from chord_usd.raster_files import write_raster
+    from chord_usd.raster.files import write_raster
+    from chord_usd.scene.chord_json import write_scene
 
     write_raster(house.plan_image, folder / PLAN_FILE)
     write_raster(house.layout, folder / LAYOUT_FILE)

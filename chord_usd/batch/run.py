@@ -22,8 +22,8 @@ from chord_usd.batch.records import (
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.units import Order, Unit
 from chord_usd.errors import OutputError, reason_of
-from chord_usd.progress import Progress, Stopwatch
 from chord_usd.runtime import interrupts
+from chord_usd.runtime.progress import Progress, Stopwatch
 from chord_usd.runtime.scratch import sweep
 
 

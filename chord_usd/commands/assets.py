@@ -27,8 +27,8 @@ from chord_usd.runtime.files import deliver, output_folder
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
-    from chord_usd.progress import Stopwatch
-    from chord_usd.types import Asset
+    from chord_usd.runtime.progress import Stopwatch
+    from chord_usd.scene.types import Asset
 
 _HIDDEN = shutil.ignore_patterns(".*")
 
@@ -93,8 +93,8 @@ def _add_sheet(parser: argparse.ArgumentParser, summary: str) -> None:
 
 def run_list(options: argparse.Namespace) -> Outcome:
     """Runs assets list."""
-    from chord_usd import palette
     from chord_usd.assets.database import load_database
+    from chord_usd.scene import palette
 
     if options.category:
         palette.category(options.category)
@@ -111,8 +111,8 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
     from chord_usd.assets.database import load_database
     from chord_usd.assets.sheet import colourways
     from chord_usd.graph.fit import fitted_box
-    from chord_usd.palette import category
-    from chord_usd.types import Box
+    from chord_usd.scene.palette import category
+    from chord_usd.scene.types import Box
 
     watch = stopwatch(options)
     with watch.step("assets"):

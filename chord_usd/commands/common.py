@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from chord_usd.commands.paths import UsageError, output_file, output_folder
-from chord_usd.limits import M_PER_PX
-from chord_usd.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+from chord_usd.scene.limits import M_PER_PX
 
 if TYPE_CHECKING:
     from chord_usd.runtime.files import FolderMode

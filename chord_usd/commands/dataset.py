@@ -32,7 +32,7 @@ from chord_usd.runtime.files import output_folder, write_atomic
 if TYPE_CHECKING:
     from chord_usd.data.foreign import Found
     from chord_usd.data.realism import Samples
-    from chord_usd.types import SceneGraph
+    from chord_usd.scene.types import SceneGraph
 
 MOST_TOLD = 5
 """Reasons told of houses that cannot be read; --json lists all."""
@@ -254,9 +254,9 @@ def run_draw(options: argparse.Namespace) -> Outcome:
 
 
 def _write_house(scene: SceneGraph, stem: Path, rasters: bool) -> None:
-    from chord_usd.chord_json import write_scene
-    from chord_usd.raster import draw_plan, layout_image
-    from chord_usd.raster_files import write_raster
+    from chord_usd.raster.canvas import draw_plan, layout_image
+    from chord_usd.raster.files import write_raster
+    from chord_usd.scene.chord_json import write_scene
 
     def file(suffix: str) -> Path:
         return stem.with_name(f"{stem.name}{suffix}")

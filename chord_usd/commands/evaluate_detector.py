@@ -19,8 +19,8 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.commands.paths import output_file
-from chord_usd.progress import Stopwatch
 from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.progress import Stopwatch
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.detector_cases import Case

@@ -26,7 +26,7 @@ from chord_usd.commands.evaluate_options import (
 if TYPE_CHECKING:
     from chord_usd.evaluation.floors import FloorCase, Pairs
     from chord_usd.metrics.scores import Score
-    from chord_usd.planner import Planned
+    from chord_usd.pipeline.planner import Planned
     from chord_usd.planning.choose import Candidate
 
 SHEET_ROWS = 6
@@ -61,7 +61,12 @@ def run_text(options: argparse.Namespace) -> Outcome:
     """Runs evaluate text."""
     from chord_usd.evaluation import floors
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import TEXT_CHECKPOINT, carry_out, commission_of_text, planner_of
+    from chord_usd.pipeline.planner import (
+        TEXT_CHECKPOINT,
+        carry_out,
+        commission_of_text,
+        planner_of,
+    )
     from chord_usd.planning.encoder import encoder_of
     from chord_usd.runtime.locations import checkpoint_folder
 
@@ -81,7 +86,12 @@ def run_outlines(options: argparse.Namespace) -> Outcome:
     """Runs evaluate outlines."""
     from chord_usd.evaluation import floors
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import OUTLINE_CHECKPOINT, carry_out, commission_in_shell, planner_of
+    from chord_usd.pipeline.planner import (
+        OUTLINE_CHECKPOINT,
+        carry_out,
+        commission_in_shell,
+        planner_of,
+    )
 
     planner = planner_of(load_layout_model(options, OUTLINE_CHECKPOINT))
 

@@ -27,8 +27,8 @@ from chord_usd.commands.evaluate_options import (
     sampling_of,
     told,
 )
-from chord_usd.progress import Stopwatch
 from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.progress import Stopwatch
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases

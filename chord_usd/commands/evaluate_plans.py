@@ -19,7 +19,7 @@ from chord_usd.commands.evaluate_options import add_records, add_report, told
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.plans import Reader
-    from chord_usd.types import ByteArray, Plan
+    from chord_usd.scene.types import ByteArray, Plan
 
 
 def add(group: Verbs) -> None:

@@ -126,11 +126,11 @@ def run(options: argparse.Namespace) -> Outcome:
 
 def _write_extras(house: House, paths: dict[str, Path]) -> None:
     if "layout" in paths:
-        from chord_usd.raster_files import write_raster
+        from chord_usd.raster.files import write_raster
 
         write_raster(house.layout, paths["layout"])
     if "graph" in paths:
-        from chord_usd.chord_json import write_scene
+        from chord_usd.scene.chord_json import write_scene
 
         write_scene(house.graph, paths["graph"])
     if "preview" in paths:

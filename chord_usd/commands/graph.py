@@ -18,11 +18,11 @@ from chord_usd.commands.common import (
     stopwatch,
 )
 from chord_usd.errors import SceneError
-from chord_usd.limits import LARGEST_HOUSE_M
 from chord_usd.runtime.files import deliver
+from chord_usd.scene.limits import LARGEST_HOUSE_M
 
 if TYPE_CHECKING:
-    from chord_usd.types import Room
+    from chord_usd.scene.types import Room
 
 
 def add(verbs: Verbs) -> None:
@@ -38,9 +38,9 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.chord_json import write_scene
     from chord_usd.pipeline import Settings, load_reader
-    from chord_usd.raster_files import read_layout
+    from chord_usd.raster.files import read_layout
+    from chord_usd.scene.chord_json import write_scene
 
     settings = Settings(asset_folders=tuple(options.assets))
     watch = stopwatch(options)
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
 def _refuse_sprawl(rooms: Iterable[Room], options: argparse.Namespace) -> None:
     """Refuse what no later step would read, since the scale is wrong."""
-    from chord_usd.geometry import extent_m
+    from chord_usd.scene.geometry import extent_m
 
     across_m = extent_m(rooms)
     if across_m > LARGEST_HOUSE_M:

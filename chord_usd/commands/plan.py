@@ -23,7 +23,7 @@ from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
-    from chord_usd.types import Plan
+    from chord_usd.scene.types import Plan
 
 
 def add(verbs: Verbs) -> None:
@@ -55,10 +55,10 @@ def add(verbs: Verbs) -> None:
 
 def run_read(options: argparse.Namespace) -> Outcome:
     """Runs plan read."""
-    from chord_usd.chord_json import write_plan
     from chord_usd.pipeline import Settings, read_plan
     from chord_usd.plan.corrections import read_rooms
     from chord_usd.plan.placement import WARNINGS
+    from chord_usd.scene.chord_json import write_plan
 
     image = existing_file(options.image)
     said = () if options.rooms is None else read_rooms(options.rooms)
@@ -106,9 +106,9 @@ def reading_report(plan: Plan) -> dict[str, Any]:
 
 def run_draw(options: argparse.Namespace) -> Outcome:
     """Runs plan draw."""
-    from chord_usd.chord_json import read_plan
     from chord_usd.pipeline import draw_plan
-    from chord_usd.raster_files import write_raster
+    from chord_usd.raster.files import write_raster
+    from chord_usd.scene.chord_json import read_plan
 
     plan_file = existing_file(options.plan)
     with stopwatch(options).step("plan"):

@@ -27,8 +27,8 @@ from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
     from chord_usd.pipeline import Settings
-    from chord_usd.planner import Planned
-    from chord_usd.progress import Stopwatch
+    from chord_usd.pipeline.planner import Planned
+    from chord_usd.runtime.progress import Stopwatch
 
 
 def add(group: Verbs) -> None:
@@ -79,9 +79,9 @@ def run_from_outline(options: argparse.Namespace) -> Outcome:
 
 
 def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
-    from chord_usd.chord_json import write_plan
     from chord_usd.pipeline import Settings, draw_plan
-    from chord_usd.raster_files import write_raster
+    from chord_usd.raster.files import write_raster
+    from chord_usd.scene.chord_json import write_plan
 
     suffix = options.output.suffix.lower()
     if suffix not in (".png", ".json"):
@@ -114,7 +114,7 @@ def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
 
 
 def _planned(text: str, outline: Path | None, settings: Settings, watch: Stopwatch) -> Planned:
-    from chord_usd.planner import plan_from_outline, plan_from_text
+    from chord_usd.pipeline.planner import plan_from_outline, plan_from_text
 
     with watch.step("plan") as progress:
         if outline is None:
@@ -124,7 +124,7 @@ def _planned(text: str, outline: Path | None, settings: Settings, watch: Stopwat
 
 def planned_report(planned: Planned) -> dict[str, Any]:
     """For --json: what was planned, and what of it was asked for."""
-    from chord_usd.wish import floor_area_m2, room_counts
+    from chord_usd.scene.wish import floor_area_m2, room_counts
 
     plan = planned.plan
     return {
@@ -146,8 +146,8 @@ def plan_source(
 
     Raises UsageError where none or several are given, ChordError where none can be planned.
     """
-    from chord_usd.chord_json import write_plan
     from chord_usd.runtime.scratch import scratch_folder
+    from chord_usd.scene.chord_json import write_plan
 
     wanted = bool(options.text) or options.outline is not None
     if wanted == (options.plan is not None):

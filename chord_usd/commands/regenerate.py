@@ -67,10 +67,10 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
-    from chord_usd.chord_json import write_scene
     from chord_usd.lists.wishes import read_pieces
     from chord_usd.pipeline import Settings, regenerate, require_lists, write_regenerated
-    from chord_usd.raster_files import write_raster
+    from chord_usd.raster.files import write_raster
+    from chord_usd.scene.chord_json import write_scene
 
     source = existing_file(options.stage)
     edits = existing_file(options.edits) if options.edits else None

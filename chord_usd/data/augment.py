@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.pose import House, Pose, posed
+from chord_usd.scene.pose import House, Pose, posed
 
 SKEW_CHANCE = 0.1
 """Share of houses that random_pose turns by any angle; most plans are drawn axis-aligned."""

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from chord_usd.data.nudge import nudged
-from chord_usd.geometry import room_polygon
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
-from chord_usd.palette import CATEGORIES
-from chord_usd.types import Item, SceneGraph
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import Item, SceneGraph
 
 Fault = Literal["size", "out of room", "colliding", "blocking"]
 

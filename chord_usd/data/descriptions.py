@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.types import Plan, RoomKind
-from chord_usd.wish import (
+from chord_usd.scene.types import Plan, RoomKind
+from chord_usd.scene.wish import (
     NAMES,
     WISHED_KINDS,
     Wish,

@@ -21,18 +21,18 @@ from shapely.geometry import LineString
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.chord_json import plan_from_json, plan_to_json
 from chord_usd.data.floorplans.traced import Mark, Segment, closed_cells, px_per_m
 from chord_usd.data.floorplans.traced_openings import traced_openings, unreached
 from chord_usd.data.floorplans.traced_rooms import TracedRoom, traced_rooms
 from chord_usd.data.furnish import furnish
 from chord_usd.data.splits import Part, part_of
 from chord_usd.errors import PlanError
-from chord_usd.json_text import parse_json
 from chord_usd.metrics.rooms import empty_rooms
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.json_lines import read_lines
-from chord_usd.types import Plan, Room, RoomKind, frozen_array
+from chord_usd.runtime.json_text import parse_json
+from chord_usd.scene.chord_json import plan_from_json, plan_to_json
+from chord_usd.scene.types import Plan, Room, RoomKind, frozen_array
 
 _AREA_M2 = (14.0, 130.0)
 """Floor area of a flat that one can believe, balconies included."""

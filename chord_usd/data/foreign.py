@@ -13,23 +13,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from shapely.errors import ShapelyError
 
-from chord_usd.chord_json import scene_from_json
 from chord_usd.data.flats import flat_from_lines
 from chord_usd.data.procthor import Sizes, house_from_procthor, read_asset_sizes
 from chord_usd.data.threed_front import house_from_front, read_models, room_from_record
 from chord_usd.errors import ChordError, SceneError
-from chord_usd.geometry import extent_m
-from chord_usd.json_text import parse_json
-from chord_usd.limits import (
+from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.json_lines import MOST_LINE_BYTES, read_lines
+from chord_usd.runtime.json_text import parse_json
+from chord_usd.scene.chord_json import scene_from_json
+from chord_usd.scene.geometry import extent_m
+from chord_usd.scene.limits import (
     LARGEST_HOUSE_M,
     MOST_CORNERS_IN_ALL,
     MOST_ITEMS,
     MOST_OPENINGS,
     MOST_ROOMS,
 )
-from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.runtime.json_lines import MOST_LINE_BYTES, read_lines
-from chord_usd.types import SceneGraph
+from chord_usd.scene.types import SceneGraph
 
 FORMATS = "CHOrD JSON, 3D-FRONT, ProcTHOR or FloorplanTransformation"
 

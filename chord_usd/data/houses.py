@@ -12,7 +12,7 @@ from chord_usd.data.floorplans.outline import add_balconies, add_bays, slant
 from chord_usd.data.floorplans.programme import MOST_ROOMS, draw_programme, room_count
 from chord_usd.data.floorplans.sketch import STEP_M, WALL, Face, Point, Sketch, faces, twice_area
 from chord_usd.data.floorplans.walls import Hole, NoPlaceError, find_walls, make_openings
-from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan, Room, frozen_array
+from chord_usd.scene.types import WALL_THICKNESS_M, Box, Opening, Plan, Room, frozen_array
 
 _MOST_DRAWS = 200
 """Draws before giving up; about one in ten is unsound, so this is never reached by chance."""

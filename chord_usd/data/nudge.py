@@ -8,8 +8,8 @@ from itertools import product
 
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.geometry import footprint_polygon
-from chord_usd.types import Box
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.types import Box
 
 
 def nudged(box: Box, floor: BaseGeometry, steps_m: Sequence[float]) -> Box:

@@ -7,7 +7,7 @@ rate of 0.063, and the text says 0.2902. Both are kept.
 from __future__ import annotations
 
 from chord_usd.data.floorplans.programme import ROOM_COUNT_HISTOGRAM
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 HOUSES = 9706
 

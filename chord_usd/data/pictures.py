@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from chord_usd.raster import draw_plan, layout_image
+from chord_usd.raster.canvas import draw_plan, layout_image
 from chord_usd.runtime.files import write_atomic
-from chord_usd.types import CANVAS_PX, SceneGraph
+from chord_usd.scene.types import CANVAS_PX, SceneGraph
 
 GAP_PX = 4
 _GAP_GREY = 120

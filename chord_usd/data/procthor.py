@@ -19,10 +19,10 @@ from shapely.geometry.polygon import orient
 
 from chord_usd.data.nudge import nudged
 from chord_usd.errors import SceneError
-from chord_usd.geometry import room_polygon
-from chord_usd.json_text import parse_json
-from chord_usd.palette import CATEGORIES
-from chord_usd.types import (
+from chord_usd.runtime.json_text import parse_json
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     Box,
     Item,

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import shapely
 
-from chord_usd.geometry import footprint, footprint_polygon, front_direction, room_polygon
-from chord_usd.types import Item, RoomKind, SceneGraph
+from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction, room_polygon
+from chord_usd.scene.types import Item, RoomKind, SceneGraph
 
 PIECES: tuple[str, ...] = (
     "bed", "bedside_table", "cabinet", "table", "sofa", "coffee_table", "tv_cabinet",

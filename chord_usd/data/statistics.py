@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 
 from chord_usd.data import paper_tables as paper
 from chord_usd.metrics import SceneScores, mean_scores, score_scene
-from chord_usd.palette import HOUSE_CATEGORIES
-from chord_usd.types import ROOM_KINDS, SceneGraph
+from chord_usd.scene.palette import HOUSE_CATEGORIES
+from chord_usd.scene.types import ROOM_KINDS, SceneGraph
 
 Key = TypeVar("Key", str, int)
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from chord_usd.data import paper_tables as paper
 from chord_usd.data.statistics import Statistics
 from chord_usd.metrics import mean_scores
-from chord_usd.palette import CATEGORIES
 from chord_usd.runtime.files import write_atomic
+from chord_usd.scene.palette import CATEGORIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

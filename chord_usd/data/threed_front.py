@@ -17,10 +17,10 @@ from shapely import Polygon, unary_union
 from shapely.geometry.polygon import orient
 
 from chord_usd.errors import SceneError
-from chord_usd.json_text import parse_json
-from chord_usd.palette import CATEGORIES
 from chord_usd.runtime.json_lines import read_lines
-from chord_usd.types import Box, FloatArray, Item, Room, RoomKind, SceneGraph, frozen_array
+from chord_usd.runtime.json_text import parse_json
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import Box, FloatArray, Item, Room, RoomKind, SceneGraph, frozen_array
 
 PAPER_REMAP: dict[str, str] = {
     "Nightstand": "bedside_table",

@@ -10,13 +10,13 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from chord_usd.chord_json import read_scene
 from chord_usd.data.flats import read_flats
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, part_of, split_hash
 from chord_usd.errors import ChordError, SceneError
-from chord_usd.types import Plan, SceneGraph
+from chord_usd.scene.chord_json import read_scene
+from chord_usd.scene.types import Plan, SceneGraph
 
 Split = Literal["test", "train", "all"]
 SPLITS: tuple[Split, ...] = get_args(Split)

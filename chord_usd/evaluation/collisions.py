@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2, overlaps_by_nature
-from chord_usd.types import Item, Room, SceneGraph
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.types import Item, Room, SceneGraph
 
 LEAST_SHARE = 0.25
 """A collision covers at least this much of the smaller of two footprints."""

@@ -18,9 +18,9 @@ from chord_usd.graph.detect import ItemDetector, RoomSegmenter
 from chord_usd.graph.extract import extract_graph
 from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items, room_iou
-from chord_usd.progress import Progress
-from chord_usd.types import Item, Plan
-from chord_usd.units import wrap_deg
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import Item, Plan
+from chord_usd.scene.units import wrap_deg
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class _Tally:
 
 def _kinds_right(found: Plan, truth: Plan) -> list[bool]:
     """For each true room of known kind, whether the room read at its place has that kind."""
-    from chord_usd.geometry import room_polygon
+    from chord_usd.scene.geometry import room_polygon
 
     floors = [(room.kind, room_polygon(room)) for room in found.rooms]
     results = []

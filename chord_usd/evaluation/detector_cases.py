@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED
@@ -16,9 +15,10 @@ from chord_usd.graph.match import items_seen
 from chord_usd.graph.snap import decode_items
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.progress import Progress
-from chord_usd.raster_files import read_layout
-from chord_usd.types import Item, LayoutImage, Plan
+from chord_usd.raster import canvas
+from chord_usd.raster.files import read_layout
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import Item, LayoutImage, Plan
 
 BATCH = 6
 
@@ -42,7 +42,7 @@ def clean_cases(count: int) -> Iterator[Case]:
         rng = np.random.default_rng(TEST_SEED + index)
         graph = furnish(random_plan(rng), rng)
         shaded = index % 2 == 0
-        layout = raster.layout_image(raster.draw_plan(graph.plan, shade=shaded), graph.items)
+        layout = canvas.layout_image(canvas.draw_plan(graph.plan, shade=shaded), graph.items)
         yield Case(f"{TEST_SEED + index}", layout, graph.items, graph.plan, shaded)
 
 
@@ -56,7 +56,7 @@ def generated_cases(
     plans = [random_plan(np.random.default_rng(TEST_SEED + index)) for index in range(count)]
 
     def paint(indices: Sequence[int]) -> list[LayoutImage]:
-        images = [raster.draw_plan(plans[index], shade=index % 2 == 0) for index in indices]
+        images = [canvas.draw_plan(plans[index], shade=index % 2 == 0) for index in indices]
         return model.sample_batch(images, seeds=indices, steps=steps)
 
     for index, layout in enumerate(in_batches(paint, range(count), BATCH)):

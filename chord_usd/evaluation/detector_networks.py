@@ -22,9 +22,9 @@ from chord_usd.graph.detect import (
     taught_box,
 )
 from chord_usd.metrics.detection import Proposal, average_precisions, judged
-from chord_usd.palette import category
-from chord_usd.types import BoolArray, FloatArray, PixelFrame, Plan
-from chord_usd.units import px_from_m
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import BoolArray, FloatArray, PixelFrame, Plan
+from chord_usd.scene.units import px_from_m
 
 CvBox = tuple[tuple[float, float], tuple[float, float], float]
 

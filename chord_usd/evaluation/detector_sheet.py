@@ -10,8 +10,8 @@ import numpy as np
 from chord_usd.evaluation.detector_cases import Case
 from chord_usd.evaluation.report import enlarged
 from chord_usd.graph.detect import ItemDetector, RoomSegmenter
-from chord_usd.palette import ROOM_RGB, category
-from chord_usd.types import ByteArray
+from chord_usd.scene.palette import ROOM_RGB, category
+from chord_usd.scene.types import ByteArray
 
 COLUMNS = 4
 ENLARGE = 3

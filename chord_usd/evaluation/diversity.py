@@ -17,8 +17,8 @@ from chord_usd.evaluation.report import enlarged, framed, markdown_table
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.fidelity import MIN_MATCH_IOU, match_items
 from chord_usd.metrics.footprints import footprints_of
-from chord_usd.progress import Progress, Warn
-from chord_usd.types import ByteArray, Item
+from chord_usd.runtime.progress import Progress, Warn
+from chord_usd.scene.types import ByteArray, Item
 
 SHEET_PLANS, SHEET_LAYOUTS = 3, 3
 """As in the paper's figure."""

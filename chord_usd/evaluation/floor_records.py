@@ -9,7 +9,7 @@ from typing import Any
 
 from chord_usd.evaluation.floors import FloorCase, FloorFacts, FloorResult, Planner, measure
 from chord_usd.evaluation.records_file import add_record, read_records
-from chord_usd.progress import Progress
+from chord_usd.runtime.progress import Progress
 
 Key = tuple[str, str]
 """Which networks planned, with which seed; and the case."""

@@ -12,20 +12,20 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd import plan_labels
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, split_hash
 from chord_usd.data.statistics import total_variation
 from chord_usd.evaluation.report import framed, markdown_table, score_text
-from chord_usd.geometry import is_axis_aligned, room_polygon, wall_area
 from chord_usd.metrics.scores import Score, mean_of, share_of
-from chord_usd.palette import BACKGROUND_RGB
 from chord_usd.planning.choose import Candidate
 from chord_usd.planning.outline import open_shell
-from chord_usd.raster import draw_plan
-from chord_usd.types import CANVAS_PX, ByteArray, Plan, Room, RoomKind
-from chord_usd.wish import WISHED_KINDS, Wish
+from chord_usd.raster import plan_labels
+from chord_usd.raster.canvas import draw_plan
+from chord_usd.scene.geometry import is_axis_aligned, room_polygon, wall_area
+from chord_usd.scene.palette import BACKGROUND_RGB
+from chord_usd.scene.types import CANVAS_PX, ByteArray, Plan, Room, RoomKind
+from chord_usd.scene.wish import WISHED_KINDS, Wish
 
 DARK_KINDS: tuple[RoomKind, ...] = ("corridor", "store", "bathroom")
 """Rooms that can do without a window."""

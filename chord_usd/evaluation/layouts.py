@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
@@ -35,9 +34,18 @@ from chord_usd.metrics.scores import (
     score_scene,
     score_scenes,
 )
-from chord_usd.progress import Progress, Warn
-from chord_usd.redraw import Draw
-from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, PlanImage, RoomKind, SceneGraph
+from chord_usd.pipeline.redraw import Draw
+from chord_usd.raster import canvas
+from chord_usd.runtime.progress import Progress, Warn
+from chord_usd.scene.types import (
+    ByteArray,
+    Detection,
+    LayoutImage,
+    Plan,
+    PlanImage,
+    RoomKind,
+    SceneGraph,
+)
 
 MUST_FURNISH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
 """A house is furnished when none of these stands empty."""
@@ -147,7 +155,7 @@ def _job(case: Case, sampling: Sampling, index: int, lists: ListDrawer | None) -
 
 
 def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
-    return raster.draw_plan(case.plan, raster.house_frame(case.plan), shade=sampling.shaded)
+    return canvas.draw_plan(case.plan, canvas.house_frame(case.plan), shade=sampling.shaded)
 
 
 def read_back(case: Case, image: LayoutImage) -> Furnished:
@@ -168,7 +176,7 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
     for case in cases:
         scene = case.truth(sampling.seed)
         plan_image = _plan_image(case, sampling)
-        yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
+        yield Furnished(case, canvas.layout_image(plan_image, scene.items), scene)
 
 
 def listed(
@@ -181,7 +189,7 @@ def listed(
     for index, case in enumerate(cases):
         scene = furnish_by_lists(case.plan, drawer, Drafts(sampling.seed + index, drafts))
         plan_image = _plan_image(case, sampling)
-        yield Furnished(case, raster.layout_image(plan_image, scene.items), scene)
+        yield Furnished(case, canvas.layout_image(plan_image, scene.items), scene)
 
 
 def as_read(one: Furnished, sampling: Sampling) -> Furnished:
@@ -190,7 +198,7 @@ def as_read(one: Furnished, sampling: Sampling) -> Furnished:
     sampling: as it was made.
     """
     plan_image = _plan_image(one.case, sampling)
-    return replace(one, image=raster.layout_image(plan_image, one.scene.items))
+    return replace(one, image=canvas.layout_image(plan_image, one.scene.items))
 
 
 class _Blind:

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
@@ -24,8 +23,9 @@ from chord_usd.layout.device import in_batches
 from chord_usd.layout.outlier import Drawing, NoiseError
 from chord_usd.layout.schedule import LINEAR_BETAS
 from chord_usd.metrics.scores import score_scenes
-from chord_usd.progress import Progress, Warn
-from chord_usd.types import FloatArray, SceneGraph
+from chord_usd.raster import canvas
+from chord_usd.runtime.progress import Progress, Warn
+from chord_usd.scene.types import FloatArray, SceneGraph
 
 PAPER_TIMES = (900, 1000)
 """Of DDPM's 1000 linear steps."""
@@ -86,7 +86,7 @@ class _Triple:
     displaced: Spoilt
 
     def drawings(self) -> list[Drawing]:
-        plan_image = raster.draw_plan(self.clean.plan)
+        plan_image = canvas.draw_plan(self.clean.plan)
         scenes = (self.clean, self.colliding.scene, self.displaced.scene)
         return [Drawing.of(plan_image, scene.items) for scene in scenes]
 
@@ -196,7 +196,7 @@ def _item_auc(errors: NoiseError, triples: Sequence[_Triple], seed: int) -> floa
     still: list[float] = []
     moved: list[float] = []
     for one in triples:
-        plan_image = raster.draw_plan(one.clean.plan)
+        plan_image = canvas.draw_plan(one.clean.plan)
         scores = errors.item_scores(plan_image, one.colliding.scene.items, seed)
         for item_id, score in scores.items():
             (moved if item_id in one.colliding.moved else still).append(score)

@@ -18,11 +18,11 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED
 from chord_usd.errors import PlanError
 from chord_usd.evaluation.report import markdown_table
-from chord_usd.geometry import room_polygon
 from chord_usd.metrics.fidelity import plan_fidelity, room_iou
-from chord_usd.page_labels import PASSAGE, built_of
-from chord_usd.progress import Progress
-from chord_usd.types import (
+from chord_usd.raster.page_labels import PASSAGE, built_of
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import (
     Box,
     ByteArray,
     FloatArray,
@@ -32,7 +32,7 @@ from chord_usd.types import (
     Room,
     frozen_array,
 )
-from chord_usd.units import m_from_px, px_from_m, rotation_2d
+from chord_usd.scene.units import m_from_px, px_from_m, rotation_2d
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,13 @@ import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 
-from chord_usd.chord_json import read_plan
 from chord_usd.errors import ChordError
 from chord_usd.evaluation.plans import Case, PlanScore, Reader, score_reading
 from chord_usd.evaluation.report import framed, markdown_table, picture_png
-from chord_usd.lettering import text_size, write_text
-from chord_usd.progress import Progress
-from chord_usd.types import ByteArray, Plan
+from chord_usd.raster.lettering import text_size, write_text
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.chord_json import read_plan
+from chord_usd.scene.types import ByteArray, Plan
 
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".gif", ".tif", ".tiff")
 SUFFIXES = frozenset((*_PICTURES, ".pdf", ".svg", ".dxf", ".ifc", ".sh3d"))

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.evaluation.cases import Case, procedural_cases
 from chord_usd.evaluation.layouts import Furnished, Sampling, as_read, drawn
-from chord_usd.geometry import room_polygon
+from chord_usd.raster import canvas
 from chord_usd.runtime.extras import needed_for
-from chord_usd.types import WALL_THICKNESS_M, ByteArray, FloatArray, Room, RoomKind
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import WALL_THICKNESS_M, ByteArray, FloatArray, Room, RoomKind
 
 LEAST_PICTURES = 10
 """Fewer have no covariance worth the name."""
@@ -181,7 +181,7 @@ def room_picture(one: Furnished, room: Room) -> ByteArray:
     walled = np.array(
         room_polygon(room).buffer(WALL_THICKNESS_M, join_style="mitre").exterior.coords
     )[:-1]
-    pixels = raster.room_pixels(Room(room.id, room.kind, walled[::-1]), frame)
+    pixels = canvas.room_pixels(Room(room.id, room.kind, walled[::-1]), frame)
     rgb = np.where(pixels[..., None], one.image.rgb, 255).astype(np.uint8)
     rows, columns = np.flatnonzero(pixels.any(axis=1)), np.flatnonzero(pixels.any(axis=0))
     cut = rgb[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]

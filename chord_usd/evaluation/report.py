@@ -13,7 +13,7 @@ import numpy as np
 
 from chord_usd.metrics.scores import Score
 from chord_usd.runtime.files import deliver
-from chord_usd.types import ByteArray
+from chord_usd.scene.types import ByteArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd import plan_labels
-from chord_usd.bubbles import bubbles_of, with_bubbles
 from chord_usd.evaluation.floors import FloorCase
 from chord_usd.evaluation.report import framed, picture_png
-from chord_usd.palette import ROOM_RGB, ROOM_SHADES
 from chord_usd.planning.sheet import on_sheet, sheet_for_area, shell_sheet
 from chord_usd.planning.sketch import Ground, Sketcher, open_ground
+from chord_usd.raster import plan_labels
+from chord_usd.raster.bubbles import bubbles_of, with_bubbles
 from chord_usd.runtime.files import write_atomic
-from chord_usd.types import ByteArray, PlanImage
-from chord_usd.wish import Wish
+from chord_usd.scene.palette import ROOM_RGB, ROOM_SHADES
+from chord_usd.scene.types import ByteArray, PlanImage
+from chord_usd.scene.wish import Wish
 
 SEEDS = 5
 

@@ -15,9 +15,9 @@ from chord_usd.evaluation.realism import Encoder, Realism, realism, reference_la
 from chord_usd.evaluation.report import figure_png, markdown_table, new_figure, score_text
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.scores import Score
-from chord_usd.progress import Progress, Warn
-from chord_usd.raster import draw_plan
+from chord_usd.raster.canvas import draw_plan
 from chord_usd.runtime.networks import usable_cores
+from chord_usd.runtime.progress import Progress, Warn
 
 DEFAULT_STEPS = (1, 2, 5, 10, 20, 50, 100)
 

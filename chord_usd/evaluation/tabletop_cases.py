@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED
@@ -17,10 +16,11 @@ from chord_usd.graph.tabletop import View, table_views
 from chord_usd.layout.outlier import NoiseError
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.schedule import alphas_cumprod, noised
-from chord_usd.palette import Level, category
-from chord_usd.relief import Relief, Reliefs
-from chord_usd.table_top import draw_table
-from chord_usd.types import Box, Item, LayoutImage, PlanImage
+from chord_usd.raster import canvas
+from chord_usd.raster.relief import Relief, Reliefs
+from chord_usd.raster.table_top import draw_table
+from chord_usd.scene.palette import Level, category
+from chord_usd.scene.types import Box, Item, LayoutImage, PlanImage
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Case:
     @property
     def drawn(self) -> LayoutImage:
         """The raster of the truth."""
-        return raster.layout_image(self.image, self.truth or (), Level.TABLE)
+        return canvas.layout_image(self.image, self.truth or (), Level.TABLE)
 
 
 def procedural_cases(count: int) -> list[Case]:
@@ -85,7 +85,7 @@ def redrawn(model: LayoutModel, cases: Sequence[Case], noise_to_signal: float) -
 
 def _redrawn(model: LayoutModel, case: Case, time: int, seed: int) -> LayoutImage:
     image = case.image
-    labels, front = raster.draw_items(case.truth or (), image.frame, Level.TABLE)
+    labels, front = canvas.draw_items(case.truth or (), image.frame, Level.TABLE)
     window = model.windows([image])[0]
     clean = model.encode(labels[window], front[window], image.rgb[window])
     noise = np.random.default_rng(seed).standard_normal(clean.shape, np.float32)
@@ -94,6 +94,6 @@ def _redrawn(model: LayoutModel, case: Case, time: int, seed: int) -> LayoutImag
     labels[:], front[:] = 0, False
     labels[window] = output[:-1].argmax(axis=0)
     front[window] = (output[-1] > 0) & (labels[window] > 0)
-    rgb = raster.paint_layout(image, labels, front, Level.TABLE)
+    rgb = canvas.paint_layout(image, labels, front, Level.TABLE)
     rgb.setflags(write=False)
     return LayoutImage(rgb, image.frame)

@@ -9,13 +9,13 @@ from typing import Any
 import cv2
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.evaluation.report import enlarged, framed, markdown_table, picture_png, score_text
 from chord_usd.evaluation.tabletops import Judged, ReaderScores, TableScores
-from chord_usd.geometry import footprint
-from chord_usd.palette import SUPPORTS, Level
-from chord_usd.types import ByteArray
-from chord_usd.units import px_from_m
+from chord_usd.raster import canvas
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.palette import SUPPORTS, Level
+from chord_usd.scene.types import ByteArray
+from chord_usd.scene.units import px_from_m
 
 TARGETS: dict[str, float] = {
     "por": 0.01, "off_edge": 0.01, "supported": 1.0, "filled": 0.97, "dining_laid": 1.0,
@@ -131,7 +131,7 @@ def draw_sheet(parts: Sequence[Sequence[Judged]]) -> bytes:
 def _cell(one: Judged) -> ByteArray:
     """A raster, enlarged, with the outlines of its items and a stroke along each front."""
     image = one.case.image
-    layout = one.layout or raster.layout_image(image, one.raw, Level.TABLE)
+    layout = one.layout or canvas.layout_image(image, one.raw, Level.TABLE)
     picture = enlarged(layout.rgb, ENLARGE)
     for item in one.raw:
         corners_px = px_from_m(footprint(item.box), image.frame)

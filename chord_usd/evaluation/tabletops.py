@@ -14,11 +14,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from chord_usd import raster
 from chord_usd.data.splits import split_hash
 from chord_usd.data.tabletops.board import FACING_DEG as SIDE_YAW_DEG
 from chord_usd.evaluation.tabletop_cases import Case
-from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import FRONT_FROM, Database, items_seen
 from chord_usd.graph.table_items import TopPainter, read_items, read_table_pixels, things_seen
 from chord_usd.graph.table_place import Laid
@@ -28,12 +26,14 @@ from chord_usd.metrics.fidelity import MAX_TURN_DEG, match_items
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.overlap import STACKED_TOLERANCE_M, Overlap, items_overlap
 from chord_usd.metrics.scores import Score, mean_of, share_of
-from chord_usd.palette import SUPPORTS, Level
-from chord_usd.progress import Progress
-from chord_usd.relief import Relief, Reliefs
-from chord_usd.table_top import SIDES
-from chord_usd.types import Item, LayoutImage
-from chord_usd.units import wrap_deg
+from chord_usd.raster import canvas
+from chord_usd.raster.relief import Relief, Reliefs
+from chord_usd.raster.table_top import SIDES
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.palette import SUPPORTS, Level
+from chord_usd.scene.types import Item, LayoutImage
+from chord_usd.scene.units import wrap_deg
 
 MOST_OVER_EDGE = 0.01
 """An item with more than this share of its footprint beside the top is off its edge."""
@@ -245,7 +245,7 @@ def round_trip(one: Judged) -> float:
     """Share of pixels with the same item where the raster or what was read of it has one."""
     assert one.layout is not None
     painted = read_table_pixels(one.layout.rgb, one.case.view.item.category).item + 1
-    again, _ = raster.draw_items(one.raw, one.layout.frame, Level.TABLE)
+    again, _ = canvas.draw_items(one.raw, one.layout.frame, Level.TABLE)
     either = (painted > 0) | (again > 0)
     return float((painted == again)[either].mean()) if either.any() else 1.0
 
@@ -332,11 +332,11 @@ def score_reader(cases: Sequence[Case], layouts: Sequence[LayoutImage]) -> Reade
 def _painted(case: Case, layout: LayoutImage) -> list[Item]:
     """The true items that a raster still shows."""
     truth = case.truth or ()
-    visible, _ = raster.draw_items(truth, layout.frame, Level.TABLE)
+    visible, _ = canvas.draw_items(truth, layout.frame, Level.TABLE)
     painted = read_table_pixels(layout.rgb, case.view.item.category).item + 1
     shown = []
     for item in truth:
-        alone, _ = raster.draw_items([item], layout.frame, Level.TABLE)
+        alone, _ = canvas.draw_items([item], layout.frame, Level.TABLE)
         own = (alone > 0) & (visible == alone)
         if own.any() and (painted == visible)[own].mean() >= PAINTED:
             shown.append(item)

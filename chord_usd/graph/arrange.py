@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from chord_usd.geometry import room_polygon
 from chord_usd.graph.colours import LabelArray, read_pixels
 from chord_usd.graph.fit import is_built_in
 from chord_usd.graph.flush import Standing, part, pull_into
@@ -18,8 +17,9 @@ from chord_usd.graph.match import FLUSH_PX
 from chord_usd.graph.runs import level_fronts
 from chord_usd.graph.seating import seat_chairs
 from chord_usd.graph.usual import grow_to_usual
-from chord_usd.palette import category
-from chord_usd.types import Box, Item, LayoutImage, PixelFrame, Room, SceneGraph
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Box, Item, LayoutImage, PixelFrame, Room, SceneGraph
 
 
 @dataclass(frozen=True, eq=False)

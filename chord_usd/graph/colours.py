@@ -18,7 +18,7 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from chord_usd.errors import SceneError
-from chord_usd.palette import (
+from chord_usd.scene.palette import (
     FRONT_MARK_OPACITY,
     HOUSE_CATEGORIES,
     PLAN_CATEGORIES,
@@ -26,7 +26,7 @@ from chord_usd.palette import (
     Mount,
     painted,
 )
-from chord_usd.types import BoolArray, ByteArray
+from chord_usd.scene.types import BoolArray, ByteArray
 
 LabelArray = npt.NDArray[np.int16]
 

@@ -16,11 +16,11 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
-from chord_usd.palette import HOUSE_CATEGORIES
 from chord_usd.runtime.checksums import check_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, Network, load_network
-from chord_usd.types import (
+from chord_usd.scene.palette import HOUSE_CATEGORIES
+from chord_usd.scene.types import (
     CANVAS_PX,
     ROOM_KINDS,
     BoolArray,
@@ -32,7 +32,7 @@ from chord_usd.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.units import px_from_m
+from chord_usd.scene.units import px_from_m
 
 Kind = Literal["items", "rooms"]
 

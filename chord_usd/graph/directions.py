@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.graph.colours import CLEAR, LabelArray
-from chord_usd.types import FloatArray, PixelFrame, Room
-from chord_usd.units import fold_deg, px_from_m
+from chord_usd.scene.types import FloatArray, PixelFrame, Room
+from chord_usd.scene.units import fold_deg, px_from_m
 
 SAME_DEG = 1.5
 """Directions closer than this are one."""

@@ -21,7 +21,7 @@ from chord_usd.graph.match import Database, match_assets, place_items
 from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
-from chord_usd.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
+from chord_usd.scene.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
 
 
 class Detector(Protocol):

@@ -13,7 +13,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.graph.colours import CLEAR, LabelArray
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 _END_PX = 2.0
 """Ends of a side that are not looked behind: other walls begin there."""

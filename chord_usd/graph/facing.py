@@ -10,8 +10,8 @@ from chord_usd.graph.colours import CLEAR, LayoutPixels
 from chord_usd.graph.joining import Piece
 from chord_usd.graph.rectangles import Rectangle, covered_share
 from chord_usd.graph.regions import UsualSize, mark_fits
-from chord_usd.palette import PLAN_CATEGORIES, Mount
-from chord_usd.types import FloatArray
+from chord_usd.scene.palette import PLAN_CATEGORIES, Mount
+from chord_usd.scene.types import FloatArray
 
 LEAST_MARK_FIT = 0.2
 """A mark that lies on its place worse than this (intersection over union) tells nothing."""

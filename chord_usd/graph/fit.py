@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.geometry import to_world
-from chord_usd.palette import Category, Mount
-from chord_usd.types import Asset, Box
+from chord_usd.scene.geometry import to_world
+from chord_usd.scene.palette import Category, Mount
+from chord_usd.scene.types import Asset, Box
 
 MOST_STRETCH = 1.05
 """Most that one side of a mesh is stretched against another."""

@@ -14,8 +14,8 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.graph.rectangles import Rectangle, covered_share
-from chord_usd.types import Box, FloatArray
-from chord_usd.units import fold_deg, wrap_deg
+from chord_usd.scene.types import Box, FloatArray
+from chord_usd.scene.units import fold_deg, wrap_deg
 
 ALIGN_DEG = 4.0
 """Items this close to the direction of the nearest side of their room are along it."""

@@ -14,14 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.colours import LabelArray
 from chord_usd.graph.flush import Standing
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.palette import Category, Mount, category
-from chord_usd.types import Box, Item, Opening, PixelFrame, Room
-from chord_usd.units import m_from_px, px_from_m
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.palette import Category, Mount, category
+from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room
+from chord_usd.scene.units import m_from_px, px_from_m
 
 BELOW_SILL = "below_sill_m"
 """Key of Item.extra: height of the sill of the window that the item stands before."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.graph.rectangles import Evidence, Rectangle, best_edge
-from chord_usd.palette import FRONT_MARK_LENGTH
-from chord_usd.types import FloatArray
+from chord_usd.scene.palette import FRONT_MARK_LENGTH
+from chord_usd.scene.types import FloatArray
 
 _EDGES = ("u0", "u1", "v0", "v1")
 _TOUCH_PX = 2.5

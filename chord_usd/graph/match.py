@@ -11,7 +11,6 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.graph.fit import fitted_box, is_built_in
 from chord_usd.graph.flush import (
     ALIGN_BUILT_IN_DEG,
@@ -24,9 +23,10 @@ from chord_usd.graph.flush import (
 )
 from chord_usd.graph.free_floor import BELOW_SILL
 from chord_usd.graph.snap import FoundItem
-from chord_usd.palette import Mount, category
-from chord_usd.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
-from chord_usd.units import m_from_px, wrap_deg
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
+from chord_usd.scene.units import m_from_px, wrap_deg
 
 LEAST_INSIDE = 0.5
 """An item with less of its footprint in its room (grown by a pixel) is in no room, and dropped."""

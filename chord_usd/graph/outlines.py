@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.types import BoolArray, FloatArray
-from chord_usd.vectorize import polygon_from_mask
+from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.types import BoolArray, FloatArray
 
 _LEAST_SIDE_PX = 3
 """Shorter sides may be the steps of a slanted one."""

@@ -13,9 +13,9 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from chord_usd.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH
-from chord_usd.types import BoolArray, FloatArray
-from chord_usd.units import fold_deg, rotation_2d
+from chord_usd.scene.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH
+from chord_usd.scene.types import BoolArray, FloatArray
+from chord_usd.scene.units import fold_deg, rotation_2d
 
 FRONT_EDGES = ("v0", "u1", "v1", "u0")
 """Edge that is the front after 0, 1, 2, 3 counter-clockwise quarter turns."""

@@ -25,9 +25,9 @@ from chord_usd.graph.rectangles import (
     fit_free,
     upright_points,
 )
-from chord_usd.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH, Category
-from chord_usd.types import BoolArray, FloatArray
-from chord_usd.units import fold_deg
+from chord_usd.scene.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH, Category
+from chord_usd.scene.types import BoolArray, FloatArray
+from chord_usd.scene.units import fold_deg
 
 MARGIN_PX = 4
 """How far around a patch its surroundings count."""

@@ -19,8 +19,9 @@ from chord_usd.graph.detect import RoomProposal
 from chord_usd.graph.faces import settle_faces
 from chord_usd.graph.outlines import outline_of
 from chord_usd.graph.walls import Walls
-from chord_usd.palette import PLAN_CATEGORIES, ROOM_SHADES, category
-from chord_usd.types import (
+from chord_usd.raster.vectorize import RotatedBox, rotated_box_from_mask
+from chord_usd.scene.palette import PLAN_CATEGORIES, ROOM_SHADES, category
+from chord_usd.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
     BoolArray,
@@ -35,8 +36,7 @@ from chord_usd.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.units import m_from_px, px_from_m
-from chord_usd.vectorize import RotatedBox, rotated_box_from_mask
+from chord_usd.scene.units import m_from_px, px_from_m
 
 IntArray = npt.NDArray[np.int32]
 

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon, resized, to_own
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.types import Box
-from chord_usd.units import wrap_deg
+from chord_usd.scene.geometry import footprint_polygon, resized, to_own
+from chord_usd.scene.types import Box
+from chord_usd.scene.units import wrap_deg
 
 _BESIDE_PX = 1.5
 """Neighbours of a run are this close, and so are their backs to one line."""

@@ -13,14 +13,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from chord_usd.geometry import footprint_polygon, front_direction, resized, room_polygon, to_own
 from chord_usd.graph.match import FRONT_FROM
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
-from chord_usd.palette import category
-from chord_usd.types import Box, FloatArray, Item, SceneGraph
-from chord_usd.units import rotation_2d, wrap_deg
+from chord_usd.scene.geometry import (
+    footprint_polygon,
+    front_direction,
+    resized,
+    room_polygon,
+    to_own,
+)
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Box, FloatArray, Item, SceneGraph
+from chord_usd.scene.units import rotation_2d, wrap_deg
 
 SEAT = "chair"
 _TABLES = natural_partners(SEAT)

@@ -32,9 +32,9 @@ from chord_usd.graph.regions import (
     is_another,
     uncovered,
 )
-from chord_usd.palette import HOUSE_CATEGORIES, Category
-from chord_usd.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
-from chord_usd.units import fold_deg
+from chord_usd.scene.palette import HOUSE_CATEGORIES, Category
+from chord_usd.scene.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
+from chord_usd.scene.units import fold_deg
 
 LEAST_SHARE = 0.35
 """Patches smaller than this share of the smallest usual piece of their category are specks..."""

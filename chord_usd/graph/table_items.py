@@ -18,7 +18,9 @@ from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels
 from chord_usd.graph.directions import Directions
 from chord_usd.graph.match import FRONT_FROM, box_of
 from chord_usd.graph.snap import FoundItem, find_items
-from chord_usd.palette import (
+from chord_usd.raster.table_top import NEIGHBOURS, TableTop, border_rgb, draw_table
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.palette import (
     BACKGROUND_RGB,
     FRONT_MARK_OPACITY,
     TABLE_CATEGORIES,
@@ -26,9 +28,7 @@ from chord_usd.palette import (
     Mount,
     painted,
 )
-from chord_usd.progress import Progress
-from chord_usd.table_top import NEIGHBOURS, TableTop, border_rgb, draw_table
-from chord_usd.types import BoolArray, ByteArray, Item, LayoutImage, PlanImage
+from chord_usd.scene.types import BoolArray, ByteArray, Item, LayoutImage, PlanImage
 
 _WALL = 0
 """Structure label of walls."""

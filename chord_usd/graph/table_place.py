@@ -17,13 +17,13 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from chord_usd.geometry import footprint_polygon, to_own, to_world
 from chord_usd.graph.fit import fitted_box
 from chord_usd.graph.match import Database, reading_order
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.palette import Mount, category
-from chord_usd.relief import Relief, Reliefs
-from chord_usd.types import Box, FloatArray, Item
+from chord_usd.raster.relief import Relief, Reliefs
+from chord_usd.scene.geometry import footprint_polygon, to_own, to_world
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.types import Box, FloatArray, Item
 
 ON_TOP = 0.995
 """Share of its footprint that must lie over the top; the rest is rounding of cells."""

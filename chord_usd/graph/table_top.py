@@ -8,7 +8,9 @@ import cv2
 import numpy as np
 import shapely
 
-from chord_usd.geometry import (
+from chord_usd.raster.relief import Relief
+from chord_usd.raster.table_top import SIDES, Border, Side, TableTop
+from chord_usd.scene.geometry import (
     footprint,
     footprint_polygon,
     front_direction,
@@ -16,9 +18,7 @@ from chord_usd.geometry import (
     to_own,
     to_world,
 )
-from chord_usd.relief import Relief
-from chord_usd.table_top import SIDES, Border, Side, TableTop
-from chord_usd.types import Box, FloatArray, Item, Room
+from chord_usd.scene.types import Box, FloatArray, Item, Room
 
 SEATS: dict[str, float] = {
     "chair": 0.45, "leisure_sofa": 0.6, "single_sofa": 0.8, "sofa": 0.8

@@ -7,16 +7,16 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import Database
 from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.palette import CATEGORIES
-from chord_usd.progress import Progress
-from chord_usd.relief import Relief, Reliefs
-from chord_usd.table_top import TableTop
-from chord_usd.types import Item, SceneGraph
+from chord_usd.raster.relief import Relief, Reliefs
+from chord_usd.raster.table_top import TableTop
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import Item, SceneGraph
 
 _HANGS_FROM_M = 0.3
 """What has its underside higher than this hangs, and things may be below it."""

@@ -14,8 +14,8 @@ import numpy as np
 
 from chord_usd.graph.detect import RoomProposal
 from chord_usd.graph.rooms import name_rooms
-from chord_usd.palette import BACKGROUND_RGB
-from chord_usd.types import (
+from chord_usd.scene.palette import BACKGROUND_RGB
+from chord_usd.scene.types import (
     CANVAS_PX,
     ByteArray,
     Detection,
@@ -25,7 +25,7 @@ from chord_usd.types import (
     Plan,
     frozen_array,
 )
-from chord_usd.units import px_from_m
+from chord_usd.scene.units import px_from_m
 
 HALO_PX = 48
 """At the coarsest scale of a plan, 3.4 m."""

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from chord_usd.geometry import resized, room_polygon
 from chord_usd.graph.fit import is_built_in
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
-from chord_usd.palette import Mount, category
-from chord_usd.places import FreePlaces
-from chord_usd.types import Box, Item, SceneGraph
+from chord_usd.scene.geometry import resized, room_polygon
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.places import FreePlaces
+from chord_usd.scene.types import Box, Item, SceneGraph
 
 _SIDES = (0.0, -0.5, 0.5)
 """Where what is added to the length goes, as shares of it: both ends alike, the left, the right."""

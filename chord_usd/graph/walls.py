@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from chord_usd.geometry import room_polygon
-from chord_usd.types import WALL_THICKNESS_M, BoolArray, FloatArray, Room
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, FloatArray, Room
 
 _PARALLEL_DEG = 15.0
 _NEAR_M = 1.2 * WALL_THICKNESS_M

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from chord_usd.image.cameras import StageCamera
 from chord_usd.image.marks import Thing
-from chord_usd.palette import CATEGORIES
+from chord_usd.scene.palette import CATEGORIES
 
 MaskArray = npt.NDArray[np.uint16]
 

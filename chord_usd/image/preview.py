@@ -13,7 +13,9 @@ from PIL import Image, ImageDraw
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.geometry import (
+from chord_usd.raster.lettering import text_size, write_text
+from chord_usd.runtime.files import write_atomic
+from chord_usd.scene.geometry import (
     footprint,
     footprint_polygon,
     polygons_of,
@@ -21,11 +23,18 @@ from chord_usd.geometry import (
     to_world,
     wall_area,
 )
-from chord_usd.lettering import text_size, write_text
-from chord_usd.palette import CATEGORIES, Rgb
-from chord_usd.runtime.files import write_atomic
-from chord_usd.types import Box, FloatArray, Item, Opening, PixelFrame, Room, RoomKind, SceneGraph
-from chord_usd.units import px_from_m
+from chord_usd.scene.palette import CATEGORIES, Rgb
+from chord_usd.scene.types import (
+    Box,
+    FloatArray,
+    Item,
+    Opening,
+    PixelFrame,
+    Room,
+    RoomKind,
+    SceneGraph,
+)
+from chord_usd.scene.units import px_from_m
 
 PICTURE_PX = 1200
 """Longer side of the picture."""

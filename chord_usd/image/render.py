@@ -31,8 +31,8 @@ from chord_usd.image.options import RenderOptions
 from chord_usd.image.parts import is_finished_part, merge_parts, part_file, write_part
 from chord_usd.image.products import are_finished, product_files, write_coco, write_products
 from chord_usd.image.takes import Take, read_take
-from chord_usd.progress import Progress
 from chord_usd.runtime.files import folder_for_many, hash_file
+from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.scratch import scratch_folder
 
 _NO_MARKS = Marks((), ())

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 DEEPEST_DOOR_M = 0.9
 """A door needs its own width in front of it, but no more than a leaf's (metrics.openings)."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.palette import HOUSE_CATEGORIES
-from chord_usd.types import BoolArray, ByteArray
+from chord_usd.scene.palette import HOUSE_CATEGORIES
+from chord_usd.scene.types import BoolArray, ByteArray
 
 StateArray = npt.NDArray[np.float32]
 

@@ -17,8 +17,8 @@ from chord_usd.layout.measures import (
     near,
     size_planes,
 )
-from chord_usd.palette import BACKGROUND_RGB, PLAN_CATEGORIES, ROOM_SHADES
-from chord_usd.types import ROOM_KINDS, BoolArray, ByteArray
+from chord_usd.scene.palette import BACKGROUND_RGB, PLAN_CATEGORIES, ROOM_SHADES
+from chord_usd.scene.types import ROOM_KINDS, BoolArray, ByteArray
 
 PIXEL_PLANES = 6
 """Walls, doors, windows, floor, and the floor that doors and that windows keep free."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.layout.codes import STATE_CHANNELS, encode
 from chord_usd.layout.schedule import State
-from chord_usd.types import BoolArray, ByteArray, Item, PixelFrame, Room
+from chord_usd.raster import canvas
+from chord_usd.scene.types import BoolArray, ByteArray, Item, PixelFrame, Room
 
 DRAFT_PLANES = STATE_CHANNELS
 
@@ -25,7 +25,7 @@ class Draft:
     """Pieces painted over a plan raster."""
 
     labels: ByteArray
-    """(H, W) as raster.draw_items gives them."""
+    """(H, W) as canvas.draw_items gives them."""
     front: BoolArray
     """(H, W)"""
     known: BoolArray
@@ -36,8 +36,8 @@ class Draft:
         """items: the lists of these rooms, posed in the world."""
         known = np.zeros((frame.height_px, frame.height_px), np.bool_)
         for room in rooms:
-            known |= raster.room_pixels(room, frame)
-        return cls(*raster.draw_items(items, frame), known)
+            known |= canvas.room_pixels(room, frame)
+        return cls(*canvas.draw_items(items, frame), known)
 
     def planes(self, classes: int) -> State:
         """(DRAFT_PLANES, H, W) what the network sees: -1 and 1 as codes.encode has them, 0 where

@@ -17,10 +17,10 @@ from chord_usd.layout.measures import (
     near,
     size_planes,
 )
-from chord_usd.palette import ROOM_SHADES, category
-from chord_usd.plan_labels import fill_shell
-from chord_usd.types import ByteArray
-from chord_usd.wish import WISHED_KINDS
+from chord_usd.raster.plan_labels import fill_shell
+from chord_usd.scene.palette import ROOM_SHADES, category
+from chord_usd.scene.types import ByteArray
+from chord_usd.scene.wish import WISHED_KINDS
 
 SHELL = ("wall", "door", "window")
 """What an open plan draws."""

@@ -14,7 +14,7 @@ from chord_usd.layout.codes import codebook, encode
 from chord_usd.layout.denoiser import Estimate, Plans
 from chord_usd.layout.levels import LevelTraits
 from chord_usd.layout.schedule import State
-from chord_usd.types import BoolArray
+from chord_usd.scene.types import BoolArray
 
 _SURE = 50.0
 """Logit of what is certain."""

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from chord_usd import palette, plan_labels
 from chord_usd.layout import condition, floor_condition, table_condition
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.measures import Condition
-from chord_usd.raster import paint_layout
-from chord_usd.types import BASE_AND_HEIGHT_M, BoolArray, ByteArray, PlanImage
+from chord_usd.raster import plan_labels
+from chord_usd.raster.canvas import paint_layout
+from chord_usd.scene import palette
+from chord_usd.scene.types import BASE_AND_HEIGHT_M, BoolArray, ByteArray, PlanImage
 
 Describe = Callable[[ByteArray, float, int], Condition]
 """Picture (H, W, 3), metres per pixel and pixels per grid cell to what the network sees."""

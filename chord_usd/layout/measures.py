@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.types import BoolArray, ByteArray
+from chord_usd.scene.types import BoolArray, ByteArray
 
 AREA_SCALE = 3.0
 

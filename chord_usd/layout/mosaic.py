@@ -15,7 +15,7 @@ import numpy as np
 from chord_usd.layout.denoiser import Estimate, Plans
 from chord_usd.layout.schedule import State
 from chord_usd.layout.views import View, cut_views
-from chord_usd.types import BoolArray, ByteArray
+from chord_usd.scene.types import BoolArray, ByteArray
 
 VIEWS_AT_ONCE = 4
 """In one batch: more are no faster on a processor, and take more memory."""

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd import raster
 from chord_usd.layout.denoiser import Plans
 from chord_usd.layout.mosaic import Mosaic
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.schedule import State, alphas_cumprod, noised
-from chord_usd.types import BoolArray, ByteArray, FloatArray, Item, PlanImage
+from chord_usd.raster import canvas
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray, Item, PlanImage
 
 ITEM_NOISE = (8.0, 16.0, 32.0)
 """Noise-to-signal ratios of the draws behind an item's score. Below, the network reads the item
@@ -32,13 +32,13 @@ class Drawing:
 
     plan_image: PlanImage
     labels: ByteArray
-    """(H, W) as raster.draw_items gives them."""
+    """(H, W) as canvas.draw_items gives them."""
     front: BoolArray
 
     @classmethod
     def of(cls, plan_image: PlanImage, items: Sequence[Item]) -> Drawing:
         """These items over this plan."""
-        return cls(plan_image, *raster.draw_items(items, plan_image.frame))
+        return cls(plan_image, *canvas.draw_items(items, plan_image.frame))
 
 
 class NoiseError:
@@ -112,12 +112,12 @@ class NoiseError:
         contrast = ((self._clean(drawing) - bare) ** 2).mean(axis=1)[0]
         scores = {}
         for item in items:
-            pixels = raster.draw_items([item], plan_image.frame)[0] > 0
+            pixels = canvas.draw_items([item], plan_image.frame)[0] > 0
             expected = float(contrast[pixels].sum())
             if expected > 0.0:
                 scores[item.id] = round(float(error[pixels].sum()) / expected, 3)
         return scores
 
     def _clean(self, drawing: Drawing) -> State:
-        rgb = raster.paint_layout(drawing.plan_image, drawing.labels, drawing.front)
+        rgb = canvas.paint_layout(drawing.plan_image, drawing.labels, drawing.front)
         return self.model.encode(drawing.labels, drawing.front, rgb)

@@ -28,8 +28,8 @@ from chord_usd.layout.schedule import (
     walk_of,
 )
 from chord_usd.layout.window import Window, WindowSize, window_of, window_size
-from chord_usd.progress import Progress
-from chord_usd.types import (
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import (
     CANVAS_PX,
     BoolArray,
     ByteArray,
@@ -140,7 +140,7 @@ class LayoutModel:
     ) -> LayoutImage:
         """The layout of these labels, sampled anew in a region of its floor: masked diffusion.
 
-        labels, front: (H, W) as raster.draw_items gives them; what they hold in the region is not
+        labels, front: (H, W) as canvas.draw_items gives them; what they hold in the region is not
         looked at. region: (H, W). Outside of it every pixel is that of the layout given, which the
         noisy state follows at each step (Lugmayr et al., RePaint, 2022, without its repeats).
         draft: of the whole plan, what stays and what is to come; the walk begins late then.

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.runtime.extras import needed_for
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 if TYPE_CHECKING:
     import torch

@@ -16,9 +16,9 @@ from chord_usd.layout.measures import (
     near,
     size_planes,
 )
-from chord_usd.palette import SUPPORTS, TOP_SHADES
-from chord_usd.table_top import NEIGHBOURS, border_rgb, top_mask
-from chord_usd.types import BoolArray, ByteArray
+from chord_usd.raster.table_top import NEIGHBOURS, border_rgb, top_mask
+from chord_usd.scene.palette import SUPPORTS, TOP_SHADES
+from chord_usd.scene.types import BoolArray, ByteArray
 
 PIXEL_PLANES = 1 + len(NEIGHBOURS)
 """The top, then walls, seats and beds beside it."""

@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd import raster
-from chord_usd.geometry import room_polygon
 from chord_usd.layout.draft import Draft
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.pose import Pose, posed
-from chord_usd.progress import Progress
-from chord_usd.types import (
+from chord_usd.raster import canvas
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import (
     BoolArray,
     ByteArray,
     LayoutImage,
@@ -29,7 +29,7 @@ from chord_usd.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.units import fold_deg, m_from_px, px_from_m
+from chord_usd.scene.units import fold_deg, m_from_px, px_from_m
 
 SAME_DEG = 2.0
 """Walls that differ by less run in one direction."""
@@ -101,7 +101,7 @@ def sample_upright(
         return layouts[0]
     rgb = plan_image.rgb
     for sheet, layout, rooms in zip(sheets, layouts, groups.values(), strict=True):
-        floors = [raster.room_pixels(room, plan_image.frame) for room in rooms]
+        floors = [canvas.room_pixels(room, plan_image.frame) for room in rooms]
         rgb = sheet.turned_back(layout.rgb, rgb, plan_image, np.logical_or.reduce(floors))
     return replace(layouts[0], rgb=frozen_array(rgb, np.uint8), frame=plan_image.frame)
 
@@ -119,8 +119,8 @@ def upright_sheet(
     group = shapely.union_all([room_polygon(room) for room in rooms])
     around = [room for room in plan.rooms if room_polygon(room).distance(group) < AROUND_M]
     turned = posed(replace(plan, rooms=tuple(around)), pose)
-    frame = raster.frame_at(turned, plan_image.frame.m_per_px)
-    return Sheet(pose, raster.draw_plan(turned, frame))
+    frame = canvas.frame_at(turned, plan_image.frame.m_per_px)
+    return Sheet(pose, canvas.draw_plan(turned, frame))
 
 
 def rooms_by_direction(rooms: Sequence[Room]) -> dict[float, list[Room]]:

@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from chord_usd.layout.condition import floor_regions
 from chord_usd.layout.window import BORDER_PX, Window
-from chord_usd.palette import BACKGROUND_RGB, category
-from chord_usd.types import CANVAS_PX, WALL_THICKNESS_M, BoolArray, ByteArray
+from chord_usd.scene.palette import BACKGROUND_RGB, category
+from chord_usd.scene.types import CANVAS_PX, WALL_THICKNESS_M, BoolArray, ByteArray
 
 OVERLAP_M = 2.5
 """How far a view sees beyond the floor that it decides about: about the longest piece."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.palette import BACKGROUND_RGB
-from chord_usd.types import ByteArray
+from chord_usd.scene.palette import BACKGROUND_RGB
+from chord_usd.scene.types import ByteArray
 
 BORDER_PX = 2
 """White all around the house, so that what lies outside it stays one region."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 _WORDS = {
     "bed": "bed bett lit cama sang vuode sanky 床 ベッド",

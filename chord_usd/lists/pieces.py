@@ -15,11 +15,11 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.geometry import footprint, room_polygon
 from chord_usd.lists.vocabulary import Element, Floats, Ints, Vocabulary
-from chord_usd.palette import CATEGORIES, Mount
-from chord_usd.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
-from chord_usd.units import rotation_2d, wrap_deg
+from chord_usd.scene.geometry import footprint, room_polygon
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
+from chord_usd.scene.units import rotation_2d, wrap_deg
 
 STEP_M = 0.05
 PLACES = 168

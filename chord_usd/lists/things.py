@@ -14,10 +14,10 @@ import cv2
 import numpy as np
 
 from chord_usd.lists.vocabulary import Element, Floats, Ints, Vocabulary
-from chord_usd.palette import CATEGORIES, SUPPORTS
-from chord_usd.table_top import NEIGHBOURS, SIDES, Border, TableTop
-from chord_usd.types import ROOM_KINDS, Box, FloatArray, Item
-from chord_usd.units import wrap_deg
+from chord_usd.raster.table_top import NEIGHBOURS, SIDES, Border, TableTop
+from chord_usd.scene.palette import CATEGORIES, SUPPORTS
+from chord_usd.scene.types import ROOM_KINDS, Box, FloatArray, Item
+from chord_usd.scene.units import wrap_deg
 
 STEP_M = 0.01
 PLACES = 256

@@ -11,10 +11,10 @@ import numpy as np
 from chord_usd.lists.draw import Heat, ListDrawer, Subject, load_lists, without
 from chord_usd.lists.things import THINGS, facts_of, flags_of, items_from, segments_of
 from chord_usd.metrics.overlap import items_overlap
-from chord_usd.progress import Progress
-from chord_usd.relief import Relief
-from chord_usd.table_top import TableTop
-from chord_usd.types import Item
+from chord_usd.raster.relief import Relief
+from chord_usd.raster.table_top import TableTop
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import Item
 
 DRAFTS, KEPT = 10, 6
 """Of each top, at most; of one list."""

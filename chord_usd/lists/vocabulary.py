@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.types import BoolArray
+from chord_usd.scene.types import BoolArray
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float32]

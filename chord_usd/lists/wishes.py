@@ -9,14 +9,14 @@ from difflib import get_close_matches
 from typing import NamedTuple
 
 from chord_usd.errors import ChordError
-from chord_usd.geometry import room_polygon
 from chord_usd.lists.piece_words import ANY_M, HERE, WORDS, Named, named
 from chord_usd.lists.pieces import MOST_PIECES
-from chord_usd.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
-from chord_usd.palette import TABLE_CATEGORIES
-from chord_usd.room_names import room_kind
-from chord_usd.types import Item, Room
-from chord_usd.wish import NAMES
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
+from chord_usd.scene.palette import TABLE_CATEGORIES
+from chord_usd.scene.room_names import room_kind
+from chord_usd.scene.types import Item, Room
+from chord_usd.scene.wish import NAMES
 
 MOST_CHARACTERS = 2000
 SLACK_M = 0.08

@@ -15,9 +15,9 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint, front_direction, room_polygon, room_sides
 from chord_usd.metrics.footprints import PolygonArray
-from chord_usd.types import FloatArray, Item, Room, RoomKind, SceneGraph
+from chord_usd.scene.geometry import footprint, front_direction, room_polygon, room_sides
+from chord_usd.scene.types import FloatArray, Item, Room, RoomKind, SceneGraph
 
 SEATS = frozenset(("sofa", "single_sofa", "leisure_sofa"))
 TABLES = frozenset(("dining_table", "table"))

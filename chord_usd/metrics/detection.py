@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.geometry import footprint, to_own
-from chord_usd.types import Box, FloatArray
+from chord_usd.scene.geometry import footprint, to_own
+from chord_usd.scene.types import Box, FloatArray
 
 IOU = 0.5
 """A proposal is right when it overlaps a truth of its class by at least this."""

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from chord_usd.geometry import room_polygon
 from chord_usd.metrics.footprints import GRID_M, footprints_of
-from chord_usd.types import FloatArray, Item, Opening, OpeningKind, Plan
-from chord_usd.units import rotation_2d, wrap_deg
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import FloatArray, Item, Opening, OpeningKind, Plan
+from chord_usd.scene.units import rotation_2d, wrap_deg
 
 PLAN_TOLERANCE_M = 0.1
 """Walls and openings of two plans agree when they are no further apart than this."""

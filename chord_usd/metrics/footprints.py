@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from chord_usd.geometry import footprint
-from chord_usd.palette import CATEGORIES, Mount
-from chord_usd.types import FloatArray, Item, SceneGraph
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import FloatArray, Item, SceneGraph
 
 GRID_M = 1e-9
 """Overlays are computed on a grid this fine.

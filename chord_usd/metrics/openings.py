@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
+from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
 MAX_CLEARANCE_M = 0.9
 """A door needs its own width in front of it, but a leaf is no wider than this."""

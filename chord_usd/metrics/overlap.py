@@ -23,7 +23,7 @@ from chord_usd.metrics.footprints import (
     is_underfoot,
     sibling_groups,
 )
-from chord_usd.types import Item, SceneGraph
+from chord_usd.scene.types import Item, SceneGraph
 
 MIN_OVERLAP_M2 = 1e-4
 """Footprints that share no more than 1 cm² do not count as overlapping."""

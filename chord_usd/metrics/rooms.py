@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import shapely
 
-from chord_usd.geometry import room_polygon
 from chord_usd.metrics.footprints import GRID_M, footprints_of
-from chord_usd.palette import CATEGORIES
-from chord_usd.types import Item, Room, RoomKind, SceneGraph
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import Item, Room, RoomKind, SceneGraph
 
 MAX_SHARE_OUTSIDE = 0.01
 """An item is out of its room when more than this share of its footprint is (PhyScene's R_out)."""

@@ -10,7 +10,7 @@ from chord_usd.metrics.openings import Blocked, blocked_openings, rooms_beside
 from chord_usd.metrics.overlap import Overlap, scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
 from chord_usd.metrics.walk import Walk, walk
-from chord_usd.types import RoomKind, SceneGraph
+from chord_usd.scene.types import RoomKind, SceneGraph
 
 
 @dataclass(frozen=True)

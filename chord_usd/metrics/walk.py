@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.openings import rooms_beside
-from chord_usd.types import WALL_THICKNESS_M, Opening, RoomKind, SceneGraph
+from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
+from chord_usd.scene.types import WALL_THICKNESS_M, Opening, RoomKind, SceneGraph
 
 WALKER_RADIUS_M = 0.2
 HEAD_ROOM_M = 1.8

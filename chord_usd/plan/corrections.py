@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 from chord_usd.errors import ChordError
 from chord_usd.plan.labels import KIND_CONFIDENCE
-from chord_usd.room_names import LEADING, room_kind
-from chord_usd.types import Plan, Room, RoomKind
+from chord_usd.scene.room_names import LEADING, room_kind
+from chord_usd.scene.types import Plan, Room, RoomKind
 
 _WHERE = "--rooms"
 _EXAMPLE = '"3: bedroom, 5: bathroom"'

@@ -17,7 +17,8 @@ from chord_usd.plan.passages import find_passages
 from chord_usd.plan.placement import placement
 from chord_usd.plan.scale import measure_scale
 from chord_usd.plan.settle import settle
-from chord_usd.types import (
+from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     BoolArray,
     ByteArray,
@@ -29,8 +30,7 @@ from chord_usd.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.units import m_from_px
-from chord_usd.vectorize import polygon_from_mask
+from chord_usd.scene.units import m_from_px
 
 _SMALLEST_ROOM_M2 = 0.2
 

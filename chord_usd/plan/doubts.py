@@ -10,16 +10,16 @@ import numpy as np
 from shapely.geometry import Point, Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.geometry import room_polygon
 from chord_usd.plan.labels import texts_in
 from chord_usd.plan.measures import distinct, parse_measure
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import built_parts
 from chord_usd.plan.regions import Regions
 from chord_usd.plan.text import Text
-from chord_usd.room_names import room_kind
-from chord_usd.types import OPEN, FloatArray, PixelFrame, Plan, RoomKind
-from chord_usd.units import m_from_px, px_from_m
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.room_names import room_kind
+from chord_usd.scene.types import OPEN, FloatArray, PixelFrame, Plan, RoomKind
+from chord_usd.scene.units import m_from_px, px_from_m
 
 _HOUSE_M2 = (4.0, 3000.0)
 _LEAST_COVERED = 0.35

@@ -30,7 +30,7 @@ from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load
 from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.types import (
+from chord_usd.scene.types import (
     OPEN,
     WALL_THICKNESS_M,
     BoolArray,
@@ -42,7 +42,7 @@ from chord_usd.types import (
     Room,
     frozen_array,
 )
-from chord_usd.units import m_from_px
+from chord_usd.scene.units import m_from_px
 
 _SAME_ROOMS = 0.85
 """Two readings whose rooms overlap so far, on average, see the same rooms."""

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd import palette
-from chord_usd.types import BoolArray, ByteArray, RoomKind
+from chord_usd.scene import palette
+from chord_usd.scene.types import BoolArray, ByteArray, RoomKind
 
 _DARKEST_FLOOR = 128
 """Floors are light; the darkest room shade is 172."""

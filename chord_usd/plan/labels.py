@@ -7,12 +7,12 @@ from dataclasses import replace
 
 from shapely.geometry import Point
 
-from chord_usd.geometry import room_polygon
 from chord_usd.plan.measures import parse_measure
 from chord_usd.plan.text import Text
-from chord_usd.room_names import LEADING, room_kind
-from chord_usd.types import PixelFrame, Room, RoomKind
-from chord_usd.units import m_from_px
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.room_names import LEADING, room_kind
+from chord_usd.scene.types import PixelFrame, Room, RoomKind
+from chord_usd.scene.units import m_from_px
 
 KIND_CONFIDENCE = "kindConfidence"
 """Key of Room.extra: how well its name was legible, or the drawing tells its kind, [0, 1]."""

@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 
 from chord_usd.plan.wall_openings import WallOpening
-from chord_usd.types import (
+from chord_usd.raster.vectorize import rotated_box_from_mask
+from chord_usd.scene.types import (
     BASE_AND_HEIGHT_M,
     BoolArray,
     Box,
@@ -19,8 +20,7 @@ from chord_usd.types import (
     OpeningKind,
     PixelFrame,
 )
-from chord_usd.units import m_from_px
-from chord_usd.vectorize import rotated_box_from_mask
+from chord_usd.scene.units import m_from_px
 
 CONFIDENCE = "confidence"
 """Key of Room.extra and Opening.extra: how sure the reading of a drawing is, [0, 1]."""

@@ -16,20 +16,20 @@ import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 
-from chord_usd import palette
 from chord_usd.errors import PlanError
-from chord_usd.geometry import footprint, room_polygon
-from chord_usd.lettering import text_size, write_text
-from chord_usd.palette import Rgb
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, WARNINGS, frame_of, straightening_of
 from chord_usd.plan.sheet import straightened
 from chord_usd.plan.vector.backdrop import backdrop
 from chord_usd.plan.vector.formats import is_vector
 from chord_usd.plan.vector.pdf import read_pages
+from chord_usd.raster.lettering import text_size, write_text
 from chord_usd.runtime.files import write_atomic
-from chord_usd.types import ByteArray, FloatArray, Opening, PixelFrame, Plan, Room
-from chord_usd.units import px_from_m
+from chord_usd.scene import palette
+from chord_usd.scene.geometry import footprint, room_polygon
+from chord_usd.scene.palette import Rgb
+from chord_usd.scene.types import ByteArray, FloatArray, Opening, PixelFrame, Plan, Room
+from chord_usd.scene.units import px_from_m
 
 _FADE = 0.6
 """How much the drawing fades towards white below what was read."""

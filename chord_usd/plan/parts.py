@@ -10,7 +10,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.plan.regions import Labels, Regions
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.scene.types import BoolArray, FloatArray
 
 _SHED = 0.15
 """What is smaller than this share of the largest part is no plan of its own, but a shed."""

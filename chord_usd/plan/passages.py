@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.plan.ink import Ink, border_values, label_floors
-from chord_usd.types import BoolArray
-from chord_usd.vectorize import rotated_box_from_mask
+from chord_usd.raster.vectorize import rotated_box_from_mask
+from chord_usd.scene.types import BoolArray
 
 _T = TypeVar("_T", bound=np.generic)
 

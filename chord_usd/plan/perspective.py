@@ -12,7 +12,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 _SMALL_PX = 500
 """The sheet is looked for in a picture scaled down to this."""

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chord_usd.errors import PlanError, SceneError
-from chord_usd.raster_files import TEXT_CHUNK, read_chunk
+from chord_usd.raster.files import TEXT_CHUNK, read_chunk
 from chord_usd.runtime.confined import confined
 from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.types import ByteArray, PixelFrame
+from chord_usd.scene.types import ByteArray, PixelFrame
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -36,7 +36,7 @@ class Picture:
     rgb: ByteArray
     """(H, W, 3); transparency is laid over white."""
     frame: PixelFrame | None
-    """From the text chunk that raster_files.write_raster leaves."""
+    """From the text chunk that raster.files.write_raster leaves."""
 
 
 def read_picture(path: Path) -> Picture:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from chord_usd.types import PixelFrame, Plan
+from chord_usd.scene.types import PixelFrame, Plan
 
 DRAWING = "drawing"
 """Key of Plan.extra."""

@@ -15,7 +15,7 @@ from shapely.geometry import Point, Polygon
 
 from chord_usd.plan.measures import M_PER_FOOT, Measure, distinct, parse_measure
 from chord_usd.plan.text import Text
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.scene.types import BoolArray, FloatArray
 
 _MOST_MISMATCH = math.log(1.12)
 """Both sides of a room must speak for scales that differ by no more than this."""

@@ -8,11 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd import palette
-from chord_usd.chord_json import read_plan
 from chord_usd.errors import PlanError
-from chord_usd.geometry import extent_m
-from chord_usd.limits import LARGEST_HOUSE_M
 from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.picture import read_picture
@@ -20,7 +16,11 @@ from chord_usd.plan.placement import PAGE, WARNINGS
 from chord_usd.plan.vector.formats import is_vector, read_vector
 from chord_usd.plan.vector.pdf import PdfPage, read_pages
 from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.types import ByteArray, Plan, PlanImage
+from chord_usd.scene import palette
+from chord_usd.scene.chord_json import read_plan
+from chord_usd.scene.geometry import extent_m
+from chord_usd.scene.limits import LARGEST_HOUSE_M
+from chord_usd.scene.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
 """A picture of which so much is in the palette's plan colours is a plan raster."""

@@ -9,15 +9,15 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.page_labels import (
+from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
+from chord_usd.raster.page_labels import (
     FLOOR,
     KIND_NAMES,
     OUTSIDE,
     STAIRS,
 )
-from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
-from chord_usd.types import BoolArray, FloatArray, RoomKind
-from chord_usd.vectorize import polygon_from_mask
+from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.types import BoolArray, FloatArray, RoomKind
 
 _SMALLEST_ROOM_M2 = 0.8
 _NARROWEST_ROOM_M = 0.6

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from chord_usd.errors import PlanError
-from chord_usd.types import WALL_THICKNESS_M, BoolArray
+from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray
 
 _SHORTEST_WALL_PX = 4
 _HEAVIEST_WALL_PX = 20

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.plan.printed import Estimate
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.scene.types import BoolArray, FloatArray
 
 SCALE = "scale"
 """Key of Plan.extra: what Scale.report says."""

@@ -13,7 +13,7 @@ from chord_usd.plan.regions import Outline, Regions, find_regions, room_outlines
 from chord_usd.plan.scale_choice import USUAL_DOOR_M
 from chord_usd.plan.segment import Segments
 from chord_usd.plan.wall_openings import WallOpening, find_openings
-from chord_usd.types import (
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     ByteArray,
     Opening,

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.page_labels import (
+from chord_usd.raster.page_labels import (
     BUILT_NAMES,
     DOOR,
     FLOOR,
@@ -28,9 +28,9 @@ from chord_usd.page_labels import (
     WALL,
     WINDOW,
 )
-from chord_usd.page_labels import READER_MULTIPLE_PX as MULTIPLE_PX
+from chord_usd.raster.page_labels import READER_MULTIPLE_PX as MULTIPLE_PX
 from chord_usd.runtime.networks import Network, content_hash, load_network
-from chord_usd.types import BoolArray, ByteArray
+from chord_usd.scene.types import BoolArray, ByteArray
 
 READER_CHECKPOINT = "reader"
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.scene.types import BoolArray, FloatArray
 
 _HALF_PX = 0.5
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from chord_usd.plan.perspective import find_sheet, rectifying, sheet_size
 from chord_usd.plan.placement import Straightening
-from chord_usd.types import BoolArray, ByteArray, FloatArray
-from chord_usd.units import rotation_2d
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
+from chord_usd.scene.units import rotation_2d
 
 _WORKING_SIDE_PX = 1280
 """Larger drawings are scaled down to this: walls stay several pixels thick."""

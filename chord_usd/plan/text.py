@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from chord_usd.runtime.networks import import_onnxruntime
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.scene.types import ByteArray, FloatArray
 
 _LARGEST_SIDE_PX = 1800
 _SMALLEST_SIDE_PX = 1200

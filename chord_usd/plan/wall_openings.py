@@ -14,9 +14,9 @@ from itertools import combinations, pairwise
 import cv2
 import numpy as np
 
-from chord_usd.page_labels import BUILT_WEIGHTS, DOOR, OUTSIDE, PASSAGE, WALL, WINDOW
 from chord_usd.plan.segment import Segments
-from chord_usd.types import FloatArray, OpeningKind
+from chord_usd.raster.page_labels import BUILT_WEIGHTS, DOOR, OUTSIDE, PASSAGE, WALL, WINDOW
+from chord_usd.scene.types import FloatArray, OpeningKind
 
 _DEEPEST = 3.5
 """A wall is at most so many times as thick as the usual one."""

@@ -16,9 +16,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd import plan_labels
 from chord_usd.planning.divide import Seed, divided
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.raster import plan_labels
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 Rooms = npt.NDArray[np.int32]
 """(H, W) number of the room a pixel belongs to, 0 outside."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from chord_usd.planning.faults import faults
-from chord_usd.types import Plan, RoomKind
-from chord_usd.wish import Wish, floor_area_m2, has_open_kitchen, room_counts
+from chord_usd.scene.types import Plan, RoomKind
+from chord_usd.scene.wish import Wish, floor_area_m2, has_open_kitchen, room_counts
 
 AREA_TOLERANCE = 0.1
 """The floor area is met when it is this close, as a share of what was asked for."""

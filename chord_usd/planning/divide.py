@@ -14,7 +14,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
-from chord_usd.types import BoolArray
+from chord_usd.scene.types import BoolArray
 
 OFF_HALFWAY_COST = 0.25
 """A wall so much shorter is worth a pixel's step away from halfway."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import chain, combinations
 
-from chord_usd.geometry import room_polygon, rooms_beside
 from chord_usd.metrics.walk import entrance, walk
-from chord_usd.types import WALL_THICKNESS_M, Plan, RoomKind, SceneGraph
+from chord_usd.scene.geometry import room_polygon, rooms_beside
+from chord_usd.scene.types import WALL_THICKNESS_M, Plan, RoomKind, SceneGraph
 
 LEAST_AREA_M2: dict[RoomKind, float] = {
     "living": 6.0, "dining": 3.5, "bedroom": 4.5, "kitchen": 2.5, "bathroom": 1.0,

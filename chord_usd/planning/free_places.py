@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.bubbles import LEAST_RADIUS_M
 from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.types import BoolArray
+from chord_usd.raster.bubbles import LEAST_RADIUS_M
+from chord_usd.scene.types import BoolArray
 
 _PLACES_M = tokens.place_m(np.arange(tokens.PLACES))
 

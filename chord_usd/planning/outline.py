@@ -8,10 +8,10 @@ import numpy as np
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd import plan_labels
 from chord_usd.errors import PlanError
-from chord_usd.geometry import polygons_of, room_polygon
-from chord_usd.types import OPEN, WALL_THICKNESS_M, ByteArray, PixelFrame, Plan, frozen_array
+from chord_usd.raster import plan_labels
+from chord_usd.scene.geometry import polygons_of, room_polygon
+from chord_usd.scene.types import OPEN, WALL_THICKNESS_M, ByteArray, PixelFrame, Plan, frozen_array
 
 LEAST_AREA_M2 = 14.0
 

@@ -13,14 +13,14 @@ import shapely
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from chord_usd import plan_labels
-from chord_usd.bubbles import Bubble
-from chord_usd.geometry import polygons_of, room_polygon, rooms_beside
 from chord_usd.planning.cells import LEAST_ROOM_M2, CellGrid, Rooms, cell_grid
 from chord_usd.planning.divide import Seed
 from chord_usd.planning.faults import LEAST_AREA_M2, LEAST_WIDTH_M
 from chord_usd.planning.ways import Border, missing_doors
-from chord_usd.types import (
+from chord_usd.raster import plan_labels
+from chord_usd.raster.bubbles import Bubble
+from chord_usd.scene.geometry import polygons_of, room_polygon, rooms_beside
+from chord_usd.scene.types import (
     BASE_AND_HEIGHT_M,
     ROOM_KINDS,
     WALL_THICKNESS_M,
@@ -35,7 +35,7 @@ from chord_usd.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.units import m_from_px, px_from_m
+from chord_usd.scene.units import m_from_px, px_from_m
 
 _HALF_WALL_M = WALL_THICKNESS_M / 2
 

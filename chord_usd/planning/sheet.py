@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from chord_usd import plan_labels
-from chord_usd.bubbles import Bubble, touching_pairs
-from chord_usd.palette import BACKGROUND_RGB
 from chord_usd.planning.outline import shell_labels
 from chord_usd.planning.sketch import Ground
 from chord_usd.planning.sketch_tokens import PLACES, place_m, shell_cells, shell_patches
-from chord_usd.types import BoolArray, ByteArray, PixelFrame, Plan, PlanImage
-from chord_usd.units import px_from_m
+from chord_usd.raster import plan_labels
+from chord_usd.raster.bubbles import Bubble, touching_pairs
+from chord_usd.scene.palette import BACKGROUND_RGB
+from chord_usd.scene.types import BoolArray, ByteArray, PixelFrame, Plan, PlanImage
+from chord_usd.scene.units import px_from_m
 
 
 def blank_sheet(frame: PixelFrame) -> PlanImage:

@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.bubbles import Bubble
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.free_places import FreePlaces, everywhere
+from chord_usd.raster.bubbles import Bubble
 from chord_usd.runtime.networks import Network, content_hash, load_network
-from chord_usd.types import BoolArray, RoomKind
-from chord_usd.wish import WISHED_KINDS, Wish
+from chord_usd.scene.types import BoolArray, RoomKind
+from chord_usd.scene.wish import WISHED_KINDS, Wish
 
 GRAPH_INPUTS = ("shell", "roles", "left", "values")
 GRAPH_OUTPUTS = ("chances",)

@@ -14,11 +14,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd import plan_labels
-from chord_usd.bubbles import Bubble
 from chord_usd.planning.words import MOST_COUNTED
-from chord_usd.types import BoolArray, ByteArray, FloatArray, RoomKind
-from chord_usd.wish import WISHED_KINDS
+from chord_usd.raster import plan_labels
+from chord_usd.raster.bubbles import Bubble
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray, RoomKind
+from chord_usd.scene.wish import WISHED_KINDS
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float32]

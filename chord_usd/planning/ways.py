@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from chord_usd.metrics.walk import ENTRANCE_KINDS
-from chord_usd.types import Opening, RoomKind
+from chord_usd.scene.types import Opening, RoomKind
 
 DOOR_M = 0.8
 FRONT_DOOR_M = 0.9

@@ -13,10 +13,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from chord_usd.errors import ChordError
-from chord_usd.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
-from chord_usd.room_names import kind_of_word, kinds_in_han
-from chord_usd.types import RoomKind
-from chord_usd.wish import NAMES, WISHED_KINDS, Wish, listed
+from chord_usd.scene.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
+from chord_usd.scene.room_names import kind_of_word, kinds_in_han
+from chord_usd.scene.types import RoomKind
+from chord_usd.scene.wish import NAMES, WISHED_KINDS, Wish, listed
 
 MOST_CHARACTERS = 2000
 MOST_ROOMS = 24

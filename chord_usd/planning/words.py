@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.wish import WISHED_KINDS, Wish
+from chord_usd.scene.wish import WISHED_KINDS, Wish
 
 Words = npt.NDArray[np.float32]
 """(WORDS, channels): those of a word of the text, then PROGRAMME_CHANNELS."""

@@ -1,1 +1,1 @@
-"""What every part stands on: outputs, foreign files, networks, processes, interrupts."""
+"""What every part stands on: outputs, foreign files, networks, processes, progress, interrupts."""

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from pxr import Sdf
 
-from chord_usd.credits import AUTHOR
 from chord_usd.runtime.stages import open_layer
+from chord_usd.scene.credits import AUTHOR
 
 _UNKNOWN = "not told"
 

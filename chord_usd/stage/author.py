@@ -15,9 +15,10 @@ from pxr import Gf, Sdf, UsdUtils
 
 from chord_usd import __version__
 from chord_usd.errors import OutputError
-from chord_usd.looks import Look, load_looks
 from chord_usd.runtime.files import deliver, destination
 from chord_usd.runtime.stages import open_layer
+from chord_usd.scene.looks import Look, load_looks
+from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
 from chord_usd.stage.dressing import Wardrobe
@@ -45,7 +46,6 @@ from chord_usd.stage.prims import (
 )
 from chord_usd.stage.shell import draw_shell
 from chord_usd.stage.walls import build_walls
-from chord_usd.types import FloatArray, SceneGraph, StageFile
 
 SCHEMA = 1
 """Version of the structure and the `chord:` attributes; readers refuse a newer one."""

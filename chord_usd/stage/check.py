@@ -15,15 +15,15 @@ import numpy as np
 import shapely
 from pxr import Usd
 
-from chord_usd.geometry import footprint, room_polygon
 from chord_usd.metrics import SceneScores, score_scene
 from chord_usd.metrics.complete import Misplaced
-from chord_usd.palette import CATEGORIES, Mount
 from chord_usd.runtime.stages import open_known, open_stage, reading
+from chord_usd.scene.geometry import footprint, room_polygon
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import OOD, Item
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_scene
-from chord_usd.types import OOD, Item
 
 WALL_GAP_M = 0.01
 """What has its back no further than this from the wall can hang on it."""

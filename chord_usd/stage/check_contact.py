@@ -13,7 +13,7 @@ import shapely
 import trimesh
 from trimesh.collision import mesh_to_BVH, mesh_to_convex
 
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 MIN_DEPTH_M = 0.005
 """Contact no deeper than this is touching."""

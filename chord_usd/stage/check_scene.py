@@ -16,11 +16,8 @@ import shapely
 import trimesh
 from pxr import Gf, Usd, UsdGeom
 
-from chord_usd.geometry import polygons_of
-from chord_usd.stage.check_contact import Body, Solid
-from chord_usd.stage.check_rules import NODE_ID
-from chord_usd.stage.mesh import fans
-from chord_usd.types import (
+from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.types import (
     OOD,
     ROOM_KINDS,
     Box,
@@ -33,7 +30,10 @@ from chord_usd.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.units import wrap_deg
+from chord_usd.scene.units import wrap_deg
+from chord_usd.stage.check_contact import Body, Solid
+from chord_usd.stage.check_rules import NODE_ID
+from chord_usd.stage.mesh import fans
 
 CATEGORY = "chord:category"
 SIZE = "chord:size_m"

@@ -15,8 +15,8 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
 from chord_usd.runtime.stages import open_stage, reading
-from chord_usd.types import FloatArray
-from chord_usd.units import wrap_deg
+from chord_usd.scene.types import FloatArray
+from chord_usd.scene.units import wrap_deg
 
 _MOVED_M = 5e-4
 _TURNED_DEG = 0.05

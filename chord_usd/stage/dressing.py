@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from shapely.geometry import LineString
 
-from chord_usd.geometry import footprint, footprint_polygon
-from chord_usd.palette import category
 from chord_usd.runtime.stages import open_layer
-from chord_usd.types import Item, Opening, Room
+from chord_usd.scene.geometry import footprint, footprint_polygon
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Item, Opening, Room
 
 COLOUR = "colour"
 WALL_UNIT = "wallUnit"

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 from pxr import Sdf
 
-from chord_usd.geometry import footprint
-from chord_usd.palette import category
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import MOVED, OOD, Asset, Box, FloatArray, Item, Room
 from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
@@ -35,7 +36,6 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.types import MOVED, OOD, Asset, Box, FloatArray, Item, Room
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""

@@ -11,6 +11,7 @@ from PIL import Image
 from pxr import Ar, Usd, UsdGeom, UsdShade
 from trimesh.visual.material import PBRMaterial
 
+from chord_usd.scene.types import FloatArray
 from chord_usd.stage.mesh import corner_normals, fans
 from chord_usd.stage.textures import (
     as_it_is,
@@ -21,7 +22,6 @@ from chord_usd.stage.textures import (
     st_of,
     value_of,
 )
-from chord_usd.types import FloatArray
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])

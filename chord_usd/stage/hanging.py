@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from chord_usd.geometry import footprint, front_direction, room_polygon
-from chord_usd.palette import Mount, category
-from chord_usd.types import MOVED, Item, SceneGraph
+from chord_usd.scene.geometry import footprint, front_direction, room_polygon
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.types import MOVED, Item, SceneGraph
 
 REACH_M = 0.05
 """A panel that ends farther from a wall was meant to stand elsewhere."""

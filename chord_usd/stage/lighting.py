@@ -14,11 +14,11 @@ from PIL import Image
 from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
+from chord_usd.scene.types import ByteArray, FloatArray
+from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.lights import Lamp
 from chord_usd.stage.prims import Types, add_variants, attribute, define, over, set_op_order
 from chord_usd.stage.walls import Tunnel, Walls
-from chord_usd.types import ByteArray, FloatArray
-from chord_usd.units import rotation_2d
 
 SCOPE = "/House/Lighting"
 _SUN_HEIGHT_DEG = 38.0

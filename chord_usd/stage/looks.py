@@ -14,7 +14,7 @@ import numpy as np
 from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
-from chord_usd.looks import LOOK_FILE, Look, sample_look
+from chord_usd.scene.looks import LOOK_FILE, Look, sample_look
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.prims import Types, add_variants, attribute, label, over

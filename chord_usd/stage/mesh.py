@@ -12,7 +12,7 @@ import numpy.typing as npt
 from shapely.geometry import Polygon
 from shapely.geometry.polygon import orient
 
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.scene.types import BoolArray, FloatArray
 
 IntArray = npt.NDArray[np.int32]
 

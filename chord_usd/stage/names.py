@@ -12,9 +12,9 @@ import shapely
 from shapely.geometry import Point
 
 from chord_usd.errors import SceneError
-from chord_usd.geometry import room_polygon
-from chord_usd.palette import category
-from chord_usd.types import Item, Opening, Room, RoomKind, SceneGraph
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Item, Opening, Room, RoomKind, SceneGraph
 
 ROOM_LABELS: dict[RoomKind, str] = {
     "living": "LivingRoom",

@@ -18,11 +18,11 @@ import numpy.typing as npt
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
+from chord_usd.scene.types import Box
+from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
 from chord_usd.stage.railings import railing_box, railing_faces
 from chord_usd.stage.walls import Tunnel, lining_faces, sill_faces
-from chord_usd.types import Box
-from chord_usd.units import rotation_2d
 
 PointM = tuple[float, float, float]
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from pxr import Gf, Sdf, Vt
 
+from chord_usd.scene.types import Box, Item
 from chord_usd.stage.prims import Types, apply_schema, attribute, define, place, relate
-from chord_usd.types import Box, Item
 
 GRAVITY_M_PER_S2 = 9.81
 

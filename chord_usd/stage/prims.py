@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Kind, Sdf, Vt
 
+from chord_usd.scene.types import FloatArray
 from chord_usd.stage.mesh import Mesh
-from chord_usd.types import FloatArray
 
 Types = Sdf.ValueTypeNames
 

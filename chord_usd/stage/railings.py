@@ -14,9 +14,9 @@ from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.geometry import Floors, footprint_polygon, room_polygon, room_sides
+from chord_usd.scene.geometry import Floors, footprint_polygon, room_polygon, room_sides
+from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
 from chord_usd.stage.mesh import Face, cuboid
-from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
 
 KERB_M = 0.12
 """Height of what is left of the wall under a railing."""

@@ -18,10 +18,11 @@ import shapely
 from pxr import Gf, Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
-from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.types import Item, Opening, Provenance, Room, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view
@@ -32,7 +33,6 @@ from chord_usd.stage.furniture import place_furniture
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
-from chord_usd.types import Item, Opening, Provenance, Room, SceneGraph, StageFile
 
 SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""

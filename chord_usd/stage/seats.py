@@ -19,16 +19,16 @@ import trimesh
 from pxr import UsdGeom, UsdPhysics
 from shapely import Polygon
 
-from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
-from chord_usd.places import FreePlaces, moved_to, places_near
 from chord_usd.runtime.stages import open_asset
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.places import FreePlaces, moved_to, places_near
+from chord_usd.scene.types import Asset, Box, Item, SceneGraph
+from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
-from chord_usd.types import Asset, Box, Item, SceneGraph
-from chord_usd.units import rotation_2d
 
 SEAT = "chair"
 FARTHEST_M = 0.5

@@ -18,7 +18,9 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening
+from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
 from chord_usd.stage.openings import (
@@ -60,8 +62,6 @@ from chord_usd.stage.walls import (
     wall_boxes,
     wall_faces,
 )
-from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening
-from chord_usd.units import rotation_2d
 
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""

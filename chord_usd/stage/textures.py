@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
-from chord_usd.types import FloatArray
-from chord_usd.units import rotation_2d
+from chord_usd.scene.types import FloatArray
+from chord_usd.scene.units import rotation_2d
 
 
 def value_of(shader: UsdShade.Shader, name: str, default: Any) -> Any:

@@ -16,8 +16,8 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.geometry import footprint, footprint_polygon, polygons_of
-from chord_usd.types import BoolArray, FloatArray, Item
+from chord_usd.scene.geometry import footprint, footprint_polygon, polygons_of
+from chord_usd.scene.types import BoolArray, FloatArray, Item
 
 EYE_M = 1.5
 SENSOR_MM = (36.0, 20.25)

@@ -22,12 +22,12 @@ from torch import Tensor
 from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.graph.detect import CONFIG_FILE, IMAGE_PX, Kind, scaled
-from chord_usd.progress import Progress
 from chord_usd.runtime.files import begin_run
 from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import CANVAS_PX
 from chord_usd.training.detector_data import Sample, Spoiling, stream
 from chord_usd.training.yolo import build_model, load_matching, load_weights, save_model
-from chord_usd.types import CANVAS_PX
 
 SPOILING: dict[Kind, Spoiling] = {
     "items": Spoiling(frayed=0.4, patchy=0.2, noisy=0.2),

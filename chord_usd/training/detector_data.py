@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.graph.detect import IMAGE_PX, ROOM_CLASSES, Kind, taught_box
-from chord_usd.palette import HOUSE_CATEGORIES, category
-from chord_usd.pose import Pose, posed
-from chord_usd.types import (
+from chord_usd.raster import canvas
+from chord_usd.scene.palette import HOUSE_CATEGORIES, category
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import (
     CANVAS_PX,
     BoolArray,
     ByteArray,
@@ -29,7 +29,7 @@ from chord_usd.types import (
     Room,
     SceneGraph,
 )
-from chord_usd.units import px_from_m
+from chord_usd.scene.units import px_from_m
 
 MASK_SIDE = IMAGE_PX["rooms"] // 4
 """Room masks are as fine as the network's own: a quarter of what it looks at."""
@@ -151,17 +151,17 @@ def draw_sample(graph: SceneGraph, spoiling: Spoiling, rng: np.random.Generator)
     """Draw one house, spoilt by chance."""
     if rng.random() < spoiling.askew:
         graph = posed(graph, Pose(yaw_deg=float(rng.uniform(-45.0, 45.0))))
-    frame = raster.fit_frame(graph.plan, margin_px=int(rng.integers(*spoiling.margin_px)))
-    plan_image = raster.draw_plan(graph.plan, frame, shade=rng.random() >= spoiling.unshaded)
+    frame = canvas.fit_frame(graph.plan, margin_px=int(rng.integers(*spoiling.margin_px)))
+    plan_image = canvas.draw_plan(graph.plan, frame, shade=rng.random() >= spoiling.unshaded)
     items = () if rng.random() < spoiling.unfurnished else graph.items
-    labels, front = raster.draw_items(items, frame)
+    labels, front = canvas.draw_items(items, frame)
     red, green, blue = np.moveaxis(plan_image.rgb, -1, 0)
     floor = (red == green) & (green == blue) & (red > 0)
     if rng.random() < spoiling.frayed:
         labels, front = fray(labels, front, floor, rng)
     if rng.random() < spoiling.patchy:
         labels, front = patch(labels, front, floor, rng)
-    rgb = raster.paint_layout(plan_image, labels, front)
+    rgb = canvas.paint_layout(plan_image, labels, front)
     if rng.random() < spoiling.noisy:
         rgb = drift(rgb, rng)
     return sample_of(rgb, items, graph.rooms, frame)

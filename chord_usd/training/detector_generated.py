@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.data.augment import random_pose
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import is_test_seed
@@ -20,10 +19,11 @@ from chord_usd.graph.match import items_seen
 from chord_usd.graph.snap import decode_items
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.progress import Progress
-from chord_usd.raster_files import read_layout, write_raster
+from chord_usd.raster import canvas
+from chord_usd.raster.files import read_layout, write_raster
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import LayoutImage, Plan
 from chord_usd.training.detector_data import Sample, sample_of
-from chord_usd.types import LayoutImage, Plan
 
 _FIRST_SEED = 500_000_000
 """Far from the seeds of other training data, and below those of test houses."""
@@ -54,8 +54,8 @@ def _painted(model: LayoutModel, seeds: Sequence[int]) -> list[LayoutImage]:
     images = []
     for seed in seeds:
         plan, margin = _plan(seed), np.random.default_rng(seed).integers(*_MARGIN_PX)
-        frame = raster.fit_frame(plan, margin_px=int(margin))
-        images.append(raster.draw_plan(plan, frame, shade=seed % 2 == 0))
+        frame = canvas.fit_frame(plan, margin_px=int(margin))
+        images.append(canvas.draw_plan(plan, frame, shade=seed % 2 == 0))
     return model.sample_batch(images, seeds=seeds)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chord_usd.layout.draft import Draft
-from chord_usd.types import Box, Item, PixelFrame, Room, SceneGraph
+from chord_usd.scene.types import Box, Item, PixelFrame, Room, SceneGraph
 
 
 @dataclass(frozen=True)

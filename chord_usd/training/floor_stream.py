@@ -9,20 +9,20 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd import plan_labels
-from chord_usd.bubbles import bubbles_of, jittered, with_bubbles
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
-from chord_usd.geometry import is_axis_aligned
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.planning.encoder import MiniLM, TextEncoder
 from chord_usd.planning.sheet import blank_sheet
 from chord_usd.planning.words import PROGRAMME_CHANNELS, Words, condition_words
-from chord_usd.pose import Pose, posed
+from chord_usd.raster import plan_labels
+from chord_usd.raster.bubbles import bubbles_of, jittered, with_bubbles
+from chord_usd.scene.geometry import is_axis_aligned
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import Plan, PlanImage
+from chord_usd.scene.wish import Wish, floor_area_m2
 from chord_usd.training.stream import BatchStream, Drawn, SeededConfig
-from chord_usd.types import Plan, PlanImage
-from chord_usd.wish import Wish, floor_area_m2
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.lists import pieces
 from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Floats, Ints, Sequences, sequence_of
-from chord_usd.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
-from chord_usd.units import rotation_2d
+from chord_usd.scene.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
+from chord_usd.scene.units import rotation_2d
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
 """Segments, facts, flags, roles, left and values: what the network takes."""

@@ -15,10 +15,10 @@ from torch import Tensor
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.lists.draw import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
-from chord_usd.progress import Progress
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.runtime.progress import Progress
 from chord_usd.training.budget import Budget
 from chord_usd.training.lists_data import Batch
 from chord_usd.training.lists_network import Drawing, ListNetwork

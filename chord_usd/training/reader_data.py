@@ -15,7 +15,7 @@ from chord_usd.data.drawn.crowded import draw_page
 from chord_usd.data.drawn.no_plans import draw_no_plan
 from chord_usd.data.drawn.truth import CrowdedPage, DrawnStorey
 from chord_usd.data.splits import TEST_SEED, is_test_seed
-from chord_usd.page_labels import (
+from chord_usd.raster.page_labels import (
     KIND_NAMES,
     KIND_STEP_PX,
     OUTSIDE,
@@ -23,7 +23,7 @@ from chord_usd.page_labels import (
     built_of,
     laid_of,
 )
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.scene.types import ByteArray, FloatArray
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor]
 """Colours (B, 3, S, S) uint8, what is built and what is drawn over it (B, S, S) uint8, points

@@ -12,7 +12,13 @@ from torch import Tensor, nn
 from torch.nn import functional
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
-from chord_usd.page_labels import BUILT_NAMES, KIND_NAMES, KIND_STEP_PX, LAID_NAMES, POINT_NAMES
+from chord_usd.raster.page_labels import (
+    BUILT_NAMES,
+    KIND_NAMES,
+    KIND_STEP_PX,
+    LAID_NAMES,
+    POINT_NAMES,
+)
 
 CHANNELS = (16, 32, 80, 144, 224)
 """From a half to a thirty-second of the page's resolution."""

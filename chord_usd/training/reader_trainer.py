@@ -16,7 +16,7 @@ from torch.nn import functional
 
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
-from chord_usd.page_labels import (
+from chord_usd.raster.page_labels import (
     BUILT_NAMES,
     BUILT_WEIGHTS,
     KIND_NAMES,
@@ -25,10 +25,10 @@ from chord_usd.page_labels import (
     READER_INPUT,
     READER_OUTPUTS,
 )
-from chord_usd.progress import Progress
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
+from chord_usd.runtime.progress import Progress
 from chord_usd.training.budget import Budget
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.onnx_file import write_graph

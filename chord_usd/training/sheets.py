@@ -13,8 +13,8 @@ from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
+from chord_usd.scene.types import ByteArray
 from chord_usd.training.stream import Drawn
-from chord_usd.types import ByteArray
 
 SHEET_COLUMNS = 4
 ENLARGE = 2

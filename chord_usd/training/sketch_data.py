@@ -9,14 +9,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from chord_usd import plan_labels
-from chord_usd.bubbles import Bubble, bubbles_of, jittered
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.progress import Progress
-from chord_usd.types import Plan
-from chord_usd.wish import floor_area_m2
+from chord_usd.raster import plan_labels
+from chord_usd.raster.bubbles import Bubble, bubbles_of, jittered
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import Plan
+from chord_usd.scene.wish import floor_area_m2
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor]
 """Shell patches, roles, rooms left and values: what the network takes."""

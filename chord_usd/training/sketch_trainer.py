@@ -14,10 +14,10 @@ from torch import Tensor
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.sketch import GRAPH_INPUTS, GRAPH_OUTPUTS
-from chord_usd.progress import Progress
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.runtime.progress import Progress
 from chord_usd.training.budget import Budget
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.sketch_data import Batch, Sketched, batch_of, endless_batches

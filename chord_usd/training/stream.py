@@ -11,7 +11,6 @@ import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
-from chord_usd import raster
 from chord_usd.data.augment import random_pose
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
@@ -21,10 +20,11 @@ from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.draft import Draft
 from chord_usd.layout.levels import traits_of
 from chord_usd.layout.window import Window, WindowSize, window_of, window_size
-from chord_usd.palette import Level
-from chord_usd.table_top import draw_table
+from chord_usd.raster import canvas
+from chord_usd.raster.table_top import draw_table
+from chord_usd.scene.palette import Level
+from chord_usd.scene.types import BoolArray, ByteArray, Plan, PlanImage, SceneGraph
 from chord_usd.training.drafts import random_draft, rough_draft
-from chord_usd.types import BoolArray, ByteArray, Plan, PlanImage, SceneGraph
 
 Batch = dict[str, Tensor]
 
@@ -166,9 +166,9 @@ class LayoutStream(BatchStream):
     def draw(self, rng: np.random.Generator) -> Drawn:
         """A house in a random pose, shaded by chance."""
         house = random_pose(self._furnished_house(rng), rng)
-        frame = raster.fit_frame(house.plan, margin_px=int(rng.integers(*self.config.margin_px)))
+        frame = canvas.fit_frame(house.plan, margin_px=int(rng.integers(*self.config.margin_px)))
         shade = bool(rng.random() < self.config.shading_chance)
-        drawn = _drawn_house(house, raster.draw_plan(house.plan, frame, shade=shade))
+        drawn = _drawn_house(house, canvas.draw_plan(house.plan, frame, shade=shade))
         if not self.network.draft:
             return drawn
         return replace(drawn, draft=random_draft(house, frame, rng))
@@ -179,7 +179,7 @@ class LayoutStream(BatchStream):
         for index in range(count):
             rng = np.random.default_rng(TEST_SEED + index)
             house = furnish(random_plan(rng), rng)
-            image = raster.draw_plan(house.plan, shade=index % 2 == 0)
+            image = canvas.draw_plan(house.plan, shade=index % 2 == 0)
             draft = rough_draft(house, image.frame, rng) if self.network.draft else None
             drawn.append(replace(_drawn_house(house, image), draft=draft))
         return drawn
@@ -196,7 +196,7 @@ class LayoutStream(BatchStream):
 
 
 def _drawn_house(house: SceneGraph, image: PlanImage) -> Drawn:
-    return Drawn(image, *raster.draw_items(house.items, image.frame))
+    return Drawn(image, *canvas.draw_items(house.items, image.frame))
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class TableStream(BatchStream):
 def _drawn_table(seed: int) -> Drawn:
     tabletop = random_tabletop(np.random.default_rng(seed))
     image = draw_table(tabletop.top)
-    return Drawn(image, *raster.draw_items(tabletop.items, image.frame, Level.TABLE))
+    return Drawn(image, *canvas.draw_items(tabletop.items, image.frame, Level.TABLE))
 
 
 def batch_loader(stream: BatchStream, workers: int) -> DataLoader[Batch]:

@@ -10,8 +10,8 @@ from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.data.tabletops import Tabletop, random_tabletop
 from chord_usd.lists import things
 from chord_usd.lists.vocabulary import sequence_of
+from chord_usd.scene.types import ROOM_KINDS
 from chord_usd.training.lists_data import Batch, Told, stacked
-from chord_usd.types import ROOM_KINDS
 
 UNNAMED_SHARE = 0.1
 """Pieces whose room is not told, as on plans without names."""

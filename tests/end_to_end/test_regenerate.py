@@ -14,13 +14,13 @@ import pytest
 from PIL import Image
 from pxr import Gf, Sdf, Usd
 
-from chord_usd import raster
-from chord_usd.chord_json import read_scene
-from chord_usd.geometry import footprint_polygon
-from chord_usd.raster_files import read_layout
+from chord_usd.raster import canvas
+from chord_usd.raster.files import read_layout
+from chord_usd.scene.chord_json import read_scene
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.types import Box, Item, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.refurnish import read_house
-from chord_usd.types import Box, Item, SceneGraph
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -74,10 +74,10 @@ def test_one_room_changes_in_stage_graph_and_picture(
     pieces = list(after.graph.items_of(room_id))
     assert len(pieces) == told["furniture"]
     assert sum(1 + len(piece.children) for piece in pieces) == told["items"]
-    plan_image = raster.draw_plan(before.graph.plan)
+    plan_image = canvas.draw_plan(before.graph.plan)
     layout = read_layout(tmp_path / "layout.png")
-    region = raster.room_pixels(before.room(ROOM, stage), plan_image.frame)
-    drawn = raster.layout_image(plan_image, before.graph.items)
+    region = canvas.room_pixels(before.room(ROOM, stage), plan_image.frame)
+    drawn = canvas.layout_image(plan_image, before.graph.items)
     assert np.array_equal(layout.rgb[~region], drawn.rgb[~region])
     assert not np.array_equal(layout.rgb[region], drawn.rgb[region])
     with Image.open(tmp_path / "layout.png") as picture:

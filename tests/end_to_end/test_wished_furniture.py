@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.chord_json import read_scene
 from chord_usd.errors import ChordError
 from chord_usd.pipeline import Settings, require_lists
+from chord_usd.scene.chord_json import read_scene
+from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.author import author_stage
-from chord_usd.types import SceneGraph
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from pxr import Gf, Kind, Usd, UsdGeom
 
+from chord_usd.scene.types import Asset, Box, Item, Provenance, SceneGraph
 from chord_usd.stage.author import author_stage
-from chord_usd.types import Asset, Box, Item, Provenance, SceneGraph
 
 BLOCK_SIZE_M = (0.5, 0.4, 0.25)
 

@@ -18,9 +18,9 @@ from chord_usd.assets.libraries.add import Added, add_library
 from chord_usd.assets.libraries.readers import open_library, read_properties
 from chord_usd.errors import AssetError
 from chord_usd.runtime import archives
+from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.attribution import attribution_file
 from chord_usd.stage.author import author_stage
-from chord_usd.types import SceneGraph
 
 
 def chair_mesh(scale: float = 1.0) -> trimesh.Trimesh:

@@ -13,9 +13,9 @@ from chord_usd.assets.component import write_component
 from chord_usd.assets.database import build_assets, load_database, read_index
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
-from chord_usd.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.scene.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.scene.types import Asset
 from chord_usd.stage.physics import KG_PER_M3
-from chord_usd.types import Asset
 
 ALL = {design.id: design for design in designs()}
 SAMPLE = dict(list(ALL.items())[::6])

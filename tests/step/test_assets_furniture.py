@@ -20,7 +20,7 @@ from chord_usd.assets.solids import box
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import AssetError
-from chord_usd.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
 
 ALL = designs()
 LEAST_TRIANGLES = 500

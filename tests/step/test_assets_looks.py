@@ -11,7 +11,7 @@ from pxr import Usd, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.assets.look_library import RECIPES, write_look
 from chord_usd.assets.look_noise import blurred, normal_map, spectral_noise
-from chord_usd.looks import Look, load_looks
+from chord_usd.scene.looks import Look, load_looks
 
 LOOKS = load_looks()
 every_look = pytest.mark.parametrize("look", LOOKS, ids=lambda look: look.name)

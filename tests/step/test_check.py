@@ -10,13 +10,13 @@ import pytest
 import trimesh
 
 from chord_usd.errors import StageError
-from chord_usd.geometry import room_polygon
 from chord_usd.metrics import score_scene
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import OOD, Box, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import Report, certificate, check_stage
 from chord_usd.stage.check_contact import Body, Solid, collisions, unsupported
 from chord_usd.stage.check_scene import read_scene
-from chord_usd.types import OOD, Box, Item, Opening, Room, SceneGraph, frozen_array
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from chord_usd import raster
-from chord_usd.palette import category
+from chord_usd.raster import canvas
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import CANVAS_PX, LayoutImage, PlanImage
 from chord_usd.training.detector_data import CLEAN, stream
 from chord_usd.training.detector_generated import generated_samples
-from chord_usd.types import CANVAS_PX, LayoutImage, PlanImage
 
 HALF_PX = 8
 
@@ -44,7 +44,7 @@ class OneBed:
         bed = slice(row - HALF_PX, row + HALF_PX), slice(column - HALF_PX, column + HALF_PX)
         labels[bed] = 1 + category("bed").detector_class
         front = np.zeros(labels.shape, np.bool_)
-        return LayoutImage(raster.paint_layout(image, labels, front), image.frame)
+        return LayoutImage(canvas.paint_layout(image, labels, front), image.frame)
 
 
 def test_what_colours_say_is_taught(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd import raster
 from chord_usd.assets.database import load_database
 from chord_usd.assets.tops import relief_of
 from chord_usd.cli import DONE, UNUSABLE, main
@@ -23,11 +22,12 @@ from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.lists.things import THINGS
-from chord_usd.palette import Level
-from chord_usd.table_top import Border
+from chord_usd.raster import canvas
+from chord_usd.raster.table_top import Border
+from chord_usd.scene.palette import Level
+from chord_usd.scene.types import Asset, Box, Item
 from chord_usd.training.lists_network import ListNetwork
 from chord_usd.training.lists_trainer import write_checkpoint
-from chord_usd.types import Asset, Box, Item
 
 TINY = replace(
     TABLE, channels=(16, 32), attention=(False, False), feature_channels=16, default_steps=2
@@ -89,7 +89,7 @@ def test_the_data_itself_has_no_fault(at: tabletops.Workplace, cases: list[Case]
 
 
 def test_a_bare_table_is_not_filled(at: tabletops.Workplace, cases: list[Case]) -> None:
-    bare = [raster.layout_image(case.image, (), Level.TABLE) for case in cases]
+    bare = [canvas.layout_image(case.image, (), Level.TABLE) for case in cases]
     scores = tabletops.score_tabletops(tabletops.judge_layouts(at, cases, bare), at)
     assert scores.rows["filled"].value == 0.0
     assert scores.rows["por"].count == 0, "no pair, no overlap ratio"
@@ -171,7 +171,7 @@ def test_the_reader_is_scored_against_what_was_drawn(cases: list[Case]) -> None:
     assert scores.recall_painted >= 0.97
     assert scores.precision >= 0.97
     assert scores.edge_px < 0.5
-    bare = [raster.layout_image(case.image, (), Level.TABLE) for case in cases]
+    bare = [canvas.layout_image(case.image, (), Level.TABLE) for case in cases]
     nothing = tabletops.score_reader(cases, bare)
     assert (nothing.recall, nothing.precision) == (0.0, 0.0)
 
@@ -226,7 +226,7 @@ def test_a_model_of_houses_is_refused(tmp_path: Path, capsys) -> None:
 
 
 def test_meshes_of_items_exist_for_every_category(at: tabletops.Workplace) -> None:
-    from chord_usd.palette import TABLE_CATEGORIES
+    from chord_usd.scene.palette import TABLE_CATEGORIES
 
     for row in TABLE_CATEGORIES:
         size_m = (row.length_m[0], row.width_m[0], row.height_m[0])

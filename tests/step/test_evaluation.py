@@ -10,14 +10,11 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd import raster
-from chord_usd.chord_json import write_scene
 from chord_usd.errors import SceneError
 from chord_usd.evaluation import diversity, layout_report, layouts, ood, realism, report, speed
 from chord_usd.evaluation.cases import Case, folder_cases, procedural_cases
 from chord_usd.evaluation.collisions import collide, displace
 from chord_usd.evaluation.report import framed
-from chord_usd.geometry import footprint_polygon, room_polygon
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.config import PRESETS
 from chord_usd.layout.network import LayoutNetwork
@@ -26,7 +23,10 @@ from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.scores import Score
-from chord_usd.types import Provenance
+from chord_usd.raster import canvas
+from chord_usd.scene.chord_json import write_scene
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.types import Provenance
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16,
@@ -50,7 +50,7 @@ class Drawer:
     checkpoint = Checkpoint(None, TINY, "hash", {})  # type: ignore[arg-type]
 
     def __init__(self, cases):
-        self._cases = {raster.draw_plan(case.plan).rgb.tobytes(): case for case in cases}
+        self._cases = {canvas.draw_plan(case.plan).rgb.tobytes(): case for case in cases}
 
     def sample(self, image, *, seed=0, **options):
         return self.sample_batch([image], seeds=[seed], **options)[0]
@@ -61,7 +61,7 @@ class Drawer:
     def _draw(self, image, seed):
         scene = self._cases[image.rgb.tobytes()].truth(seed)
         made = Provenance(checkpoint_hash="hash", seed=seed)
-        return replace(raster.layout_image(image, scene.items), provenance=made)
+        return replace(canvas.layout_image(image, scene.items), provenance=made)
 
 
 @pytest.fixture(scope="module")

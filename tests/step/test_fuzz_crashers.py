@@ -23,9 +23,9 @@ from chord_usd.cli import UNUSABLE, main
 from chord_usd.data.flats import read_flats_or_why
 from chord_usd.data.foreign import Models, foreign_houses
 from chord_usd.errors import AssetError, ChordError, SceneError
-from chord_usd.json_text import MOST_VALUES, parse_json
 from chord_usd.runtime import json_lines
 from chord_usd.runtime.json_lines import read_lines
+from chord_usd.runtime.json_text import MOST_VALUES, parse_json
 from tests import plan_files
 from tests.foreign_records import flat_lines, front_house, procthor_house
 

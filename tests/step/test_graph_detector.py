@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.chord_json import read_scene
 from chord_usd.cli import main
 from chord_usd.data.splits import TEST_SEED
 from chord_usd.errors import CheckpointError
@@ -33,11 +32,13 @@ from chord_usd.graph.detect import (
     scaled,
 )
 from chord_usd.graph.extract import extract_graph
-from chord_usd.raster import draw_plan, layout_image
-from chord_usd.raster_files import write_raster
+from chord_usd.raster.canvas import draw_plan, layout_image
+from chord_usd.raster.files import write_raster
 from chord_usd.runtime.checksums import SUMS_FILE
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
+from chord_usd.scene.chord_json import read_scene
+from chord_usd.scene.types import CANVAS_PX
 from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector
 from chord_usd.training.detector_card import write_card
 from chord_usd.training.detector_data import (
@@ -50,7 +51,6 @@ from chord_usd.training.detector_data import (
     turned,
 )
 from chord_usd.training.yolo import Proposing, build_model, load_weights, save_model
-from chord_usd.types import CANVAS_PX
 
 KINDS: tuple[Kind, ...] = ("items", "rooms")
 

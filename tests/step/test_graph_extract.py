@@ -13,18 +13,18 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 from shapely.geometry import Polygon
 
-from chord_usd import raster
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import SceneError
-from chord_usd.geometry import footprint, footprint_polygon, room_polygon
 from chord_usd.graph.extract import extract_graph
 from chord_usd.graph.match import match_assets
 from chord_usd.graph.rooms import bare_plan
 from chord_usd.graph.snap import decode_items
-from chord_usd.palette import Mount, category
-from chord_usd.pose import Pose, posed
-from chord_usd.types import (
+from chord_usd.raster import canvas
+from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import (
     Asset,
     ByteArray,
     Detection,
@@ -33,7 +33,7 @@ from chord_usd.types import (
     LayoutImage,
     SceneGraph,
 )
-from chord_usd.units import px_from_m, wrap_deg
+from chord_usd.scene.units import px_from_m, wrap_deg
 
 Painter = Callable[[ByteArray, np.random.Generator], ByteArray]
 
@@ -58,7 +58,7 @@ def house(seed: int, turn: bool = False) -> SceneGraph:
 
 
 def layout_of(graph: SceneGraph, shade: bool = True) -> LayoutImage:
-    return raster.layout_image(raster.draw_plan(graph.plan, shade=shade), graph.items)
+    return canvas.layout_image(canvas.draw_plan(graph.plan, shade=shade), graph.items)
 
 
 def pair(truth: list[FloatArray], found: list[FloatArray]) -> list[tuple[int, int]]:
@@ -178,8 +178,8 @@ def test_rooms_and_openings_are_read_when_the_plan_is_not_known() -> None:
 def test_the_bare_plan_is_the_plan_raster() -> None:
     for shade in (True, False):
         graph = house(4)
-        plan_image = raster.draw_plan(graph.plan, shade=shade)
-        layout = raster.layout_image(plan_image, graph.items)
+        plan_image = canvas.draw_plan(graph.plan, shade=shade)
+        layout = canvas.layout_image(plan_image, graph.items)
         bare = bare_plan(layout)
         assert (bare.rgb != plan_image.rgb).any(axis=-1).mean() < 0.0005
 
@@ -204,16 +204,16 @@ def test_noise_of_six_levels_loses_little() -> None:
 
 def test_a_panel_hangs_flat_whatever_its_mark_has_become() -> None:
     graph = next(g for g in map(house, range(40)) if _panels(g))
-    plan_image = raster.draw_plan(graph.plan)
+    plan_image = canvas.draw_plan(graph.plan)
     panel = _panels(graph)[0]
-    labels, front = raster.draw_items([panel], plan_image.frame)
+    labels, front = canvas.draw_items([panel], plan_image.frame)
     columns = np.flatnonzero(labels.any(axis=0))
     rows = np.flatnonzero(labels.any(axis=1))
     front[:] = False
     # The mark has moved to one of the narrow ends.
     front[rows[0] : rows[0] + 3, columns[0] : columns[0] + 3] = True
     layout = LayoutImage(
-        raster.paint_layout(plan_image, labels, front & (labels > 0)), plan_image.frame
+        canvas.paint_layout(plan_image, labels, front & (labels > 0)), plan_image.frame
     )
     found = extract_graph(layout, graph.plan, detector=BLIND, segmenter=BLIND)
     (item,) = found.items
@@ -232,13 +232,13 @@ def test_frayed_edges_and_lost_marks_lose_little() -> None:
     for seed in range(8):
         graph = house(seed)
         rng = np.random.default_rng(seed)
-        plan_image = raster.draw_plan(graph.plan)
+        plan_image = canvas.draw_plan(graph.plan)
         floor = (plan_image.rgb.max(axis=-1) == plan_image.rgb.min(axis=-1)) & (
             plan_image.rgb[..., 0] > 0
         )
-        labels, front = raster.draw_items(graph.items, plan_image.frame)
+        labels, front = canvas.draw_items(graph.items, plan_image.frame)
         labels, front = patch(*fray(labels, front, floor, rng), floor, rng)
-        rgb = raster.paint_layout(plan_image, labels, front)
+        rgb = canvas.paint_layout(plan_image, labels, front)
         layout = LayoutImage(rgb, plan_image.frame)
         found = extract_graph(layout, graph.plan, detector=BLIND, segmenter=BLIND)
         wanted += len(graph.items)
@@ -265,14 +265,14 @@ def matches(truth: tuple[Item, ...], found: tuple[Item, ...]) -> int:
 
 def test_an_unfurnished_layout_has_no_items() -> None:
     graph = house(5)
-    layout = raster.layout_image(raster.draw_plan(graph.plan), ())
+    layout = canvas.layout_image(canvas.draw_plan(graph.plan), ())
     found = extract_graph(layout, graph.plan, detector=BLIND, segmenter=BLIND)
     assert found.items == ()
     assert decode_items(layout) == []
 
 
 def test_a_blank_raster_has_no_room() -> None:
-    frame = raster.fit_frame(house(5).plan)
+    frame = canvas.fit_frame(house(5).plan)
     blank = LayoutImage(np.full((256, 256, 3), 255, dtype=np.uint8), frame)
     assert decode_items(blank) == []
     with pytest.raises(SceneError, match="no closed room"):
@@ -288,13 +288,13 @@ def test_what_stands_outside_every_room_is_dropped() -> None:
 
 def test_specks_are_no_furniture() -> None:
     graph = house(8)
-    plan_image = raster.draw_plan(graph.plan)
+    plan_image = canvas.draw_plan(graph.plan)
     floor = np.argwhere((plan_image.rgb == plan_image.rgb[..., :1]).all(axis=-1))
     labels = np.zeros(plan_image.rgb.shape[:2], dtype=np.uint8)
     rng = np.random.default_rng(0)
     for row, column in floor[rng.integers(0, len(floor), 60)]:
         labels[row, column] = rng.integers(1, 29)
-    rgb = raster.paint_layout(plan_image, labels, np.zeros(labels.shape, dtype=bool))
+    rgb = canvas.paint_layout(plan_image, labels, np.zeros(labels.shape, dtype=bool))
     layout = LayoutImage(rgb, plan_image.frame)
     assert decode_items(layout) == []
 

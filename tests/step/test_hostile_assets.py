@@ -16,11 +16,11 @@ from strangers import WAYS, edited, names, tree, victim_in
 from chord_usd import cli
 from chord_usd.assets.database import read_index
 from chord_usd.assets.libraries.add import add_library
-from chord_usd.chord_json import write_scene
 from chord_usd.errors import AssetError
 from chord_usd.pipeline import Settings, read_scene_file, write_stage
+from chord_usd.scene.chord_json import write_scene
+from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
-from chord_usd.types import Asset, SceneGraph
 
 
 @pytest.fixture

@@ -19,15 +19,21 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from chord_usd import cli
-from chord_usd.chord_json import read_plan, read_scene, scene_from_json
 from chord_usd.errors import ChordError, PlanError, SceneError
-from chord_usd.geometry import extent_m
-from chord_usd.limits import LARGEST_HOUSE_M, MOST_CORNERS, MOST_ITEMS, MOST_OPENINGS, MOST_ROOMS
 from chord_usd.pipeline import draw_plan
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.read import read_plan_file
 from chord_usd.planning.wording import read_wish
-from chord_usd.raster_files import read_layout, write_raster
+from chord_usd.raster.files import read_layout, write_raster
+from chord_usd.scene.chord_json import read_plan, read_scene, scene_from_json
+from chord_usd.scene.geometry import extent_m
+from chord_usd.scene.limits import (
+    LARGEST_HOUSE_M,
+    MOST_CORNERS,
+    MOST_ITEMS,
+    MOST_OPENINGS,
+    MOST_ROOMS,
+)
 from chord_usd.stage.walls import build_walls
 
 HOUSE = json.loads((Path(__file__).parents[1] / "fixtures/furnished_house.json").read_text())

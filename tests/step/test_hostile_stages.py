@@ -22,12 +22,12 @@ from chord_usd.errors import ChordError, StageError
 from chord_usd.farm.bundle import Work, write_bundle
 from chord_usd.image.cameras import read_views, stage_files
 from chord_usd.runtime import stages
+from chord_usd.scene.types import Asset, Provenance
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.describe import describe_stage
 from chord_usd.stage.diff import diff_stages
 from chord_usd.stage.export import export_stage
 from chord_usd.stage.refurnish import NewFurniture, read_edited_house, read_house, refurnish
-from chord_usd.types import Asset, Provenance
 
 
 @pytest.fixture

@@ -25,11 +25,11 @@ from chord_usd.layout.schedule import (
     walk_of,
 )
 from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.palette import CATEGORIES
-from chord_usd.raster import paint_layout
+from chord_usd.raster.canvas import paint_layout
 from chord_usd.runtime.checksums import SUMS_FILE
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import PixelFrame, PlanImage
 from chord_usd.training.layout_graph import write_layout_graph
-from chord_usd.types import PixelFrame, PlanImage
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16,

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd import raster
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.config import PRESETS
 from chord_usd.layout.draft import DRAFT_PLANES, Draft
@@ -16,8 +15,9 @@ from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
 from chord_usd.layout.transfer import take_up
+from chord_usd.raster import canvas
+from chord_usd.scene.types import SceneGraph
 from chord_usd.training.drafts import rough_draft
-from chord_usd.types import SceneGraph
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +34,11 @@ def drafted(pure: LayoutNetwork) -> LayoutNetwork:
 
 
 def test_a_draft_is_known_in_its_rooms_only(furnished_house: SceneGraph) -> None:
-    image = raster.draw_plan(furnished_house.plan)
+    image = canvas.draw_plan(furnished_house.plan)
     room = furnished_house.rooms[0]
     draft = Draft.of(furnished_house.items_of(room.id), [room], image.frame)
     planes = draft.planes(28)
-    inside = raster.room_pixels(room, image.frame)
+    inside = canvas.room_pixels(room, image.frame)
     assert planes.shape == (DRAFT_PLANES, *inside.shape)
     assert (np.abs(planes[:, inside]) == 1.0).all()
     assert not planes[:, ~inside].any()
@@ -48,7 +48,7 @@ def test_a_network_that_takes_up_one_without_drafts_says_the_same(
     pure: LayoutNetwork, drafted: LayoutNetwork, furnished_house: SceneGraph
 ) -> None:
     """Whatever the draft: what it means is to be learned."""
-    image = raster.draw_plan(furnished_house.plan)
+    image = canvas.draw_plan(furnished_house.plan)
     models = [
         LayoutModel(TorchDenoiser(Checkpoint(n, n.config), full=True)) for n in (pure, drafted)
     ]
@@ -69,7 +69,7 @@ def test_the_walk_begins_late_where_all_floor_is_known(
     drafted: LayoutNetwork, furnished_house: SceneGraph
 ) -> None:
     model = LayoutModel(TorchDenoiser(Checkpoint(drafted, drafted.config)))
-    image = raster.draw_plan(furnished_house.plan)
+    image = canvas.draw_plan(furnished_house.plan)
     whole = Draft.of(furnished_house.items, furnished_house.rooms, image.frame)
     some = Draft.of(furnished_house.items, furnished_house.rooms[:1], image.frame)
     totals: list[int] = []
@@ -89,6 +89,6 @@ def test_one_step_is_taken_at_least(
     drafted: LayoutNetwork, furnished_house: SceneGraph, steps: int
 ) -> None:
     model = LayoutModel(TorchDenoiser(Checkpoint(drafted, drafted.config)))
-    image = raster.draw_plan(furnished_house.plan)
+    image = canvas.draw_plan(furnished_house.plan)
     whole = Draft.of(furnished_house.items, furnished_house.rooms, image.frame)
     assert model.sample_batch([image], seeds=[0], steps=steps, drafts=[whole])

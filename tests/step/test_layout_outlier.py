@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd import raster
 from chord_usd.layout.checkpoint import Checkpoint
 from chord_usd.layout.config import PRESETS
 from chord_usd.layout.denoiser import Estimate
@@ -16,6 +15,7 @@ from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.outlier import Drawing, NoiseError
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.layout.torch_denoiser import TorchDenoiser
+from chord_usd.raster import canvas
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16
@@ -25,7 +25,7 @@ TINY_PAPER = replace(PRESETS["paper"], patch_px=4, channels=(16, 32), attention=
 
 @pytest.fixture
 def drawing(furnished_house):
-    return Drawing.of(raster.draw_plan(furnished_house.plan), furnished_house.items)
+    return Drawing.of(canvas.draw_plan(furnished_house.plan), furnished_house.items)
 
 
 @pytest.fixture(params=[TINY, TINY_PAPER], ids=["codes", "rgb"])

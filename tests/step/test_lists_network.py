@@ -19,6 +19,7 @@ from chord_usd.lists.pieces import PIECES
 from chord_usd.lists.tops import load_lister
 from chord_usd.lists.vocabulary import NOTHING
 from chord_usd.runtime.networks import load_network
+from chord_usd.scene.types import Box
 from chord_usd.training.lists_data import batch_of, endless_batches, held_out
 from chord_usd.training.lists_network import Drawing, ListNetwork
 from chord_usd.training.lists_trainer import (
@@ -28,7 +29,6 @@ from chord_usd.training.lists_trainer import (
     train_lists,
     write_checkpoint,
 )
-from chord_usd.types import Box
 
 EXAMPLES = held_out(4)
 

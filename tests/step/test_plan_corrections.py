@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from chord_usd import lettering
-from chord_usd.chord_json import write_plan
 from chord_usd.cli import main
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import ChordError
-from chord_usd.lettering import text_size, write_text
 from chord_usd.pipeline import draw_plan
 from chord_usd.plan.corrections import read_rooms, with_rooms
 from chord_usd.plan.overlay import overlay, with_doubts
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.read import read_plan_file
-from chord_usd.raster_files import write_raster
-from chord_usd.types import Plan
+from chord_usd.raster import lettering
+from chord_usd.raster.files import write_raster
+from chord_usd.raster.lettering import text_size, write_text
+from chord_usd.scene.chord_json import write_plan
+from chord_usd.scene.types import Plan
 
 PLAN = random_plan(np.random.default_rng(3), rooms=5)
 

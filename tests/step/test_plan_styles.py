@@ -30,7 +30,7 @@ from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.placement import WARNINGS, frame_of, placement, straightening_of
 from chord_usd.plan.sheet import straightening_matrix
 from chord_usd.plan.text import Text
-from chord_usd.types import ByteArray, FloatArray, PixelFrame, Plan
+from chord_usd.scene.types import ByteArray, FloatArray, PixelFrame, Plan
 
 
 def drawn(family: str, seed: int, rooms: int = 4) -> Drawing:

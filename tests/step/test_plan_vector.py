@@ -20,9 +20,9 @@ from plan_files import (
 
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
-from chord_usd.geometry import footprint_polygon, polygons_of, room_polygon, wall_area
 from chord_usd.plan.read import read_plan_file
-from chord_usd.types import Plan
+from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon, wall_area
+from chord_usd.scene.types import Plan
 
 PLAN = random_plan(np.random.default_rng(5), rooms=5)
 

@@ -13,7 +13,6 @@ import cv2
 import numpy as np
 import pytest
 
-from chord_usd.chord_json import read_plan, write_plan
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import CheckpointError, ChordError
@@ -21,7 +20,6 @@ from chord_usd.layout.checkpoint import save_checkpoint
 from chord_usd.layout.config import FLOOR
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.plan_labels import sheet_frame
 from chord_usd.planning.encoder import (
     ENCODER_FOLDER,
     MOST_WORDS,
@@ -33,10 +31,12 @@ from chord_usd.planning.encoder import (
 from chord_usd.planning.outline import open_shell
 from chord_usd.planning.sheet import blank_sheet
 from chord_usd.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
-from chord_usd.raster import draw_plan
-from chord_usd.raster_files import write_raster
+from chord_usd.raster.canvas import draw_plan
+from chord_usd.raster.files import write_raster
+from chord_usd.raster.plan_labels import sheet_frame
+from chord_usd.scene.chord_json import read_plan, write_plan
+from chord_usd.scene.wish import Wish
 from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
-from chord_usd.wish import Wish
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 STEPS = ("--steps", "8")

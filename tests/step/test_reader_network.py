@@ -11,8 +11,8 @@ import torch
 
 from chord_usd.cli import main
 from chord_usd.errors import CheckpointError
-from chord_usd.page_labels import BUILT_NAMES, KIND_NAMES, READER_INPUT
 from chord_usd.plan.segment import load_reader
+from chord_usd.raster.page_labels import BUILT_NAMES, KIND_NAMES, READER_INPUT
 from chord_usd.runtime.networks import load_network
 from chord_usd.training.reader_data import (
     CROP_PX,

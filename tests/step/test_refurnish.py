@@ -10,11 +10,11 @@ import pytest
 from pxr import Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
+from chord_usd.scene.types import Asset, Item, Provenance, SceneGraph
 from chord_usd.stage.attribution import attribution_file
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
-from chord_usd.types import Asset, Item, Provenance, SceneGraph
 
 MADE = Provenance(checkpoint_hash="feed", seed=8)
 

@@ -8,8 +8,8 @@ from PIL import Image
 
 from chord_usd.errors import OutputError
 from chord_usd.image.preview import PAPER, PICTURE_PX, WALL, Sheet, draw_preview, preview_rgb
-from chord_usd.palette import category
-from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 
 
 @pytest.fixture

@@ -11,10 +11,10 @@ import shapely
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from chord_usd.errors import StageError
-from chord_usd.geometry import footprint, room_polygon
+from chord_usd.scene.geometry import footprint, room_polygon
+from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.read import StageSummary, summary
 from chord_usd.stage.walls import build_walls
-from chord_usd.types import SceneGraph
 
 
 def prims_with_id(stage: Usd.Stage) -> dict[str, Usd.Prim]:

@@ -10,9 +10,9 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from chord_usd.errors import StageError
+from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.diff import diff_stages
-from chord_usd.types import Item, SceneGraph
 
 
 @pytest.fixture

@@ -12,10 +12,10 @@ import pytest
 from pxr import Sdf, Usd, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.errors import AssetError, OutputError, SceneError
-from chord_usd.looks import load_looks
+from chord_usd.scene.looks import load_looks
+from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.read import summary
-from chord_usd.types import Asset, SceneGraph
 
 
 def files_below(folder: Path) -> dict[str, bytes]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chord_usd.geometry import footprint
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.types import MOVED, Box, Item, Room, SceneGraph
 from chord_usd.stage.hanging import REACH_M, hang_on_walls
-from chord_usd.types import MOVED, Box, Item, Room, SceneGraph
 
 ROOM = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]))
 

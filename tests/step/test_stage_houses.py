@@ -9,9 +9,9 @@ import pytest
 from pxr import Usd
 
 from chord_usd.data.houses import random_plan
+from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check_rules import broken_rules
-from chord_usd.types import SceneGraph
 
 
 @pytest.mark.parametrize("seed", [1, 5, 8, 12, 21, 26, 38])

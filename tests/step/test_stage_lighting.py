@@ -11,9 +11,9 @@ from pxr import Gf, Usd, UsdGeom, UsdLux
 from chord_usd.errors import RenderError
 from chord_usd.image.cameras import read_views
 from chord_usd.image.lighting import lit_stage
+from chord_usd.scene.types import Box, Opening, Plan, Room, SceneGraph
 from chord_usd.stage.lighting import DAY, EVENING, sky_rgb, sun_yaw_deg
 from chord_usd.stage.walls import build_walls
-from chord_usd.types import Box, Opening, Plan, Room, SceneGraph
 
 SQUARE = Room("r", "living", np.array([(0, 0), (4, 0), (4, 3), (0, 3)], float))
 

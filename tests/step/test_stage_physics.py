@@ -6,10 +6,10 @@ import numpy as np
 import shapely
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
-from chord_usd.geometry import room_polygon
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.physics import DOOR_OPENS_DEG, KG_PER_M3
 from chord_usd.stage.walls import build_walls
-from chord_usd.types import SceneGraph
 
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from chord_usd.assets.database import load_database
-from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.match import match_assets
 from chord_usd.metrics.openings import blocked_openings
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.types import MOVED, Box, Item, Opening, Room, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.seats import FARTHEST_M, draw_out_chairs
-from chord_usd.types import MOVED, Box, Item, Opening, Room, SceneGraph
 
 ROOM = Room("r", "dining", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.4, 0.85, 0.75), 0.0), "r")

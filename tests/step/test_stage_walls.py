@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from chord_usd.data.houses import random_plan
+from chord_usd.scene.types import Box, Opening, Plan, Room
 from chord_usd.stage.mesh import Face, mesh_of
 from chord_usd.stage.walls import (
     ROOM_HEIGHT_M,
@@ -19,7 +20,6 @@ from chord_usd.stage.walls import (
     top_faces,
     wall_faces,
 )
-from chord_usd.types import Box, Opening, Plan, Room
 
 
 def rectangle(room_id: str, x0: float, y0: float, x1: float, y1: float) -> Room:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd import raster
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.checkpoint import load_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import PRESETS, LayoutConfig
+from chord_usd.raster import canvas
 from chord_usd.training import shards
 from chord_usd.training.sheets import draw_sheet
 from chord_usd.training.stream import (
@@ -160,4 +160,4 @@ def test_a_sheet_shows_truth_and_two_samples_of_each_plan(tmp_path):
 
     rows, columns, _ = cv2.imread(str(tmp_path / "sheet.png")).shape
     assert rows == 3 * columns
-    assert columns > 2 * raster.CANVAS_PX
+    assert columns > 2 * canvas.CANVAS_PX

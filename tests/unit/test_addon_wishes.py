@@ -92,13 +92,13 @@ def test_what_the_program_tells_of_a_planned_floor_is_understood() -> None:
     import numpy as np
 
     from chord_usd.commands.planned import planned_report
-    from chord_usd.plan_labels import SCALES_M, sheet_frame
-    from chord_usd.planner import Commission, Planned
+    from chord_usd.pipeline.planner import Commission, Planned
     from chord_usd.planning.choose import judged
     from chord_usd.planning.sheet import blank_sheet
     from chord_usd.planning.words import condition_words
-    from chord_usd.types import Plan, Room
-    from chord_usd.wish import Wish
+    from chord_usd.raster.plan_labels import SCALES_M, sheet_frame
+    from chord_usd.scene.types import Plan, Room
+    from chord_usd.scene.wish import Wish
 
     square = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
     wish = Wish({"bedroom": 2}, area_m2=40.0)

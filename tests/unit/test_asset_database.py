@@ -15,7 +15,7 @@ from chord_usd.assets.database import AssetDatabase, load_database, read_index, 
 from chord_usd.assets.model import Design
 from chord_usd.errors import AssetError, OutputError, SceneError
 from chord_usd.runtime.locations import cache_folder
-from chord_usd.types import Asset
+from chord_usd.scene.types import Asset
 
 SIDE = st.floats(0.1, 4.0).map(lambda side: round(side, 3))
 SIZE = st.tuples(SIDE, SIDE, SIDE)

@@ -9,7 +9,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.realism import compare, measure
 from chord_usd.metrics import score_scene
-from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 
 
 def _bedroom(*items: Item) -> SceneGraph:

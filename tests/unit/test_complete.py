@@ -13,8 +13,8 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.complete import ESSENTIALS, TWO_CHAIRS, homely_rooms, lacking
-from chord_usd.pose import Pose, posed
-from chord_usd.types import Box, Item, Room, RoomKind, SceneGraph, frozen_array
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import Box, Item, Room, RoomKind, SceneGraph, frozen_array
 
 
 def room(kind: RoomKind, length: float, width: float) -> Room:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd import progress
-from chord_usd.progress import Stopwatch, held_lines, make_reporter
+from chord_usd.runtime import progress
+from chord_usd.runtime.progress import Stopwatch, held_lines, make_reporter
 
 NOISE = """
 import ctypes, logging, os, subprocess, sys, warnings

@@ -12,8 +12,7 @@ from shapely.geometry import Polygon
 from chord_usd.data.drawn.crowded import draw_page
 from chord_usd.data.drawn.looks import KINDS, Look, random_look
 from chord_usd.data.drawn.truth import CrowdedPage
-from chord_usd.geometry import footprint, room_polygon
-from chord_usd.page_labels import (
+from chord_usd.raster.page_labels import (
     BUILT_NAMES,
     CORNER,
     DOOR,
@@ -30,7 +29,8 @@ from chord_usd.page_labels import (
     built_of,
     laid_of,
 )
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.scene.geometry import footprint, room_polygon
+from chord_usd.scene.types import ByteArray, FloatArray
 
 BLACK_WALLS = Look(
     "agent", names=0.0, sizes=0.0, chains=0.0, furniture_of_page=0.0, surroundings=0.0,

@@ -12,8 +12,8 @@ from types import SimpleNamespace
 import pytest
 
 from chord_usd import pipeline
-from chord_usd.chord_json import read_scene
 from chord_usd.cli import build_parser
+from chord_usd.scene.chord_json import read_scene
 from tests.verbs import ACTIONS, VERBS
 
 ROOT = Path(__file__).parents[2]

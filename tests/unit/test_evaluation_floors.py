@@ -9,7 +9,7 @@ from chord_usd.evaluation.floor_records import measure_all
 from chord_usd.evaluation.floors import FloorCase, held_out_cases, shell_scores, wish_scores
 from chord_usd.planning.choose import Candidate, judged
 from chord_usd.planning.faults import faults
-from chord_usd.types import Plan
+from chord_usd.scene.types import Plan
 
 CASES = held_out_cases(6, aligned=True)
 

@@ -21,8 +21,8 @@ from chord_usd.data.flats import (
 from chord_usd.data.floorplans.traced import closed_cells
 from chord_usd.data.splits import part_of
 from chord_usd.errors import PlanError
-from chord_usd.geometry import footprint_polygon, room_polygon, wall_area
-from chord_usd.types import WALL_THICKNESS_M, Box, Opening, Plan
+from chord_usd.scene.geometry import footprint_polygon, room_polygon, wall_area
+from chord_usd.scene.types import WALL_THICKNESS_M, Box, Opening, Plan
 from tests.foreign_records import flat_lines, line
 
 

@@ -13,10 +13,10 @@ import pytest
 from chord_usd.data.foreign import Models, foreign_houses, house_from_record, read_models_file
 from chord_usd.data.threed_front import FURTHER_REMAP, PAPER_REMAP, category_of, kind_of
 from chord_usd.errors import SceneError
-from chord_usd.geometry import footprint_polygon, front_direction, room_polygon
 from chord_usd.metrics.rooms import out_of_room
-from chord_usd.palette import CATEGORIES
-from chord_usd.types import WALL_THICKNESS_M
+from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import WALL_THICKNESS_M
 from tests.foreign_records import front_house, procthor_house
 
 MODELS = Models(categories={"m1": "King-size Bed", "m2": "Floor Lamp"})

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chord_usd import raster
 from chord_usd.errors import SceneError
 from chord_usd.graph.colours import NO_ITEM, SHADE_KINDS, read_pixels
-from chord_usd.palette import HOUSE_CATEGORIES, ROOM_SHADES
-from chord_usd.types import Box, Item, Plan, Room, RoomKind, frozen_array
+from chord_usd.raster import canvas
+from chord_usd.scene.palette import HOUSE_CATEGORIES, ROOM_SHADES
+from chord_usd.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
 
 ROOM = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 6.0], [0.0, 6.0]])
 
@@ -30,9 +30,9 @@ def all_categories() -> tuple[Item, ...]:
 
 @pytest.mark.parametrize("kind", list(ROOM_SHADES))
 def test_every_category_and_mark_is_read_on_every_shade(kind: RoomKind) -> None:
-    plan_image = raster.draw_plan(plan_of(kind))
-    labels, front = raster.draw_items(all_categories(), plan_image.frame)
-    pixels = read_pixels(raster.paint_layout(plan_image, labels, front))
+    plan_image = canvas.draw_plan(plan_of(kind))
+    labels, front = canvas.draw_items(all_categories(), plan_image.frame)
+    pixels = read_pixels(canvas.paint_layout(plan_image, labels, front))
     np.testing.assert_array_equal(pixels.item, labels.astype(int) - 1)
     np.testing.assert_array_equal(pixels.front, front)
     assert (pixels.shade[pixels.item != NO_ITEM] == SHADE_KINDS.index(kind)).all()
@@ -41,9 +41,9 @@ def test_every_category_and_mark_is_read_on_every_shade(kind: RoomKind) -> None:
 @pytest.mark.parametrize("kind", ["unknown", "kitchen"])
 @pytest.mark.parametrize("reach", [6, 8])
 def test_noise_changes_few_pixels(kind: RoomKind, reach: int) -> None:
-    plan_image = raster.draw_plan(plan_of(kind))
-    labels, front = raster.draw_items(all_categories(), plan_image.frame)
-    rgb = raster.paint_layout(plan_image, labels, front).astype(int)
+    plan_image = canvas.draw_plan(plan_of(kind))
+    labels, front = canvas.draw_items(all_categories(), plan_image.frame)
+    rgb = canvas.paint_layout(plan_image, labels, front).astype(int)
     rgb += np.random.default_rng(reach).integers(-reach, reach + 1, rgb.shape)
     pixels = read_pixels(np.clip(rgb, 0, 255).astype(np.uint8))
     painted = labels > 0
@@ -57,10 +57,10 @@ def test_two_shades_without_a_wall_between_are_told_apart() -> None:
         Room(kind, kind, frozen_array(half))
         for kind, half in zip(("living", "dining"), halves, strict=True)
     )
-    plan_image = raster.draw_plan(Plan(rooms, ()))
+    plan_image = canvas.draw_plan(Plan(rooms, ()))
     table = Item("t", "table", Box((4.5, 3.0, 0), (2.0, 1.0, 0.8), 0), "living")
-    labels, front = raster.draw_items([table], plan_image.frame)
-    pixels = read_pixels(raster.paint_layout(plan_image, labels, front))
+    labels, front = canvas.draw_items([table], plan_image.frame)
+    pixels = read_pixels(canvas.paint_layout(plan_image, labels, front))
     shades = pixels.shade[labels > 0]
     assert set(shades) == {SHADE_KINDS.index("living"), SHADE_KINDS.index("dining")}
     assert (pixels.item[labels > 0] == labels[labels > 0].astype(int) - 1).all()

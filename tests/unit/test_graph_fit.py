@@ -8,10 +8,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.fit import MOST_STRETCH, fitted_box
-from chord_usd.palette import category
-from chord_usd.types import Asset, Box
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Asset, Box
 
 SIDE = st.floats(0.3, 3.0).map(lambda side: round(side, 3))
 SIZE = st.tuples(SIDE, SIDE, SIDE)

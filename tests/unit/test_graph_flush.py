@@ -6,9 +6,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.geometry import footprint_polygon
 from chord_usd.graph.flush import Standing, pull_into
-from chord_usd.types import Box
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.types import Box
 
 TOUCHING_M = 0.005
 PIER = shapely.Polygon([(0, 0), (4, 0), (4, 1.9), (3, 1.9), (3, 2.1), (4, 2.1), (4, 4), (0, 4)])

@@ -12,9 +12,9 @@ from chord_usd.graph.colours import NO_ITEM
 from chord_usd.graph.flush import Standing
 from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor, Painted
 from chord_usd.metrics.openings import blocked_openings
-from chord_usd.palette import category
-from chord_usd.raster import draw_items
-from chord_usd.types import Box, Item, Opening, PixelFrame, Room, SceneGraph, frozen_array
+from chord_usd.raster.canvas import draw_items
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room, SceneGraph, frozen_array
 
 ROOM = Room("room1", "bedroom", frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)]))
 DOOR = Opening("door1", "door", Box((2.0, -0.05, 0.0), (0.8, 0.1, 2.0), 0.0))

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.geometry import footprint, footprint_polygon
 from chord_usd.graph.directions import plan_directions
 from chord_usd.graph.flush import Standing, align, flush_with_walls, part
 from chord_usd.graph.rectangles import (
@@ -17,8 +16,9 @@ from chord_usd.graph.rectangles import (
     fit_at_angle,
     fit_free,
 )
-from chord_usd.types import Box, PixelFrame, Room, frozen_array
-from chord_usd.units import fold_deg, px_from_m
+from chord_usd.scene.geometry import footprint, footprint_polygon
+from chord_usd.scene.types import Box, PixelFrame, Room, frozen_array
+from chord_usd.scene.units import fold_deg, px_from_m
 
 GRID = np.stack(np.meshgrid(np.arange(64) + 0.5, -np.arange(64) - 0.5), axis=-1).reshape(-1, 2)
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])

@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from chord_usd import raster
 from chord_usd.data.houses import random_plan
 from chord_usd.graph.colours import CLEAR, read_pixels
 from chord_usd.graph.faces import settle_faces
 from chord_usd.graph.outlines import outline_of
 from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.walls import Walls
-from chord_usd.types import FloatArray, LayoutImage, Plan, Room, frozen_array
-from chord_usd.vectorize import polygon_from_mask
+from chord_usd.raster import canvas
+from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.types import FloatArray, LayoutImage, Plan, Room, frozen_array
 
 SPANS = st.tuples(st.integers(0, 8), st.integers(9, 24))
 """Start and length; all blocks share a pixel, so that they are one region."""
@@ -71,7 +71,7 @@ def test_faces_are_found_to_a_fraction_of_a_pixel() -> None:
     errors = []
     for seed in range(12):
         plan = random_plan(np.random.default_rng(seed))
-        image = raster.draw_plan(plan)
+        image = canvas.draw_plan(plan)
         layout = LayoutImage(image.rgb, image.frame)
         found = read_plan(read_pixels(layout.rgb), layout.frame)
         errors += edge_errors_px(found, plan, layout.frame.m_per_px).tolist()

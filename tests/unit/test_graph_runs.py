@@ -7,9 +7,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.geometry import footprint, footprint_polygon
 from chord_usd.graph.runs import level_fronts
-from chord_usd.types import Box
+from chord_usd.scene.geometry import footprint, footprint_polygon
+from chord_usd.scene.types import Box
 
 PX_M = 0.044
 

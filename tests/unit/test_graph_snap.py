@@ -7,8 +7,8 @@ import shapely
 
 from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels
 from chord_usd.graph.snap import find_items
-from chord_usd.palette import category
-from chord_usd.types import Detection, frozen_array
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Detection, frozen_array
 
 # Chairs (c, marks X) around a table (t) as a model paints them that was trained too short: they
 # run together, and a band of them leans.

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chord_usd.geometry import to_own, to_world
 from chord_usd.graph.usual import grow_to_usual
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
-from chord_usd.palette import category
-from chord_usd.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.scene.geometry import to_own, to_world
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 
 ROOM = Room("r", "bathroom", frozen_array([(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0)]))
 LEAST_M = (category("toilet").length_m[0], category("toilet").width_m[0])

@@ -16,8 +16,8 @@ from chord_usd.data.floorplans.programme import (
     room_count,
 )
 from chord_usd.data.houses import random_plan
-from chord_usd.geometry import footprint, footprint_polygon, room_polygon, wall_area
-from chord_usd.types import ROOM_KINDS, WALL_THICKNESS_M, Opening, Plan
+from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon, wall_area
+from chord_usd.scene.types import ROOM_KINDS, WALL_THICKNESS_M, Opening, Plan
 
 SEEDS = range(40)
 

@@ -12,7 +12,7 @@ from chord_usd.layout.condition import DOOR_FLOOR_PLANE, PIXEL_PLANES, WINDOW_FL
 from chord_usd.layout.denoiser import Estimate, Plans
 from chord_usd.layout.known import bare_outside, held_to_plan
 from chord_usd.layout.levels import LEVELS
-from chord_usd.palette import category
+from chord_usd.scene.palette import category
 
 HOUSE = LEVELS["house"]
 BED, SHOWER = (1 + category(name).detector_class for name in ("bed", "shower"))

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd import raster
 from chord_usd.layout.upright import (
     SAME_DEG,
     direction_of,
@@ -15,8 +14,9 @@ from chord_usd.layout.upright import (
     sample_upright,
     upright_sheet,
 )
-from chord_usd.pose import Pose, posed
-from chord_usd.types import Box, Item, LayoutImage, Plan, Provenance, Room
+from chord_usd.raster import canvas
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import Box, Item, LayoutImage, Plan, Provenance, Room
 
 OBLONG = [(0.0, 0.0), (5.0, 0.0), (5.0, 3.5), (0.0, 3.5)]
 
@@ -64,7 +64,7 @@ class Furnishing:
             middle_m = image.frame.m_per_px * image.frame.height_px / 2
             x, y = np.array(image.frame.origin_m) + middle_m
             bed = Item("bed_1", "bed", Box((x, y, 0.0), (1.8, 2.1, 0.9), 90.0), "r")
-            drawn = raster.layout_image(image, [bed])
+            drawn = canvas.layout_image(image, [bed])
             layouts.append(replace(drawn, provenance=Provenance(seed=seeds[0])))
         return layouts
 
@@ -74,14 +74,14 @@ class Furnishing:
 def test_what_is_painted_upright_lies_along_the_slanted_walls(yaw_deg: float) -> None:
     room = _turned(_room(OBLONG), yaw_deg)
     plan = Plan((room,), ())
-    image = raster.draw_plan(plan, raster.house_frame(plan))
+    image = canvas.draw_plan(plan, canvas.house_frame(plan))
     layout = sample_upright(Furnishing(), plan, image, seed=5)
     assert layout.frame == image.frame
     assert layout.provenance.seed == 5
     centre = room.polygon_m.mean(axis=0)
     bed = Item("bed_1", "bed", Box((*centre, 0.0), (1.8, 2.1, 0.9), 90.0 + yaw_deg), "r")
-    wanted = raster.layout_image(image, [bed]).rgb
-    floor = raster.room_pixels(room, image.frame)
+    wanted = canvas.layout_image(image, [bed]).rgb
+    floor = canvas.room_pixels(room, image.frame)
     assert np.array_equal(layout.rgb[~floor], image.rgb[~floor])
     beds = [(one != image.rgb).any(axis=2) for one in (layout.rgb, wanted)]
     assert (beds[0] & beds[1]).sum() > 0.97 * (beds[0] | beds[1]).sum()
@@ -89,7 +89,7 @@ def test_what_is_painted_upright_lies_along_the_slanted_walls(yaw_deg: float) ->
 
 def test_an_upright_house_is_sampled_as_ever() -> None:
     plan = Plan((_room(OBLONG),), ())
-    image = raster.draw_plan(plan, raster.house_frame(plan))
+    image = canvas.draw_plan(plan, canvas.house_frame(plan))
     direct = Furnishing().sample_batch([image], seeds=[1])[0]
     assert np.array_equal(sample_upright(Furnishing(), plan, image, seed=1).rgb, direct.rgb)
 
@@ -97,11 +97,11 @@ def test_an_upright_house_is_sampled_as_ever() -> None:
 def test_what_stood_in_a_region_is_gone() -> None:
     room = _turned(_room(OBLONG), 20.0)
     plan = Plan((room,), ())
-    image = raster.draw_plan(plan, raster.house_frame(plan))
+    image = canvas.draw_plan(plan, canvas.house_frame(plan))
     centre = room.polygon_m.mean(axis=0)
     old = Item("sofa_1", "sofa", Box((*centre, 0.0), (2.0, 0.9, 0.8), 20.0), "r")
-    before: LayoutImage = raster.layout_image(image, [old])
+    before: LayoutImage = canvas.layout_image(image, [old])
     sheet = upright_sheet(plan, plan.rooms, direction_of(room), image)
-    region = raster.room_pixels(room, image.frame)
+    region = canvas.room_pixels(room, image.frame)
     after = sheet.turned_back(sheet.image.rgb, before.rgb, image, region)
     assert np.array_equal(after, image.rgb)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from chord_usd import raster
 from chord_usd.data.houses import random_plan
 from chord_usd.layout.condition import FLOOR_PLANE, floor_regions, plan_condition
 from chord_usd.layout.denoiser import Estimate, Plans
 from chord_usd.layout.mosaic import mosaic_of
 from chord_usd.layout.views import OVERLAP_M, cut_views
-from chord_usd.palette import category
-from chord_usd.types import CANVAS_PX, Box, Opening, Plan, PlanImage, Room
+from chord_usd.raster import canvas
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import CANVAS_PX, Box, Opening, Plan, PlanImage, Room
 
 STEP_PX = 32
 
@@ -31,7 +31,7 @@ def _terrace(rooms: int) -> PlanImage:
 
 
 def _drawn(plan: Plan) -> PlanImage:
-    return raster.draw_plan(plan, raster.house_frame(plan))
+    return canvas.draw_plan(plan, canvas.house_frame(plan))
 
 
 def _views(image: PlanImage):
@@ -41,7 +41,7 @@ def _views(image: PlanImage):
 @pytest.mark.parametrize("seed", range(6))
 def test_views_share_the_floor_out_and_show_it_as_it_is(seed: int) -> None:
     plan = random_plan(np.random.default_rng(seed), rooms=24)
-    image = raster.draw_plan(plan, raster.fit_frame(plan, 512))
+    image = canvas.draw_plan(plan, canvas.fit_frame(plan, 512))
     regions, _ = floor_regions(image.rgb, image.frame.m_per_px)
     times = np.zeros(regions.shape, int)
     for view in cut_views(image.rgb, image.frame.m_per_px, STEP_PX):
@@ -120,7 +120,7 @@ def test_a_mosaic_puts_every_answer_in_its_place() -> None:
 
 def test_only_views_on_what_matters_are_looked_through() -> None:
     image = _terrace(12)
-    region = raster.room_pixels(_room("r0", 0.0, 0.0, 6.0, 4.0), image.frame)
+    region = canvas.room_pixels(_room("r0", 0.0, 0.0, 6.0, 4.0), image.frame)
     described = []
 
     def describe(pictures, scales, drafts=None):

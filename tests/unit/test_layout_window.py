@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from chord_usd import raster
 from chord_usd.data.houses import random_plan
 from chord_usd.layout.window import BORDER_PX, window_of, window_size
+from chord_usd.raster import canvas
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_window_holds_the_whole_house_with_white_around_it(seed: int) -> None:
     plan = random_plan(np.random.default_rng(seed))
-    rgb = raster.draw_plan(plan, raster.fit_frame(plan, margin_px=4)).rgb
+    rgb = canvas.draw_plan(plan, canvas.fit_frame(plan, margin_px=4)).rgb
     size = window_size(rgb, 32)
     inside = rgb[window_of(rgb, size)]
     assert inside.shape[:2] == size

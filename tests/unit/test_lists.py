@@ -21,9 +21,9 @@ from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.complete import homely_rooms
-from chord_usd.palette import HOUSE_CATEGORIES
-from chord_usd.pose import Pose, posed
-from chord_usd.types import Room, SceneGraph, frozen_array
+from chord_usd.scene.palette import HOUSE_CATEGORIES
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.types import Room, SceneGraph, frozen_array
 
 SEEDS = st.integers(0, 100_000)
 

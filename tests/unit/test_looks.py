@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from chord_usd.errors import AssetError
-from chord_usd.looks import Look, load_looks, sample_look
-from chord_usd.types import ROOM_KINDS, RoomKind
+from chord_usd.scene.looks import Look, load_looks, sample_look
+from chord_usd.scene.types import ROOM_KINDS, RoomKind
 
 SHIPPED = load_looks()
 KINDS = [kind for kind in ROOM_KINDS if kind != "unknown"]

@@ -22,8 +22,8 @@ from chord_usd.metrics.openings import blocked_openings, rooms_beside
 from chord_usd.metrics.overlap import items_overlap, overlaps_by_nature, scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room
 from chord_usd.metrics.walk import entrance, walk
-from chord_usd.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
-from chord_usd.units import rotation_2d
+from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from chord_usd.scene.units import rotation_2d
 
 
 def room(room_id: str, kind, x: float, y: float, length: float, width: float) -> Room:

@@ -14,7 +14,7 @@ from chord_usd.metrics.detection import (
     edge_errors_m,
     judged,
 )
-from chord_usd.types import Box
+from chord_usd.scene.types import Box
 
 RIGHT, WRONG = True, False
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from plan_round_trip import HALF_DIAGONAL_PX, assert_round_trip
 
-from chord_usd import raster
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
-from chord_usd.geometry import room_polygon
 from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.scale import wall_thickness_px
-from chord_usd.types import (
+from chord_usd.raster import canvas
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     Box,
     Opening,
@@ -35,9 +35,9 @@ def test_random_houses_come_back_within_half_a_pixel() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_decoding_what_was_decoded_changes_nothing(seed: int) -> None:
-    image = raster.draw_plan(random_plan(np.random.default_rng(seed + 100)))
+    image = canvas.draw_plan(random_plan(np.random.default_rng(seed + 100)))
     once = decode_plan(image)
-    twice = decode_plan(raster.draw_plan(once, image.frame))
+    twice = decode_plan(canvas.draw_plan(once, image.frame))
     assert len(once.rooms) == len(twice.rooms)
     for first, second in zip(once.rooms, twice.rooms, strict=True):
         strayed = room_polygon(first).hausdorff_distance(room_polygon(second))
@@ -46,7 +46,7 @@ def test_decoding_what_was_decoded_changes_nothing(seed: int) -> None:
 
 def test_rooms_keep_the_thickness_of_the_wall_between_them() -> None:
     plan = two_rooms()
-    decoded = decode_plan(raster.draw_plan(plan))
+    decoded = decode_plan(canvas.draw_plan(plan))
     left, right = sorted(decoded.rooms, key=lambda room: room.polygon_m[:, 0].min())
     apart = right.polygon_m[:, 0].min() - left.polygon_m[:, 0].max()
     assert apart == pytest.approx(WALL_THICKNESS_M, abs=1e-9)
@@ -73,7 +73,7 @@ def two_rooms(
 @pytest.mark.parametrize("opening", ["door", "window", "passage"])
 @pytest.mark.parametrize("shade", [True, False])
 def test_openings_join_the_rooms_they_joined(opening: str, shade: bool) -> None:
-    decoded = decode_plan(raster.draw_plan(two_rooms(opening), shade=shade))
+    decoded = decode_plan(canvas.draw_plan(two_rooms(opening), shade=shade))
     assert len(decoded.rooms) == 2
     (joint,) = (o for o in decoded.openings if len(o.room_ids) == 2)
     assert joint.kind == opening
@@ -82,12 +82,12 @@ def test_openings_join_the_rooms_they_joined(opening: str, shade: bool) -> None:
 
 
 def test_unshaded_rooms_are_of_unknown_kind() -> None:
-    decoded = decode_plan(raster.draw_plan(two_rooms(), shade=False))
+    decoded = decode_plan(canvas.draw_plan(two_rooms(), shade=False))
     assert {room.kind for room in decoded.rooms} == {"unknown"}
 
 
 def test_a_passage_between_rooms_of_one_shade_still_parts_them() -> None:
-    decoded = decode_plan(raster.draw_plan(two_rooms("passage", ("living", "living"))))
+    decoded = decode_plan(canvas.draw_plan(two_rooms("passage", ("living", "living"))))
     assert [room.kind for room in decoded.rooms] == ["living", "living"]
     assert [o.kind for o in decoded.openings if len(o.room_ids) == 2] == ["passage"]
 
@@ -98,7 +98,7 @@ def test_a_window_round_a_corner_becomes_two() -> None:
         Opening("w1", "window", Box((3.62, -0.12, 0.9), (1.24, 0.24, 1.5), 0)),
         Opening("w2", "window", Box((4.12, 0.5, 0.9), (1.0, 0.24, 1.5), 90)),
     )
-    decoded = decode_plan(raster.draw_plan(Plan((room,), openings)))
+    decoded = decode_plan(canvas.draw_plan(Plan((room,), openings)))
     assert sorted(o.box.yaw_deg for o in decoded.openings) == [0.0, 90.0]
 
 
@@ -106,7 +106,7 @@ def test_a_window_round_a_corner_becomes_two() -> None:
 
 
 def test_the_frame_gives_the_scale() -> None:
-    image = raster.draw_plan(two_rooms())
+    image = canvas.draw_plan(two_rooms())
     width = np.ptp(np.concatenate([r.polygon_m for r in decode_plan(image).rooms])[:, 0])
     assert width == pytest.approx(8.0, abs=image.frame.m_per_px)
     doubled = decode_plan(image, m_per_px=2 * image.frame.m_per_px)
@@ -118,7 +118,7 @@ def test_the_frame_gives_the_scale() -> None:
 def test_walls_give_the_scale_where_nothing_else_does() -> None:
     errors = []
     for seed in range(12):
-        image = raster.draw_plan(random_plan(np.random.default_rng(seed)))
+        image = canvas.draw_plan(random_plan(np.random.default_rng(seed)))
         solid = (image.rgb == 0).all(axis=2)
         measured = WALL_THICKNESS_M / wall_thickness_px(solid)
         errors.append(measured / image.frame.m_per_px - 1)
@@ -127,7 +127,7 @@ def test_walls_give_the_scale_where_nothing_else_does() -> None:
 
 
 def test_a_picture_without_a_frame_lies_at_the_origin() -> None:
-    image = raster.draw_plan(two_rooms())
+    image = canvas.draw_plan(two_rooms())
     decoded = decode_plan(image.rgb, image.frame.m_per_px)
     shift = np.array(image.frame.origin_m)
     for room in decode_plan(image).rooms:
@@ -141,7 +141,7 @@ def test_a_blank_picture_is_no_plan(value: int) -> None:
 
 
 def test_rooms_open_to_the_outside_are_not_closed() -> None:
-    image = raster.draw_plan(two_rooms(), shade=False)
+    image = canvas.draw_plan(two_rooms(), shade=False)
     rgb = image.rgb.copy()
     rgb[120:123, :40] = 255
     decoded = decode_plan(PlanImage(rgb, image.frame))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chord_usd.plan.perspective import find_sheet, rectifying, sheet_size
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.scene.types import ByteArray, FloatArray
 
 SHEET = (600, 420)
 """Width and height of the true sheet."""

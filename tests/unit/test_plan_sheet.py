@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chord_usd.plan.sheet import ink_of, measure_skew, on_white, turned
-from chord_usd.types import ByteArray
+from chord_usd.scene.types import ByteArray
 
 SIDE = 800
 

@@ -16,7 +16,7 @@ from chord_usd.planning.words import (
     WORDS,
     condition_words,
 )
-from chord_usd.wish import Wish
+from chord_usd.scene.wish import Wish
 
 READ = {
     "This is a 40-square-meter flat with 0 living rooms, 1 bedroom, 0 kitchens, and 1 bathroom.": (

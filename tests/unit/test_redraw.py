@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd import raster
 from chord_usd.errors import ChordError
 from chord_usd.lists.draw import Drawn, Subject
 from chord_usd.lists.pieces import frame_of, pieces_of
 from chord_usd.lists.vocabulary import Element
 from chord_usd.lists.wishes import Asked, Piece
-from chord_usd.progress import Stopwatch
-from chord_usd.redraw import (
+from chord_usd.pipeline.redraw import (
     WISH_DRAWS,
     Draw,
     Mended,
@@ -24,7 +22,9 @@ from chord_usd.redraw import (
     mend_rooms,
     unbuildable,
 )
-from chord_usd.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
+from chord_usd.raster import canvas
+from chord_usd.runtime.progress import Stopwatch
+from chord_usd.scene.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
 
 
 class Painter:
@@ -37,7 +37,7 @@ class Painter:
 
     def resample(self, plan_image: PlanImage, *_: object, seed: int, **__: object) -> LayoutImage:
         self.seeds.append(seed)
-        return raster.layout_image(plan_image, self._drawn())
+        return canvas.layout_image(plan_image, self._drawn())
 
     def read(self, layout: LayoutImage, plan: Plan) -> SceneGraph:
         return SceneGraph(plan.rooms, plan.openings, tuple(self._drawn()))
@@ -49,8 +49,8 @@ class Painter:
 def mended(
     graph: SceneGraph, painter: Painter, times: int = 2, asked: Mapping[str, Asked] | None = None
 ) -> Mended:
-    plan_image = raster.draw_plan(graph.plan, raster.house_frame(graph.plan))
-    layout = replace(raster.layout_image(plan_image, graph.items), provenance=Provenance())
+    plan_image = canvas.draw_plan(graph.plan, canvas.house_frame(graph.plan))
+    layout = replace(canvas.layout_image(plan_image, graph.items), provenance=Provenance())
     draw = Draw(seed=7, asked=asked or {})
     return mend_rooms(graph, layout, plan_image, painter, painter.read, draw, times=times)
 
@@ -94,10 +94,10 @@ def test_the_picture_changes_in_the_room_alone(bare) -> None:
     graph, room_id, items = bare
     found = mended(graph, Painter(items))
     frame = found.layout.frame
-    before = raster.layout_image(raster.draw_plan(graph.plan, frame), graph.items)
+    before = canvas.layout_image(canvas.draw_plan(graph.plan, frame), graph.items)
     changed = (found.layout.rgb != before.rgb).any(axis=-1)
     assert changed.any()
-    assert not (changed & ~raster.room_pixels(graph.plan.room(room_id), frame)).any()
+    assert not (changed & ~canvas.room_pixels(graph.plan.room(room_id), frame)).any()
 
 
 def test_a_draw_that_is_no_better_is_left(bare) -> None:
@@ -234,7 +234,7 @@ def test_what_the_painter_will_not_paint_is_given_from_a_list(
     draw = Draw(7, lists=lists, asked=wished(bed))  # type: ignore[arg-type]
     kept = [item.id for item in own if item.category == "bedside_table"][:is_kept]
     house = sound_house.without([bed.id])
-    plan_image = raster.draw_plan(house.plan, raster.house_frame(house.plan))
+    plan_image = canvas.draw_plan(house.plan, canvas.house_frame(house.plan))
     painter = Painter(others)
     drawn, found = furnish_again(
         house, room, plan_image, painter, painter.read, draw, kept, Stopwatch()
@@ -284,7 +284,7 @@ def test_a_room_furnished_anew_holds_what_is_wished_under_its_own_seed(
 ) -> None:
     bed = next(item for item in sound_house.items if item.category == "bed")
     own = tuple(sound_house.items_of(bed.room_id))
-    plan_image = raster.draw_plan(sound_house.plan, raster.house_frame(sound_house.plan))
+    plan_image = canvas.draw_plan(sound_house.plan, canvas.house_frame(sound_house.plan))
     room = sound_house.plan.room(bed.room_id)
 
     def anew(painter: Painter, **asked: Asked) -> SceneGraph:

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.geometry import footprint
 from chord_usd.graph.table_place import Laid, in_world, place_on
 from chord_usd.graph.table_top import is_too_small, view_from_above
 from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
-from chord_usd.relief import Relief
-from chord_usd.table_top import TableTop
-from chord_usd.types import Asset, Box, Item, Room, SceneGraph, frozen_array
+from chord_usd.raster.relief import Relief
+from chord_usd.raster.table_top import TableTop
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph, frozen_array
 
 TOP_M = 0.75
 ROOM = Room("a", "living", frozen_array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]))

@@ -11,12 +11,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd import raster
 from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.tabletops import Tabletop, lay, random_tabletop
 from chord_usd.data.tabletops.board import EDGE_M, Board, Outline
 from chord_usd.data.tabletops.tops import SHARES, Piece
-from chord_usd.geometry import footprint, footprint_polygon, front_direction
 from chord_usd.graph.match import items_seen
 from chord_usd.graph.table_items import read_items
 from chord_usd.layout.table_condition import (
@@ -28,8 +26,8 @@ from chord_usd.layout.table_condition import (
 from chord_usd.metrics.detection import edge_errors_m
 from chord_usd.metrics.fidelity import match_items
 from chord_usd.metrics.overlap import items_overlap
-from chord_usd.palette import SUPPORTS, TABLE_CATEGORIES, TOP_SHADES, Level, Mount, category
-from chord_usd.table_top import (
+from chord_usd.raster import canvas
+from chord_usd.raster.table_top import (
     CANVAS_M,
     TABLE_CANVAS_PX,
     Border,
@@ -38,7 +36,9 @@ from chord_usd.table_top import (
     table_frame,
     top_mask,
 )
-from chord_usd.types import Box, Item, LayoutImage
+from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction
+from chord_usd.scene.palette import SUPPORTS, TABLE_CATEGORIES, TOP_SHADES, Level, Mount, category
+from chord_usd.scene.types import Box, Item, LayoutImage
 
 COUNT = 200
 CELL_PX = 4
@@ -50,7 +50,7 @@ def tabletops() -> tuple[Tabletop, ...]:
 
 
 def drawn(tabletop: Tabletop) -> LayoutImage:
-    return raster.layout_image(draw_table(tabletop.top), tabletop.items, Level.TABLE)
+    return canvas.layout_image(draw_table(tabletop.top), tabletop.items, Level.TABLE)
 
 
 def read(layout: LayoutImage, name: str) -> list[Item]:
@@ -248,7 +248,7 @@ class TestReader:
         size = [low + share * (high - low) for low, high in (row.length_m, row.width_m)]
         box = Box((x, y, 0.0), (size[0], size[1], row.height_m[0]), 90.0 * turns)
         image = draw_table(top_of(support, 1.6, 1.6))
-        layout = raster.layout_image(image, [Item("", row.name, box)], Level.TABLE)
+        layout = canvas.layout_image(image, [Item("", row.name, box)], Level.TABLE)
         (mine,) = read(layout, support)
         assert mine.category == row.name
         assert (edge_errors_m(mine.box, box) / layout.frame.m_per_px).max() <= 0.501
@@ -262,7 +262,7 @@ class TestReader:
             Item("magazine", "magazine", Box((0.5, 0.0, 0.0), (0.21, 0.28, 0.008), 0.0)),
             Item("book", "lying_book", Box((0.52, 0.02, 0.008), (0.15, 0.2, 0.03), 0.0)),
         ]
-        layout = raster.layout_image(draw_table(top_of("table", 1.6, 0.7)), items, Level.TABLE)
+        layout = canvas.layout_image(draw_table(top_of("table", 1.6, 0.7)), items, Level.TABLE)
         mine = {one.category: one for one in read(layout, "table")}
         for item in items:
             errors_px = edge_errors_m(mine[item.category].box, item.box) / layout.frame.m_per_px

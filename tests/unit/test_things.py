@@ -13,9 +13,9 @@ from chord_usd.lists import things
 from chord_usd.lists.things import THINGS
 from chord_usd.lists.tops import top_faults
 from chord_usd.metrics.overlap import items_overlap
-from chord_usd.palette import SUPPORTS, TABLE_CATEGORIES
-from chord_usd.table_top import SIDES, Border, TableTop
-from chord_usd.types import Box, Item
+from chord_usd.raster.table_top import SIDES, Border, TableTop
+from chord_usd.scene.palette import SUPPORTS, TABLE_CATEGORIES
+from chord_usd.scene.types import Box, Item
 
 SEEDS = st.integers(0, 100_000)
 

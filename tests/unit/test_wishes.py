@@ -26,8 +26,8 @@ from chord_usd.lists.wishes import (
     read_pieces,
     rooms_meant,
 )
-from chord_usd.palette import CATEGORIES
-from chord_usd.types import Box, Item, Plan, Room, RoomKind, frozen_array
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
 from tests.unit.test_lists import Chance
 
 

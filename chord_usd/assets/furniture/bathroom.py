@@ -24,7 +24,7 @@ from chord_usd.assets.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 
 def _egg(length: float, width: float, z: float, back: float, sides: int = 40) -> FloatArray:

@@ -21,7 +21,7 @@ from chord_usd.assets.solids import (
     lathe,
     tube,
 )
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 FRONT_M = 0.018
 """Thickness of a door or drawer front."""

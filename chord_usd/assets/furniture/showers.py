@@ -23,7 +23,7 @@ from chord_usd.assets.solids import (
     ring,
     tube,
 )
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 
 def shower(

@@ -10,8 +10,8 @@ from chord_usd.assets.libraries.convert import convert, identifier
 from chord_usd.assets.libraries.models import Model, Refused, free_name
 from chord_usd.assets.libraries.readers import open_library
 from chord_usd.errors import AssetError
-from chord_usd.progress import Progress
-from chord_usd.types import Asset
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import Asset
 
 MOST_TRIANGLES = 20_000
 """Meshes above this are reduced: a house has forty of them."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from difflib import SequenceMatcher
 
-from chord_usd.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
 
 _WORDS: tuple[tuple[str, str], ...] = (
     ("bedside_table", r"night ?stands?|bedside"),

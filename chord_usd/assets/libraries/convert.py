@@ -18,8 +18,8 @@ from chord_usd.assets.libraries.models import UNITS_M, Model
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import Solid
 from chord_usd.errors import AssetError
-from chord_usd.palette import category
-from chord_usd.types import Asset, FloatArray, frozen_array
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Asset, FloatArray, frozen_array
 
 COLOURWAY = "as_modelled"
 MOST_PARTS = 24

@@ -13,7 +13,7 @@ from chord_usd.assets.libraries.beside import Beside
 from chord_usd.errors import AssetError, ChordError
 from chord_usd.runtime.confined import Limits, confined
 from chord_usd.runtime.stages import count_prims, open_known, walk
-from chord_usd.types import FloatArray
+from chord_usd.scene.types import FloatArray
 
 if TYPE_CHECKING:
     from PIL.Image import Image

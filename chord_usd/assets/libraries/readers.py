@@ -13,8 +13,8 @@ from typing import Any
 from chord_usd.assets.database import SizeM
 from chord_usd.assets.libraries.models import AXES, UNITS_M, Library, Model
 from chord_usd.errors import AssetError
-from chord_usd.json_text import parse_json
 from chord_usd.runtime.archives import Archive
+from chord_usd.runtime.json_text import parse_json
 from chord_usd.runtime.scratch import scratch_folder
 
 MANIFESTS = ("manifest.json", "manifest.csv")

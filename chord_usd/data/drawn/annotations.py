@@ -13,8 +13,8 @@ from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.masonry import Masonry
 from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.words import SIZE_STYLES, ink_of, room_name, room_size
-from chord_usd.page_labels import WRITING
-from chord_usd.types import FloatArray
+from chord_usd.raster.page_labels import WRITING
+from chord_usd.scene.types import FloatArray
 
 _SMALLEST_PX = 7
 

@@ -10,9 +10,9 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from chord_usd.data.drawn.styles import RGB
-from chord_usd.geometry import polygons_of
-from chord_usd.page_labels import LAID_SHIFT
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.raster.page_labels import LAID_SHIFT
+from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 _SHIFT = 3
 """Binary digits behind the point in OpenCV's coordinates."""

@@ -34,9 +34,9 @@ from chord_usd.data.drawn.truth import CrowdedPage, DrawnStorey
 from chord_usd.data.drawn.wear import Picture, worn
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.geometry import footprint_polygon, polygons_of
-from chord_usd.page_labels import CORNER, HINGE, JAMB
-from chord_usd.types import Box, FloatArray, Plan, frozen_array
+from chord_usd.raster.page_labels import CORNER, HINGE, JAMB
+from chord_usd.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.types import Box, FloatArray, Plan, frozen_array
 
 _STOREYS = (0.78, 0.17, 0.05)
 """Shares of pages with one, two and three storeys."""

@@ -17,7 +17,7 @@ from chord_usd.data.drawn.fixtures import SYMBOLS
 from chord_usd.data.drawn.lettering import draw_dimensions, middle_of, write_names
 from chord_usd.data.drawn.paper import soil
 from chord_usd.data.drawn.styles import RGB, Style
-from chord_usd.geometry import (
+from chord_usd.scene.geometry import (
     footprint,
     footprint_polygon,
     front_direction,
@@ -27,7 +27,7 @@ from chord_usd.geometry import (
     rooms_beside,
     wall_area,
 )
-from chord_usd.types import (
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     ByteArray,
     FloatArray,
@@ -38,7 +38,7 @@ from chord_usd.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.units import px_from_m
+from chord_usd.scene.units import px_from_m
 
 _MARGIN_M = 2.0
 

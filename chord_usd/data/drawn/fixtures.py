@@ -9,7 +9,7 @@ import shapely
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.types import FloatArray, RoomKind
+from chord_usd.scene.types import FloatArray, RoomKind
 
 
 @dataclass(frozen=True, eq=False)

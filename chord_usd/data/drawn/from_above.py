@@ -10,8 +10,8 @@ import numpy as np
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
 from chord_usd.data.drawn.canvas import Canvas
-from chord_usd.geometry import footprint
-from chord_usd.types import Box, ByteArray, FloatArray, Item
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.types import Box, ByteArray, FloatArray, Item
 
 _PX_PER_M = 64
 _FINE_BITS = 4

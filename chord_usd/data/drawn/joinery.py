@@ -10,8 +10,8 @@ from shapely.geometry import Polygon
 from chord_usd.data.drawn.canvas import Canvas, rectangle
 from chord_usd.data.drawn.looks import DoorKind, Look, WindowKind
 from chord_usd.data.drawn.masonry import Gap
-from chord_usd.page_labels import DOOR, NOTHING, PASSAGE, SWING, WINDOW
-from chord_usd.types import FloatArray
+from chord_usd.raster.page_labels import DOOR, NOTHING, PASSAGE, SWING, WINDOW
+from chord_usd.scene.types import FloatArray
 
 _DOUBLE_M = 1.25
 """Wider doors have two leaves, or slide."""

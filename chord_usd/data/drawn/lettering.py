@@ -11,9 +11,9 @@ import shapely
 from PIL import Image, ImageDraw, ImageFont
 
 from chord_usd.data.drawn.styles import RGB, Style
-from chord_usd.geometry import room_polygon
-from chord_usd.types import ByteArray, FloatArray, PixelFrame, Plan, Room, RoomKind
-from chord_usd.units import px_from_m
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import ByteArray, FloatArray, PixelFrame, Plan, Room, RoomKind
+from chord_usd.scene.units import px_from_m
 
 _WORDS: dict[str, dict[RoomKind, str]] = {
     "en": {

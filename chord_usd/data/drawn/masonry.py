@@ -16,8 +16,8 @@ from shapely.geometry.polygon import orient
 
 from chord_usd.data.drawn.canvas import rectangle
 from chord_usd.data.drawn.looks import Look
-from chord_usd.geometry import footprint_polygon, polygons_of, room_polygon, room_sides
-from chord_usd.types import (
+from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon, room_sides
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     Box,
     FloatArray,

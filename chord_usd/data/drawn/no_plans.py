@@ -14,7 +14,7 @@ from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.drawn.wear import Picture, worn
 from chord_usd.data.drawn.words import ink_of, room_name, title
 from chord_usd.data.houses import random_plan
-from chord_usd.types import ByteArray, FloatArray, frozen_array
+from chord_usd.scene.types import ByteArray, FloatArray, frozen_array
 
 _SIDES_PX = (420, 1000)
 _HEIGHT_M = 2.6

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from chord_usd.data.drawn.styles import Style
-from chord_usd.types import ByteArray, FloatArray, frozen_array
+from chord_usd.scene.types import ByteArray, FloatArray, frozen_array
 
 _TABLE_RGB = (112, 84, 60)
 _TABLE_MARGIN = 0.12

@@ -12,8 +12,8 @@ from shapely.geometry.base import BaseGeometry
 from chord_usd.data.drawn.canvas import Canvas
 from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.masonry import Masonry
-from chord_usd.page_labels import NOTHING, STAIRS
-from chord_usd.types import FloatArray
+from chord_usd.raster.page_labels import NOTHING, STAIRS
+from chord_usd.scene.types import FloatArray
 
 _LEAST_M = 1.6
 _ANYWHERE = 0.06

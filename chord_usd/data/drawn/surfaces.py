@@ -12,9 +12,9 @@ from chord_usd.data.drawn.canvas import Canvas
 from chord_usd.data.drawn.looks import Look, WallFill
 from chord_usd.data.drawn.masonry import Masonry
 from chord_usd.data.drawn.styles import RGB
-from chord_usd.page_labels import FLOOR, WALL
+from chord_usd.raster.page_labels import FLOOR, WALL
 from chord_usd.runtime.locations import materials_folder
-from chord_usd.types import ByteArray, RoomKind
+from chord_usd.scene.types import ByteArray, RoomKind
 
 _KIND_RGB: dict[RoomKind, tuple[RGB, ...]] = {
     "living": ((255, 222, 222), (250, 235, 200), (255, 245, 190), (200, 200, 200)),

@@ -17,8 +17,8 @@ from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.surfaces import fill_wall, tiles
 from chord_usd.data.drawn.symbols import plant
 from chord_usd.data.drawn.words import room_name, title
-from chord_usd.page_labels import WRITING
-from chord_usd.types import FloatArray
+from chord_usd.raster.page_labels import WRITING
+from chord_usd.scene.types import FloatArray
 
 
 def draw_outdoors(canvas: Canvas, house: Masonry, look: Look, rng: np.random.Generator) -> None:

@@ -17,9 +17,9 @@ from chord_usd.data.drawn.from_above import draw_from_above
 from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.surfaces import tiles
-from chord_usd.geometry import footprint_polygon
-from chord_usd.page_labels import PIECE
-from chord_usd.types import Item
+from chord_usd.raster.page_labels import PIECE
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.types import Item
 
 Shapes = list[BaseGeometry]
 Draw = Callable[[float, float, np.random.Generator], Shapes]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from chord_usd.types import ByteArray, FloatArray, Plan
+from chord_usd.scene.types import ByteArray, FloatArray, Plan
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from chord_usd.data.drawn.looks import Look
 from chord_usd.data.drawn.styles import RGB
-from chord_usd.page_labels import LAID_SHIFT, WRITING
-from chord_usd.types import ByteArray, FloatArray
+from chord_usd.raster.page_labels import LAID_SHIFT, WRITING
+from chord_usd.scene.types import ByteArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry import Polygon
 
-from chord_usd.types import FloatArray, RoomKind
+from chord_usd.scene.types import FloatArray, RoomKind
 
 _NAMES: dict[str, dict[RoomKind, str]] = {
     "en": {

@@ -20,7 +20,7 @@ from chord_usd.data.floorplans.sketch import (
     rectangle,
     tidy,
 )
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 _STEPS_PER_M2 = 1.0 / (STEP_M * STEP_M)
 

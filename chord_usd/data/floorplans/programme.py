@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.floorplans.sketch import STEP_M
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 ROOM_COUNT_HISTOGRAM: dict[int, int] = {
     1: 30, 2: 127, 3: 151, 4: 230, 5: 397, 6: 683, 7: 862, 8: 992, 9: 1094, 10: 1168,

@@ -9,7 +9,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass, field
 
-from chord_usd.types import WALL_THICKNESS_M, RoomKind
+from chord_usd.scene.types import WALL_THICKNESS_M, RoomKind
 
 STEP_M = 0.01
 WALL = round(WALL_THICKNESS_M / STEP_M)

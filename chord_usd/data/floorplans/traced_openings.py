@@ -18,7 +18,7 @@ from shapely.ops import unary_union
 from chord_usd.data.floorplans.traced import FIXTURES
 from chord_usd.data.floorplans.traced_rooms import TracedRoom
 from chord_usd.errors import PlanError
-from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Opening, OpeningKind, RoomKind
+from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening, OpeningKind, RoomKind
 
 _REACH_M = 0.15
 """How far off its place a wall face may lie from a drawn opening."""

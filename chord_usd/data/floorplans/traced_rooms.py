@@ -13,7 +13,7 @@ from shapely.ops import split, unary_union
 
 from chord_usd.data.floorplans.traced import FIXTURES, Mark
 from chord_usd.errors import PlanError
-from chord_usd.types import WALL_THICKNESS_M, RoomKind
+from chord_usd.scene.types import WALL_THICKNESS_M, RoomKind
 
 _WET = frozenset({"bathroom", "restroom", "washing_room"})
 _HALL = frozenset({"entrance", "corridor"})

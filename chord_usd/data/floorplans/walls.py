@@ -18,7 +18,7 @@ from chord_usd.data.floorplans.sketch import (
     Sketch,
     is_free,
 )
-from chord_usd.types import OpeningKind, RoomKind
+from chord_usd.scene.types import OpeningKind, RoomKind
 
 MARGIN = 10
 """Between an opening and a corner of a room, or the next opening."""

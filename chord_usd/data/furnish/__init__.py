@@ -31,7 +31,7 @@ from chord_usd.data.furnish.small import (
     furnish_study,
 )
 from chord_usd.metrics.complete import lacking
-from chord_usd.types import Box, Item, Plan, SceneGraph
+from chord_usd.scene.types import Box, Item, Plan, SceneGraph
 
 __all__ = ["furnish"]
 

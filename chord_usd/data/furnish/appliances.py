@@ -10,7 +10,7 @@ from chord_usd.data.furnish.floor import Floor
 from chord_usd.data.furnish.joint import Fitting, place_jointly
 from chord_usd.data.furnish.mix import Mix
 from chord_usd.data.furnish.walls import Wall
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 MOST_TRIES = 4
 """Places tried in one room."""

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 from chord_usd.data.furnish.mix import HOMES, Mix
 from chord_usd.data.furnish.walls import MARGIN_M, NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
-from chord_usd.palette import CATEGORIES
-from chord_usd.types import Room, RoomKind
-from chord_usd.units import wrap_deg
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import Room, RoomKind
+from chord_usd.scene.units import wrap_deg
 
 Size = tuple[float, float, float]
 """Length, width (depth), height in metres."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from chord_usd.data.furnish.floor import Floor
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 NARROW_DOOR_M = 0.83
 """Doors of bathrooms and stores are no wider."""

@@ -8,7 +8,7 @@ from functools import partial
 from chord_usd.data.furnish.floor import Floor, Size
 from chord_usd.data.furnish.joint import Fitting, Part, place_jointly
 from chord_usd.data.furnish.walls import Wall
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 MOST_TRIES = 24
 """Placements tried for each order of a programme."""

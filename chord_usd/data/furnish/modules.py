@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import NamedTuple
 
-from chord_usd.palette import CATEGORIES
+from chord_usd.scene.palette import CATEGORIES
 
 LEAST_M = 0.3
 """Nothing narrower stands in a run."""

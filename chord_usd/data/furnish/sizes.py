@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 from chord_usd.data.furnish.floor import Size
-from chord_usd.palette import CATEGORIES
+from chord_usd.scene.palette import CATEGORIES
 
 BED_LENGTHS_M = (2.0, 1.8, 1.5, 1.35, 1.2, 1.0, 0.9)
 """Across the bed, widest first."""

@@ -12,7 +12,7 @@ from chord_usd.data.furnish.storage import (
     put_shoe_cabinet,
 )
 from chord_usd.data.furnish.workplace import put_desk
-from chord_usd.palette import CATEGORIES
+from chord_usd.scene.palette import CATEGORIES
 
 
 def furnish_balcony(floor: Floor, *, with_laundry: bool) -> None:

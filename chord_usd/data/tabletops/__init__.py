@@ -16,8 +16,8 @@ from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.tabletops import leisure, meals, work
 from chord_usd.data.tabletops.board import Board, Place
 from chord_usd.data.tabletops.tops import Piece, random_piece
-from chord_usd.table_top import TableTop
-from chord_usd.types import Item
+from chord_usd.raster.table_top import TableTop
+from chord_usd.scene.types import Item
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,10 @@ import numpy as np
 
 from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.tabletops.sizes import Size
-from chord_usd.palette import CATEGORIES, Mount
-from chord_usd.table_top import Side
-from chord_usd.types import BoolArray, Box, Item
-from chord_usd.units import wrap_deg
+from chord_usd.raster.table_top import Side
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import BoolArray, Box, Item
+from chord_usd.scene.units import wrap_deg
 
 CELL_M = 0.01
 """Resolution of the mask of a top."""

@@ -14,7 +14,7 @@ from chord_usd.data.tabletops.sizes import (
 )
 from chord_usd.data.tabletops.tops import Piece
 from chord_usd.data.tabletops.work import put_magazine
-from chord_usd.table_top import SIDES, Side
+from chord_usd.raster.table_top import SIDES, Side
 
 
 def lay_coffee_table(place: Place, piece: Piece) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from chord_usd.data.tabletops.board import Place, Placed
 from chord_usd.data.tabletops.sizes import SPEAKER, USUAL_M, Size, usual, varied
 from chord_usd.data.tabletops.tops import Piece
-from chord_usd.table_top import Side
+from chord_usd.raster.table_top import Side
 
 _USUAL_SEATS: tuple[Side, ...] = ("front", "back", "left", "right")
 """Where a table is laid that has no chairs yet: at its long sides, else where no wall is."""

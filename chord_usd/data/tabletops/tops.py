@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.tabletops.board import Outline
-from chord_usd.palette import category
-from chord_usd.table_top import SIDES, Border, Side, TableTop
-from chord_usd.types import Box, RoomKind
+from chord_usd.raster.table_top import SIDES, Border, Side, TableTop
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Box, RoomKind
 
 SHARES: tuple[tuple[str, float], ...] = (
     ("table", 0.2),

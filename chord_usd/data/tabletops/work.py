@@ -14,8 +14,8 @@ from chord_usd.data.tabletops.sizes import (
     varied,
 )
 from chord_usd.data.tabletops.tops import Piece
-from chord_usd.table_top import Side
-from chord_usd.types import RoomKind
+from chord_usd.raster.table_top import Side
+from chord_usd.scene.types import RoomKind
 
 
 def lay_desk(place: Place, seat_m: float, room: RoomKind) -> None:

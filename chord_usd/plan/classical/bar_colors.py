@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from chord_usd.plan.openings import Bar
-from chord_usd.types import ByteArray, FloatArray, OpeningKind
+from chord_usd.scene.types import ByteArray, FloatArray, OpeningKind
 
 _LEAST_CHROMA = 40
 _SAME_COLOR = 40

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.plan.ink import border_values
-from chord_usd.types import BoolArray, FloatArray
+from chord_usd.scene.types import BoolArray, FloatArray
 
 _WIDEST = 0.045
 """Walls are no thicker than this share of the drawing; a corridor is wider."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from shapely.geometry import Polygon
 
 from chord_usd.plan.classical.strokes import Strokes
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 _END_WIDTHS = (0.3, 2.2)
 """A wall ends in an edge so many usual wall thicknesses long."""

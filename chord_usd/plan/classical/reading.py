@@ -28,7 +28,7 @@ from chord_usd.plan.classical.strokes import Strokes, find_strokes
 from chord_usd.plan.openings import Bar, read_openings
 from chord_usd.plan.regions import Outline, Regions
 from chord_usd.plan.scale_choice import USUAL_DOOR_M
-from chord_usd.types import (
+from chord_usd.scene.types import (
     WALL_THICKNESS_M,
     ByteArray,
     FloatArray,

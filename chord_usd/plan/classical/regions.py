@@ -11,8 +11,8 @@ from chord_usd.plan.classical.gaps import Gap, close_gaps
 from chord_usd.plan.classical.strokes import Strokes
 from chord_usd.plan.ink import border_values
 from chord_usd.plan.regions import Labels, Outline, large_regions
-from chord_usd.types import FloatArray
-from chord_usd.vectorize import polygon_from_mask
+from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.types import FloatArray
 
 _LARGEST_PASSAGE_M = 1.8
 """A wider gap between rooms in which nothing is drawn makes them one room."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from chord_usd.plan.classical.bodies import filled_bodies
 from chord_usd.plan.sheet import FAINTEST_INK, brightness_of
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 _DARKNESS = (0.45, 0.65, 0.8)
 """Shares of the paper's brightness below which a pixel may be wall, tried in turn."""

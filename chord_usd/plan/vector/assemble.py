@@ -14,15 +14,15 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.geometry import polygons_of, room_polygon, rooms_beside
 from chord_usd.plan.labels import label_rooms
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.printed import estimates
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.text import Text
 from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
-from chord_usd.room_names import room_kind
-from chord_usd.types import (
+from chord_usd.scene.geometry import polygons_of, room_polygon, rooms_beside
+from chord_usd.scene.room_names import room_kind
+from chord_usd.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
     Box,

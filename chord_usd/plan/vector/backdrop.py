@@ -11,14 +11,14 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.geometry import room_polygon
 from chord_usd.plan.placement import placement
 from chord_usd.plan.scale_choice import SCALE
 from chord_usd.plan.vector.formats import read_drawings
 from chord_usd.plan.vector.shapes import VectorDrawing
 from chord_usd.runtime.confined import confined
-from chord_usd.types import ByteArray, PixelFrame, Plan
-from chord_usd.units import px_from_m
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import ByteArray, PixelFrame, Plan
+from chord_usd.scene.units import px_from_m
 
 _SIDE_PX = 1400
 _MARGIN_M = 1.0

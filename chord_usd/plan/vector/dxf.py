@@ -20,11 +20,11 @@ from shapely.geometry import LineString, Polygon
 from shapely.ops import polygonize, unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.geometry import polygons_of
 from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
 from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.locations import cache_folder
-from chord_usd.types import FloatArray, OpeningKind
+from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.types import FloatArray, OpeningKind
 
 _EXPECTED = "a DXF drawing with layers for walls or rooms"
 _LARGEST_BYTES = 256 * 2**20

@@ -11,7 +11,7 @@ from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.vector.assemble import assemble
 from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
 from chord_usd.runtime.confined import confined
-from chord_usd.types import Plan
+from chord_usd.scene.types import Plan
 
 Reader = Callable[[Path], list[VectorDrawing]]
 
@@ -100,6 +100,6 @@ def _told(plan: Plan) -> list[str]:
 
 
 def _floor_m2(plan: Plan) -> float:
-    from chord_usd.geometry import room_polygon
+    from chord_usd.scene.geometry import room_polygon
 
     return float(sum(room_polygon(room).area for room in plan.rooms))

@@ -19,7 +19,7 @@ from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.text import Text
 from chord_usd.runtime.confined import confined
 from chord_usd.runtime.extras import needed_for
-from chord_usd.types import ByteArray, frozen_array
+from chord_usd.scene.types import ByteArray, frozen_array
 
 _SIDE_PX = 3000
 _MOST_PAGES = 20

@@ -11,7 +11,7 @@ from shapely import get_coordinates
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.types import FloatArray, OpeningKind
+from chord_usd.scene.types import FloatArray, OpeningKind
 
 MOST_SHAPES = 20_000
 """Walls, rooms, openings and labels of one file: twenty times those of a large office."""

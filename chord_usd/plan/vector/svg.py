@@ -17,12 +17,12 @@ import numpy as np
 from shapely.geometry import LineString, Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.geometry import polygons_of
 from chord_usd.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
 from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
 from chord_usd.plan.vector.svg_shapes import IDENTITY, numbers, outlines, transform
-from chord_usd.room_names import room_kind
-from chord_usd.types import FloatArray, OpeningKind
+from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.room_names import room_kind
+from chord_usd.scene.types import FloatArray, OpeningKind
 
 _EXPECTED = "an SVG whose classes or ids name walls, rooms, doors and windows"
 

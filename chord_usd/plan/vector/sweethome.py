@@ -22,8 +22,8 @@ from chord_usd.plan.vector.shapes import (
     too_many_shapes,
 )
 from chord_usd.runtime.archives import Archive
-from chord_usd.types import FloatArray, OpeningKind
-from chord_usd.units import m_from_cm
+from chord_usd.scene.types import FloatArray, OpeningKind
+from chord_usd.scene.units import m_from_cm
 
 _EXPECTED = "a Sweet Home 3D file (.sh3d)"
 _WINDOW_NAMES = re.compile(r"window|fenster|fen[eê]tre|ventana|janela|fönster|ikkuna|窗|窓", re.I)

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy.typing as npt
 import shapely
 
-from chord_usd.geometry import footprint_polygon, to_world
-from chord_usd.types import MOVED, Box, FloatArray, Item
+from chord_usd.scene.geometry import footprint_polygon, to_world
+from chord_usd.scene.types import MOVED, Box, FloatArray, Item
 
 _IN_ROOM_M = 1e-3
 """A piece flush with a wall is in its room, whatever was rounded."""

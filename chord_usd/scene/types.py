@@ -42,7 +42,7 @@ WALL_THICKNESS_M = 0.24
 
 CANVAS_PX = 256
 """Width and height of plan and layout rasters (paper, section 5); those of large houses are
-larger (raster.house_frame)."""
+larger (canvas.house_frame)."""
 
 
 OOD = "ood"

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal, cast, get_args
 
-from chord_usd.types import RoomKind
+from chord_usd.scene.types import RoomKind
 
 Where = Literal["word", "label", "alone", "han"]
 

@@ -1,4 +1,4 @@
-"""JSON from anywhere -> Python values that the rest of the program can rely on. Base module.
+"""JSON from anywhere -> Python values that the rest of the program can rely on.
 
 The standard library's parser lets through what no other program could read back, or what breaks
 later: halves of characters, one key twice, nesting without end. NaN and Infinity are let through

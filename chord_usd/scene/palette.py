@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from chord_usd.errors import SceneError
-from chord_usd.types import ROOM_KINDS, RoomKind
+from chord_usd.scene.types import ROOM_KINDS, RoomKind
 
 ITEM_OPACITY = 0.3
 """Opacity of an item over the plan raster (paper, supplementary)."""
@@ -243,7 +243,7 @@ def category(name: str) -> Category:
         from difflib import get_close_matches
 
         near = get_close_matches(name, CATEGORIES, n=1)
-        hint = f"use '{near[0]}'" if near else "see chord_usd/palette.py for the table"
+        hint = f"use '{near[0]}'" if near else "see chord_usd/scene/palette.py for the table"
         raise SceneError(
             f"unknown category '{name}'", expected="a category of the palette", try_=hint
         ) from None

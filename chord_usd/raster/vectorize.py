@@ -1,6 +1,6 @@
 """From pixels back to outlines: simple polygons and rotated boxes in continuous pixels.
 
-A raster is taken as raster.py draws it: a pixel is set if and only if its centre is inside. The
+A raster is taken as canvas.py draws it: a pixel is set if and only if its centre is inside. The
 outline therefore crosses every crack (the border of a set and an unset pixel) between the centres
 of the two, less than half a pixel from the crack's middle. The fewest straight lines that do so
 are the outline: edges along an axis come out within half a pixel, slanted ones far closer.
@@ -17,8 +17,8 @@ import numpy.typing as npt
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.polygon import orient
 
-from chord_usd.geometry import polygons_of
-from chord_usd.types import BoolArray, ByteArray, FloatArray
+from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 IntArray = npt.NDArray[np.int64]
 

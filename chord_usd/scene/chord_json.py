@@ -33,12 +33,14 @@ import numpy as np
 import shapely
 from shapely import LinearRing, Point, Polygon
 
-from chord_usd import palette
 from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
-from chord_usd.geometry import Floors, extent_m, footprint_polygon, rooms_beside
-from chord_usd.json_elements import Element, Names, shown
-from chord_usd.json_text import parse_json
-from chord_usd.limits import (
+from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.json_text import parse_json
+from chord_usd.scene import palette
+from chord_usd.scene.geometry import Floors, extent_m, footprint_polygon, rooms_beside
+from chord_usd.scene.json_elements import Element, Names, shown
+from chord_usd.scene.limits import (
     LARGEST_HOUSE_M,
     MOST_CORNERS,
     MOST_CORNERS_IN_ALL,
@@ -47,11 +49,9 @@ from chord_usd.limits import (
     MOST_OPENINGS,
     MOST_ROOMS,
 )
-from chord_usd.palette import Level
-from chord_usd.room_names import room_kind
-from chord_usd.runtime.files import write_atomic
-from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.types import (
+from chord_usd.scene.palette import Level
+from chord_usd.scene.room_names import room_kind
+from chord_usd.scene.types import (
     ROOM_KINDS,
     WALL_THICKNESS_M,
     Asset,
@@ -66,7 +66,7 @@ from chord_usd.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.units import cm_from_m, m_from_cm
+from chord_usd.scene.units import cm_from_m, m_from_cm
 
 OUT_ROOMS = "outRooms"
 """Key of Plan.extra and SceneGraph.extra: the elements of roomType 0, as they stood in the file."""

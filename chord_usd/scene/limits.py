@@ -1,4 +1,4 @@
-"""The largest houses that are taken on. Base module, without imports: the command line has it too.
+"""The largest houses that are taken on. Without imports: the command line has it too.
 
 Every step grows with what a house holds, some of it faster than linearly; and a file with more is
 as good as never a house, but a wrong unit, a whole town, or made to keep a machine busy.
@@ -6,7 +6,7 @@ as good as never a house, but a wrong unit, a whole town, or made to keep a mach
 
 LARGEST_HOUSE_M = 500.0
 """From one side to the other. Hardly a building is longer in one piece, and at the coarsest scale
-that layouts are drawn at not much more fits the largest canvas (raster.LARGEST_CANVAS_PX)."""
+that layouts are drawn at not much more fits the largest canvas (canvas.LARGEST_CANVAS_PX)."""
 
 M_PER_PX = (1e-4, 10.0)
 """Range of a picture's scale, metres per pixel, and of metres per unit of a vector file: from a

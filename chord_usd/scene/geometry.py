@@ -12,8 +12,8 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.types import WALL_THICKNESS_M, Box, FloatArray, Plan, Room
-from chord_usd.units import rotation_2d
+from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Plan, Room
+from chord_usd.scene.units import rotation_2d
 
 
 def footprint(box: Box) -> FloatArray:

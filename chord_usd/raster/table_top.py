@@ -12,8 +12,8 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from chord_usd import palette
-from chord_usd.types import BoolArray, ByteArray, PixelFrame, PlanImage, RoomKind
+from chord_usd.scene import palette
+from chord_usd.scene.types import BoolArray, ByteArray, PixelFrame, PlanImage, RoomKind
 
 CANVAS_M = 2.0
 """Side of the square that is drawn (paper, section "Fine-grained layout synthesis")."""

@@ -13,13 +13,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.bubbles import Bubble, stretched, with_bubbles
 from chord_usd.errors import PlanError
 from chord_usd.pipeline import Settings, read_plan
-from chord_usd.progress import Progress
+from chord_usd.raster.bubbles import Bubble, stretched, with_bubbles
 from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.types import ByteArray, Plan, PlanImage
-from chord_usd.wish import NAMES, Wish
+from chord_usd.runtime.progress import Progress
+from chord_usd.scene.types import ByteArray, Plan, PlanImage
+from chord_usd.scene.wish import NAMES, Wish
 
 if TYPE_CHECKING:
     import numpy as np
@@ -292,7 +292,7 @@ def _at_size(labels: ByteArray, drawing: Drawing, area_m2: float) -> Plan:
     A sheet has no scale bar: the network knows it to some per cent. Walls stay as thick.
     """
     from chord_usd.planning.partition import plan_from_labels
-    from chord_usd.wish import floor_area_m2
+    from chord_usd.scene.wish import floor_area_m2
 
     frame, bubbles = drawing.sheet.frame, drawing.bubbles
     plan = plan_from_labels(labels, frame, None, bubbles)

@@ -9,8 +9,8 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from chord_usd.geometry import footprint
-from chord_usd.types import Asset, BoolArray, Box, FloatArray
+from chord_usd.scene.geometry import footprint
+from chord_usd.scene.types import Asset, BoolArray, Box, FloatArray
 
 LEVEL_M = 0.006
 """Heights this close to each other are one level: bevels and grooves."""

@@ -1,4 +1,4 @@
-"""Bubble diagrams: an architect's first sketch of a house, a disc for each room. Base module.
+"""Bubble diagrams: an architect's first sketch of a house, a disc for each room.
 
 A sheet that floors are planned on shows one as discs in the rooms' shades (palette.ROOM_SHADES):
 what rooms there are, and about where and how large, is decided before a wall is drawn.
@@ -14,10 +14,10 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from chord_usd.geometry import room_polygon
-from chord_usd.palette import BACKGROUND_RGB, ROOM_SHADES
-from chord_usd.types import ByteArray, Plan, PlanImage, Room, RoomKind
-from chord_usd.units import px_from_m
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.palette import BACKGROUND_RGB, ROOM_SHADES
+from chord_usd.scene.types import ByteArray, Plan, PlanImage, Room, RoomKind
+from chord_usd.scene.units import px_from_m
 
 LEAST_RADIUS_M = 0.25
 """Smaller discs could not be told from dirt."""

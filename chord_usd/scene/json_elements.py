@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import ChordError
-from chord_usd.units import cm_from_m, m_from_cm
+from chord_usd.scene.units import cm_from_m, m_from_cm
 
 LARGEST_LENGTH_M = 1000.0
 """A file with longer ones is not in centimetres, or broken."""

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
 
-from chord_usd.room_words import ROOM_KINDS, WORDS, Word, plain, skeleton
-from chord_usd.types import RoomKind
+from chord_usd.scene.room_words import ROOM_KINDS, WORDS, Word, plain, skeleton
+from chord_usd.scene.types import RoomKind
 
 LEADING: tuple[RoomKind, ...] = (
     "living", "bedroom", "kitchen", "bathroom", "dining", "study", "balcony", "store", "corridor",

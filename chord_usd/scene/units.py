@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.types import FloatArray, PixelFrame
+from chord_usd.scene.types import FloatArray, PixelFrame
 
 CM_PER_M = 100.0
 

@@ -1,4 +1,4 @@
-"""Numbers as people say them, in the languages of room_names. Base module."""
+"""Numbers as people say them, in the languages of room_names."""
 
 from __future__ import annotations
 

@@ -8,8 +8,17 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from chord_usd.types import Box, FloatArray, Item, Opening, Plan, Room, SceneGraph, frozen_array
-from chord_usd.units import rotation_2d, wrap_deg
+from chord_usd.scene.types import (
+    Box,
+    FloatArray,
+    Item,
+    Opening,
+    Plan,
+    Room,
+    SceneGraph,
+    frozen_array,
+)
+from chord_usd.scene.units import rotation_2d, wrap_deg
 
 House = TypeVar("House", Plan, SceneGraph)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from chord_usd.errors import AssetError
 from chord_usd.runtime.locations import materials_folder
-from chord_usd.types import ROOM_KINDS, RoomKind
+from chord_usd.scene.types import ROOM_KINDS, RoomKind
 
 LOOK_FILE = "look.json"
 

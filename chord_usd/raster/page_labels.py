@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.types import ROOM_KINDS, ByteArray, RoomKind
+from chord_usd.scene.types import ROOM_KINDS, ByteArray, RoomKind
 
 OUTSIDE, FLOOR, WALL, DOOR, WINDOW, STAIRS, PASSAGE = range(7)
 """What is built. Doors, windows and passages are the holes in walls, as deep as the wall."""

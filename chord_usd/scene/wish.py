@@ -1,4 +1,4 @@
-"""What somebody wants of a house: how many rooms of which kinds, how large. Base module."""
+"""What somebody wants of a house: how many rooms of which kinds, how large."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from chord_usd.geometry import room_polygon
-from chord_usd.types import ROOM_KINDS, Plan, RoomKind
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import ROOM_KINDS, Plan, RoomKind
 
 NAMES: dict[RoomKind, tuple[str, str]] = {
     "living": ("living room", "living rooms"),

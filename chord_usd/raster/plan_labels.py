@@ -1,4 +1,4 @@
-"""Floor plans as label maps: what floor planning diffuses. Base module.
+"""Floor plans as label maps: what floor planning diffuses.
 
 A label map is a plan raster before it is painted: one small number a pixel, for the outside, the
 floor of each kind of room, walls and what is in them. Its scale is chosen before the house is
@@ -12,8 +12,16 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from chord_usd import palette, raster
-from chord_usd.types import ROOM_KINDS, WALL_THICKNESS_M, BoolArray, ByteArray, PixelFrame, Plan
+from chord_usd.raster import canvas
+from chord_usd.scene import palette
+from chord_usd.scene.types import (
+    ROOM_KINDS,
+    WALL_THICKNESS_M,
+    BoolArray,
+    ByteArray,
+    PixelFrame,
+    Plan,
+)
 
 LABEL_NAMES = ("outside", *ROOM_KINDS, "wall", "door", "window", "passage")
 OUTSIDE = 0
@@ -64,13 +72,13 @@ def scale_for_area(area_m2: float) -> float:
 
 def sheet_frame(m_per_px: float) -> PixelFrame:
     """The frame of a label map whose middle is the origin."""
-    return raster.centred(np.zeros(2), m_per_px, CANVAS_PX)
+    return canvas.centred(np.zeros(2), m_per_px, CANVAS_PX)
 
 
 def label_frame(plan: Plan, m_per_px: float) -> PixelFrame:
     """The frame in which a plan lies in the middle of its label map, on whole pixels."""
     points = np.concatenate([room.polygon_m for room in plan.rooms])
-    return raster.centred((points.min(axis=0) + points.max(axis=0)) / 2, m_per_px, CANVAS_PX)
+    return canvas.centred((points.min(axis=0) + points.max(axis=0)) / 2, m_per_px, CANVAS_PX)
 
 
 def label_plan(plan: Plan, frame: PixelFrame) -> ByteArray:
@@ -78,14 +86,14 @@ def label_plan(plan: Plan, frame: PixelFrame) -> ByteArray:
 
     PASSAGE are gaps in walls, inner and outer, and a strip where rooms meet without a wall.
     """
-    rgb = raster.draw_plan(plan, frame).rgb
+    rgb = canvas.draw_plan(plan, frame).rgb
     labels = _label_of_grey()[rgb[..., 1]]
     for label, name in ((DOOR, "door"), (WINDOW, "window")):
         labels[(rgb == np.array(palette.category(name).rgb, np.uint8)).all(axis=2)] = label
     # What is white is outside, a room of unknown kind, or a passage: only the last lies in a wall.
     for room in plan.rooms:
         if room.kind == "unknown":
-            labels[raster.room_pixels(room, frame)] = label_of("unknown")
+            labels[canvas.room_pixels(room, frame)] = label_of("unknown")
     inside = house_mask(labels)
     labels[((labels == OUTSIDE) & inside) | _open_borders(labels)] = PASSAGE
     return np.asarray(labels, np.uint8)

@@ -17,10 +17,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd import palette
 from chord_usd.errors import PlanError
-from chord_usd.palette import Level, Mount
-from chord_usd.types import (
+from chord_usd.scene import palette
+from chord_usd.scene.palette import Level, Mount
+from chord_usd.scene.types import (
     CANVAS_PX,
     ROOM_KINDS,
     WALL_THICKNESS_M,
@@ -36,7 +36,7 @@ from chord_usd.types import (
     PlanImage,
     Room,
 )
-from chord_usd.units import px_from_m, rotation_2d
+from chord_usd.scene.units import px_from_m, rotation_2d
 
 IntArray = npt.NDArray[np.int64]
 

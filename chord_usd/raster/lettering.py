@@ -1,4 +1,4 @@
-"""Text on pictures, in the scripts that rooms are named in. Base module.
+"""Text on pictures, in the scripts that rooms are named in.
 
 The fonts are those that Blender's wheel ships (Inter, 0.3 MB; Noto Sans CJK, 11 MB; Noto Sans
 Hebrew and others, below 0.3 MB each; all under the SIL Open Font License), the same on every
@@ -18,7 +18,7 @@ from typing import Literal
 
 from PIL import ImageDraw, ImageFont
 
-from chord_usd.palette import Rgb
+from chord_usd.scene.palette import Rgb
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chord_usd import raster
 from chord_usd.errors import ChordError
-from chord_usd.palette import category
-from chord_usd.types import (
+from chord_usd.raster import canvas
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import (
     BoolArray,
     ByteArray,
     Item,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
     from chord_usd.lists.wishes import Asked, Piece
-    from chord_usd.progress import Progress, Stopwatch
+    from chord_usd.runtime.progress import Progress, Stopwatch
 
 Read = Callable[[LayoutImage, Plan], SceneGraph]
 """Reads a layout in the rooms of its plan."""
@@ -260,18 +260,18 @@ def redraw_rooms(
     sampled ends a pixel short of them.
     """
     from chord_usd.layout.upright import direction_of, upright_sheet
-    from chord_usd.pose import posed
+    from chord_usd.scene.pose import posed
 
     ids = {room.id for room in rooms}
     sheet = upright_sheet(graph.plan, rooms, direction_of(rooms[0]), plan_image)
     stay = [item for item in graph.items if item.room_id not in ids or item.id in kept_ids]
     around = posed(replace(graph, items=tuple(stay)), sheet.pose)
-    labels, front = raster.draw_items(around.items, sheet.image.frame)
+    labels, front = canvas.draw_items(around.items, sheet.image.frame)
 
     def free_floor(house: SceneGraph, frame: PixelFrame) -> BoolArray:
         kept = [item for item in house.items if item.id in kept_ids]
-        own = [raster.room_pixels(house.plan.room(room_id), frame) for room_id in sorted(ids)]
-        free: BoolArray = np.logical_or.reduce(own) & ~raster.taken_pixels(kept, frame)
+        own = [canvas.room_pixels(house.plan.room(room_id), frame) for room_id in sorted(ids)]
+        free: BoolArray = np.logical_or.reduce(own) & ~canvas.taken_pixels(kept, frame)
         return free
 
     listed = draw.listed(graph, rooms, kept_ids)
@@ -281,7 +281,7 @@ def redraw_rooms(
         draft=sheet.draft(listed) if listed else None, progress=progress,
     )  # fmt: skip
     region = free_floor(replace(graph, items=tuple(stay)), plan_image.frame)
-    before = raster.layout_image(plan_image, graph.items)
+    before = canvas.layout_image(plan_image, graph.items)
 
     def in_rooms_else(drawn: ByteArray) -> LayoutImage:
         rgb = sheet.turned_back(layout.rgb, drawn, plan_image, region)
@@ -319,7 +319,7 @@ def furnish_again(
         if not draw.lacking(new):
             break
     draw.refuse_lacking(new)
-    before = raster.layout_image(plan_image, graph.items)
+    before = canvas.layout_image(plan_image, graph.items)
     return replace(drawn, before=before, layout=replace(drawn.layout, provenance=made)), new
 
 
@@ -373,7 +373,7 @@ def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]
 
     Nothing is sampled where something is kept, but what is pulled to a wall may come in its way.
     """
-    from chord_usd.geometry import footprint_polygon
+    from chord_usd.scene.geometry import footprint_polygon
 
     kept = [
         (category(item.category).mount, footprint_polygon(item.box))
@@ -402,6 +402,6 @@ def _drawn_together(rooms: Sequence[Room]) -> list[list[Room]]:
 
 def _pasted(layout: LayoutImage, other: LayoutImage, room: Room) -> LayoutImage:
     """The layout with the floor of a room as another one of the same frame has it."""
-    floor = raster.room_pixels(room, layout.frame)
+    floor = canvas.room_pixels(room, layout.frame)
     rgb = np.where(floor[..., None], other.rgb, layout.rgb)
     return replace(layout, rgb=frozen_array(rgb, np.uint8))

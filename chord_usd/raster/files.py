@@ -17,12 +17,19 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import SceneError
-from chord_usd.json_text import parse_json
-from chord_usd.limits import M_PER_PX
-from chord_usd.raster import LARGEST_CANVAS_PX
+from chord_usd.raster.canvas import LARGEST_CANVAS_PX
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.types import CANVAS_PX, LayoutImage, PixelFrame, PlanImage, Provenance, frozen_array
+from chord_usd.runtime.json_text import parse_json
+from chord_usd.scene.limits import M_PER_PX
+from chord_usd.scene.types import (
+    CANVAS_PX,
+    LayoutImage,
+    PixelFrame,
+    PlanImage,
+    Provenance,
+    frozen_array,
+)
 
 TEXT_CHUNK = "chord"
 

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import CheckpointError, ChordError, PlanError
-from chord_usd.progress import Progress, Stopwatch
-from chord_usd.redraw import Draw, furnish_again, mend_rooms, unbuildable
+from chord_usd.pipeline.redraw import Draw, furnish_again, mend_rooms, unbuildable
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.types import (
+from chord_usd.runtime.progress import Progress, Stopwatch
+from chord_usd.scene.types import (
     OOD,
     LayoutImage,
     Plan,
@@ -185,9 +185,9 @@ def asked_of(plan: Plan, settings: Settings) -> dict[str, Asked]:
 
 def draw_plan(plan: Plan) -> PlanImage:
     """Plan -> PlanImage."""
-    from chord_usd import raster
+    from chord_usd.raster import canvas
 
-    return raster.draw_plan(plan, raster.house_frame(plan))
+    return canvas.draw_plan(plan, canvas.house_frame(plan))
 
 
 def load_model(settings: Settings) -> LayoutModel:
@@ -479,8 +479,8 @@ def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:
     """
     from chord_usd.assets.database import load_database
     from chord_usd.assets.named import with_found_assets
-    from chord_usd.chord_json import read_scene
     from chord_usd.graph.match import match_assets
+    from chord_usd.scene.chord_json import read_scene
 
     folders = settings.asset_folders
     database = load_database(folders)

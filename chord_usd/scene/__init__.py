@@ -1,0 +1,1 @@
+"""What a house is: artefacts, units, geometry, categories, words, and its JSON."""
