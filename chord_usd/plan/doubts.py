@@ -38,7 +38,10 @@ _OWN_ROOM: frozenset[RoomKind] = frozenset({"bedroom", "bathroom", "study"})
 """These have walls of their own."""
 
 _CUT_SHARE = 0.04
-"""A wall along so much of the picture's edge means that the drawing goes on beyond it."""
+"""A picture's edge that is wall but for this share is its frame."""
+
+_CLOSED_SHARE = 0.5
+"""Share of a room's side at a picture's edge below which no wall is drawn there."""
 
 _WALLS_NEAR = 2.5
 """A room so many wall thicknesses from the picture's edge ends there."""
@@ -195,26 +198,39 @@ def _is_several(texts: Sequence[str], kinds: Sequence[RoomKind]) -> bool:
 
 
 def _cut_sides(regions: Regions, polygons_px: Sequence[FloatArray]) -> list[str]:
-    """Edges of the picture that walls run out of, but for those of rooms that end there."""
-    height, width = regions.solid.shape
-    margin = max(4, round(0.012 * min(height, width)))
-    wall, reach = regions.solid, margin + _WALLS_NEAR * regions.thickness_px
-    strips = {
-        "upper": (wall[:margin].any(axis=0), 1, 0),
-        "lower": (wall[-margin:].any(axis=0), 1, height),
-        "left": (wall[:, :margin].any(axis=1), 0, 0),
-        "right": (wall[:, -margin:].any(axis=1), 0, width),
-    }
+    """Edges of the picture that walls run out of, but for those of rooms that end there, and
+    edges that rooms lie open to."""
+    margin = max(4, round(0.012 * min(regions.solid.shape)))
+    reach = margin + round(_WALLS_NEAR * regions.thickness_px)
+    # Each edge as the upper one of a picture turned round.
+    turns = {"upper": 0, "right": 1, "lower": 2, "left": 3}
     cut = []
-    for name, (strip, axis, edge) in strips.items():
+    for name, turn in turns.items():
+        walls = np.rot90(regions.solid, turn)
+        strip, closed = walls[:margin].any(axis=0), walls[:reach].any(axis=0)
         if strip.mean() >= 1 - _CUT_SHARE:
             continue
-        open_ended = strip.copy()
-        for polygon in polygons_px:
-            if np.abs(polygon[:, axis] - edge).min() < reach:
-                beside = polygon[np.abs(polygon[:, axis] - edge) < reach, 1 - axis]
-                first, last = beside.min() - reach, beside.max() + reach
-                open_ended[max(round(first), 0) : max(round(last), 0)] = False
-        if open_ended.any():
+        loose, shape = strip.copy(), regions.solid.shape
+        spans = [_beside_upper(_turned(p, turn, shape), reach) for p in polygons_px]
+        for first, last in (span for span in spans if span is not None):
+            loose[max(first - reach, 0) : last + reach] = False
+            if last - first > reach and closed[first:last].mean() < _CLOSED_SHARE:
+                loose[first:last] = True
+        if loose.any():
             cut.append(name)
     return cut
+
+
+def _turned(polygon_px: FloatArray, turn: int, shape: tuple[int, ...]) -> FloatArray:
+    """A polygon (N, 2) where numpy.rot90 lays its picture's pixels."""
+    height, width = shape[:2]
+    for _ in range(turn):
+        polygon_px = np.stack([polygon_px[:, 1], width - polygon_px[:, 0]], axis=1)
+        height, width = width, height
+    return polygon_px
+
+
+def _beside_upper(polygon_px: FloatArray, reach: float) -> tuple[int, int] | None:
+    """First and last column of a polygon's corners within reach of the upper edge."""
+    beside = polygon_px[polygon_px[:, 1] < reach, 0]
+    return (max(round(beside.min()), 0), max(round(beside.max()), 0)) if len(beside) else None
