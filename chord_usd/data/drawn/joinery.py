@@ -19,7 +19,7 @@ _DOUBLE_M = 1.25
 _ARC_STEPS = 16
 
 _THINNEST_WINDOW_M = 0.09
-"""In walls that are mere strokes, windows stand out."""
+"""In walls that are mere strokes, windows stand out as boxes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,14 +166,15 @@ def _arrow(canvas: Canvas, gap: Gap, look: Look) -> None:
 _LINES: dict[WindowKind, tuple[float, ...]] = {
     "one": (0.0,), "two": (-0.15, 0.15), "three": (-0.5, 0.0, 0.5),
     "four": (-0.5, -0.17, 0.17, 0.5), "filled": (-0.5, 0.5), "framed": (-0.5, 0.5),
-    "sill": (-0.5, 0.5, 0.8), "bold": (0.0,), "black": (), "open": (-0.5, 0.5),
+    "sill": (-0.5, 0.5, 0.8), "bold": (0.0,), "black": (), "open": (-0.5, 0.5), "box": (),
 }  # fmt: skip
 """Where lines run along a window, in shares of the wall's depth from its middle."""
 
 
 def _draw_window(canvas: Canvas, gap: Gap, look: Look, rng: np.random.Generator) -> None:
     kind = look.windows[0] if rng.random() < 0.85 else look.windows[-1]
-    if gap.depth_m < _THINNEST_WINDOW_M:
+    is_thin = gap.depth_m < _THINNEST_WINDOW_M
+    if is_thin:
         depth = rng.uniform(_THINNEST_WINDOW_M, 2 * _THINNEST_WINDOW_M)
         shape = rectangle(gap.middle, gap.along, gap.length_m, depth)
         gap = replace(gap, depth_m=depth, shape=shape)
@@ -184,7 +185,8 @@ def _draw_window(canvas: Canvas, gap: Gap, look: Look, rng: np.random.Generator)
     for share in _LINES[kind]:
         middle = gap.middle + deep * share
         canvas.line(np.array([middle - half, middle + half]), look.window_rgb, width)
-    if kind in ("framed", "filled", "three", "two") or rng.random() < 0.4:
+    # A single line where the wall is one, too, would show nothing.
+    if is_thin or kind in ("box", "framed", "filled", "three", "two") or rng.random() < 0.4:
         canvas.outline(gap.shape, look.window_rgb, 1)
     if kind == "framed" and gap.length_m > 1.0:
         panes = max(2, round(gap.length_m / 0.8))

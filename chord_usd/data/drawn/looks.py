@@ -15,14 +15,14 @@ DoorKind = Literal[
     "filled", "plain",
 ]  # fmt: skip
 WindowKind = Literal[
-    "one", "two", "three", "four", "filled", "framed", "sill", "bold", "black", "open"
+    "one", "two", "three", "four", "filled", "framed", "sill", "bold", "black", "open", "box"
 ]
 FloorKind = Literal["bare", "tinted", "kinds", "textured", "photo"]
 PieceKind = Literal["none", "lines", "white", "grey", "coloured", "photo"]
 
 KINDS: dict[str, float] = {
-    "agent": 0.22, "cad": 0.22, "furnished": 0.1, "coloured": 0.09, "photoreal": 0.08,
-    "japanese": 0.04, "chart": 0.18, "sketch": 0.04, "blueprint": 0.01, "pastel": 0.02,
+    "agent": 0.22, "cad": 0.21, "furnished": 0.1, "coloured": 0.08, "photoreal": 0.08,
+    "japanese": 0.04, "chart": 0.17, "sketch": 0.07, "blueprint": 0.01, "pastel": 0.02,
 }  # fmt: skip
 """Kinds of page and how often they come: estate agents' black walls; engineers' hollow ones with
 chains of dimensions; brochures in grey; floors in colours; furniture seen from above; flats with
@@ -47,6 +47,8 @@ class Look:
     body_rgb: RGB = (255, 255, 255)
     """Between the faces of walls that are not solid."""
     line_px: int = 1
+    has_joints: bool = False
+    """Corners of walls are drawn as in vector editors: mitres, and a dot at each point."""
     masses: float = 0.0
     """Share of rooms with a chimney breast or a column."""
     mass_fill: WallFill = "solid"
@@ -205,7 +207,7 @@ def _cad(rng: np.random.Generator, base: Look) -> dict[str, Any]:
     strokes = _strokes(rng) if rng.random() < 0.1 else {}
     return {
         "outer_fill": str(outer), "inner_fill": str(inner), "line_px": 1,
-        "wall_rgb": _vivid(rng, 0.7) if colored else _grey(rng, 0, 60),
+        "wall_rgb": _vivid(rng, float(rng.uniform(0.6, 1.0))) if colored else _grey(rng, 0, 60),
         "door_rgb": _vivid(rng, 0.7) if colored else base.ink_rgb,
         "chains": float(rng.choice([0.0, 0.5, 0.9])), "wet_tiles": 0.4, "axes": 0.15,
         "inner_dimensions": float(rng.choice([0.0, 0.2, 0.6])),
@@ -265,25 +267,28 @@ def _japanese(rng: np.random.Generator, base: Look) -> dict[str, Any]:
 
 def _chart(rng: np.random.Generator, base: Look) -> dict[str, Any]:
     """Walls, doors and windows in a colour each, filled or as outlines."""
-    filled = rng.random() < 0.35
+    filled = rng.random() < 0.3
     fill = "solid" if filled else "hollow"
+    outlined = "box" if rng.random() < 0.7 else "framed"
     return {
         "outer_fill": fill, "inner_fill": fill,
+        "has_joints": not filled and rng.random() < 0.6,
+        "outer_wall_m": base.outer_wall_m * float(rng.uniform(1.0, 1.5)),
         "wall_rgb": _vivid(rng, 0.9), "doors": ("filled",), "door_rgb": _vivid(rng, 0.9),
-        "windows": ("filled",) if filled else ("framed",),
+        "windows": ("filled",) if filled else (outlined,),
         "window_rgb": _vivid(rng, 0.9) if rng.random() < 0.7 else _grey(rng, 0, 60),
-        "glass_rgb": _vivid(rng, 1.0) if filled or rng.random() < 0.4 else (255, 255, 255),
+        "glass_rgb": _vivid(rng, 1.0) if filled or rng.random() < 0.2 else (255, 255, 255),
         "floors": "kinds" if filled else "bare",
         "door_fill_rgb": _vivid(rng, 1.0) if filled else None,
         "pieces": "none" if rng.random() < 0.8 else "lines",
         "names": 0.0 if rng.random() < 0.7 else 1.0, "sizes": 0.0, "chains": 0.0,
-        "masses": 0.0, "furniture_of_page": 0.1, "surroundings": 0.0, "stairs": 0.0,
+        "masses": 0.0, "furniture_of_page": 0.25, "surroundings": 0.0, "stairs": 0.0,
     }  # fmt: skip
 
 
 def _sketch(rng: np.random.Generator, base: Look) -> dict[str, Any]:
     fill = str(rng.choice(["hollow", "hatched", "solid"]))
-    strokes = _strokes(rng) if rng.random() < 0.5 else {}
+    strokes = _strokes(rng) if rng.random() < 0.7 else {}
     wide = int(rng.integers(1, 4))
     shade = int(rng.integers(205, 255))
     return {

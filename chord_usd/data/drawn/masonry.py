@@ -194,7 +194,7 @@ def _gap(
     reach = (corners - middle) @ across
     depth = float(np.ptp(reach))
     middle = middle + across * (reach.min() + depth / 2)
-    if not 0.03 < depth < 0.8:
+    if not 0.01 < depth < 0.8:
         return None
     shape = rectangle(middle, along, length, depth)
     box = Box(

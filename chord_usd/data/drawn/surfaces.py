@@ -6,7 +6,10 @@ from functools import cache
 
 import cv2
 import numpy as np
+import shapely
+from shapely.geometry import Point
 from shapely.geometry.base import BaseGeometry
+from shapely.ops import nearest_points
 
 from chord_usd.data.drawn.canvas import Canvas
 from chord_usd.data.drawn.looks import Look, WallFill
@@ -14,6 +17,7 @@ from chord_usd.data.drawn.masonry import Masonry
 from chord_usd.data.drawn.styles import RGB
 from chord_usd.raster.page_labels import FLOOR, WALL
 from chord_usd.runtime.locations import materials_folder
+from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import ByteArray, RoomKind
 
 _KIND_RGB: dict[RoomKind, tuple[RGB, ...]] = {
@@ -135,7 +139,23 @@ def draw_walls(canvas: Canvas, house: Masonry, look: Look, rng: np.random.Genera
         fill_wall(canvas, outer, look.outer_fill, look, rng)
     if look.mass_fill != look.outer_fill and not house.masses.is_empty:
         fill_wall(canvas, house.masses.intersection(house.walls), look.mass_fill, look, rng)
+    if look.has_joints:
+        _draw_joints(canvas, house, look)
     canvas.fill(house.walls, None, built=WALL, laid=0)
+
+
+def _draw_joints(canvas: Canvas, house: Masonry, look: Look) -> None:
+    """Mitres of the outer walls, and a dot at each corner of any."""
+    inner = shapely.MultiPoint([c for _, area in house.rooms for c in area.exterior.coords[:-1]])
+    for part in polygons_of(house.house):
+        for corner in part.exterior.coords[:-1]:
+            end = nearest_points(inner, Point(corner))[0]
+            if end.distance(Point(corner)) < 1.6 * look.outer_wall_m:
+                canvas.line(np.array([corner, (end.x, end.y)]), look.wall_rgb)
+    side = 3.0 / canvas.px_per_m
+    for part in polygons_of(house.walls):
+        for corner in part.exterior.coords[:-1]:
+            canvas.fill(Point(corner).buffer(side / 2, cap_style="square"), look.ink_rgb)
 
 
 def fill_wall(
