@@ -242,6 +242,7 @@ def _coloured(rng: np.random.Generator, base: Look) -> dict[str, Any]:
 def _photoreal(rng: np.random.Generator, base: Look) -> dict[str, Any]:
     walls = rng.choice(["dark", "white", "grey"])
     wall = {"dark": _grey(rng, 20, 80), "white": _grey(rng, 225, 255), "grey": _grey(rng, 110, 200)}
+    inked = {"wall_rgb": _grey(rng, 0, 60), "outer_fill": "grey", "inner_fill": "grey"}
     return {
         "floors": "photo", "pieces": "photo", "piece_rgb": _grey(rng, 30, 120),
         "has_shadows": bool(rng.random() < 0.7), "only_fixtures": False, "pieces_kept": 1.0,
@@ -251,6 +252,7 @@ def _photoreal(rng: np.random.Generator, base: Look) -> dict[str, Any]:
         "glass_rgb": (int(rng.integers(160, 230)), 225, 245),
         "doors": tuple(rng.choice(["arc", "arc", "leaf", "thick_arc", "plain", "slanted"], 2)),
         "names": float(rng.choice([0.0, 0.9])), "inner_wall_m": float(rng.uniform(0.08, 0.2)),
+        **(inked if rng.random() < 0.4 else {}),
     }  # fmt: skip
 
 
