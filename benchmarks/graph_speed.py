@@ -37,8 +37,8 @@ def main() -> None:
         "detect items": lambda case: items.detect(case.layout.rgb),
         "segment rooms": lambda case: rooms.segment(case.layout.rgb),
         "read pixels": lambda case: read_pixels(case.layout.rgb),
-        "graph, plan known": lambda case: extract_graph(case.layout, case.plan, None, items, rooms),
-        "graph, picture alone": lambda case: extract_graph(case.layout, None, None, items, rooms),
+        "graph, plan known": lambda case: extract_graph(case.layout, case.plan, items, rooms),
+        "graph, picture alone": lambda case: extract_graph(case.layout, None, items, rooms),
     }
     rows = [("load both networks, torch and ultralytics", f"{loaded_s:.1f} s")]
     rows += [(name, _spread(_times_ms(part, cases))) for name, part in parts.items()]

@@ -12,23 +12,23 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from results import write_section
 
 from chord_usd import pipeline
+from chord_usd.arrange.rules import RULES, arrange_meshes
 from chord_usd.evaluation.cases import Case, flat_cases, procedural_cases
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
-from chord_usd.graph.arrange import RULES
-from chord_usd.graph.extract import extract_graph
 from chord_usd.metrics.scores import SceneScores, score_scene
 from chord_usd.pipeline.redraw import Draw, unbuildable
 from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
 
 BUILDING: Mapping[str, Callable[[SceneGraph], SceneGraph]] = {
     "what stands in the way is left out": lambda graph: graph.without(unbuildable(graph, Draw())),
-    "on the wall, chairs drawn out": pipeline.settle,
+    "panels on walls, chairs clear of tables": arrange_meshes,
 }
 """Steps of the pipeline after reading."""
 
@@ -37,7 +37,7 @@ def _arranged(
     layout: LayoutImage, plan: Plan, reader: pipeline.GraphReader, out: Sequence[str]
 ) -> SceneGraph:
     """Read and arranged as generate does, without some rules and without second draws."""
-    graph = extract_graph(layout, plan, reader.database, reader.detector, without=out)
+    graph = replace(reader, without=frozenset(out)).read(layout, plan)
     for name, step in BUILDING.items():
         if name not in out:
             graph = step(graph)
@@ -73,12 +73,13 @@ def main() -> None:
     lists = pipeline.load_lists(settings, model)
     made = list(sampled(model, cases, Sampling(), lists))
     whole = _graphs(made, reader, ())
+    names = (*(rule.name for rule in RULES if rule.on_layout), *BUILDING)
     rows = [("", " | ".join(_row([score_scene(whole[0])])) + " | acts")]
     rows.append(("all rules", _told(whole)))
-    for name in (*RULES, *BUILDING):
+    for name in names:
         rows.append((f"without: {name}", _told(_graphs(made, reader, (name,)), whole)))
         sys.stderr.write(f"{rows[-1][0]} | {rows[-1][1]}\n")
-    rows.append(("none", _told(_graphs(made, reader, (*RULES, *BUILDING)), whole)))
+    rows.append(("none", _told(_graphs(made, reader, names), whole)))
     kind = "real flats" if options.flats else "procedural houses"
     note = f"{len(cases)} held-out {kind}, one draw each; rooms but where it says houses."
     if options.write:

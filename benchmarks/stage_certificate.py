@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from results import write_section
 
+from chord_usd.arrange.rules import arrange_meshes
 from chord_usd.data.floorplans.programme import spread_room_count
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
@@ -29,7 +30,6 @@ from chord_usd.pipeline import (
     generate,
     lay_tables,
     load_models,
-    settle,
     write_stage,
 )
 from chord_usd.raster import canvas
@@ -105,7 +105,7 @@ def _read_back(
     graph = models.reader.read(layout, plan)
     assert models.table is not None
     graph = lay_tables(graph, models.table, models.reader.database, settings).graph
-    return settle(graph)
+    return arrange_meshes(graph)
 
 
 def _counts(graph: SceneGraph) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from chord_usd.commands.common import (
     Parser,
     UsageError,
     Verbs,
+    add_arrange,
     add_assets,
     add_device,
     add_lists,
@@ -66,6 +67,7 @@ def _add_houses(parser: Parser) -> None:
     )  # fmt: skip
     add_steps(group)
     add_lists(group)
+    add_arrange(group)
     add_redraws(group)
     group.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
@@ -150,6 +152,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
+        arrange=not options.no_arrange,
         redraws=options.redraws,
     )
 

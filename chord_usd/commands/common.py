@@ -133,6 +133,14 @@ def add_lists(parser: Options) -> None:
     )  # fmt: skip
 
 
+def add_arrange(parser: Options) -> None:
+    """The option --no-arrange."""
+    parser.add_argument(
+        "--no-arrange", action="store_true",
+        help="leave every piece where the models put it, also in others and before doors",
+    )  # fmt: skip
+
+
 def add_redraws(parser: Options, count: int = 2) -> None:
     """The option --redraws."""
     parser.add_argument(

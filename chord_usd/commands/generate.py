@@ -10,6 +10,7 @@ from chord_usd.commands.common import (
     Outcome,
     UsageError,
     Verbs,
+    add_arrange,
     add_assets,
     add_device,
     add_lists,
@@ -43,6 +44,7 @@ def add(verbs: Verbs) -> None:
     add_seed(parser)
     add_steps(parser)
     add_lists(parser)
+    add_arrange(parser)
     parser.add_argument(
         "--furniture", metavar="WISHES",
         help='what rooms shall hold: "Bedroom 1: double bed, desk; Bathroom: no bathtub"',
@@ -87,6 +89,7 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
+        arrange=not options.no_arrange,
         redraws=options.redraws,
         furniture=() if options.furniture is None else read_furniture(options.furniture),
         rooms=() if options.rooms is None else read_rooms(options.rooms),
@@ -142,6 +145,8 @@ def _write_extras(house: House, paths: dict[str, Path]) -> None:
 def _summary(
     house: House, stage: Path, seconds: dict[str, float], check: dict[str, Any]
 ) -> dict[str, Any]:
+    from chord_usd.arrange.rules import edits_told
+
     furniture = len(house.graph.items)
     tabletop = sum(len(item.children) for item in house.graph.items)
     return {
@@ -153,6 +158,7 @@ def _summary(
         "openings": len(house.graph.openings),
         "redrawn": list(house.redrawn),
         "left_out": list(house.left_out),
+        "edits": edits_told(house.graph),
         "seconds": seconds,
         "m_per_px": house.plan_image.frame.m_per_px,
         "scale": house.plan.extra.get("scale"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
+    add_arrange,
     add_assets,
     add_output,
     add_verb,
@@ -33,16 +34,18 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="for pictures that do not say it"
     )
+    add_arrange(parser)
     add_assets(parser)
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
+    from chord_usd.arrange.rules import edits_told
     from chord_usd.pipeline import Settings, load_reader
     from chord_usd.raster.files import read_layout
     from chord_usd.scene.chord_json import write_scene
 
-    settings = Settings(asset_folders=tuple(options.assets))
+    settings = Settings(asset_folders=tuple(options.assets), arrange=not options.no_arrange)
     watch = stopwatch(options)
     layout = read_layout(existing_file(options.layout), options.scale)
     with deliver() as delivery:
@@ -58,6 +61,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "rooms": len(graph.rooms),
         "furniture": len(graph.items),
         "openings": len(graph.openings),
+        "edits": edits_told(graph),
         "seconds": watch.seconds,
     }
     return Outcome(

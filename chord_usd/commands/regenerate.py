@@ -8,6 +8,7 @@ from pathlib import Path
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
+    add_arrange,
     add_assets,
     add_device,
     add_lists,
@@ -52,6 +53,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_steps(parser)
     add_lists(parser)
+    add_arrange(parser)
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )
@@ -67,6 +69,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
+    from chord_usd.arrange.rules import edits_told
     from chord_usd.lists.wishes import read_pieces
     from chord_usd.pipeline import Settings, regenerate, require_lists, write_regenerated
     from chord_usd.raster.files import write_raster
@@ -81,6 +84,7 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
+        arrange=not options.no_arrange,
     )
     wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
     if wishes.wanted or wishes.excluded:
@@ -104,6 +108,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
         report = check_stage(target, own=True)
     pieces = list(made.graph.items_of(made.room.id))
+    new_ids = {piece.id for piece in pieces} - made.kept_ids
     furniture = len(pieces)
     new = furniture - len(made.kept)
     seed = made.layout.provenance.seed
@@ -114,6 +119,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "furniture": furniture,
         "items": furniture + sum(len(piece.children) for piece in pieces),
         "kept": list(made.kept),
+        "edits": [told for told in edits_told(made.graph) if told["item"] in new_ids],
         "seconds": watch.seconds,
         "certificate": certificate(report),
     }

@@ -8,6 +8,7 @@ from pathlib import Path
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
+    add_arrange,
     add_assets,
     add_output,
     add_seed,
@@ -24,14 +25,18 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
+    add_arrange(parser)
     add_assets(parser)
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.pipeline import Settings, read_scene_file, write_stage
+    from chord_usd.arrange.rules import edits_told
+    from chord_usd.pipeline import Settings, read_scene_file, settle, write_stage
 
-    settings = Settings(seed=options.seed, asset_folders=tuple(options.assets))
+    settings = Settings(
+        seed=options.seed, asset_folders=tuple(options.assets), arrange=not options.no_arrange
+    )
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)
     with deliver() as delivery:
@@ -39,11 +44,13 @@ def run(options: argparse.Namespace) -> Outcome:
         with watch.step("load"):
             graph = read_scene_file(scene_file, settings)
         with watch.step("stage"):
+            graph = settle(graph, settings)
             stage = write_stage(graph, target, settings)
     data = {
         "stage": str(options.output),
         "rooms": len(graph.rooms),
         "furniture": len(graph.items),
+        "edits": edits_told(graph),
         "content_hash": stage.content_hash,
         "seconds": watch.seconds,
     }

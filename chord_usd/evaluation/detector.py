@@ -127,12 +127,12 @@ class _Tally:
 
     def add(self, case: Case) -> None:
         m_per_px = case.layout.frame.m_per_px
-        graph = extract_graph(case.layout, None, None, self.detector, self.segmenter)
+        graph = extract_graph(case.layout, None, self.detector, self.segmenter)
         self.alone.add(graph.items, case.items, m_per_px)
         if case.plan:
             self.alone.room_ious.append(room_iou(graph.plan, case.plan))
             self.alone.room_kinds += _kinds_right(graph.plan, case.plan)
-            graph = extract_graph(case.layout, case.plan, None, self.detector, self.segmenter)
+            graph = extract_graph(case.layout, case.plan, self.detector, self.segmenter)
             self.with_plan.add(graph.items, case.items, m_per_px)
 
 

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from chord_usd.arrange.rules import Seen, arrange
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
-from chord_usd.graph.arrange import RULES, Seen, arrange
 from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
@@ -89,7 +89,7 @@ class Furnished:
     scene: SceneGraph
     """Nothing moved: edges alone that lie half a pixel from a wall or neighbour are on it."""
     arranged: SceneGraph | None = None
-    """After the rules of graph.arrange; None where no model made it."""
+    """After the rules of arrange.rules; None where no model made it."""
     read_plan: Plan | None = None
     """Rooms and openings as one reads them off the image; None where none is."""
 
@@ -160,7 +160,7 @@ def _plan_image(case: Case, sampling: Sampling) -> PlanImage:
 
 def read_back(case: Case, image: LayoutImage) -> Furnished:
     """The items of a layout in the rooms of its plan, and the plan as the layout shows it."""
-    scene = extract_graph(image, plan=case.plan, without=RULES)
+    scene = extract_graph(image, plan=case.plan)
     try:
         plan = extract_graph(image, detector=_Blind()).plan
     except SceneError:
@@ -274,7 +274,7 @@ def _fidelity(furnished: Sequence[Furnished]) -> dict[str, Score]:
     }
     ious = [plan.room_iou for plan in plans] + [0.0] * lost
     scores["plan_room_iou"] = Score(float(np.mean(ious)), len(ious), "houses")
-    fronts = [item.extra.get("front_from") for one in read for item in one.scene.items]
+    fronts = [item.facts.front_from for one in read for item in one.scene.items]
     shown = fronts.count("mark")
     scores["front_shown"] = Score(shown / max(len(fronts), 1), len(fronts), "items")
     return scores

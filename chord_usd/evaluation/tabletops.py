@@ -17,7 +17,7 @@ import shapely
 from chord_usd.data.splits import split_hash
 from chord_usd.data.tabletops.board import FACING_DEG as SIDE_YAW_DEG
 from chord_usd.evaluation.tabletop_cases import Case
-from chord_usd.graph.match import FRONT_FROM, Database, items_seen
+from chord_usd.graph.match import Database, items_seen
 from chord_usd.graph.table_items import TopPainter, read_items, read_table_pixels, things_seen
 from chord_usd.graph.table_place import Laid
 from chord_usd.graph.tabletop import TopModel
@@ -154,7 +154,7 @@ def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
     }
     painted = [one for one in judged if one.layout is not None]
     if painted:
-        marks = [item.extra.get(FRONT_FROM) == "mark" for one in painted for item in one.raw]
+        marks = [item.facts.front_from == "mark" for one in painted for item in one.raw]
         scores["front_shown"] = mean_of(marks, "items")
         scores["round_trip"] = mean_of([round_trip(one) for one in painted if one.raw], "pieces")
     return scores

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache
 from typing import Protocol
 
-from chord_usd.graph.arrange import Seen, arrange
-from chord_usd.graph.colours import read_pixels
+from chord_usd.graph.colours import LayoutPixels, read_pixels
 from chord_usd.graph.detect import (
     ItemDetector,
     RoomProposal,
@@ -17,7 +15,7 @@ from chord_usd.graph.detect import (
     load_room_segmenter,
 )
 from chord_usd.graph.directions import plan_directions
-from chord_usd.graph.match import Database, match_assets, place_items
+from chord_usd.graph.match import place_items
 from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
@@ -41,20 +39,18 @@ class Segmenter(Protocol):
 def extract_graph(
     layout: LayoutImage,
     plan: Plan | None = None,
-    database: Database | None = None,
     detector: Detector | None = None,
     segmenter: Segmenter | None = None,
-    without: Collection[str] = (),
+    pixels: LayoutPixels | None = None,
 ) -> SceneGraph:
-    """The scene graph of a layout raster.
+    """The scene graph of a layout raster: pieces stand where they are painted, without meshes.
 
     plan: its rooms and openings are taken as they are; without it they are read from the raster.
-    Rooms of unknown kind are named by the segmenter. database: gives each item its mesh; without
-    it items have none. detector, segmenter: the shipped networks by default, loaded when needed.
-    without: names of arrange.RULES; without all of them, pieces stand where they are painted.
-    Raises CheckpointError when they cannot be, SceneError when there is no room, AssetError.
+    Rooms of unknown kind are named by the segmenter. detector, segmenter: the shipped networks by
+    default, loaded when needed. pixels: of the layout, where they were read before.
+    Raises CheckpointError when they cannot be, SceneError when there is no room.
     """
-    pixels = read_pixels(layout.rgb)
+    pixels = pixels or read_pixels(layout.rgb)
     proposals = detect_in_tiles((detector or _shipped_detector()).detect, layout.rgb)
     plan = plan or read_plan(pixels, layout.frame)
     if any(room.kind == "unknown" for room in plan.rooms):
@@ -62,9 +58,7 @@ def extract_graph(
     directions = plan_directions(plan.rooms, layout.frame)
     found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
     items = place_items(found, plan.rooms, layout.frame)
-    graph = replace(plan.scene(), items=items, provenance=layout.provenance)
-    graph = arrange(graph, Seen(pixels.item, layout.frame), without)
-    return match_assets(graph, database) if database else graph
+    return replace(plan.scene(), items=items, provenance=layout.provenance)
 
 
 @lru_cache(maxsize=1)

@@ -21,11 +21,10 @@ from chord_usd.graph.flush import (
     kept_deep,
     part,
 )
-from chord_usd.graph.free_floor import BELOW_SILL
 from chord_usd.graph.snap import FoundItem
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.palette import Mount, category
-from chord_usd.scene.types import Asset, Box, Detection, Item, PixelFrame, Room, SceneGraph
+from chord_usd.scene.types import Asset, Box, Detection, Facts, Item, PixelFrame, Room, SceneGraph
 from chord_usd.scene.units import m_from_px, wrap_deg
 
 LEAST_INSIDE = 0.5
@@ -33,16 +32,6 @@ LEAST_INSIDE = 0.5
 
 FLUSH_PX = 0.55
 """Edges this close to a wall are on it: half a pixel of drawing, and some for rounding."""
-
-
-SEEN_AT = "source_px"
-"""Key of Item.extra: the corners of what was seen, pixels of the layout raster."""
-
-FRONT_FROM = "front_from"
-"""Key of Item.extra: what told which way the item faces: mark, wall, table or guess."""
-
-ASSET_DISTANCE = "asset_distance_m"
-"""Key of Item.extra: how far the mesh misses the item's length and width."""
 
 
 class Database(Protocol):
@@ -104,7 +93,7 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
     """Give every item without a mesh the nearest one: same category, least difference in size.
 
     Tabletop items too. Its box becomes what the mesh fills (fit.fitted_box); how far the mesh
-    missed the box asked for is noted in its extra. Raises AssetError when the database has nothing
+    missed the box asked for is one of its facts. Raises AssetError when the database has nothing
     of a category. but: ids of items that stay as they are.
     """
     items = (item if item.id in but else _matched(item, database) for item in graph.items)
@@ -115,14 +104,15 @@ def _matched(item: Item, database: Database) -> Item:
     if item.asset:
         children = tuple(_matched(child, database) for child in item.children)
         return replace(item, children=children)
-    most_height_m = item.extra.get(BELOW_SILL)
-    asset = database.nearest(item.category, item.box.size_m, most_height_m)
+    facts = item.facts
+    asset = database.nearest(item.category, item.box.size_m, facts.below_sill_m)
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
-    extra = {**item.extra, ASSET_DISTANCE: round(missed_m, 6)}
-    box = fitted_box(item.box, asset, category(item.category), is_guess=SEEN_AT in extra)
+    # Seen from above nothing tells a height.
+    box = fitted_box(item.box, asset, category(item.category), is_guess=bool(facts.source_px))
     raised_m = box.size_m[2] - item.box.size_m[2]
     children = tuple(_matched(_raised(child, raised_m), database) for child in item.children)
-    return replace(item, asset=asset, box=box, children=children, extra=extra)
+    matched = replace(item, asset=asset, box=box, children=children)
+    return matched.found(asset_distance_m=round(missed_m, 6))
 
 
 def _raised(child: Item, by_m: float) -> Item:
@@ -200,10 +190,11 @@ def reading_order(name: str, box: Box) -> tuple[int, float, float]:
 
 
 def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:
-    extra = {
-        SEEN_AT: np.round(one.detection.corners_px, 2).tolist(),
-        FRONT_FROM: "mark" if one.front_seen else "wall",
-        "detected": one.in_detector,
-    }
+    corners = np.round(one.detection.corners_px, 2).tolist()
+    facts = Facts(
+        source_px=tuple((x, y) for x, y in corners),
+        front_from="mark" if one.front_seen else "wall",
+        detected=one.in_detector,
+    )
     score = round(one.detection.score, 4)
-    return Item(item_id, one.detection.category, box, room_id, score=score, extra=extra)
+    return Item(item_id, one.detection.category, box, room_id, score=score, facts=facts)

@@ -16,7 +16,7 @@ import numpy as np
 
 from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels
 from chord_usd.graph.directions import Directions
-from chord_usd.graph.match import FRONT_FROM, box_of
+from chord_usd.graph.match import box_of
 from chord_usd.graph.snap import FoundItem, find_items
 from chord_usd.raster.table_top import NEIGHBOURS, TableTop, border_rgb, draw_table
 from chord_usd.runtime.progress import Progress
@@ -28,7 +28,7 @@ from chord_usd.scene.palette import (
     Mount,
     painted,
 )
-from chord_usd.scene.types import BoolArray, ByteArray, Item, LayoutImage, PlanImage
+from chord_usd.scene.types import BoolArray, ByteArray, Facts, Item, LayoutImage, PlanImage
 
 _WALL = 0
 """Structure label of walls."""
@@ -89,9 +89,9 @@ def things_seen(layout: LayoutImage, category: str) -> list[Item]:
         if abs(box.yaw_deg - nearest) < STRAIGHT_DEG:
             box = replace(box, yaw_deg=nearest)
         name = one.detection.category
-        extra = {FRONT_FROM: "mark" if one.front_seen else "guess"}
+        facts = Facts(front_from="mark" if one.front_seen else "guess")
         score = round(one.detection.score, 4)
-        things.append(Item(f"{name}_{index}", name, box, score=score, extra=extra))
+        things.append(Item(f"{name}_{index}", name, box, score=score, facts=facts))
     return things
 
 

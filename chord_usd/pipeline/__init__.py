@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 from chord_usd.errors import CheckpointError, ChordError, PlanError
 from chord_usd.pipeline.redraw import Draw, furnish_again, mend_rooms, unbuildable
+from chord_usd.pipeline.settings import Settings as Settings
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.progress import Progress, Stopwatch
 from chord_usd.scene.types import (
-    OOD,
     LayoutImage,
     Plan,
     PlanImage,
@@ -33,44 +33,12 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.draw import ListDrawer
     from chord_usd.lists.wishes import Asked, Wishes
-    from chord_usd.plan.corrections import RoomSaid
 
 LAYOUT_CHECKPOINT = "plan2layout"
 LISTS_CHECKPOINT = "lists"
 TABLE_CHECKPOINT = "table"
 THINGS_CHECKPOINT = "things"
 DETECTOR_CHECKPOINT = "detector_items"
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What a user can choose about a house."""
-
-    seed: int = 0
-    """Same plan, same seed, same settings: same bytes."""
-    steps: int | None = None
-    """Sampler steps; None takes what the checkpoint was tuned for."""
-    sampler: str | None = None
-    """ddim, dpm or ddpm (layout.schedule); None takes the checkpoint's own."""
-    m_per_px: float | None = None
-    """Scale of a plan picture; None measures it."""
-    part: int = 1
-    """Which plan of a sheet, by floor area, or storey of a file, by rooms with doors."""
-    device: str = "auto"
-    """auto, cpu or cuda."""
-    asset_folders: tuple[Path, ...] = ()
-    """Folders of further meshes, tried beside the shipped ones."""
-    tabletop: bool = True
-    """Whether tables, desks and worktops are laid."""
-    lists: bool = True
-    """Whether a list of pieces is drawn of each room before they are painted; without, the
-    diffusion model alone decides what a room holds, as in the paper."""
-    redraws: int = 2
-    """So often a room with faults is drawn again; 0 leaves the first draw as it is."""
-    furniture: tuple[tuple[str, Wishes], ...] = ()
-    """What generate's rooms shall hold (lists.wishes.read_furniture)."""
-    rooms: tuple[RoomSaid, ...] = ()
-    """What a user says of rooms (plan.corrections.read_rooms)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +98,8 @@ def generate(
             times=settings.redraws, progress=progress,
         )  # fmt: skip
         graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
-        graph = graph.without(unbuildable(graph, draw))
+        if settings.arrange:
+            graph = graph.without(unbuildable(graph, draw))
         draw.refuse_lacking(graph)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
@@ -141,7 +110,7 @@ def generate(
             tabletops = lay_tables(graph, models.table, database, settings, progress)
             graph = tabletops.graph
     with watch.step("stage"):
-        graph = settle(graph)
+        graph = settle(graph, settings)
         built = {item.id for item in graph.items}
         left_out = tuple(item.id for item in mended.graph.items if item.id not in built)
         stage = write_stage(graph, stage_path, settings)
@@ -245,10 +214,12 @@ def draw_layout(
 
 def load_reader(settings: Settings) -> GraphReader:
     """The detector and the mesh database, whose meshes are drawn when they are first needed."""
+    from chord_usd.arrange.rules import RULES
     from chord_usd.assets.database import load_database
     from chord_usd.graph.detect import load_item_detector
 
-    return GraphReader(load_item_detector(), load_database(settings.asset_folders))
+    without = frozenset() if settings.arrange else frozenset(rule.name for rule in RULES)
+    return GraphReader(load_item_detector(), load_database(settings.asset_folders), without)
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,12 +228,21 @@ class GraphReader:
 
     detector: ItemDetector
     database: AssetDatabase
+    without: frozenset[str] = frozenset()
+    """Names of rules that are left out."""
 
     def read(self, layout: LayoutImage, plan: Plan | None = None) -> SceneGraph:
-        """LayoutImage -> SceneGraph with meshes; without a plan, rooms are read, too."""
+        """LayoutImage -> SceneGraph, arranged and with meshes; without a plan, rooms are read,
+        too."""
+        from chord_usd.arrange.rules import Seen, arrange
+        from chord_usd.graph.colours import read_pixels
         from chord_usd.graph.extract import extract_graph
+        from chord_usd.graph.match import match_assets
 
-        return extract_graph(layout, plan, self.database, self.detector)
+        pixels = read_pixels(layout.rgb)
+        graph = extract_graph(layout, plan, self.detector, pixels=pixels)
+        graph = arrange(graph, Seen(pixels.item, layout.frame), self.without)
+        return match_assets(graph, self.database)
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,13 +310,12 @@ def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:
-    """The graph with each item's out-of-distribution score in its extra, under types.OOD."""
+    """The graph with each item's out-of-distribution score."""
     from chord_usd.layout.outlier import NoiseError
 
     scores = NoiseError(model).item_scores(plan_image, graph.items)
     items = tuple(
-        replace(item, extra={**item.extra, OOD: scores[item.id]}) if item.id in scores else item
-        for item in graph.items
+        item.found(ood=scores[item.id]) if item.id in scores else item for item in graph.items
     )
     return replace(graph, items=items)
 
@@ -363,15 +342,19 @@ def lay_tables(
     return with_items(graph, views, laid)
 
 
-def settle(graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()) -> SceneGraph:
-    """The graph with panels on their walls, and chairs out of the tables that they ran into.
+def settle(
+    graph: SceneGraph,
+    settings: Settings,
+    rooms: Collection[str] = (),
+    but: Collection[str] = (),
+) -> SceneGraph:
+    """The graph after the rules that look at meshes, if it is to be arranged.
 
-    rooms: ids of the rooms that are settled, by default all. but: ids of items that stay.
+    rooms: ids of the rooms whose pieces may move, by default all. but: ids of items that stay.
     """
-    from chord_usd.stage.hanging import hang_on_walls
-    from chord_usd.stage.seats import draw_out_chairs
+    from chord_usd.arrange.rules import arrange_meshes
 
-    return draw_out_chairs(hang_on_walls(graph, rooms, but), rooms, but)
+    return arrange_meshes(graph, rooms, but) if settings.arrange else graph
 
 
 def load_usd() -> None:
@@ -455,7 +438,7 @@ def regenerate(
         with watch.step("tabletop") as progress:
             database, rooms = models.reader.database, (room.id,)
             graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
-    graph = settle(graph, (room.id,), kept_ids)
+    graph = settle(graph, own, (room.id,), kept_ids)
     return Regenerated(
         source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
     )

@@ -40,6 +40,7 @@ from chord_usd.runtime.json_text import parse_json
 from chord_usd.scene import palette
 from chord_usd.scene.geometry import Floors, extent_m, footprint_polygon, rooms_beside
 from chord_usd.scene.json_elements import Element, Names, shown
+from chord_usd.scene.json_facts import FACT_KEYS, facts_to_json, read_facts
 from chord_usd.scene.limits import (
     LARGEST_HOUSE_M,
     MOST_CORNERS,
@@ -82,7 +83,8 @@ _CM_DECIMALS = 6
 _BOX_KEYS = ("pos", "length", "width", "height", "rotate")
 _ROOM_KEYS = ("roomId", "roomName", "roomType", "roomKind", "wallPoints")
 _OPENING_KEYS = ("type", *_BOX_KEYS, "id", "roomIds")
-_ITEM_KEYS = ("type", *_BOX_KEYS, "id", "roomId", "asset", "score", "children")
+_ITEM_KEYS = ("type", *_BOX_KEYS, "id", "roomId", "asset", "score", "children",
+              *FACT_KEYS)  # fmt: skip
 _PROVENANCE_KEYS = ("inputHash", "checkpointHash", "seed", "version", "configuration")
 
 _OPENING_SYNONYMS: dict[str, OpeningKind] = {
@@ -275,8 +277,8 @@ def _read_item(element: Element, names: Names, floors: Floors, parent: Item | No
         parts = element.elements("children", "child", MOST_ITEMS)
         children = tuple(_read_item(part, names, floors, item) for part in parts)
     asset = _read_asset(element.element("asset")) if element.has("asset") else None
-    extra = element.rest(_ITEM_KEYS)
-    return Item(item_id, category, box, room_id, asset, children, score, extra)
+    facts, extra = read_facts(element, _read_box), element.rest(_ITEM_KEYS)
+    return Item(item_id, category, box, room_id, asset, children, score, facts, extra)
 
 
 def _read_category(element: Element, *, is_child: bool) -> str:
@@ -442,7 +444,7 @@ def _item_to_json(item: Item, *, is_child: bool = False) -> dict[str, Any]:
         data["asset"] = _asset_to_json(item.asset)
     if item.children:
         data["children"] = [_item_to_json(child, is_child=True) for child in item.children]
-    return {**data, **item.extra}
+    return {**data, **facts_to_json(item.facts, _box_to_json), **item.extra}
 
 
 def _asset_to_json(asset: Asset) -> dict[str, Any]:

@@ -12,29 +12,21 @@ import numpy.typing as npt
 import shapely
 
 from chord_usd.scene.geometry import footprint_polygon, to_world
-from chord_usd.scene.types import MOVED, Box, FloatArray, Item
+from chord_usd.scene.types import Box, FloatArray
 
 _IN_ROOM_M = 1e-3
 """A piece flush with a wall is in its room, whatever was rounded."""
 
 
-def places_near(
-    box: Box, ways: FloatArray, step_m: float, farthest_m: float
-) -> Iterator[tuple[float, Box]]:
-    """Where a piece may go, and how far that is, from near to far.
+def places_near(box: Box, ways: FloatArray, step_m: float, farthest_m: float) -> Iterator[Box]:
+    """Where a piece may go, from near to far.
 
     ways: (N, 2) directions of length 1 in its own frame; of equal distances the first comes first.
     """
     for step in range(1, round(farthest_m / step_m) + 1):
         distance_m = round(step * step_m, 3)
         for way in ways:
-            yield distance_m, _moved(box, way * distance_m)
-
-
-def moved_to(item: Item, box: Box, distance_m: float) -> Item:
-    """The item there, with how far it has come in all in its extra."""
-    moved_m = round(item.extra.get(MOVED, 0.0) + distance_m, 6)
-    return replace(item, box=box, extra={**item.extra, MOVED: moved_m})
+            yield _moved(box, way * distance_m)
 
 
 def _moved(box: Box, by_m: npt.ArrayLike) -> Box:

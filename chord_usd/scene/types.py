@@ -10,6 +10,7 @@ along y, and its front towards -y. At yaw 0 a sofa's back is therefore to the no
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -43,15 +44,6 @@ WALL_THICKNESS_M = 0.24
 CANVAS_PX = 256
 """Width and height of plan and layout rasters (paper, section 5); those of large houses are
 larger (canvas.house_frame)."""
-
-
-OOD = "ood"
-"""Key of Item.extra: how far from the layout model's expectation the item is, from 0; about 1 for
-one that it would not have put there (layout.outlier)."""
-
-MOVED = "moved_m"
-"""Key of Item.extra: how far an item was moved from where the raster has it: chairs off the table
-that they run into (stage.seats), panels onto their wall (stage.hanging)."""
 
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
@@ -188,6 +180,38 @@ class Asset:
     author: str = ""
 
 
+FrontFrom = Literal["mark", "wall", "table", "guess"]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What a rule did to a piece after it was read (arrange.rules)."""
+
+    rule: str
+    before: Box
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the steps find out about an item; None or empty where none has."""
+
+    source_px: tuple[tuple[float, float], ...] = ()
+    """The corners of what was seen, pixels of the layout raster."""
+    front_from: FrontFrom | None = None
+    """What told which way it faces."""
+    detected: bool | None = None
+    """Whether the detector proposed it, too."""
+    below_sill_m: float | None = None
+    """Height of the sill of the window that it stands before."""
+    asset_distance_m: float | None = None
+    """How far the mesh misses its length and width."""
+    ood: float | None = None
+    """How far from the layout model's expectation it is, from 0; about 1 for one that it would not
+    have put there (layout.outlier)."""
+    edits: tuple[Edit, ...] = ()
+    """What rules did to it, in order."""
+
+
 @dataclass(frozen=True, eq=False)
 class Item:
     """A placed piece. Children (tabletop items) are posed in the frame of their parent."""
@@ -201,7 +225,20 @@ class Item:
     asset: Asset | None = None
     children: tuple[Item, ...] = ()
     score: float = 1.0
+    facts: Facts = Facts()
     extra: Mapping[str, Any] = field(default_factory=dict)
+    """Unknown keys of the JSON element."""
+
+    def found(self, **facts: Any) -> Item:
+        """The item with some of its facts anew."""
+        return replace(self, facts=replace(self.facts, **facts))
+
+    @property
+    def moved_m(self) -> float:
+        """How far rules moved its middle over the floor."""
+        if not self.facts.edits:
+            return 0.0
+        return round(math.dist(self.facts.edits[0].before.center_m[:2], self.box.center_m[:2]), 6)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from chord_usd.metrics.complete import Misplaced
 from chord_usd.runtime.stages import open_known, open_stage, reading
 from chord_usd.scene.geometry import footprint, room_polygon
 from chord_usd.scene.palette import CATEGORIES, Mount
-from chord_usd.scene.types import OOD, Item
+from chord_usd.scene.types import Item
 from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_scene
@@ -140,7 +140,7 @@ def _advice(scores: SceneScores) -> dict[str, Any]:
 
 
 def _outliers(items: Iterable[Item]) -> tuple[Outlier, ...]:
-    asked = [Outlier(item.id, item.extra[OOD]) for item in items if OOD in item.extra]
+    asked = [Outlier(item.id, score) for item in items if (score := item.facts.ood) is not None]
     return tuple(sorted(asked, key=lambda one: -one.score))
 
 

@@ -18,9 +18,9 @@ from pxr import Gf, Usd, UsdGeom
 
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import (
-    OOD,
     ROOM_KINDS,
     Box,
+    Facts,
     FloatArray,
     Item,
     Opening,
@@ -145,7 +145,7 @@ class _Reader:
             box=_own_box(body, self._matrix(piece), piece.GetAttribute(SIZE).Get()),
             room_id=room,
             children=tuple(child for child in children if child is not None),
-            extra=_noted_extra(piece),
+            facts=_facts(piece),
         )
 
     def _matrix(self, prim: Usd.Prim) -> FloatArray:
@@ -178,9 +178,9 @@ def _text(prim: Usd.Prim, name: str) -> str:
     return value if isinstance(value, str) else ""
 
 
-def _noted_extra(prim: Usd.Prim) -> dict[str, float]:
+def _facts(prim: Usd.Prim) -> Facts:
     noted = prim.GetAttribute(OOD_NOTE).Get() if prim.HasAttribute(OOD_NOTE) else None
-    return {OOD: noted} if isinstance(noted, float) else {}
+    return Facts(ood=noted if isinstance(noted, float) else None)
 
 
 def _room_kind(prim: Usd.Prim) -> RoomKind:

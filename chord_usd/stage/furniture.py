@@ -15,7 +15,7 @@ from pxr import Sdf
 
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.palette import category
-from chord_usd.scene.types import MOVED, OOD, Asset, Box, FloatArray, Item, Room
+from chord_usd.scene.types import Asset, Box, FloatArray, Item, Room
 from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
@@ -108,8 +108,8 @@ def _refer(
         place(prim, scale=scale)
     label(prim, "category", item.category)
     note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
-    if OOD in item.extra:
-        note(prim, ood=float(item.extra[OOD]))
+    if item.facts.ood is not None:
+        note(prim, ood=item.facts.ood)
     _note_origin(prim, item)
     note_size(prim, box.size_m)
     let_move(prim, item)
@@ -117,14 +117,17 @@ def _refer(
 
 def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
     """Where in the layout raster it was seen, and how far mesh and place are from that."""
-    if "source_px" in item.extra:
-        note(prim, source_px=np.array(item.extra["source_px"], dtype=np.float64).reshape(-1, 2))
+    facts = item.facts
+    if facts.source_px:
+        note(prim, source_px=np.array(facts.source_px, dtype=np.float64))
     if item.asset is not None:
         missed_m = np.subtract(item.asset.size_m[:2], item.box.size_m[:2])
-        distance_m = item.extra.get("asset_distance_m", round(float(np.hypot(*missed_m)), 6))
-        note(prim, asset_distance_m=float(distance_m))
-    if MOVED in item.extra:
-        note(prim, moved_m=float(item.extra[MOVED]))
+        distance_m = facts.asset_distance_m
+        if distance_m is None:
+            distance_m = round(float(np.hypot(*missed_m)), 6)
+        note(prim, asset_distance_m=distance_m)
+    if facts.edits:
+        note(prim, moved_m=item.moved_m, edited_by=[edit.rule for edit in facts.edits])
 
 
 def _placeholder(scratch: Path) -> Asset:

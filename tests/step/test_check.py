@@ -12,7 +12,7 @@ import trimesh
 from chord_usd.errors import StageError
 from chord_usd.metrics import score_scene
 from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import OOD, Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.scene.types import Box, Facts, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import Report, certificate, check_stage
 from chord_usd.stage.check_contact import Body, Solid, collisions, unsupported
@@ -82,7 +82,7 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
 
 
 def test_out_of_distribution_scores_travel_to_the_report(tmp_path):
-    bed, *others = (replace(BED, extra={OOD: 0.9}), replace(SHOES, extra={OOD: 0.2}), PANEL)
+    bed, *others = (replace(BED, facts=Facts(ood=0.9)), replace(SHOES, facts=Facts(ood=0.2)), PANEL)
     report = check(tmp_path, house(bed, *others))
     assert [(one.path.rsplit("/", 1)[-1], one.score) for one in report.ood] == [
         ("Bed_0", 0.9),

@@ -230,7 +230,7 @@ def test_the_shipped_detector_and_the_pixels_agree() -> None:
     layout = layout_image(draw_plan(graph.plan), graph.items)
     found = extract_graph(layout, graph.plan, detector=load_item_detector())
     assert len(found.items) == len(graph.items)
-    assert np.mean([item.extra["detected"] for item in found.items]) > 0.6
+    assert np.mean([item.facts.detected is True for item in found.items]) > 0.6
 
 
 def test_the_table_of_scores_and_the_sheet(untrained: Path, tmp_path: Path) -> None:

@@ -22,18 +22,28 @@ CODE = sorted(
 BASE = ("errors", "runtime", "scene", "raster")
 """What everything may import; each of them, those before it."""
 
-STEPS = ("plan", "planning", "lists", "layout", "graph", "stage", "image")
+STEPS = ("plan", "planning", "lists", "layout", "graph", "arrange", "stage", "image")
 WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
 LINE = ("cli", "commands", "pipeline", "pipeline.planner")
 
 ALLOWED: dict[str, set[str]] = {
     **{part: set(BASE[:index]) for index, part in enumerate(BASE)},
     **{step: {"metrics"} for step in STEPS},
+    "arrange": {"graph", "metrics", "stage"},
     "assets": set(),
     "metrics": set(),
     "data": {"assets", "metrics"},
     "training": {"planning", "lists", "layout", "graph", "data"},
-    "evaluation": {"planning", "lists", "layout", "graph", "data", "metrics", "pipeline.redraw"},
+    "evaluation": {
+        "planning",
+        "lists",
+        "layout",
+        "graph",
+        "arrange",
+        "data",
+        "metrics",
+        "pipeline.redraw",
+    },
     "farm": set(),
     "batch": {"pipeline", "data", "stage", "image"},
     "pipeline.redraw": {"lists", "layout", "metrics"},
@@ -51,7 +61,7 @@ HEAVY = {
     "diffusers": ("layout", "training"),
     "ultralytics": ("training",),
     "onnx": ("training",),
-    "pxr": ("runtime", "stage", "assets", "image"),
+    "pxr": ("runtime", "arrange", "stage", "assets", "image"),
     "bpy": ("image",),
     "transformers": ("planning", "training"),
 }

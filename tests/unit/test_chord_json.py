@@ -32,6 +32,8 @@ from chord_usd.scene.types import (
     ROOM_KINDS,
     Asset,
     Box,
+    Edit,
+    Facts,
     Item,
     Opening,
     Provenance,
@@ -94,6 +96,16 @@ boxes = st.builds(
     st.tuples(lengths, lengths, lengths),
     st.floats(-360, 360),
 )
+corners_px = st.tuples(*[st.tuples(places, places)] * 4)
+facts = st.builds(
+    Facts,
+    source_px=st.just(()) | corners_px,
+    front_from=st.none() | st.sampled_from(["mark", "wall", "table", "guess"]),
+    detected=st.none() | st.booleans(),
+    below_sill_m=st.none() | lengths,
+    ood=st.none() | lengths,
+    edits=st.lists(st.builds(Edit, st.just("neighbours parted"), boxes), max_size=2).map(tuple),
+)
 
 
 @st.composite
@@ -123,6 +135,7 @@ def items(draw: st.DrawFn, index: str, depth: int = 0) -> Item:
         draw(st.none() | st.just(asset)),
         tuple(draw(items(f"{index}.{n}", depth + 1)) for n in range(children)),
         draw(st.floats(0, 1)),
+        draw(facts),
         draw(extras),
     )
 
@@ -152,7 +165,7 @@ def assert_same(first: Any, second: Any) -> None:
         assert len(first) == len(second)
         for one, other in zip(first, second, strict=True):
             assert_same(one, other)
-    elif isinstance(first, Room | Opening | Item | SceneGraph | Box):
+    elif isinstance(first, Room | Opening | Item | SceneGraph | Box | Facts | Edit):
         for key in type(first).__dataclass_fields__:
             assert_same(getattr(first, key), getattr(second, key))
     elif isinstance(first, float):

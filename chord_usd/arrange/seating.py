@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from chord_usd.graph.match import FRONT_FROM
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
@@ -58,7 +57,7 @@ def _table_of(chair: Item, items: Sequence[Item]) -> Item | None:
 
 def _facing(item: Item, items: Sequence[Item]) -> Item:
     """A chair without a mark turned by quarters to its table, its footprint where it was."""
-    if item.category != SEAT or item.extra.get(FRONT_FROM) != "wall":
+    if item.category != SEAT or item.facts.front_from != "wall":
         return item
     table = _table_of(item, items)
     if table is None:
@@ -66,7 +65,7 @@ def _facing(item: Item, items: Sequence[Item]) -> Item:
     way = _inward(table.box, item.box)
     turned = [_turned(item.box, quarters) for quarters in range(4)]
     box = max(turned, key=lambda one: float(front_direction(one.yaw_deg) @ way))
-    return replace(item, box=box, extra={**item.extra, FRONT_FROM: "table"})
+    return replace(item, box=box).found(front_from="table")
 
 
 def _inward(table: Box, chair: Box) -> FloatArray:

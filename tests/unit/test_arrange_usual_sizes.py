@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chord_usd.graph.usual import grow_to_usual
+from chord_usd.arrange.usual_sizes import grow_to_usual
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.scene.geometry import to_own, to_world

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chord_usd.arrange.free_floor import FreeFloor, Painted
 from chord_usd.graph.colours import NO_ITEM
 from chord_usd.graph.flush import Standing
-from chord_usd.graph.free_floor import BELOW_SILL, FreeFloor, Painted
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.raster.canvas import draw_items
 from chord_usd.scene.palette import category
@@ -107,7 +107,7 @@ def test_before_a_window_stands_a_low_piece() -> None:
     assert blocked(item) == ["window1"]
     after = kept(item)
     assert after.box.size_m == pytest.approx((1.0, 0.6, 0.9))
-    assert after.extra[BELOW_SILL] == 0.9
+    assert after.facts.below_sill_m == 0.9
     assert not blocked(after)
 
 

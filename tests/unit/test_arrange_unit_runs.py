@@ -7,7 +7,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.graph.runs import level_fronts
+from chord_usd.arrange.unit_runs import level_fronts
 from chord_usd.scene.geometry import footprint, footprint_polygon
 from chord_usd.scene.types import Box
 

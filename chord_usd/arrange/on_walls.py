@@ -14,7 +14,7 @@ import shapely
 
 from chord_usd.scene.geometry import footprint, front_direction, room_polygon
 from chord_usd.scene.palette import Mount, category
-from chord_usd.scene.types import MOVED, Item, SceneGraph
+from chord_usd.scene.types import Item, SceneGraph
 
 REACH_M = 0.05
 """A panel that ends farther from a wall was meant to stand elsewhere."""
@@ -70,4 +70,4 @@ def _hung(item: Item, floor: shapely.Polygon) -> Item:
         return item
     x_m, y_m = np.array(item.box.center_m[:2]) + back * low_m
     box = replace(item.box, center_m=(float(x_m), float(y_m), item.box.center_m[2]))
-    return replace(item, box=box, extra={**item.extra, MOVED: round(abs(float(low_m)), 6)})
+    return replace(item, box=box)

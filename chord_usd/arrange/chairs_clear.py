@@ -24,7 +24,7 @@ from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
 from chord_usd.runtime.stages import open_asset
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
-from chord_usd.scene.places import FreePlaces, moved_to, places_near
+from chord_usd.scene.places import FreePlaces, places_near
 from chord_usd.scene.types import Asset, Box, Item, SceneGraph
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.check_contact import Body, Solid, collisions
@@ -100,9 +100,9 @@ def _has_mesh(item: Item) -> bool:
 
 def _drawn_out(chair: Item, tables: Sequence[_Table], free: FreePlaces) -> Item:
     """The chair at the nearest free place; where it is, if there is none."""
-    for distance_m, box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
+    for box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box) and not _runs_into(box, chair, tables):
-            return moved_to(chair, box, distance_m)
+            return replace(chair, box=box)
     return chair
 
 

@@ -23,9 +23,6 @@ from chord_usd.scene.palette import Category, Mount, category
 from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room
 from chord_usd.scene.units import m_from_px, px_from_m
 
-BELOW_SILL = "below_sill_m"
-"""Key of Item.extra: height of the sill of the window that the item stands before."""
-
 _EDGES = ("u0", "u1", "v0", "v1")
 
 _BARE = 0.2
@@ -103,7 +100,7 @@ class FreeFloor:
             return item
         length, width, height = item.box.size_m
         box = replace(item.box, size_m=(length, width, min(height, lowest)))
-        return replace(item, box=box, extra={**item.extra, BELOW_SILL: lowest})
+        return replace(item, box=box).found(below_sill_m=lowest)
 
     def _before(self, box: Box) -> list[int]:
         """Which free floors a box stands on, by index."""

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.graph.seating import seat_chairs
+from chord_usd.arrange.seating import seat_chairs
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction
 from chord_usd.scene.palette import category
-from chord_usd.scene.types import Box, Item, Room, SceneGraph, frozen_array
+from chord_usd.scene.types import Box, Facts, Item, Room, SceneGraph, frozen_array
 
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.8, 0.8, 0.75), 30.0), "r")
 
@@ -30,7 +30,7 @@ def chair(own_x_m: float, own_y_m: float, yaw_deg: float = 75.0, seen: str = "wa
     x_m = 2.0 + own_x_m * np.cos(turn) - own_y_m * np.sin(turn)
     y_m = 2.0 + own_x_m * np.sin(turn) + own_y_m * np.cos(turn)
     box = Box((float(x_m), float(y_m), 0.0), (0.45, 0.55, 0.9), yaw_deg)
-    return Item("chair", "chair", box, "r", extra={"front_from": seen})
+    return Item("chair", "chair", box, "r", facts=Facts(front_from=seen))
 
 
 def test_at_every_side_of_a_table_it_faces_across() -> None:
@@ -42,16 +42,15 @@ def test_at_every_side_of_a_table_it_faces_across() -> None:
             before = chair(own_x_m, own_y_m, before_deg)
             after = seated(TABLE, before)[1]
             assert after.box.yaw_deg == pytest.approx(yaw_deg), (own_x_m, own_y_m)
-            assert after.extra["front_from"] == "table"
+            assert after.facts.front_from == "table"
             same = footprint_polygon(after.box).symmetric_difference(footprint_polygon(before.box))
             assert same.area < 1e-9, "its size is usual, and its footprint stays"
 
 
 def test_of_two_tables_it_faces_the_nearer() -> None:
     other = Item("other", "table", Box((2.0, 3.4, 0.0), (1.2, 0.6, 0.75), 0.0), "r")
-    near = Item("c", "chair", Box((2.0, 2.95, 0.0), (0.4, 0.4, 0.9), 0.0), "r", extra={
-        "front_from": "wall"
-    })  # fmt: skip
+    box = Box((2.0, 2.95, 0.0), (0.4, 0.4, 0.9), 0.0)
+    near = Item("c", "chair", box, "r", facts=Facts(front_from="wall"))
     turned = seated(TABLE, other, near)[2]
     assert front_direction(turned.box.yaw_deg) == pytest.approx((0.0, 1.0))
 
@@ -61,8 +60,8 @@ def test_of_two_tables_it_faces_the_nearer() -> None:
     [
         chair(0.0, 0.5, 120.0, "mark"),
         chair(0.0, 1.2, 120.0),
-        Item("s", "single_sofa", chair(0.0, 0.5, 120.0).box, "r", extra={"front_from": "wall"}),
-        Item("c", "chair", chair(0.0, 0.5, 120.0).box, "next", extra={"front_from": "wall"}),
+        Item("s", "single_sofa", chair(0.0, 0.5, 120.0).box, "r", facts=Facts(front_from="wall")),
+        Item("c", "chair", chair(0.0, 0.5, 120.0).box, "next", facts=Facts(front_from="wall")),
     ],
     ids=["its mark was seen", "too far off", "no chair", "in another room"],
 )

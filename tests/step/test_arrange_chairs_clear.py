@@ -8,14 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from chord_usd.arrange.chairs_clear import FARTHEST_M, draw_out_chairs
+from chord_usd.arrange.rules import arrange_meshes
 from chord_usd.assets.database import load_database
 from chord_usd.graph.match import match_assets
 from chord_usd.metrics.openings import blocked_openings
 from chord_usd.scene.geometry import footprint_polygon
-from chord_usd.scene.types import MOVED, Box, Item, Opening, Room, SceneGraph
+from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
-from chord_usd.stage.seats import FARTHEST_M, draw_out_chairs
 
 ROOM = Room("r", "dining", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.4, 0.85, 0.75), 0.0), "r")
@@ -42,14 +43,15 @@ def moved_m(before: SceneGraph, after: SceneGraph, name: str = "chair") -> float
 @pytest.mark.parametrize("y_m", [2.1, 2.35, 2.55])
 def test_a_chair_ends_up_clear_of_its_table(x_m: float, y_m: float) -> None:
     before = house(TABLE, chair_at(x_m, y_m))
-    after = draw_out_chairs(before)
+    after = arrange_meshes(before)
     again = draw_out_chairs(after)
     assert moved_m(after, again) == 0.0, "what is clear stays where it is"
     assert moved_m(before, after, "table") == 0.0
     far_m = moved_m(before, after)
     assert far_m <= FARTHEST_M + 1e-6
     chair = after.items[1]
-    assert np.isclose(chair.extra.get(MOVED, 0.0), far_m, atol=1e-5)
+    assert np.isclose(chair.moved_m, far_m, atol=1e-5)
+    assert [edit.rule for edit in chair.facts.edits] == ["chairs clear of tables"] * (far_m > 0)
 
 
 def test_the_certificate_sees_no_collision_any_more(tmp_path: Path) -> None:

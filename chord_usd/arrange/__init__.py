@@ -1,0 +1,1 @@
+"""What is done to furniture after it is read: one table of rules, one call, every change kept."""
