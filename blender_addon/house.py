@@ -24,6 +24,7 @@ LEAST_LIGHT = 1e-3
 """Share of its brightness that a lamp keeps that was put out; an exposure has no zero."""
 
 CATEGORY_KEY, SIZE_KEY = "chord:category", "chord:size_m"
+EDITED_KEY, MOVED_KEY = "chord:edited_by", "chord:moved_m"
 """Custom properties that the importer gives pieces: attributes of the stage."""
 
 Objects = dict[str, bpy.types.Object]
@@ -71,6 +72,14 @@ def component(objects: Objects, piece: str) -> str:
         if path in objects and CATEGORY_KEY in objects[path]:
             return path
     return piece
+
+
+def arranged(objects: Objects, piece: str) -> str:
+    """What rules did to a piece after it was read, in a line; "" where they left it as it was."""
+    noted = objects[component(objects, piece)]
+    if not noted.get(EDITED_KEY):
+        return ""
+    return f"{noted[EDITED_KEY]}: moved {100 * float(noted.get(MOVED_KEY, 0.0)):.0f} cm"
 
 
 def placement(objects: Objects, path: str) -> Matrix:

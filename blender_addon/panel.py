@@ -10,7 +10,7 @@ from .core import report, swaps
 from .core.program import WISHES_FROM
 from .core.state import OFFERED_BY, panel_state, wrapped
 from .core.tree import piece_of
-from .house import LOCKED_KEY, pieces_of
+from .house import LOCKED_KEY, arranged, own_objects, pieces_of
 from .jobs import unsaved_folder
 from .preferences import preferences
 from .previews import icon
@@ -129,6 +129,8 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
             start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
             row.operator("chord.delete_piece", text="", icon="TRASH").path = path
             if piece_of(own.swap_path) == path:
+                if told := arranged(own_objects(context), path):
+                    self.layout.label(text=told, icon="INFO")
                 box = _when_idle(self.layout.box())
                 _draw_models(box, own, models.get(own.swap_path, ""))
                 for look in looks:

@@ -127,7 +127,9 @@ def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
             distance_m = round(float(np.hypot(*missed_m)), 6)
         note(prim, asset_distance_m=distance_m)
     if facts.edits:
-        note(prim, moved_m=item.moved_m, edited_by=[edit.rule for edit in facts.edits])
+        # A text, since Blender's import passes over lists of them.
+        rules = "; ".join(dict.fromkeys(edit.rule for edit in facts.edits))
+        note(prim, moved_m=item.moved_m, edited_by=rules)
 
 
 def _placeholder(scratch: Path) -> Asset:

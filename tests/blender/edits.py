@@ -76,6 +76,8 @@ own.rooms[own.room_index].light = 2.0
 told["looks"] = s.press("shuffle_looks")
 told["evening"] = s.press("choose_look", path="/House", variant_set="lighting", variant="evening")
 told["light_after"] = own.rooms[own.room_index].light
+s.objects()[bed]["chord:edited_by"] = "neighbours parted"
+s.objects()[bed]["chord:moved_m"] = 0.04
 told["found"] = s.press("find_models", path=bed)
 told["swap_drawn"] = s.drawn()
 told["offered"] = len(s.part("core.swaps").candidates(s.part("properties").parsed(own.swap_models)))

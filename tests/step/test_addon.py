@@ -416,6 +416,7 @@ def test_the_panel_of_a_house_has_every_button(edits: Told) -> None:
     assert {"chord.find_models", "chord.lock_piece", "chord.delete_piece"} <= set(
         operators(edits["swap_drawn"])
     )
+    assert "neighbours parted: moved 4 cm" in labels(edits["swap_drawn"])
 
 
 def test_only_what_the_program_can_is_offered(failures: Told, wishes: Told) -> None:
