@@ -15,6 +15,7 @@ from chord_usd.arrange.rules import Seen, arrange
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
+from chord_usd.evaluation.variety import piece_scores
 from chord_usd.graph.extract import extract_graph
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
@@ -232,6 +233,8 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
     for kind in JUDGED:
         # What stands at an open side is judged by what lies beyond it.
         rows[kind] = score_scenes(rooms_of_kind(scenes, kind)) | homely_scores(homely, kind)
+    for part, found in piece_scores(scenes, [one.case for one in furnished], JUDGED).items():
+        rows[part or "house"].update(found)
     return LayoutScores(
         rows=rows,
         split=split_hash(one.case.id for one in furnished),

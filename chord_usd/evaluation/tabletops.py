@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from chord_usd.data.splits import split_hash
+from chord_usd.data.statistics import total_variation
 from chord_usd.data.tabletops.board import FACING_DEG as SIDE_YAW_DEG
 from chord_usd.evaluation.tabletop_cases import Case
 from chord_usd.graph.match import Database, items_seen
@@ -182,15 +183,9 @@ def _beside_data(judged: Sequence[Judged]) -> dict[str, Score]:
     counts = Counter(len(one.raw) for one in judged), Counter(map(len, truths))
     return {
         "items_of_data": mean_of([float(len(items)) for items in truths], "pieces"),
-        "categories_tv": Score(_variation(mine, data), sum(mine.values()), "items"),
-        "counts_tv": Score(_variation(*counts), len(judged), "pieces"),
+        "categories_tv": Score(total_variation(mine, data), sum(mine.values()), "items"),
+        "counts_tv": Score(total_variation(*counts), len(judged), "pieces"),
     }
-
-
-def _variation(one: Counter[Any], other: Counter[Any]) -> float:
-    """Total variation between two histograms, [0, 1]."""
-    sums = max(one.total(), 1), max(other.total(), 1)
-    return sum(abs(one[key] / sums[0] - other[key] / sums[1]) for key in one | other) / 2
 
 
 def _placed_scores(judged: Sequence[Judged], reliefs: Reliefs) -> dict[str, Score]:
