@@ -29,7 +29,7 @@ from chord_usd.batch.local import LocalEngine
 from chord_usd.batch.lock import locked
 from chord_usd.batch.make import Make, Maker
 from chord_usd.batch.ray_engine import RayEngine
-from chord_usd.batch.units import Order, Unit, list_units
+from chord_usd.batch.work_units import Order, Unit, list_units
 from chord_usd.pipeline import Settings
 
 

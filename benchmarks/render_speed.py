@@ -28,11 +28,11 @@ from PIL import Image
 from results import write_section
 
 from chord_usd.image.blender import run_blender
-from chord_usd.image.cameras import StageCamera, read_views
 from chord_usd.image.exr import read_exr, write_exr
 from chord_usd.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Quality
 from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES
+from chord_usd.image.stage_cameras import StageCamera, read_views
 from chord_usd.runtime.files import hash_file
 from chord_usd.scene.types import FloatArray
 

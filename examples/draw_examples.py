@@ -12,7 +12,7 @@ import numpy as np
 
 from chord_usd.data.houses import random_plan
 from chord_usd.raster.canvas import draw_plan
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan
 
 

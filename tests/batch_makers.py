@@ -16,7 +16,7 @@ from chord_usd.batch.make import STAGE_FILE, Make
 from chord_usd.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
 from chord_usd.batch.run import Done, run_batch
 from chord_usd.batch.shared import share_files
-from chord_usd.batch.units import Order, Unit
+from chord_usd.batch.work_units import Order, Unit
 from chord_usd.errors import PlanError
 from chord_usd.pipeline import Settings
 from chord_usd.runtime.files import output_folder

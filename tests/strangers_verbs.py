@@ -12,7 +12,7 @@ from pathlib import Path
 from chord_usd.cli import build_parser
 from chord_usd.commands.paths import output_file, output_folder, output_place, output_run
 from chord_usd.pipeline import draw_plan
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan, write_scene
 from chord_usd.scene.types import SceneGraph
 

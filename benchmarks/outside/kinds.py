@@ -69,7 +69,7 @@ KINDS: dict[str, Kind] = {
     ),
     "layout png": Kind(
         ("layout.png", "plan.png"),
-        (("call", "chord_usd.raster.files:read_layout", "{in}"),) * 9
+        (("call", "chord_usd.raster.raster_files:read_layout", "{in}"),) * 9
         + (("graph", "{in}", "-o", "{out}.json"), ("layout", "{in}", "-o", "{out}.png", "--steps",
         "1")),
     ),

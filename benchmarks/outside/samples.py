@@ -16,7 +16,7 @@ from pxr import Sdf, UsdUtils
 
 from chord_usd.cli import main
 from chord_usd.raster.canvas import draw_plan, layout_image
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import read_scene, write_plan, write_scene
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Plan, SceneGraph

@@ -19,8 +19,8 @@ import trimesh
 from pxr import UsdGeom, UsdPhysics
 from shapely import Polygon
 
+from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.free_places import free_places
-from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
 from chord_usd.runtime.stages import open_asset
 from chord_usd.scene.geometry import footprint_polygon, room_polygon

@@ -16,7 +16,7 @@ import shapely
 
 from chord_usd.graph.colours import LabelArray
 from chord_usd.graph.flush import Standing
-from chord_usd.metrics.openings import clearances
+from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.palette import Category, Mount, category

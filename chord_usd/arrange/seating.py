@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.free_places import free_places
-from chord_usd.metrics.openings import clearances
 from chord_usd.metrics.overlap import natural_partners
 from chord_usd.scene.geometry import (
     footprint_polygon,

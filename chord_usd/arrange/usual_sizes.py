@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from chord_usd.graph.fit import is_built_in
+from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.free_places import free_places
-from chord_usd.metrics.openings import clearances
 from chord_usd.scene.geometry import resized, room_polygon
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.places import FreePlaces

@@ -1,6 +1,6 @@
 """The looks that ship in materials/: what each is made of, and how it is written.
 
-OakPlank/look.json        what looks.py reads
+OakPlank/look.json        what scene/looks.py reads
 OakPlank/OakPlank.usda    material package
 OakPlank/maps/{base_color, roughness, normal}.jpg
 """

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from chord_usd.batch.make import Make
-from chord_usd.batch.units import Unit
+from chord_usd.batch.work_units import Unit
 from chord_usd.errors import ChordError, DiskFullError
 
 MOST_TRIES = 3

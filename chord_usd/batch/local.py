@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 from chord_usd.batch.engine import Load, Queue, Result, attempt
-from chord_usd.batch.units import Unit
+from chord_usd.batch.work_units import Unit
 from chord_usd.runtime import interrupts
 from chord_usd.runtime.networks import THREADS_VARIABLE, usable_cores
 from chord_usd.runtime.offline import stay_offline

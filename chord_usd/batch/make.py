@@ -20,7 +20,7 @@ from chord_usd.batch.records import (
     write_record,
 )
 from chord_usd.batch.shared import keep_pictures, share_files
-from chord_usd.batch.units import Order, Unit
+from chord_usd.batch.work_units import Order, Unit
 from chord_usd.runtime.files import hash_file, output_folder
 from chord_usd.runtime.progress import Stopwatch
 
@@ -129,7 +129,7 @@ def _plan_file(unit: Unit, folder: Path) -> Path:
 
 
 def _write_rasters(house: House, folder: Path) -> None:
-    from chord_usd.raster.files import write_raster
+    from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import write_scene
 
     write_raster(house.plan_image, folder / PLAN_FILE)

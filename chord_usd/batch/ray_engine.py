@@ -15,7 +15,7 @@ from typing import Any
 
 from chord_usd.batch.engine import Load, Queue, Result, attempt
 from chord_usd.batch.lock import LOCK_FILE
-from chord_usd.batch.units import Unit
+from chord_usd.batch.work_units import Unit
 from chord_usd.errors import ChordError, OutputError
 from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.offline import refuse_telemetry, stay_offline

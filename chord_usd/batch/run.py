@@ -20,7 +20,7 @@ from chord_usd.batch.records import (
     finished,
 )
 from chord_usd.batch.shards import write_shards
-from chord_usd.batch.units import Order, Unit
+from chord_usd.batch.work_units import Order, Unit
 from chord_usd.errors import OutputError, reason_of
 from chord_usd.runtime import interrupts
 from chord_usd.runtime.progress import Progress, Stopwatch

@@ -108,8 +108,8 @@ def run_list(options: argparse.Namespace) -> Outcome:
 
 def run_nearest(options: argparse.Namespace) -> Outcome:
     """Runs assets nearest."""
+    from chord_usd.assets.contact_sheet import colourways
     from chord_usd.assets.database import load_database
-    from chord_usd.assets.sheet import colourways
     from chord_usd.graph.fit import fitted_box
     from chord_usd.scene.palette import category
     from chord_usd.scene.types import Box
@@ -139,7 +139,7 @@ def _draw_pictures(assets: Sequence[Asset], folder: Path, watch: Stopwatch) -> d
     """A picture of each asset in the folder; one younger than its mesh is not drawn again."""
     from PIL import Image
 
-    from chord_usd.assets.sheet import draw_asset
+    from chord_usd.assets.contact_sheet import draw_asset
 
     files = {asset.id: folder / f"{asset.id}.png" for asset in assets}
     with watch.step("pictures") as progress, deliver() as delivery:
@@ -220,7 +220,7 @@ def _draw_sheet(
     *,
     colours: bool = False,
 ) -> None:
-    from chord_usd.assets.sheet import draw_sheet
+    from chord_usd.assets.contact_sheet import draw_sheet
 
     with deliver() as delivery, stopwatch(options).step("sheet") as progress:
         target = delivery.place(options.sheet)

@@ -123,7 +123,7 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. Finished houses stay, whatever becomes of the others."""
     from chord_usd.batch.index import require_parquet
     from chord_usd.batch.run import Exports, run_batch
-    from chord_usd.batch.units import Order, list_units
+    from chord_usd.batch.work_units import Order, list_units
 
     if not options.plans and not options.synth:
         raise UsageError("no plans", expected="PLAN, or --synth N", try_="chord-usd batch --help")

@@ -30,8 +30,8 @@ from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
+    from chord_usd.data.distributions import Samples
     from chord_usd.data.foreign import Found
-    from chord_usd.data.realism import Samples
     from chord_usd.scene.types import SceneGraph
 
 MOST_TOLD = 5
@@ -173,7 +173,7 @@ def run_import(options: argparse.Namespace) -> Outcome:
 
 def run_stats(options: argparse.Namespace) -> Outcome:
     """Runs dataset stats."""
-    from chord_usd.data import realism
+    from chord_usd.data import distributions
     from chord_usd.data.statistics import as_text, count_houses
 
     reading = _Reading()
@@ -187,8 +187,10 @@ def run_stats(options: argparse.Namespace) -> Outcome:
         plot_statistics(statistics, options.plot)
     text, data = as_text(statistics), statistics.as_json()
     if options.against:
-        rows = realism.compare(realism.measure(scenes), _measured(options.against, reading))
-        text += "\n\n" + realism.as_text(rows)
+        rows = distributions.compare(
+            distributions.measure(scenes), _measured(options.against, reading)
+        )
+        text += "\n\n" + distributions.as_text(rows)
         data["against"] = [row._asdict() for row in rows]
     return reading.outcome(text, data)
 
@@ -255,7 +257,7 @@ def run_draw(options: argparse.Namespace) -> Outcome:
 
 def _write_house(scene: SceneGraph, stem: Path, rasters: bool) -> None:
     from chord_usd.raster.canvas import draw_plan, layout_image
-    from chord_usd.raster.files import write_raster
+    from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import write_scene
 
     def file(suffix: str) -> Path:
@@ -324,8 +326,8 @@ class _Reading:
 
 def _measured(source: Path, reading: _Reading) -> Samples:
     """What others' houses measure; what of them cannot be read is told with the rest."""
+    from chord_usd.data.distributions import measure
     from chord_usd.data.foreign import Models, foreign_houses
-    from chord_usd.data.realism import measure
 
     if not source.is_dir():
         existing_file(source)

@@ -76,7 +76,7 @@ def add(group: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs evaluate detector."""
-    from chord_usd.evaluation import detector, detector_sheet
+    from chord_usd.evaluation import detector_scores, detector_sheet
     from chord_usd.graph.detect import load_item_detector, load_room_segmenter
 
     if options.sheet and options.sheet.suffix not in detector_sheet.PICTURES:
@@ -93,8 +93,8 @@ def run(options: argparse.Namespace) -> Outcome:
     columns = {}
     for name, these in cases.items():
         with watch.step(f"score {name}") as progress:
-            columns[name] = detector.score_detector(these, items, rooms, progress)
-    table = detector.as_markdown(columns)
+            columns[name] = detector_scores.score_detector(these, items, rooms, progress)
+    table = detector_scores.as_markdown(columns)
     if options.output:
         write_atomic(options.output, table)
     if options.sheet:

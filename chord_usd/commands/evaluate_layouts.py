@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases
     from chord_usd.evaluation.layouts import Furnished, Sampling
     from chord_usd.evaluation.realism import Encoder, Realism
-    from chord_usd.lists.draw import ListDrawer
+    from chord_usd.lists.list_sampler import ListDrawer
 
 
 def add(group: Verbs) -> None:
@@ -131,7 +131,7 @@ def _furnished(
 
 
 def _drawer(options: argparse.Namespace) -> ListDrawer:
-    from chord_usd.lists.draw import load_lists
+    from chord_usd.lists.list_sampler import load_lists
     from chord_usd.lists.pieces import PIECES
     from chord_usd.pipeline import LISTS_CHECKPOINT
 

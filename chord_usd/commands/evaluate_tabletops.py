@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from chord_usd.evaluation.tabletop_cases import Case
     from chord_usd.evaluation.tabletops import ReaderScores, Workplace
     from chord_usd.layout.sample import LayoutModel
-    from chord_usd.lists.tops import TopLister
+    from chord_usd.lists.top_lists import TopLister
 
 DATA = "data"
 """Column of what the data's own rules lay: what the model is to come up to."""
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
 
 def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
-    from chord_usd.lists.tops import DRAFTS
+    from chord_usd.lists.top_lists import DRAFTS
 
     if painter is None:
         return f"the best of {options.drafts or DRAFTS} lists of each top"
@@ -104,8 +104,8 @@ def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
 
 def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Workplace:
     """The model and the meshes."""
+    from chord_usd.assets.asset_relief import relief_of
     from chord_usd.assets.database import load_database
-    from chord_usd.assets.tops import relief_of
     from chord_usd.evaluation.tabletops import Workplace
     from chord_usd.graph.table_items import TopPainter
 
@@ -117,7 +117,7 @@ def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Work
 
 
 def _lister(options: argparse.Namespace) -> TopLister:
-    from chord_usd.lists.tops import DRAFTS, load_lister
+    from chord_usd.lists.top_lists import DRAFTS, load_lister
     from chord_usd.pipeline import THINGS_CHECKPOINT
     from chord_usd.runtime.locations import checkpoint_folder
 

@@ -48,8 +48,8 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
     from dataclasses import replace
 
     from chord_usd.farm.bundle import Work, write_bundle
-    from chord_usd.image.cameras import stage_files
     from chord_usd.image.render import camera_names
+    from chord_usd.image.stage_cameras import stage_files
 
     stage = existing_file(options.stage)
     wanted = render_options(options)

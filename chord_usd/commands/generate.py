@@ -129,7 +129,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
 def _write_extras(house: House, paths: dict[str, Path]) -> None:
     if "layout" in paths:
-        from chord_usd.raster.files import write_raster
+        from chord_usd.raster.raster_files import write_raster
 
         write_raster(house.layout, paths["layout"])
     if "graph" in paths:

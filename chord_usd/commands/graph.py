@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.arrange.rules import edits_told
     from chord_usd.pipeline import Settings, load_reader
-    from chord_usd.raster.files import read_layout
+    from chord_usd.raster.raster_files import read_layout
     from chord_usd.scene.chord_json import write_scene
 
     settings = Settings(asset_folders=tuple(options.assets), arrange=not options.no_arrange)

@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> Outcome:
     )
     from chord_usd.plan.read import WARNINGS
     from chord_usd.plan.text import let_go
-    from chord_usd.raster.files import write_raster
+    from chord_usd.raster.raster_files import write_raster
 
     settings = Settings(
         seed=options.seed,

@@ -107,7 +107,7 @@ def reading_report(plan: Plan) -> dict[str, Any]:
 def run_draw(options: argparse.Namespace) -> Outcome:
     """Runs plan draw."""
     from chord_usd.pipeline import draw_plan
-    from chord_usd.raster.files import write_raster
+    from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import read_plan
 
     plan_file = existing_file(options.plan)

@@ -80,7 +80,7 @@ def run_from_outline(options: argparse.Namespace) -> Outcome:
 
 def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
     from chord_usd.pipeline import Settings, draw_plan
-    from chord_usd.raster.files import write_raster
+    from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import write_plan
 
     suffix = options.output.suffix.lower()

@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.arrange.rules import edits_told
     from chord_usd.lists.wishes import read_pieces
     from chord_usd.pipeline import Settings, regenerate, require_lists, write_regenerated
-    from chord_usd.raster.files import write_raster
+    from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import write_scene
 
     source = existing_file(options.stage)

@@ -281,7 +281,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
     from chord_usd.data.flats import read_flats
     from chord_usd.evaluation.floors import held_out_cases
     from chord_usd.evaluation.sketch_sheet import draw_sketches
-    from chord_usd.planning.sketch import load_sketcher
+    from chord_usd.planning.sketcher import load_sketcher
     from chord_usd.training.sketch_data import held_out, procedural, sketched
     from chord_usd.training.sketch_trainer import SketchTraining, train_sketches
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from chord_usd.data.nudge import nudged
-from chord_usd.metrics.openings import blocked_openings
+from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
 from chord_usd.scene.geometry import room_polygon

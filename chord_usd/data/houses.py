@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.layouts import UnsoundError, draw_house
-from chord_usd.data.floorplans.outline import add_balconies, add_bays, slant
+from chord_usd.data.floorplans.outer_shape import add_balconies, add_bays, slant
+from chord_usd.data.floorplans.placed_openings import Hole, NoPlaceError, find_walls, make_openings
 from chord_usd.data.floorplans.programme import MOST_ROOMS, draw_programme, room_count
+from chord_usd.data.floorplans.room_layouts import UnsoundError, draw_house
 from chord_usd.data.floorplans.sketch import STEP_M, WALL, Face, Point, Sketch, faces, twice_area
-from chord_usd.data.floorplans.walls import Hole, NoPlaceError, find_walls, make_openings
 from chord_usd.scene.types import WALL_THICKNESS_M, Box, Opening, Plan, Room, frozen_array
 
 _MOST_DRAWS = 200

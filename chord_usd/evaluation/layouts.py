@@ -21,8 +21,8 @@ from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.draft import Draft
 from chord_usd.layout.sample import LayoutModel
-from chord_usd.lists.draw import ListDrawer
 from chord_usd.lists.house import Drafts, furnish_by_lists
+from chord_usd.lists.list_sampler import ListDrawer
 from chord_usd.metrics.complete import ESSENTIALS
 from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish

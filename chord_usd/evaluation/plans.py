@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.draw import Drawing, draw_in_style
-from chord_usd.data.drawn.looks import random_look
+from chord_usd.data.drawn.page_looks import random_look
+from chord_usd.data.drawn.styled_plans import Drawing, draw_in_style
 from chord_usd.data.drawn.styles import random_style
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.houses import random_plan

@@ -9,8 +9,8 @@ import numpy as np
 
 from chord_usd.evaluation.floors import FloorCase
 from chord_usd.evaluation.report import framed, picture_png
-from chord_usd.planning.sheet import on_sheet, sheet_for_area, shell_sheet
-from chord_usd.planning.sketch import Ground, Sketcher, open_ground
+from chord_usd.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet
+from chord_usd.planning.sketcher import Ground, Sketcher, open_ground
 from chord_usd.raster import plan_labels
 from chord_usd.raster.bubbles import bubbles_of, with_bubbles
 from chord_usd.runtime.files import write_atomic

@@ -15,8 +15,8 @@ from chord_usd.graph.detect import (
     load_room_segmenter,
 )
 from chord_usd.graph.directions import plan_directions
+from chord_usd.graph.layout_plan import read_plan
 from chord_usd.graph.match import place_items
-from chord_usd.graph.rooms import read_plan
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
 from chord_usd.scene.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph

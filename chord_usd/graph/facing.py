@@ -8,8 +8,8 @@ import numpy as np
 
 from chord_usd.graph.colours import CLEAR, LayoutPixels
 from chord_usd.graph.joining import Piece
+from chord_usd.graph.patches import UsualSize, mark_fits
 from chord_usd.graph.rectangles import Rectangle, covered_share
-from chord_usd.graph.regions import UsualSize, mark_fits
 from chord_usd.scene.palette import PLAN_CATEGORIES, Mount
 from chord_usd.scene.types import FloatArray
 

@@ -22,8 +22,7 @@ from chord_usd.graph.detect import LEAST_SIDE_PX
 from chord_usd.graph.directions import Directions, raster_directions
 from chord_usd.graph.facing import facing
 from chord_usd.graph.joining import Piece
-from chord_usd.graph.rectangles import Rectangle, covered_share
-from chord_usd.graph.regions import (
+from chord_usd.graph.patches import (
     MARGIN_PX,
     Patch,
     UsualSize,
@@ -32,6 +31,7 @@ from chord_usd.graph.regions import (
     is_another,
     uncovered,
 )
+from chord_usd.graph.rectangles import Rectangle, covered_share
 from chord_usd.scene.palette import HOUSE_CATEGORIES, Category
 from chord_usd.scene.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
 from chord_usd.scene.units import fold_deg

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from chord_usd.graph.match import Database
 from chord_usd.graph.table_place import Laid, place_on
-from chord_usd.graph.table_top import is_too_small, view_from_above
+from chord_usd.graph.top_view import is_too_small, view_from_above
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.raster.relief import Relief, Reliefs
 from chord_usd.raster.table_top import TableTop
@@ -48,7 +48,7 @@ class View:
 
 
 class TopModel(Protocol):
-    """What says what stands on tops: lists.tops.TopLister or graph.table_items.TopPainter."""
+    """What says what stands on tops: lists.top_lists.TopLister or graph.table_items.TopPainter."""
 
     @property
     def content_hash(self) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chord_usd.graph.detect import RoomProposal
-from chord_usd.graph.rooms import name_rooms
+from chord_usd.graph.layout_plan import name_rooms
 from chord_usd.scene.palette import BACKGROUND_RGB
 from chord_usd.scene.types import (
     CANVAS_PX,

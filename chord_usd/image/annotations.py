@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.image.cameras import StageCamera
 from chord_usd.image.marks import Thing
+from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.scene.palette import CATEGORIES
 
 MaskArray = npt.NDArray[np.uint16]

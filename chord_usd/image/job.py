@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 
-from chord_usd.image.cameras import StageCamera
+from chord_usd.image.stage_cameras import StageCamera
 
 EXIT_NO_DEVICE = 3
 

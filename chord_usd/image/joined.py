@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.image.cameras import room_prims
+from chord_usd.image.stage_cameras import room_prims
 from chord_usd.runtime.stages import open_stage
 
 if TYPE_CHECKING:

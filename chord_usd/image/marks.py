@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import Matrix, rigid
-from chord_usd.image.lighting import layer_over
+from chord_usd.image.picture_layers import layer_over
+from chord_usd.image.stage_cameras import Matrix, rigid
 from chord_usd.runtime.stages import open_stage
 
 if TYPE_CHECKING:

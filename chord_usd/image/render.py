@@ -15,21 +15,21 @@ from typing import Any
 
 from chord_usd.errors import DiskFullError, RenderError
 from chord_usd.image.blender import run_blender
-from chord_usd.image.cameras import (
+from chord_usd.image.exr import colour_channels, write_exr
+from chord_usd.image.job import PICTURE_FILE, Job, Negative
+from chord_usd.image.joined import joined_rooms
+from chord_usd.image.marks import Marks, marked_stage, read_marks
+from chord_usd.image.options import RenderOptions
+from chord_usd.image.picture_layers import lit_stage
+from chord_usd.image.products import are_finished, product_files, write_coco, write_products
+from chord_usd.image.render_parts import is_finished_part, merge_parts, part_file, write_part
+from chord_usd.image.stage_cameras import (
     DEFAULT_CAMERA,
     StageCamera,
     StageViews,
     missing_files,
     read_views,
 )
-from chord_usd.image.exr import colour_channels, write_exr
-from chord_usd.image.job import PICTURE_FILE, Job, Negative
-from chord_usd.image.joined import joined_rooms
-from chord_usd.image.lighting import lit_stage
-from chord_usd.image.marks import Marks, marked_stage, read_marks
-from chord_usd.image.options import RenderOptions
-from chord_usd.image.parts import is_finished_part, merge_parts, part_file, write_part
-from chord_usd.image.products import are_finished, product_files, write_coco, write_products
 from chord_usd.image.takes import Take, read_take
 from chord_usd.runtime.files import folder_for_many, hash_file
 from chord_usd.runtime.progress import Progress
@@ -236,7 +236,7 @@ def _merge(run: _Run, cameras: list[StageCamera]) -> None:
 def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -> list[StageCamera]:
     """The cameras the options name. Raises RenderError with the names there are."""
     if options.walkthrough:
-        from chord_usd.image.walk import walk_cameras
+        from chord_usd.image.walkthrough import walk_cameras
 
         there: Sequence[StageCamera] = walk_cameras(lit, options.walkthrough)
     else:

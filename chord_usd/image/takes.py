@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd.image.cameras import StageCamera
 from chord_usd.image.exr import Channels, PixelArray, read_exr
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE
+from chord_usd.image.stage_cameras import StageCamera
 
 _LAYER = "ViewLayer"
 _NOTHING_M = 1e9

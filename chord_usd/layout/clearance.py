@@ -11,7 +11,7 @@ import numpy.typing as npt
 from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
 
 DEEPEST_DOOR_M = 0.9
-"""A door needs its own width in front of it, but no more than a leaf's (metrics.openings)."""
+"""A door needs its own width in front of it, but no more than a leaf's (metrics.clear_floor)."""
 
 WINDOW_M = 0.5
 

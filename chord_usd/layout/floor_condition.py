@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.layout.measures import (
+from chord_usd.layout.condition_planes import (
     Condition,
     distance_planes,
     free_length_planes,

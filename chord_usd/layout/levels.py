@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from chord_usd.layout import condition, floor_condition, table_condition
+from chord_usd.layout.condition_planes import Condition
 from chord_usd.layout.config import LayoutConfig
-from chord_usd.layout.measures import Condition
 from chord_usd.raster import plan_labels
 from chord_usd.raster.canvas import paint_layout
 from chord_usd.scene import palette

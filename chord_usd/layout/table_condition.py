@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.layout.measures import (
+from chord_usd.layout.condition_planes import (
     Condition,
     distance_planes,
     free_length_planes,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from chord_usd.lists.draw import HEAT, Drawn, Heat, ListDrawer, Subject, without
+from chord_usd.lists.list_sampler import HEAT, Drawn, Heat, ListDrawer, Subject, without
 from chord_usd.lists.piece_words import ANY_M
 from chord_usd.lists.pieces import (
     PIECES,
@@ -22,8 +22,8 @@ from chord_usd.lists.pieces import (
     segments_of,
 )
 from chord_usd.lists.wishes import Asked
+from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.metrics.complete import ESSENTIALS, homely_rooms
-from chord_usd.metrics.openings import blocked_openings
 from chord_usd.metrics.overlap import items_overlap
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import Item, Plan, Room, SceneGraph

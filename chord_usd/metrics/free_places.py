@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import shapely
 
-from chord_usd.metrics.openings import ClearFloor, is_high_enough
+from chord_usd.metrics.clear_floor import ClearFloor, is_high_enough
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2, overlaps_by_nature
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.places import FreePlaces

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from chord_usd.metrics.clear_floor import Blocked, blocked_openings, rooms_beside
 from chord_usd.metrics.complete import Homely, homely_rooms, is_complete, is_right
-from chord_usd.metrics.openings import Blocked, blocked_openings, rooms_beside
 from chord_usd.metrics.overlap import Overlap, scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
 from chord_usd.metrics.walk import Walk, walk

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from chord_usd.metrics.clear_floor import rooms_beside
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
-from chord_usd.metrics.openings import rooms_beside
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.scene.types import WALL_THICKNESS_M, Opening, RoomKind, SceneGraph
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from chord_usd.graph.detect import ItemDetector
     from chord_usd.graph.tabletop import Tabletops, TopModel
     from chord_usd.layout.sample import LayoutModel
-    from chord_usd.lists.draw import ListDrawer
+    from chord_usd.lists.list_sampler import ListDrawer
     from chord_usd.lists.wishes import Asked, Wishes
 
 LAYOUT_CHECKPOINT = "plan2layout"
@@ -171,7 +171,7 @@ def load_table_model(settings: Settings) -> TopModel | None:
     if not settings.tabletop:
         return None
     if settings.lists:
-        from chord_usd.lists.tops import load_lister
+        from chord_usd.lists.top_lists import load_lister
 
         return load_lister(checkpoint_folder(THINGS_CHECKPOINT))
     from chord_usd.graph.table_items import TopPainter
@@ -304,9 +304,9 @@ def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
     model was not trained to see it."""
     if not settings.lists or not layout.config.draft:
         return None
-    from chord_usd.lists import draw, pieces
+    from chord_usd.lists import list_sampler, pieces
 
-    return draw.load_lists(checkpoint_folder(LISTS_CHECKPOINT), pieces.PIECES)
+    return list_sampler.load_lists(checkpoint_folder(LISTS_CHECKPOINT), pieces.PIECES)
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:
@@ -334,7 +334,7 @@ def lay_tables(
     rooms: ids of the rooms whose pieces are laid, by default all. but: ids of pieces that stay as
     they are.
     """
-    from chord_usd.assets.tops import relief_of
+    from chord_usd.assets.asset_relief import relief_of
     from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
 
     views = [view for view in table_views(graph, relief_of, rooms) if view.item.id not in but]

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.planning.choose import Candidate
     from chord_usd.planning.encoder import TextEncoder
-    from chord_usd.planning.sketch import Ground, Sketcher
+    from chord_usd.planning.sketcher import Ground, Sketcher
 
 TEXT_CHECKPOINT = "text2plan"
 OUTLINE_CHECKPOINT = "outline2plan"
@@ -135,7 +135,7 @@ def load_planner(name: str, settings: Settings) -> Planner:
 
 def planner_of(model: LayoutModel) -> Planner:
     """A network of either checkpoint, with the one that sketches. Raises CheckpointError."""
-    from chord_usd.planning.sketch import load_sketcher
+    from chord_usd.planning.sketcher import load_sketcher
 
     return Planner(load_sketcher(checkpoint_folder(SKETCH_CHECKPOINT)), model)
 
@@ -229,8 +229,8 @@ def carry_out(
 def _site(commission: Commission, sketcher: Sketcher, seed: int) -> Site:
     """The programme of an open plan is settled before anything is sketched in it: among floors of
     several programmes those with few rooms, which are easily drawn, would win."""
-    from chord_usd.planning.sheet import shell_sheet
-    from chord_usd.planning.sketch import open_ground
+    from chord_usd.planning.floor_sheet import shell_sheet
+    from chord_usd.planning.sketcher import open_ground
 
     if commission.shell is None:
         return Site(None, open_ground(), commission.wish)
@@ -271,14 +271,14 @@ def _sampled(
 
 def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[Drawing]:
     """For each seed: the open plan, or none, and what the rooms shall be in it."""
-    from chord_usd.planning import sheet
+    from chord_usd.planning import floor_sheet
 
     count = SKETCHES * len(seeds)
     found = []
     for sketch in sketcher.sketch(site.programme, site.ground, count, seeds[0]):
-        blank = site.blank or sheet.sheet_for_area(sketch.area_m2)
-        bubbles = sheet.on_sheet(blank, sketch.bubbles)
-        found.append((sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
+        blank = site.blank or floor_sheet.sheet_for_area(sketch.area_m2)
+        bubbles = floor_sheet.on_sheet(blank, sketch.bubbles)
+        found.append((floor_sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
     found.sort(key=lambda one: one[:2])
     return [
         Drawing(with_bubbles(blank, bubbles), bubbles)

@@ -33,7 +33,7 @@ from chord_usd.scene.types import (
 
 if TYPE_CHECKING:
     from chord_usd.layout.sample import LayoutModel
-    from chord_usd.lists.draw import ListDrawer
+    from chord_usd.lists.list_sampler import ListDrawer
     from chord_usd.lists.wishes import Asked, Piece
     from chord_usd.runtime.progress import Progress, Stopwatch
 
@@ -158,7 +158,7 @@ def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, flo
 
 def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
     """Ids of every two pieces that stand in each other, and of each piece before an opening."""
-    from chord_usd.metrics.openings import blocked_openings
+    from chord_usd.metrics.clear_floor import blocked_openings
     from chord_usd.metrics.overlap import scene_overlap
 
     pieces = {item.id for item in graph.items}
@@ -237,7 +237,7 @@ def unbuildable(graph: SceneGraph, draw: Draw, among: Collection[str] = ()) -> t
 
 def _shut_in(graph: SceneGraph) -> set[str]:
     """Ids of pieces that stand in others, or before doors and passages: nobody gets by."""
-    from chord_usd.metrics.openings import blocked_openings
+    from chord_usd.metrics.clear_floor import blocked_openings
 
     ways = {opening.id for opening in graph.openings if opening.kind != "window"}
     pairs = (clash for clash in _clashes(graph) if len(clash) > 1)

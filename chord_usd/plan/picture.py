@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chord_usd.errors import PlanError, SceneError
-from chord_usd.raster.files import TEXT_CHUNK, read_chunk
+from chord_usd.raster.raster_files import TEXT_CHUNK, read_chunk
 from chord_usd.runtime.confined import confined
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.scene.types import ByteArray, PixelFrame
@@ -36,7 +36,7 @@ class Picture:
     rgb: ByteArray
     """(H, W, 3); transparency is laid over white."""
     frame: PixelFrame | None
-    """From the text chunk that raster.files.write_raster leaves."""
+    """From the text chunk that raster.raster_files.write_raster leaves."""
 
 
 def read_picture(path: Path) -> Picture:

@@ -100,7 +100,7 @@ class Relief:
 
 
 class Reliefs(Protocol):
-    """Where reliefs come from; chord_usd.assets.tops has them."""
+    """Where reliefs come from; chord_usd.assets.asset_relief has them."""
 
     def __call__(self, asset: Asset, /) -> Relief:
         """The relief of an asset at its own size."""

@@ -25,7 +25,7 @@ from chord_usd.stage.dressing import Wardrobe
 from chord_usd.stage.furniture import extent_of, place_furniture
 from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_light
-from chord_usd.stage.looks import wear_looks
+from chord_usd.stage.look_variants import wear_looks
 from chord_usd.stage.names import NamedRoom, name_rooms
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.physics import write_gravity

@@ -1,4 +1,4 @@
-"""The cameras of a house: one per room and one above it all (views.py chooses where)."""
+"""The cameras of a house: one per room and one above it all (viewpoints.py chooses where)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pxr import Gf, Sdf
 
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, set_op_order
-from chord_usd.stage.views import EYE_M, SENSOR_MM, choose_view
+from chord_usd.stage.viewpoints import EYE_M, SENSOR_MM, choose_view
 from chord_usd.stage.walls import ROOM_HEIGHT_M, Walls
 
 TENTHS_PER_MM = 0.01

@@ -14,7 +14,7 @@ from pxr import Usd
 
 from chord_usd.errors import StageError
 from chord_usd.runtime.stages import open_stage, reading
-from chord_usd.stage.read import LOADED_OR_NOT
+from chord_usd.stage.summary import LOADED_OR_NOT
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
 

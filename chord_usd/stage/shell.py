@@ -23,7 +23,7 @@ from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
-from chord_usd.stage.openings import (
+from chord_usd.stage.opening_parts import (
     CASING_WIDTH_M,
     Leaf,
     Part,

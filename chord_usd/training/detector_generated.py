@@ -20,7 +20,7 @@ from chord_usd.graph.snap import decode_items
 from chord_usd.layout.device import in_batches
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.raster import canvas
-from chord_usd.raster.files import read_layout, write_raster
+from chord_usd.raster.raster_files import read_layout, write_raster
 from chord_usd.runtime.progress import Progress
 from chord_usd.scene.types import LayoutImage, Plan
 from chord_usd.training.detector_data import Sample, sample_of

@@ -14,7 +14,7 @@ from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, is_test_seed
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.planning.encoder import MiniLM, TextEncoder
-from chord_usd.planning.sheet import blank_sheet
+from chord_usd.planning.floor_sheet import blank_sheet
 from chord_usd.planning.words import PROGRAMME_CHANNELS, Words, condition_words
 from chord_usd.raster import plan_labels
 from chord_usd.raster.bubbles import bubbles_of, jittered, with_bubbles

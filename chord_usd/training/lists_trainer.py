@@ -13,7 +13,7 @@ from safetensors.torch import save
 from torch import Tensor
 
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
-from chord_usd.lists.draw import GRAPH_INPUTS, GRAPH_OUTPUTS
+from chord_usd.lists.list_sampler import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic

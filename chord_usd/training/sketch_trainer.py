@@ -13,7 +13,7 @@ from torch import Tensor
 
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.planning.sketch import GRAPH_INPUTS, GRAPH_OUTPUTS
+from chord_usd.planning.sketcher import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE

@@ -14,10 +14,10 @@ from torch import Tensor
 from torch.nn import functional
 
 from chord_usd.layout.checkpoint import load_checkpoint, save_checkpoint
+from chord_usd.layout.condition_planes import AREA_SCALE
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.device import half_precision
 from chord_usd.layout.levels import traits_of
-from chord_usd.layout.measures import AREA_SCALE
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import DRAFTED_SHARE, MOSTLY
 from chord_usd.layout.schedule import training_scheduler

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import Tensor, nn
 
-from chord_usd.training.shards import load_state, save_state
+from chord_usd.training.training_state import load_state, save_state
 
 _MOMENTS = ("exp_avg", "exp_avg_sq")
 """What Adam keeps of every weight."""
@@ -64,7 +64,7 @@ class Weights(Generic[NetworkT]):
         torch._foreach_lerp_(averages, current, 1.0 - decay)
 
     def save(self, folder: Path, counters: Mapping[str, Any]) -> None:
-        """Write all of it and the counters into a folder that load reads (shards.py).
+        """Write all of it and the counters into a folder that load reads (training_state.py).
 
         Only the weights themselves are kept in full: half the digits do for averages and moments.
         """

@@ -19,7 +19,7 @@ import pytest
 from PIL import Image
 
 from chord_usd.raster.canvas import draw_plan
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import plan_to_json, write_plan
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]

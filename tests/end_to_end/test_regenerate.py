@@ -15,7 +15,7 @@ from PIL import Image
 from pxr import Gf, Sdf, Usd
 
 from chord_usd.raster import canvas
-from chord_usd.raster.files import read_layout
+from chord_usd.raster.raster_files import read_layout
 from chord_usd.scene.chord_json import read_scene
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.types import Box, Item, SceneGraph

@@ -12,7 +12,7 @@ from chord_usd.arrange.chairs_clear import FARTHEST_M, draw_out_chairs
 from chord_usd.arrange.rules import arrange_meshes
 from chord_usd.assets.database import load_database
 from chord_usd.graph.match import match_assets
-from chord_usd.metrics.openings import blocked_openings
+from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph
 from chord_usd.stage.author import author_stage

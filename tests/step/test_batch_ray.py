@@ -10,7 +10,7 @@ import pytest
 
 from chord_usd.batch.ray_engine import RayEngine
 from chord_usd.batch.run import Done, run_batch
-from chord_usd.batch.units import Unit
+from chord_usd.batch.work_units import Unit
 from chord_usd.errors import ChordError
 
 ray = pytest.importorskip("ray", reason="the extra ray is not installed")

@@ -13,7 +13,7 @@ from chord_usd.cli import main
 from chord_usd.data.houses import random_plan
 from chord_usd.pipeline import draw_plan
 from chord_usd.plan.read import read_plan_file
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.assets.asset_relief import relief_of
 from chord_usd.assets.database import load_database
-from chord_usd.assets.tops import relief_of
 from chord_usd.cli import DONE, UNUSABLE, main
 from chord_usd.evaluation import tabletop_report, tabletops
 from chord_usd.evaluation.tabletop_cases import Case, procedural_cases, redrawn

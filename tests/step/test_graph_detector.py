@@ -17,9 +17,9 @@ import torch
 from chord_usd.cli import main
 from chord_usd.data.splits import TEST_SEED
 from chord_usd.errors import CheckpointError
-from chord_usd.evaluation.detector import ROWS, as_markdown, score_detector
 from chord_usd.evaluation.detector_cases import clean_cases
 from chord_usd.evaluation.detector_networks import score_checkpoint
+from chord_usd.evaluation.detector_scores import ROWS, as_markdown, score_detector
 from chord_usd.evaluation.detector_sheet import COLUMNS, ENLARGE, draw_sheet
 from chord_usd.graph.detect import (
     CLASSES,
@@ -33,7 +33,7 @@ from chord_usd.graph.detect import (
 )
 from chord_usd.graph.extract import extract_graph
 from chord_usd.raster.canvas import draw_plan, layout_image
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.runtime.checksums import SUMS_FILE
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import WEIGHTS_FILE, load_network

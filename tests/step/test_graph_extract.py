@@ -17,8 +17,8 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import SceneError
 from chord_usd.graph.extract import extract_graph
+from chord_usd.graph.layout_plan import bare_plan
 from chord_usd.graph.match import match_assets
-from chord_usd.graph.rooms import bare_plan
 from chord_usd.graph.snap import decode_items
 from chord_usd.raster import canvas
 from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon

@@ -24,7 +24,7 @@ from chord_usd.pipeline import draw_plan
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.read import read_plan_file
 from chord_usd.planning.wording import read_wish
-from chord_usd.raster.files import read_layout, write_raster
+from chord_usd.raster.raster_files import read_layout, write_raster
 from chord_usd.scene.chord_json import read_plan, read_scene, scene_from_json
 from chord_usd.scene.geometry import extent_m
 from chord_usd.scene.limits import (

@@ -14,7 +14,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from chord_usd.errors import PlanError, SceneError
 from chord_usd.plan.picture import read_picture
-from chord_usd.raster.files import TEXT_CHUNK, read_layout
+from chord_usd.raster.raster_files import TEXT_CHUNK, read_layout
 
 
 def chunked(path: Path, text: str) -> Path:

@@ -20,7 +20,7 @@ from strangers import WAYS, edited, names, victim_in, with_reference, with_subla
 from chord_usd import cli
 from chord_usd.errors import ChordError, StageError
 from chord_usd.farm.bundle import Work, write_bundle
-from chord_usd.image.cameras import read_views, stage_files
+from chord_usd.image.stage_cameras import read_views, stage_files
 from chord_usd.runtime import stages
 from chord_usd.scene.types import Asset, Provenance
 from chord_usd.stage.check import check_stage

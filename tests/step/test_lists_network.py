@@ -14,9 +14,9 @@ from chord_usd.cli import main
 from chord_usd.data.tabletops import random_tabletop
 from chord_usd.errors import CheckpointError
 from chord_usd.lists import pieces
-from chord_usd.lists.draw import GRAPH_INPUTS, Subject, load_lists
+from chord_usd.lists.list_sampler import GRAPH_INPUTS, Subject, load_lists
 from chord_usd.lists.pieces import PIECES
-from chord_usd.lists.tops import load_lister
+from chord_usd.lists.top_lists import load_lister
 from chord_usd.lists.vocabulary import NOTHING
 from chord_usd.runtime.networks import load_network
 from chord_usd.scene.types import Box

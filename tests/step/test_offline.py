@@ -84,7 +84,7 @@ WAIT_S = 6
 LOAD_AND_WAIT = f"""
 import time
 from chord_usd.pipeline.planner import SKETCH_CHECKPOINT, checkpoint_folder
-from chord_usd.planning.sketch import load_sketcher
+from chord_usd.planning.sketcher import load_sketcher
 from chord_usd.plan.text import warm_up
 network = load_sketcher(checkpoint_folder(SKETCH_CHECKPOINT))
 warm_up()

@@ -19,8 +19,8 @@ from chord_usd.plan.overlay import overlay, with_doubts
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.read import read_plan_file
 from chord_usd.raster import lettering
-from chord_usd.raster.files import write_raster
 from chord_usd.raster.lettering import text_size, write_text
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan
 from chord_usd.scene.types import Plan
 

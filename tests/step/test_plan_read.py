@@ -21,7 +21,7 @@ from chord_usd.plan.picture import LARGEST_SIDE_PX
 from chord_usd.plan.placement import frame_of
 from chord_usd.plan.read import is_plan_raster, read_plan_file
 from chord_usd.raster.canvas import draw_plan, layout_image
-from chord_usd.raster.files import write_raster
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Box, Item, Plan

@@ -28,12 +28,12 @@ from chord_usd.planning.encoder import (
     encoder_of,
     minilm_folder,
 )
+from chord_usd.planning.floor_sheet import blank_sheet
 from chord_usd.planning.outline import open_shell
-from chord_usd.planning.sheet import blank_sheet
 from chord_usd.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
 from chord_usd.raster.canvas import draw_plan
-from chord_usd.raster.files import write_raster
 from chord_usd.raster.plan_labels import sheet_frame
+from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import read_plan, write_plan
 from chord_usd.scene.wish import Wish
 from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig

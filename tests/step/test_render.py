@@ -21,11 +21,11 @@ from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
 from scipy.stats import spearmanr
 
 from chord_usd.errors import OutputError, RenderError, StageError
-from chord_usd.image.cameras import read_views
 from chord_usd.image.exr import read_exr
 from chord_usd.image.options import RenderOptions
 from chord_usd.image.products import are_finished
 from chord_usd.image.render import Rendered, render_stage
+from chord_usd.image.stage_cameras import read_views
 from chord_usd.runtime.manifest import MANIFEST_FILE
 
 

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from chord_usd.image.cameras import read_views
 from chord_usd.image.exr import read_exr
 from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES, RenderOptions
 from chord_usd.image.products import read_mask
 from chord_usd.image.render import Rendered, render_stage
+from chord_usd.image.stage_cameras import read_views
 
 DATA = ("depth", "normal", "instance", "semantic")
 CAMERA = "Bedroom_0"

@@ -11,9 +11,9 @@ import torch
 from chord_usd.errors import CheckpointError
 from chord_usd.pipeline.planner import SKETCH_CHECKPOINT
 from chord_usd.planning import sketch_tokens as tokens
+from chord_usd.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet, slips
 from chord_usd.planning.outline import open_shell
-from chord_usd.planning.sheet import on_sheet, sheet_for_area, shell_sheet, slips
-from chord_usd.planning.sketch import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
+from chord_usd.planning.sketcher import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.scene.wish import Wish
 from chord_usd.training.sketch_data import batch_of, endless_batches, held_out, procedural

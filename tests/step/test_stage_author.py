@@ -13,7 +13,7 @@ from pxr import Gf, Usd, UsdGeom, UsdLux
 from chord_usd.errors import StageError
 from chord_usd.scene.geometry import footprint, room_polygon
 from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.read import StageSummary, summary
+from chord_usd.stage.summary import StageSummary, summary
 from chord_usd.stage.walls import build_walls
 
 

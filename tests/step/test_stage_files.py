@@ -15,7 +15,7 @@ from chord_usd.errors import AssetError, OutputError, SceneError
 from chord_usd.scene.looks import load_looks
 from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
-from chord_usd.stage.read import summary
+from chord_usd.stage.summary import summary
 
 
 def files_below(folder: Path) -> dict[str, bytes]:

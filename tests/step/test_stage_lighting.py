@@ -9,8 +9,8 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import read_views
-from chord_usd.image.lighting import lit_stage
+from chord_usd.image.picture_layers import lit_stage
+from chord_usd.image.stage_cameras import read_views
 from chord_usd.scene.types import Box, Opening, Plan, Room, SceneGraph
 from chord_usd.stage.lighting import DAY, EVENING, sky_rgb, sun_yaw_deg
 from chord_usd.stage.walls import build_walls

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.assets.asset_relief import relief_of
 from chord_usd.assets.database import AssetDatabase, load_database
-from chord_usd.assets.tops import relief_of
 from chord_usd.data.floorplans.dice import Dice
 from chord_usd.data.tabletops import lay
 from chord_usd.data.tabletops.board import Outline

@@ -11,7 +11,7 @@ from chord_usd.layout.checkpoint import load_checkpoint
 from chord_usd.layout.codes import CLASS_COUNT
 from chord_usd.layout.config import PRESETS, LayoutConfig
 from chord_usd.raster import canvas
-from chord_usd.training import shards
+from chord_usd.training import training_state
 from chord_usd.training.sheets import draw_sheet
 from chord_usd.training.stream import (
     LayoutStream,
@@ -74,32 +74,32 @@ def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
 
 
 def test_shards_are_small_and_come_back_whole(tmp_path, monkeypatch):
-    monkeypatch.setattr(shards, "MAX_SHARD_BYTES", 2**18 + 4000)
+    monkeypatch.setattr(training_state, "MAX_SHARD_BYTES", 2**18 + 4000)
     tensors = {"big": torch.randn(50, 60), "small": torch.arange(7), "none": torch.zeros(0, 3)}
-    shards.save_state(tmp_path / "state", tensors, {"step": 3})
+    training_state.save_state(tmp_path / "state", tensors, {"step": 3})
     files = list((tmp_path / "state").glob("*.safetensors"))
     assert len(files) > 2
-    assert max(file.stat().st_size for file in files) < shards.MAX_SHARD_BYTES
-    found, counters = shards.load_state(tmp_path / "state", "cpu")
+    assert max(file.stat().st_size for file in files) < training_state.MAX_SHARD_BYTES
+    found, counters = training_state.load_state(tmp_path / "state", "cpu")
     assert counters == {"step": 3}
     for name, tensor in tensors.items():
         assert torch.equal(found[name], tensor)
 
 
 def test_a_save_that_was_cut_short_leaves_the_one_before(tmp_path):
-    shards.save_state(tmp_path / "state", {"w": torch.ones(2)}, {"step": 1})
+    training_state.save_state(tmp_path / "state", {"w": torch.ones(2)}, {"step": 1})
     (tmp_path / "state").rename(tmp_path / "state.old")
     (tmp_path / "state.part").mkdir()
-    found = shards.load_state(tmp_path / "state", "cpu")
+    found = training_state.load_state(tmp_path / "state", "cpu")
     assert found is not None
     assert found[1] == {"step": 1}
 
 
 def test_a_damaged_shard_is_named(tmp_path):
-    shards.save_state(tmp_path / "state", {"w": torch.ones(2)}, {})
+    training_state.save_state(tmp_path / "state", {"w": torch.ones(2)}, {})
     (tmp_path / "state" / "00.safetensors").write_bytes(b"broken")
     with pytest.raises(CheckpointError, match="damaged"):
-        shards.load_state(tmp_path / "state", "cpu")
+        training_state.load_state(tmp_path / "state", "cpu")
 
 
 def test_the_checkpoint_is_the_moving_average_and_says_how_it_was_trained(tmp_path):

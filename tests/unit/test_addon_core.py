@@ -215,7 +215,7 @@ def test_passes_are_those_of_the_program() -> None:
 
 
 def test_plans_are_those_that_the_program_reads() -> None:
-    from chord_usd.batch.units import PLAN_SUFFIXES
+    from chord_usd.batch.work_units import PLAN_SUFFIXES
     from chord_usd.plan.vector.formats import SUFFIXES
 
     assert {*SUFFIXES, ".pdf", ".json"} <= set(commands.PLAN_SUFFIXES)

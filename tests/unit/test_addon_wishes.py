@@ -94,7 +94,7 @@ def test_what_the_program_tells_of_a_planned_floor_is_understood() -> None:
     from chord_usd.commands.planned import planned_report
     from chord_usd.pipeline.planner import Commission, Planned
     from chord_usd.planning.choose import judged
-    from chord_usd.planning.sheet import blank_sheet
+    from chord_usd.planning.floor_sheet import blank_sheet
     from chord_usd.planning.words import condition_words
     from chord_usd.raster.plan_labels import SCALES_M, sheet_frame
     from chord_usd.scene.types import Plan, Room

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
@@ -187,3 +188,13 @@ def test_every_palette_colour_is_written_once() -> None:
     assert len(colours) > 28
     others = [f for f in MODULES if f.name != "palette.py"]
     assert [name_of(f) for f in others if colours & set(code.findall(f.read_text()))] == []
+
+
+VERBS_AND_THEIR_STEPS = {"check", "describe", "diff", "export", "render"}
+"""A verb is called as the step's module that does it."""
+
+
+def test_a_name_stands_for_one_module() -> None:
+    names = Counter(file.stem for file in MODULES)
+    twice = {name for name, count in names.items() if count > 1}
+    assert twice <= VERBS_AND_THEIR_STEPS | {"__init__", "__main__"}

@@ -11,7 +11,7 @@ import pytest
 from chord_usd.arrange.free_floor import FreeFloor, Painted
 from chord_usd.graph.colours import NO_ITEM
 from chord_usd.graph.flush import Standing
-from chord_usd.metrics.openings import blocked_openings
+from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.raster.canvas import draw_items
 from chord_usd.scene.palette import category
 from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room, SceneGraph, frozen_array

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chord_usd.arrange.usual_sizes import grow_to_usual
-from chord_usd.metrics.openings import blocked_openings
+from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.scene.geometry import to_own, to_world
 from chord_usd.scene.palette import category

@@ -22,7 +22,7 @@ from chord_usd.batch.records import HOUSE_RECORD, PICTURES_RECORD, Record, write
 from chord_usd.batch.run import Exports, find_due
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.shared import keep_pictures, share_files
-from chord_usd.batch.units import list_units
+from chord_usd.batch.work_units import list_units
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.pipeline import Settings

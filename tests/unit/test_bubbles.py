@@ -7,8 +7,8 @@ from shapely.geometry import Point
 from chord_usd.data.houses import random_plan
 from chord_usd.layout.floor_condition import PIXEL_PLANES, floor_condition
 from chord_usd.planning import sketch_tokens as tokens
+from chord_usd.planning.floor_sheet import blank_sheet, on_sheet, shell_sheet, slips
 from chord_usd.planning.outline import open_shell, shell_labels
-from chord_usd.planning.sheet import blank_sheet, on_sheet, shell_sheet, slips
 from chord_usd.raster import plan_labels
 from chord_usd.raster.bubbles import (
     LEAST_RADIUS_M,

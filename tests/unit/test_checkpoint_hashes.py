@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.description import read_description
-from chord_usd.planning.sketch import load_sketcher
+from chord_usd.planning.sketcher import load_sketcher
 from chord_usd.runtime import checksums
 from chord_usd.runtime.checksums import (
     SUMMED_FILES,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from chord_usd.data.cleaning import clean
+from chord_usd.data.distributions import compare, measure
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.data.realism import compare, measure
 from chord_usd.metrics import score_scene
 from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -56,7 +57,8 @@ def test_json_is_one_object_and_steps_come_at_the_end(tmp_path: Path) -> None:
     done = described(tmp_path, "house.usda", "--json")
     assert json.loads(done.stdout) == {"valid": True}
     assert done.stdout.count("\n") == 1
-    assert done.stderr == "read: 0.0 s\n"
+    # On a busy machine it takes longer.
+    assert re.fullmatch(r"read: \d+\.\d s\n", done.stderr)
 
 
 def test_lines_are_live(tmp_path: Path) -> None:

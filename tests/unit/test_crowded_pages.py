@@ -10,7 +10,7 @@ import pytest
 from shapely.geometry import Polygon
 
 from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.looks import KINDS, Look, random_look
+from chord_usd.data.drawn.page_looks import KINDS, Look, random_look
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.raster.page_labels import (
     BUILT_NAMES,

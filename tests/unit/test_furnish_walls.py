@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from chord_usd.data.furnish.floor import Door, Floor
 from chord_usd.data.furnish.modules import pack
-from chord_usd.data.furnish.paths import _flooded, path_faults
+from chord_usd.data.furnish.walkways import _flooded, path_faults
 from chord_usd.scene.types import Room, frozen_array
 
 L_SHAPE = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.5, 2.0), (2.5, 4.0), (0.0, 4.0)]

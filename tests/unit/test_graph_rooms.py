@@ -11,9 +11,9 @@ from shapely.geometry import Polygon
 from chord_usd.data.houses import random_plan
 from chord_usd.graph.colours import CLEAR, read_pixels
 from chord_usd.graph.faces import settle_faces
+from chord_usd.graph.layout_plan import read_plan
 from chord_usd.graph.outlines import outline_of
-from chord_usd.graph.rooms import read_plan
-from chord_usd.graph.walls import Walls
+from chord_usd.graph.wall_sides import Walls
 from chord_usd.raster import canvas
 from chord_usd.raster.vectorize import polygon_from_mask
 from chord_usd.scene.types import FloatArray, LayoutImage, Plan, Room, frozen_array

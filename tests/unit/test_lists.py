@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.lists import pieces
-from chord_usd.lists.draw import GRAPH_INPUTS, ListDrawer, Subject
 from chord_usd.lists.house import Drafts, furnish_by_lists, room_faults
+from chord_usd.lists.list_sampler import GRAPH_INPUTS, ListDrawer, Subject
 from chord_usd.lists.pieces import PIECES
 from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.lists.wishes import Asked, Piece

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chord_usd.metrics import part_of, rooms_of_kind, score_scene, score_scenes
+from chord_usd.metrics.clear_floor import blocked_openings, rooms_beside
 from chord_usd.metrics.fidelity import (
     category_iou,
     match_items,
@@ -18,7 +19,6 @@ from chord_usd.metrics.fidelity import (
     orientation,
     plan_fidelity,
 )
-from chord_usd.metrics.openings import blocked_openings, rooms_beside
 from chord_usd.metrics.overlap import items_overlap, overlaps_by_nature, scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room
 from chord_usd.metrics.walk import entrance, walk

@@ -9,7 +9,7 @@ import pytest
 from true_segments import TrueReader, segments_of
 
 from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.looks import Look
+from chord_usd.data.drawn.page_looks import Look
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.evaluation.plans import Reader, crowded_case, score_reading
 from chord_usd.plan.drawing import Known, read_drawing

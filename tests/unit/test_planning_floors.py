@@ -10,9 +10,9 @@ from chord_usd.errors import PlanError
 from chord_usd.layout.floor_condition import GRID_PLANES, PIXEL_PLANES, floor_condition
 from chord_usd.planning.choose import best, judged
 from chord_usd.planning.faults import faults
+from chord_usd.planning.floor_sheet import blank_sheet
 from chord_usd.planning.outline import open_shell, shell_labels, shell_of
 from chord_usd.planning.partition import plan_from_labels
-from chord_usd.planning.sheet import blank_sheet
 from chord_usd.raster import plan_labels
 from chord_usd.scene.geometry import is_axis_aligned, room_polygon
 from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array

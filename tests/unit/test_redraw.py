@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chord_usd.errors import ChordError
-from chord_usd.lists.draw import Drawn, Subject
+from chord_usd.lists.list_sampler import Drawn, Subject
 from chord_usd.lists.pieces import frame_of, pieces_of
 from chord_usd.lists.vocabulary import Element
 from chord_usd.lists.wishes import Asked, Piece

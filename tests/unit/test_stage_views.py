@@ -13,7 +13,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import Box, Item
-from chord_usd.stage.views import SENSOR_MM, View, choose_view
+from chord_usd.stage.viewpoints import SENSOR_MM, View, choose_view
 
 
 def item(category: str, at_m: tuple[float, float], size_m: tuple[float, float, float]) -> Item:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from chord_usd.graph.table_place import Laid, in_world, place_on
-from chord_usd.graph.table_top import is_too_small, view_from_above
 from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
+from chord_usd.graph.top_view import is_too_small, view_from_above
 from chord_usd.raster.relief import Relief
 from chord_usd.raster.table_top import TableTop
 from chord_usd.scene.geometry import footprint

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from chord_usd.data.tabletops import random_tabletop
 from chord_usd.lists import things
 from chord_usd.lists.things import THINGS
-from chord_usd.lists.tops import top_faults
+from chord_usd.lists.top_lists import top_faults
 from chord_usd.metrics.overlap import items_overlap
 from chord_usd.raster.table_top import SIDES, Border, TableTop
 from chord_usd.scene.palette import SUPPORTS, TABLE_CATEGORIES

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chord_usd.errors import ChordError
-from chord_usd.lists.draw import ListDrawer
 from chord_usd.lists.house import Drafts, furnish_by_lists
+from chord_usd.lists.list_sampler import ListDrawer
 from chord_usd.lists.piece_words import WORDS, named
 from chord_usd.lists.pieces import CATEGORY_ORDER, PIECES, Around, frame_of, of_length, pieces_of
 from chord_usd.lists.wishes import (

@@ -5,16 +5,16 @@ from __future__ import annotations
 from functools import lru_cache
 
 from chord_usd.assets.furniture import (
-    bathroom,
     beds,
+    cabinets,
     desktop,
-    kitchen,
+    kitchen_units,
     laundry,
     panels,
-    seating,
+    sanitaryware,
+    seats,
     showers,
     sideboards,
-    storage,
     tables,
     tableware,
 )
@@ -24,7 +24,7 @@ from chord_usd.assets.model import Design
 @lru_cache(maxsize=1)
 def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
-    living = (beds, seating, tables, storage, sideboards, panels)
-    wet = (kitchen, bathroom, showers, laundry)
+    living = (beds, seats, tables, cabinets, sideboards, panels)
+    wet = (kitchen_units, sanitaryware, showers, laundry)
     found = [design for module in (*living, *wet, desktop, tableware) for design in module.DESIGNS]
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth, shifted
-from chord_usd.assets.furniture.kitchen import sink_bowl, swan_neck
+from chord_usd.assets.furniture.kitchen_units import sink_bowl, swan_neck
 from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,

@@ -5,6 +5,14 @@ from __future__ import annotations
 from functools import partial
 from typing import Literal
 
+from chord_usd.assets.furniture.cabinets import (
+    BOARD_M,
+    FRAMED,
+    LIVING,
+    carcass,
+    chest,
+    fronts_y,
+)
 from chord_usd.assets.furniture.joinery import (
     FRONT_M,
     HANDLE_M,
@@ -17,14 +25,6 @@ from chord_usd.assets.furniture.joinery import (
     front,
     knob,
     plinth,
-)
-from chord_usd.assets.furniture.storage import (
-    BOARD_M,
-    FRAMED,
-    LIVING,
-    carcass,
-    chest,
-    fronts_y,
 )
 from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import Size, Solid, block, box, joined, mirrored_pair, rounded_slab

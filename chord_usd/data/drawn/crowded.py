@@ -11,19 +11,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.data.drawn.annotations import (
+from chord_usd.data.drawn.dimensions import (
     draw_axes,
     draw_chains,
     draw_inner_dimensions,
     write_names,
 )
-from chord_usd.data.drawn.canvas import Canvas
-from chord_usd.data.drawn.draw import without_seams
-from chord_usd.data.drawn.joinery import Leaf, draw_gap
-from chord_usd.data.drawn.looks import Look, random_look
+from chord_usd.data.drawn.drawn_openings import Leaf, draw_gap
+from chord_usd.data.drawn.fills import draw_floors, draw_walls
+from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry, build
+from chord_usd.data.drawn.page_looks import Look, random_look
 from chord_usd.data.drawn.stairs import draw_stairs
-from chord_usd.data.drawn.surfaces import draw_floors, draw_walls
+from chord_usd.data.drawn.styled_plans import without_seams
 from chord_usd.data.drawn.surroundings import (
     draw_neighbours,
     draw_outdoors,

@@ -9,7 +9,7 @@ import numpy as np
 
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
-from chord_usd.data.drawn.canvas import Canvas
+from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.types import Box, ByteArray, FloatArray, Item
 

@@ -14,8 +14,8 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from chord_usd.data.drawn.canvas import rectangle
-from chord_usd.data.drawn.looks import Look
+from chord_usd.data.drawn.labelled_canvas import rectangle
+from chord_usd.data.drawn.page_looks import Look
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon, room_sides
 from chord_usd.scene.types import (
     WALL_THICKNESS_M,

@@ -8,11 +8,11 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from chord_usd.data.drawn.looks import Look, random_look
+from chord_usd.data.drawn.page_looks import Look, random_look
+from chord_usd.data.drawn.page_words import ink_of, room_name, title
 from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.drawn.wear import Picture, worn
-from chord_usd.data.drawn.words import ink_of, room_name, title
 from chord_usd.data.houses import random_plan
 from chord_usd.scene.types import ByteArray, FloatArray, frozen_array
 

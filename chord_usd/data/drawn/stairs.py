@@ -9,9 +9,9 @@ import shapely
 from shapely.geometry import Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.data.drawn.canvas import Canvas
-from chord_usd.data.drawn.looks import Look
+from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry
+from chord_usd.data.drawn.page_looks import Look
 from chord_usd.raster.page_labels import NOTHING, STAIRS
 from chord_usd.scene.types import FloatArray
 

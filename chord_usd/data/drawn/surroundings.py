@@ -9,14 +9,14 @@ import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.data.drawn.annotations import write
-from chord_usd.data.drawn.canvas import Canvas, rectangle
-from chord_usd.data.drawn.looks import Look
+from chord_usd.data.drawn.dimensions import write
+from chord_usd.data.drawn.fills import fill_wall, tiles
+from chord_usd.data.drawn.labelled_canvas import Canvas, rectangle
 from chord_usd.data.drawn.masonry import Masonry
+from chord_usd.data.drawn.page_looks import Look
+from chord_usd.data.drawn.page_words import room_name, title
 from chord_usd.data.drawn.styles import RGB
-from chord_usd.data.drawn.surfaces import fill_wall, tiles
 from chord_usd.data.drawn.symbols import plant
-from chord_usd.data.drawn.words import room_name, title
 from chord_usd.raster.page_labels import WRITING
 from chord_usd.scene.types import FloatArray
 

@@ -8,6 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from chord_usd.data.furnish.appliances import add_appliances
+from chord_usd.data.furnish.attached_openings import (
+    attach_open_sides,
+    attach_openings,
+    keep_ways_in,
+)
 from chord_usd.data.furnish.bathroom import furnish_bathroom
 from chord_usd.data.furnish.bedroom import furnish_bedroom
 from chord_usd.data.furnish.dining import furnish_dining
@@ -18,18 +23,13 @@ from chord_usd.data.furnish.kitchen import furnish_kitchen
 from chord_usd.data.furnish.least import furnish_least
 from chord_usd.data.furnish.living import furnish_living
 from chord_usd.data.furnish.mix import MIXES, Statistics
-from chord_usd.data.furnish.openings import (
-    attach_open_sides,
-    attach_openings,
-    keep_ways_in,
-)
-from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.small import (
     furnish_balcony,
     furnish_corridor,
     furnish_store,
     furnish_study,
 )
+from chord_usd.data.furnish.walkways import path_faults
 from chord_usd.metrics.complete import lacking
 from chord_usd.scene.types import Box, Item, Plan, SceneGraph
 

@@ -7,9 +7,9 @@ from functools import partial
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor
+from chord_usd.data.furnish.free_spans import Wall
 from chord_usd.data.furnish.hints import hinted_distance
 from chord_usd.data.furnish.joint import Fitting, place_jointly
-from chord_usd.data.furnish.walls import Wall
 
 REACH_M = {"bathtub": 0.5, "shower": 0.45, "toilet": 0.5, "washbasin": 0.55, "washing_machine": 0.6}
 """Free floor in front of each; those that are hardest to place come first."""

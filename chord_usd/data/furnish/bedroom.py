@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
+from chord_usd.data.furnish.free_spans import MARGIN_M, REACH, SOLID, Wall
 from chord_usd.data.furnish.mix import count_of
-from chord_usd.data.furnish.paths import path_faults
 from chord_usd.data.furnish.storage import put_armchair, put_cabinet
-from chord_usd.data.furnish.walls import MARGIN_M, REACH, SOLID, Wall
+from chord_usd.data.furnish.walkways import path_faults
 from chord_usd.data.furnish.workplace import put_desk
 
 SIDE_M = 0.5

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size
-from chord_usd.data.furnish.paths import path_faults
+from chord_usd.data.furnish.free_spans import MARGIN_M, REACH, Wall
 from chord_usd.data.furnish.storage import put_dining_cabinet
-from chord_usd.data.furnish.walls import MARGIN_M, REACH, Wall
+from chord_usd.data.furnish.walkways import path_faults
 
 PULL_OUT_M = 0.2
 """Free floor behind the chairs, to pull them out."""

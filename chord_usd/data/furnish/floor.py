@@ -7,8 +7,8 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from chord_usd.data.furnish.free_spans import MARGIN_M, NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
 from chord_usd.data.furnish.mix import HOMES, Mix
-from chord_usd.data.furnish.walls import MARGIN_M, NO_SILL_M, REACH, SOLID, ZONE, Thing, Wall
 from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import Room, RoomKind
 from chord_usd.scene.units import wrap_deg
@@ -92,7 +92,7 @@ class Floor:
         self.squeezed = 0
         """How narrow paths may be; see squeeze."""
         self.cells: Any = None
-        """What chord_usd.data.furnish.paths knows about the empty room."""
+        """What chord_usd.data.furnish.walkways knows about the empty room."""
         self._group = 0
 
     def part(self) -> None:

@@ -12,8 +12,8 @@ from itertools import permutations
 from typing import NamedTuple
 
 from chord_usd.data.furnish.floor import Floor, Size
-from chord_usd.data.furnish.paths import CUT_OFF, path_faults
-from chord_usd.data.furnish.walls import REACH, Wall
+from chord_usd.data.furnish.free_spans import REACH, Wall
+from chord_usd.data.furnish.walkways import CUT_OFF, path_faults
 
 NICHE_M = 0.3
 """A piece that grows, and leaves less than this beside it, fills the whole niche."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.appliances import REFRIGERATOR, stand_alone
 from chord_usd.data.furnish.floor import Floor, Spot
+from chord_usd.data.furnish.free_spans import Wall
 from chord_usd.data.furnish.modules import Module, pack
-from chord_usd.data.furnish.walls import Wall
 from chord_usd.metrics.complete import lacking
 
 AISLE_M = 0.85

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.free_spans import Wall
 from chord_usd.data.furnish.joint import Fitting, Part, place_jointly
-from chord_usd.data.furnish.walls import Wall
 from chord_usd.scene.types import RoomKind
 
 MOST_TRIES = 24

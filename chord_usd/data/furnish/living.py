@@ -7,6 +7,7 @@ from typing import NamedTuple
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.dining import put_dining_table
 from chord_usd.data.furnish.floor import Floor, Size
+from chord_usd.data.furnish.free_spans import MARGIN_M, REACH, Wall
 from chord_usd.data.furnish.mix import count_of
 from chord_usd.data.furnish.storage import (
     put_armchair,
@@ -14,7 +15,6 @@ from chord_usd.data.furnish.storage import (
     put_dining_cabinet,
     put_shoe_cabinet,
 )
-from chord_usd.data.furnish.walls import MARGIN_M, REACH, Wall
 
 NEAREST_M, FARTHEST_M = 2.3, 6.0
 """Distance between the walls of sofa and television."""

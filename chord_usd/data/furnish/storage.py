@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Size, Spot
-from chord_usd.data.furnish.walls import MARGIN_M
+from chord_usd.data.furnish.free_spans import MARGIN_M
 from chord_usd.scene.palette import CATEGORIES
 
 Score = Callable[[Floor, Spot, float], float]

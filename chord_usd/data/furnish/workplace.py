@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from chord_usd.data.furnish import sizes
 from chord_usd.data.furnish.floor import Floor, Spot
+from chord_usd.data.furnish.free_spans import REACH
 from chord_usd.data.furnish.storage import anchored, best_spot
-from chord_usd.data.furnish.walls import REACH
 
 SEAT_M = 0.75
 """From the desk's edge to the back of somebody who sits or gets up."""

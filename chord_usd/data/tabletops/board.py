@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.tabletops.sizes import Size
+from chord_usd.data.tabletops.tabletop_sizes import Size
 from chord_usd.raster.table_top import Side
 from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import BoolArray, Box, Item

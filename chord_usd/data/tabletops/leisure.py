@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from chord_usd.data.tabletops.board import Place
-from chord_usd.data.tabletops.sizes import (
+from chord_usd.data.tabletops.tabletop_sizes import (
     CLOCK,
     PHONE,
     SHADE_LAMP,

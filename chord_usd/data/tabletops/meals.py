@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from chord_usd.data.tabletops.board import Place, Placed
-from chord_usd.data.tabletops.sizes import SPEAKER, USUAL_M, Size, usual, varied
+from chord_usd.data.tabletops.tabletop_sizes import SPEAKER, USUAL_M, Size, usual, varied
 from chord_usd.data.tabletops.tops import Piece
 from chord_usd.raster.table_top import Side
 

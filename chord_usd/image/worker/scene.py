@@ -7,8 +7,8 @@ from typing import Any
 import bpy
 from mathutils import Matrix
 
-from chord_usd.image.cameras import StageCamera
 from chord_usd.image.job import Job
+from chord_usd.image.stage_cameras import StageCamera
 
 SUN_IMPORT = 4.0
 """The importer makes suns this many times as strong as USD means them, measured on white."""

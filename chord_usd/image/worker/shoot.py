@@ -10,8 +10,8 @@ from typing import Any
 
 import bpy
 
-from chord_usd.image.cameras import StageCamera
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
+from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.worker.bounces import make_bounces_matte
 from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor

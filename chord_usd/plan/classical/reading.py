@@ -15,8 +15,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.plan.classical.bar_colors import alike_by_color
-from chord_usd.plan.classical.gaps import Gap, find_gaps
-from chord_usd.plan.classical.regions import (
+from chord_usd.plan.classical.drawn_regions import (
     Enclosed,
     find_regions,
     parting_gaps,
@@ -24,6 +23,7 @@ from chord_usd.plan.classical.regions import (
     sides,
     without_open_plan,
 )
+from chord_usd.plan.classical.gaps import Gap, find_gaps
 from chord_usd.plan.classical.strokes import Strokes, find_strokes
 from chord_usd.plan.openings import Bar, read_openings
 from chord_usd.plan.regions import Outline, Regions

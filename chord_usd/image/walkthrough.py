@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import polylabel, unary_union
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import StageCamera, room_prims
+from chord_usd.image.stage_cameras import StageCamera, room_prims
 from chord_usd.runtime.stages import open_stage
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import BoolArray, FloatArray

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from chord_usd.planning.outline import shell_labels
-from chord_usd.planning.sketch import Ground
 from chord_usd.planning.sketch_tokens import PLACES, place_m, shell_cells, shell_patches
+from chord_usd.planning.sketcher import Ground
 from chord_usd.raster import plan_labels
 from chord_usd.raster.bubbles import Bubble, touching_pairs
 from chord_usd.scene.palette import BACKGROUND_RGB

@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
 from chord_usd.data.drawn.fixtures import SYMBOLS
-from chord_usd.data.drawn.lettering import draw_dimensions, middle_of, write_names
+from chord_usd.data.drawn.inscriptions import draw_dimensions, middle_of, write_names
 from chord_usd.data.drawn.paper import soil
 from chord_usd.data.drawn.styles import RGB, Style
 from chord_usd.scene.geometry import (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd.lists.draw import Heat, ListDrawer, Subject, load_lists, without
+from chord_usd.lists.list_sampler import Heat, ListDrawer, Subject, load_lists, without
 from chord_usd.lists.things import THINGS, facts_of, flags_of, items_from, segments_of
 from chord_usd.metrics.overlap import items_overlap
 from chord_usd.raster.relief import Relief

@@ -11,9 +11,9 @@ from shapely.geometry import Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
-from chord_usd.data.drawn.canvas import Canvas
-from chord_usd.data.drawn.looks import Look, WallFill
+from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry
+from chord_usd.data.drawn.page_looks import Look, WallFill
 from chord_usd.data.drawn.styles import RGB
 from chord_usd.raster.page_labels import FLOOR, WALL
 from chord_usd.runtime.locations import materials_folder

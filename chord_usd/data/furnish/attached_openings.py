@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from chord_usd.data.furnish.floor import Bounds, Door, Floor
-from chord_usd.data.furnish.walls import NO_SILL_M, REACH, ZONE, Wall
+from chord_usd.data.furnish.free_spans import NO_SILL_M, REACH, ZONE, Wall
 from chord_usd.scene.types import WALL_THICKNESS_M, Opening
 
 WINDOW_ZONE_M = 0.5

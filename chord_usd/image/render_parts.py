@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import RenderError
-from chord_usd.image.cameras import StageCamera
 from chord_usd.image.exr import Channels, PixelArray, colour_channels, read_exr, write_exr
 from chord_usd.image.job import Part
+from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.takes import Take
 from chord_usd.runtime.files import deliver
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.planning.free_places import FreePlaces, everywhere
+from chord_usd.planning.bubble_places import FreePlaces, everywhere
 from chord_usd.raster.bubbles import Bubble
 from chord_usd.runtime.networks import Network, content_hash, load_network
 from chord_usd.scene.types import BoolArray, RoomKind

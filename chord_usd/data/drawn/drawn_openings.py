@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.data.drawn.canvas import Canvas, rectangle
-from chord_usd.data.drawn.looks import DoorKind, Look, WindowKind
+from chord_usd.data.drawn.labelled_canvas import Canvas, rectangle
 from chord_usd.data.drawn.masonry import Gap
+from chord_usd.data.drawn.page_looks import DoorKind, Look, WindowKind
 from chord_usd.raster.page_labels import DOOR, NOTHING, PASSAGE, SWING, WINDOW
 from chord_usd.scene.types import FloatArray
 

@@ -18,7 +18,7 @@ from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels, read_pixel
 from chord_usd.graph.detect import RoomProposal
 from chord_usd.graph.faces import settle_faces
 from chord_usd.graph.outlines import outline_of
-from chord_usd.graph.walls import Walls
+from chord_usd.graph.wall_sides import Walls
 from chord_usd.raster.vectorize import RotatedBox, rotated_box_from_mask
 from chord_usd.scene.palette import PLAN_CATEGORIES, ROOM_SHADES, category
 from chord_usd.scene.types import (
