@@ -170,12 +170,14 @@ class _Found:
 def _better(seen: _Found, strokes: _Found) -> Plan:
     """Where network and strokes see the same rooms, the strokes, which are exact.
 
-    Where they do not, whichever less of the page contradicts, the network at a tie; and it is said.
+    Where they do not, the strokes if less of the page contradicts them and they see no more rooms:
+    whatever is drawn in a room, they take for walls. It is said.
     """
     if room_iou(strokes.plan, _at_scale_of(seen.plan, strokes.plan)) > _SAME_ROOMS:
         return strokes.plan
     taken, other = seen, strokes
-    if strokes.contradictions < seen.contradictions:
+    is_simpler = len(strokes.plan.rooms) <= len(seen.plan.rooms)
+    if is_simpler and strokes.contradictions < seen.contradictions:
         taken, other = strokes, seen
     told = (
         f"{len(taken.plan.rooms)} rooms were found; read in another way, it shows "
