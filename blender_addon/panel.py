@@ -130,7 +130,7 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
             row.operator("chord.delete_piece", text="", icon="TRASH").path = path
             if piece_of(own.swap_path) == path:
                 if told := arranged(own_objects(context), path):
-                    self.layout.label(text=told, icon="INFO")
+                    _draw_text(self.layout, told, "INFO")
                 box = _when_idle(self.layout.box())
                 _draw_models(box, own, models.get(own.swap_path, ""))
                 for look in looks:

@@ -1,1 +1,1 @@
-"""What is done to furniture after it is read: one table of rules, one call, every change kept."""
+"""What is done to furniture after it is read: one table of rules, every change kept."""

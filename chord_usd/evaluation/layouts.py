@@ -233,7 +233,8 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
     for kind in JUDGED:
         # What stands at an open side is judged by what lies beyond it.
         rows[kind] = score_scenes(rooms_of_kind(scenes, kind)) | homely_scores(homely, kind)
-    for part, found in piece_scores(scenes, [one.case for one in furnished], JUDGED).items():
+    cases = [one.case for one in furnished]
+    for part, found in piece_scores(scenes, cases, JUDGED, MUST_FURNISH).items():
         rows[part or "house"].update(found)
     return LayoutScores(
         rows=rows,

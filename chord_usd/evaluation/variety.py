@@ -12,20 +12,21 @@ from chord_usd.evaluation.cases import Case
 from chord_usd.metrics.scores import Score
 from chord_usd.scene.types import RoomKind, SceneGraph
 
-RICH: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
-"""Kinds of room that a home is judged by."""
-
 _SEEDS = (1, 2)
 """Of the furnisher: what two of its own furnishings differ by is what chance alone gives."""
 
 
 def piece_scores(
-    scenes: Sequence[SceneGraph], cases: Sequence[Case], kinds: Sequence[RoomKind]
+    scenes: Sequence[SceneGraph],
+    cases: Sequence[Case],
+    kinds: Sequence[RoomKind],
+    median_of: Sequence[RoomKind],
 ) -> dict[RoomKind | None, dict[str, Score]]:
     """The median number of pieces a room, and the total variation between the histograms of these
     numbers here and in the data, for each kind of room; under None over all kinds, by their rooms.
 
-    pieces_tv_floor: between two furnishings of the data.
+    pieces_tv_floor: between two furnishings of the data. median_of: of kinds, those that the median
+    over all looks at.
     """
     mine = _counts(scenes, kinds)
     data, again = (
@@ -39,8 +40,8 @@ def piece_scores(
             "pieces_tv": _variation(mine[kind], data[kind]),
             "pieces_tv_floor": _variation(again[kind], data[kind]),
         }
-    rich = sum((mine[kind] for kind in RICH if kind in mine), Counter[int]())
-    whole = {"pieces_median": _median(rich)}
+    together = sum((mine[kind] for kind in median_of), Counter[int]())
+    whole = {"pieces_median": _median(together)}
     for name in ("pieces_tv", "pieces_tv_floor"):
         whole[name] = _mean([rows[kind][name] for kind in kinds])
     return {None: whole, **rows}
