@@ -38,6 +38,9 @@ metre of overlap."""
 WISHED = 4
 """Times as many drafts."""
 
+NEW_PLACES = Heat(places=0.6)
+"""For pieces that stood wrongly: at the usual heat they would stand where they stood."""
+
 ROUNDS = 4
 """So often at most drafts are drawn of a room, as long as the best of it has faults."""
 
@@ -48,14 +51,9 @@ class Drafts:
 
     seed: int = 0
     count: int = 1
-    """Of each room in a round, WISHED times as many where something is wanted; the one with the
-    fewest faults is taken, of equal ones the likeliest. More than one in all: up to ROUNDS."""
-    heat: Heat = HEAT
+    """Of each room in a round, as long as it has faults: the same pieces in other places, WISHED
+    times as many where something is wanted. The one with the fewest faults is taken."""
     teacher: Teacher = "homes"
-
-
-_Told = tuple[list[Item], float]
-"""The pieces of a room, and how likely what was said of each is."""
 
 
 def furnish_by_lists(
@@ -83,13 +81,21 @@ def furnish_by_lists(
     ]
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
     rng = np.random.default_rng(drafts.seed)
+    table = _Table(jobs, wishes, drawer, drafts, rng)
     best: dict[int, _Try] = {}
+    lengths: dict[int, int] = {}
     due = list(range(len(jobs)))
+
+    def keep_best(drawn: Mapping[int, Sequence[Drawn]]) -> list[int]:
+        """Returns the rooms that still have faults."""
+        _keep_best(house, jobs, wishes, table.told(drawn), best)
+        return [at for at in due if best[at].key > _FAULTLESS]
+
     for _ in range(ROUNDS if drafts.count > 1 else 1):
-        own_jobs, own_wishes = [jobs[at] for at in due], [wishes[at] for at in due]
-        told = _drawn(own_jobs, own_wishes, drawer, drafts, rng)
-        _keep_best(house, jobs, wishes, dict(zip(due, told, strict=True)), best)
-        due = [at for at in due if best[at].key > _FAULTLESS]
+        held = table.held(due, lengths)
+        lengths = {at: len(own.elements) for at, own in held.items()} | lengths
+        due = keep_best({at: [own] for at, own in held.items()})
+        due = keep_best(table.placed_anew({at: held[at] for at in due}))
         if not due:
             break
     return replace(house, items=(*there, *(item for at in sorted(best) for item in best[at].items)))
@@ -100,37 +106,89 @@ class _Try(NamedTuple):
 
     key: tuple[int, float]
     """What it lacks of what is wanted, and its faults."""
-    unlikely: float
     items: list[Item]
 
 
 _FAULTLESS = (0, 0.0)
 
 
-def _drawn(
-    jobs: Sequence[tuple[Room, Around]],
-    wishes: Sequence[Asked],
-    drawer: ListDrawer,
-    drafts: Drafts,
-    rng: np.random.Generator,
-) -> list[list[_Told]]:
-    """All drafts of every room."""
-    subjects = [_subject(around, own) for (_, around), own in zip(jobs, wishes, strict=True)]
-    counts = [drafts.count * (WISHED if own.wanted else 1) for own in wishes]
-    order = [at for draft in range(max(counts, default=0)) for at, n in enumerate(counts)
-             if draft < n]  # fmt: skip
-    drawn = drawer.draw([subjects[at] for at in order], rng, drafts.heat)
-    # Once more, around pieces that were made as long as they are wanted.
-    sized = [nth for nth, at in enumerate(order) if wishes[at].has_lengths]
-    again = [
-        _lengthened(subjects[at], jobs[at][1], wishes[at], drawn[nth], nth)
-        for nth, at in ((nth, order[nth]) for nth in sized)
-    ]
-    drawn = [*drawn, *drawer.draw(again, rng, drafts.heat)]
-    told: list[list[_Told]] = [[] for _ in jobs]
-    for at, one in zip([*order, *(order[nth] for nth in sized)], drawn, strict=True):
-        told[at].append(_told(*jobs[at], one))
-    return told
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """Where lists are drawn: rooms go by their number among the jobs."""
+
+    jobs: Sequence[tuple[Room, Around]]
+    wishes: Sequence[Asked]
+    drawer: ListDrawer
+    drafts: Drafts
+    rng: np.random.Generator
+
+    def held(self, due: Sequence[int], lengths: Mapping[int, int]) -> dict[int, Drawn]:
+        """One list for each of these rooms; of several where the length of an earlier one is known,
+        the one nearest to it that is not shorter, or else the longest.
+        """
+        order = [
+            (at, self._subject(at))
+            for at in due for _ in range(self.drafts.count if at in lengths else 1)
+        ]  # fmt: skip
+
+        def unlike(at: int, drawn: Drawn) -> tuple[int, int]:
+            longer = len(drawn.elements) - lengths.get(at, 0)
+            return max(-longer, 0), abs(longer)
+
+        return {
+            at: min(own, key=lambda drawn: unlike(at, drawn))
+            for at, own in self._drawn(order).items()
+        }
+
+    def placed_anew(self, held: Mapping[int, Drawn]) -> dict[int, list[Drawn]]:
+        """The rest of the drafts, of the same pieces in other places.
+
+        What a room holds is drawn once: fewest faults among lists of any length would be fewest
+        pieces.
+        """
+        order = []
+        for at, drawn in held.items():
+            count = self.drafts.count * (WISHED if self.wishes[at].wanted else 1) - 1
+            order += [(at, _of_these(self._subject(at), drawn))] * count
+        found = self._drawn(order, NEW_PLACES)
+        # Once more, around pieces that were made as long as they are wanted.
+        again = [
+            (at, _lengthened(self._subject(at), self.jobs[at][1], self.wishes[at], drawn, nth))
+            for at, own in found.items() if self.wishes[at].has_lengths
+            for nth, drawn in enumerate((held[at], *own))
+        ]  # fmt: skip
+        for at, own in self._drawn(again, NEW_PLACES).items():
+            found[at] += own
+        return found
+
+    def told(self, drawn: Mapping[int, Sequence[Drawn]]) -> dict[int, list[list[Item]]]:
+        """As pieces in the plan."""
+        return {at: [self._items(at, one) for one in own] for at, own in drawn.items()}
+
+    def _items(self, at: int, drawn: Drawn) -> list[Item]:
+        room, around = self.jobs[at]
+        return items_from(drawn.elements, around, room.id)
+
+    def _subject(self, at: int) -> Subject:
+        return _subject(self.jobs[at][1], self.wishes[at])
+
+    def _drawn(
+        self, order: Sequence[tuple[int, Subject]], heat: Heat = HEAT
+    ) -> dict[int, list[Drawn]]:
+        found: dict[int, list[Drawn]] = {}
+        drawn = self.drawer.draw([subject for _, subject in order], self.rng, heat)
+        for (at, _), one in zip(order, drawn, strict=True):
+            found.setdefault(at, []).append(one)
+        return found
+
+
+def _of_these(subject: Subject, drawn: Drawn) -> Subject:
+    """The subject that shall hold just what this list holds."""
+    held = [one.category for one in drawn.elements]
+    for one in subject.kept:
+        if one.category in held:
+            held.remove(one.category)
+    return replace(subject, wanted=tuple(held), excluded=without(PIECES.categories, PIECES))
 
 
 def _subject(around: Around, asked: Asked) -> Subject:
@@ -158,30 +216,24 @@ def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at
     return replace(subject, kept=tuple(given), wanted=tuple(wanted))
 
 
-def _told(room: Room, around: Around, drawn: Drawn) -> _Told:
-    # Per value: short lists gain nothing by it.
-    values = len(drawn.elements) * (1 + len(PIECES.slots)) + 1
-    return items_from(drawn.elements, around, room.id), drawn.likelihood / values
-
-
 def _keep_best(
     house: SceneGraph,
     jobs: Sequence[tuple[Room, Around]],
     wishes: Sequence[Asked],
-    told: Mapping[int, Sequence[_Told]],
+    told: Mapping[int, Sequence[list[Item]]],
     best: dict[int, _Try],
 ) -> None:
     """Of each room, keep the draft that lacks the least of what is wanted, then has the fewest
-    faults, then is the likeliest. told: drafts by number of the job."""
+    faults. told: drafts by number of the job."""
     rooms = [jobs[at][0] for at in told]
     settled = [item for at, one in best.items() if at not in told for item in one.items]
     for draft in range(max(map(len, told.values()), default=0)):
         tried = {at: own[draft % len(own)] for at, own in told.items()}
-        items = (*house.items, *settled, *(item for own, _ in tried.values() for item in own))
+        items = (*house.items, *settled, *(item for own in tried.values() for item in own))
         faults = room_faults(replace(house, items=items), rooms, unpainted=True)
-        for (at, (own, likelihood)), fault in zip(tried.items(), faults, strict=True):
-            found = _Try((len(wishes[at].missing(own)), fault), -likelihood, own)
-            if at not in best or found[:2] < best[at][:2]:
+        for (at, own), fault in zip(tried.items(), faults, strict=True):
+            found = _Try((len(wishes[at].missing(own)), fault), own)
+            if at not in best or found.key < best[at].key:
                 best[at] = found
 
 
