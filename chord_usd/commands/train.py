@@ -87,6 +87,7 @@ def add(verbs: Verbs) -> None:
         help="pieces of a room, or things on tables, desks and worktops (pieces)",
     )
     _add_flats(lists)
+    _add_start(lists)
     reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
     _add_training_options(reader, minutes=60.0, batch=None)
     _add_loop_options(reader)
@@ -135,6 +136,10 @@ def _add_loop_options(parser: Parser) -> None:
         metavar="N",
         help="processes that draw (1)",
     )
+    _add_start(parser)
+
+
+def _add_start(parser: Parser) -> None:
     parser.add_argument(
         "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
     )
@@ -321,7 +326,7 @@ def run_lists(options: argparse.Namespace) -> Outcome:
     )
     task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
     with stopwatch(options).step("train") as progress:
-        facts = train_lists(config, options.output, task, progress)
+        facts = train_lists(config, options.output, task, progress, options.start)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 

@@ -20,9 +20,9 @@ from chord_usd.scene.types import Box, Item, PixelFrame, Room, SceneGraph
 class Roughness:
     """How drafts differ from what they are of."""
 
-    place_m: float = 0.07
+    place_m: float = 0.04
     """Standard deviation, along each axis."""
-    size: float = 0.05
+    size: float = 0.03
     """Of the logarithm of lengths and widths."""
     missing: float = 0.02
     """Chance of a piece not to be in the draft."""

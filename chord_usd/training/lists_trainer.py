@@ -12,12 +12,13 @@ import torch
 from safetensors.torch import save
 from torch import Tensor
 
+from chord_usd.errors import CheckpointError
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.lists.list_sampler import GRAPH_INPUTS, GRAPH_OUTPUTS
 from chord_usd.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
 from chord_usd.runtime.checksums import checkpoint_files
 from chord_usd.runtime.files import begin_run, write_atomic
-from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 from chord_usd.runtime.progress import Progress
 from chord_usd.training.budget import Budget
 from chord_usd.training.lists_data import Batch
@@ -66,8 +67,11 @@ def train_lists(
     folder: Path,
     task: Task,
     progress: Progress | None = None,
+    start: Path | None = None,
 ) -> dict[str, Any]:
     """Run until the minutes are spent, going on where a run in the folder stopped.
+
+    start: checkpoint whose weights a new run begins with.
 
     Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, and is
     renewed whenever the state is saved.
@@ -76,7 +80,9 @@ def train_lists(
     torch.manual_seed(config.seed)
     network = ListNetwork(task.vocabulary).to(config.device)
     weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
-    before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
+    before = weights.load(folder / STATE_FOLDER, config.device)
+    if before is None:
+        before = _begun(weights, start) if start else {"step": 0, "minutes": 0.0}
     step = first_step = int(before["step"])
     budget, seen = Budget(config.minutes), 0.0
     facts: dict[str, Any] = {}
@@ -105,6 +111,26 @@ def train_lists(
         if ended:
             break
     return facts
+
+
+def _begun(weights: Weights[ListNetwork], start: Path) -> dict[str, Any]:
+    """Take up a checkpoint, and say how long it was trained.
+
+    Raises CheckpointError where it is damaged or of another vocabulary.
+    """
+    stored = read_weights(start / WEIGHTS_FILE, "chord-usd train lists, or reinstall chord-usd")
+    tensors = {name: torch.from_numpy(value).float() for name, value in stored.items()}
+    for network in (weights.network, weights.average):
+        try:
+            network.load_state_dict(tensors)
+        except RuntimeError as error:
+            raise CheckpointError(
+                f"weights of another list network ({str(error).splitlines()[0]})",
+                where=str(start / WEIGHTS_FILE),
+                expected="a checkpoint that train lists wrote, of the same --of",
+            ) from error
+    told = json.loads((start / CONFIG_FILE).read_text(encoding="utf-8"))["training"]
+    return {"step": int(told["steps"]), "minutes": float(told["minutes"])}
 
 
 def _moved(batch: Batch, device: str) -> Batch:

@@ -67,7 +67,7 @@ def _put_runs(floor: Floor, has_refrigerator: bool) -> None:
 
 
 def _best_runs(floor: Floor, depth: float, height: float, aisle: float) -> list[Run]:
-    wanted = min(5.4, 1.6 + 0.34 * floor.area_m2) + floor.dice.uniform(-0.3, 0.6)
+    wanted = min(5.6, 1.8 + 0.36 * floor.area_m2) + floor.dice.uniform(-0.3, 0.6)
     best: tuple[float, int, list[Run]] | None = None
     spots = [
         Spot(wall, s_from, s_to)

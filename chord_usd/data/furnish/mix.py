@@ -95,13 +95,13 @@ PAPER = Mix(
 
 HOMES = Mix(
     bed_m_per_m2=0.07, bedside_wide=(0.05, 0.15, 0.8), bedside_narrow=(0.2, 0.7, 0.1),
-    storage=0.95, storage_small=0.9, chest=0.25, chest_besides=0.5, chest_from_m2=12.0,
-    desk=0.6, bedroom_television=0.4, bedroom_armchair=0.4, bedroom_armchair_from_m2=11.0,
-    shelf=0.9, study_armchair=0.4, store_cabinet=0.6, coffee_table=0.95, side_table=0.6,
-    single_sofas=(0.15, 0.45, 0.4), living_armchair=0.6, living_cabinet=0.6, shoe_cabinet=0.8,
+    storage=0.95, storage_small=0.9, chest=0.25, chest_besides=0.7, chest_from_m2=10.0,
+    desk=0.75, bedroom_television=0.5, bedroom_armchair=0.5, bedroom_armchair_from_m2=10.0,
+    shelf=0.9, study_armchair=0.4, store_cabinet=0.6, coffee_table=0.95, side_table=0.75,
+    single_sofas=(0.1, 0.4, 0.5), living_armchair=0.7, living_cabinet=0.75, shoe_cabinet=0.8,
     living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
-    dining_cabinet_at_table=0.6, dining_cabinet_living=0.5, refrigerator=1.0, electrical=0.85,
-    washbasin=1.0, bathtub=0.33, washing_machine=0.3, refrigerator_anywhere=1.0,
+    dining_cabinet_at_table=0.6, dining_cabinet_living=0.65, refrigerator=1.0, electrical=0.85,
+    washbasin=1.0, bathtub=0.33, washing_machine=0.45, refrigerator_anywhere=1.0,
     washing_machine_anywhere=1.0, balcony_armchair=0.3,
 )  # fmt: skip
 

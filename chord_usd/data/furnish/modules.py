@@ -10,6 +10,15 @@ from chord_usd.scene.palette import CATEGORIES
 LEAST_M = 0.3
 """Nothing narrower stands in a run."""
 
+WIDTHS_M = 0.3, 0.4, 0.45, 0.5, 0.6, 0.6, 0.6, 0.8
+"""What floor cabinets are sold in; 60 cm most often, for what is built in is as wide."""
+
+WIDEST_SINGLE_M = 0.55
+"""Of cabinets with one door."""
+
+SINK_M = 0.6, 0.8, 0.8
+COOKER_M = 0.6, 0.6, 0.75
+
 SINGLE = "single_door_floor_cabinet"
 DOUBLE = "double_door_floor_cabinet"
 
@@ -83,7 +92,7 @@ def _middle(
         return fill(dice, free)
     if len(names) == 2 and free < 1.2:
         names = names[:1]
-    lengths = {"sink_cabinet": 0.8, "cooker_cabinet": 0.75}
+    lengths = {"sink_cabinet": dice.choice(SINK_M), "cooker_cabinet": dice.choice(COOKER_M)}
     if free < sum(lengths[n] for n in names) + 0.35:
         return _tight(names, free)
     if len(names) == 1:
@@ -144,18 +153,12 @@ def _is_fillable(length: float) -> bool:
 
 
 def fill(dice: random.Random, length: float) -> list[Module]:
-    """Floor cabinets of usual lengths that fill `length` exactly; [] below 0.3 m."""
-    if length < 0.3 - 1e-6:
+    """Floor cabinets of the usual widths, the last one to measure; [] below 0.3 m."""
+    if length < LEAST_M - 1e-6:
         return []
-    if length < 0.6 - 1e-6:
-        return [Module(SINGLE, min(length, 0.55))]
-    if length < 0.9 or (length <= 1.1 and dice.random() < 0.2):
-        return [Module(DOUBLE, max(length, 0.6))] if length >= 0.6 - 1e-6 else []
-    if length <= 1.1:
-        return [Module(SINGLE, length / 2), Module(SINGLE, length / 2)]
-    first = dice.choice((0.4, 0.45, 0.5, 0.55, 0.4, 0.45, 0.8))
-    rest = length - first
-    if not _is_fillable(rest):
-        first = 0.4 if _is_fillable(length - 0.4) else 0.5
-    modules = [Module(SINGLE if first < 0.6 else DOUBLE, first)]
-    return modules + fill(dice, length - first)
+    if length <= WIDEST_SINGLE_M + 1e-6:
+        return [Module(SINGLE, length)]
+    widths = [width for width in WIDTHS_M if _is_fillable(length - width)]
+    first = dice.choice(widths) if widths else length
+    module = Module(SINGLE if first <= WIDEST_SINGLE_M + 1e-6 else DOUBLE, first)
+    return [module, *fill(dice, length - first)]
