@@ -15,15 +15,15 @@ import numpy as np
 import shapely
 
 from chord_usd.graph.colours import LabelArray
-from chord_usd.graph.flush import Standing
 from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.oriented_rect import Edge, Footprint
 from chord_usd.scene.palette import Category, Mount, category
 from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room
 from chord_usd.scene.units import m_from_px, px_from_m
 
-_EDGES = ("u0", "u1", "v0", "v1")
+_EDGES: tuple[Edge, ...] = ("u0", "u1", "v0", "v1")
 
 _BARE = 0.2
 """Floor of which a smaller share shows a piece shows nothing of it: torn edges are no piece."""
@@ -64,7 +64,7 @@ class FreeFloor:
 
     def kept(
         self,
-        standing: Standing,
+        footprint: Footprint,
         box: Box,
         row: Category,
         reach_m: float,
@@ -75,19 +75,19 @@ class FreeFloor:
         painted: where it shows nothing of the piece on that floor, edges come from farther.
         """
         if row.mount is Mount.FLOOR:
-            for index in self._before(standing.on(box)):
+            for index in self._before(footprint.on(box)):
                 sill_m = self._openings[index].box.center_m[2]
                 if row.height_m[0] <= sill_m:
                     continue
                 free = self._tree.geometries[index]
-                shared = footprint_polygon(standing.on(box)).intersection(free)
+                shared = footprint_polygon(footprint.on(box)).intersection(free)
                 # What gave way to one opening may have left another's floor, too.
                 if shared.area <= MIN_OVERLAP_M2:
                     continue
                 is_bare = painted and painted.share(shared, row.detector_class) < _BARE
                 most_cut = _MOST_CUT if is_bare else 0.0
-                standing = _backed_off(standing, shared, reach_m, most_cut)
-        return standing.on(box)
+                footprint = _backed_off(footprint, shared, reach_m, most_cut)
+        return footprint.on(box)
 
     def below_sill(self, item: Item) -> Item:
         """The item as low as the window it stands before asks, where its category can be."""
@@ -112,21 +112,19 @@ class FreeFloor:
 
 
 def _backed_off(
-    standing: Standing, shared: shapely.Geometry, reach_m: float, most_cut: float
-) -> Standing:
+    footprint: Footprint, shared: shapely.Geometry, reach_m: float, most_cut: float
+) -> Footprint:
     """The one edge moved off the floor it shares that needs least.
 
     None where that is farther than reach_m and than most_cut, a share of the side that it cuts.
     """
-    rectangle = standing.rectangle
-    own = rectangle.local(shapely.get_coordinates(shared))
+    rect = footprint.rect
+    own = rect.local(shapely.get_coordinates(shared))
     low, high = own.min(axis=0), own.max(axis=0)
     places = (float(high[0]), float(low[0]), float(high[1]), float(low[1]))
-    moves = [
-        abs(place - getattr(rectangle, name)) for name, place in zip(_EDGES, places, strict=True)
-    ]
+    moves = [abs(place - getattr(rect, edge)) for edge, place in zip(_EDGES, places, strict=True)]
     least = int(np.argmin(moves))
-    sides_m = rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0
+    sides_m = rect.u1 - rect.u0, rect.v1 - rect.v0
     if moves[least] > max(reach_m, most_cut * sides_m[least // 2]):
-        return standing
-    return replace(standing, rectangle=replace(rectangle, **{_EDGES[least]: places[least]}))
+        return footprint
+    return footprint.moved_edge(_EDGES[least], places[least])

@@ -18,11 +18,13 @@ from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
 from chord_usd.arrange.usual_sizes import grow_to_usual
+from chord_usd.arrange.walls_kept import cut_at_walls
 from chord_usd.graph.colours import LabelArray, read_pixels
 from chord_usd.graph.fit import is_built_in
-from chord_usd.graph.flush import Standing, part, pull_into
+from chord_usd.graph.flush import parted
 from chord_usd.graph.match import FLUSH_PX
 from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.oriented_rect import Footprint
 from chord_usd.scene.palette import category
 from chord_usd.scene.types import Box, Edit, Item, LayoutImage, PixelFrame, Room, SceneGraph
 
@@ -137,12 +139,12 @@ def _room_by_room(boxes_of: Callable[[Room, Sequence[Item], Seen], Sequence[Box]
 
 def _cut_at_walls(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
     floor = room_polygon(room)
-    return [pull_into(Standing.of(item.box), floor).on(item.box) for item in items]
+    return [cut_at_walls(Footprint.of(item.box), floor).on(item.box) for item in items]
 
 
 def _parted(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
-    standings = part([Standing.of(item.box) for item in items], seen.reach_m)
-    return [standing.on(item.box) for standing, item in zip(standings, items, strict=True)]
+    apart = parted([Footprint.of(item.box) for item in items], seen.reach_m)
+    return [footprint.on(item.box) for footprint, item in zip(apart, items, strict=True)]
 
 
 def _levelled(room: Room, items: Sequence[Item], seen: Seen) -> list[Box]:
@@ -161,7 +163,11 @@ def _off_free_floor(graph: SceneGraph, seen: Seen) -> SceneGraph:
         replace(
             item,
             box=free.kept(
-                Standing.of(item.box), item.box, category(item.category), seen.reach_m, seen.painted
+                Footprint.of(item.box),
+                item.box,
+                category(item.category),
+                seen.reach_m,
+                seen.painted,
             ),
         )
         for item in graph.items

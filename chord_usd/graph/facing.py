@@ -9,7 +9,8 @@ import numpy as np
 from chord_usd.graph.colours import CLEAR, LayoutPixels
 from chord_usd.graph.joining import Piece
 from chord_usd.graph.patches import UsualSize, mark_fits
-from chord_usd.graph.rectangles import Rectangle, covered_share
+from chord_usd.graph.rectangles import canvas_corners, front_mark
+from chord_usd.scene.oriented_rect import OrientedRect
 from chord_usd.scene.palette import PLAN_CATEGORIES, Mount
 from chord_usd.scene.types import FloatArray
 
@@ -44,7 +45,7 @@ def facing(
         return int(np.argmax(walls + _LONG_WORD * _long_fronts(rectangle))), False
     turns = int(fits.argmax())
     opposite = (turns + 2) % 4
-    thin = covered_share(rectangle.mark(opposite), rectangle.mark(turns)) > _SAME_MARK
+    thin = front_mark(rectangle, opposite).covered_by(front_mark(rectangle, turns)) > _SAME_MARK
     if thin or mount is Mount.WALL:
         # The mark of a piece a pixel or two thick does not tell its front from its back.
         choices = (turns, opposite)
@@ -56,15 +57,17 @@ def facing(
     return int(np.argmax(word - _ODD_WORD * np.array(odd))), True
 
 
-def _long_fronts(rectangle: Rectangle) -> FloatArray:
+def _long_fronts(rectangle: OrientedRect) -> FloatArray:
     """(4,) 1 where the front would be a longer side."""
     across, along = rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0
     return np.array([across >= along, along >= across] * 2, dtype=np.float64)
 
 
-def _walls_behind(pixels: LayoutPixels, rectangle: Rectangle, choices: Iterable[int]) -> FloatArray:
+def _walls_behind(
+    pixels: LayoutPixels, rectangle: OrientedRect, choices: Iterable[int]
+) -> FloatArray:
     """Share of wall or window right behind the back, for each choice of quarter turns."""
-    corners = np.array([rectangle.corners_px(turns) for turns in choices])
+    corners = np.array([canvas_corners(rectangle, turns) for turns in choices])
     back_left, front_left, back_right = corners[:, 0], corners[:, 1], corners[:, 3]
     outward = back_left - front_left
     outward = outward / np.maximum(np.hypot(outward[:, 0], outward[:, 1]), 1e-9)[:, None]

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.graph.rectangles import Evidence, Rectangle, best_edge
+from chord_usd.graph.rectangles import Evidence, best_edge
+from chord_usd.scene.oriented_rect import OrientedRect
 from chord_usd.scene.palette import FRONT_MARK_LENGTH
 from chord_usd.scene.types import FloatArray
 
@@ -27,13 +28,13 @@ _SEEN, _MARK, _SHARED, _KEEP = 1.0, 0.7, 2.0, 0.02
 class Piece:
     """One item of a patch."""
 
-    rectangle: Rectangle
+    rectangle: OrientedRect
     quarter_turns: int | None
     """Yaw is rectangle.angle_deg plus these; None where no front mark tells."""
 
 
 def settle_edges(
-    evidence: Evidence, pieces: Sequence[Piece], marks: Sequence[Rectangle]
+    evidence: Evidence, pieces: Sequence[Piece], marks: Sequence[OrientedRect]
 ) -> list[Piece]:
     """Move the edges of pieces (all of one angle) so that pixels, marks and neighbours agree.
 
@@ -54,7 +55,7 @@ def settle_edges(
         solved[[upper, lower]] = solved[[upper, lower]].mean()
     solved = solved.reshape(-1, 4)
     return [
-        Piece(Rectangle(piece.rectangle.angle_deg, *map(float, edges)), piece.quarter_turns)
+        Piece(OrientedRect(piece.rectangle.angle_deg, *map(float, edges)), piece.quarter_turns)
         if edges[1] - edges[0] >= 0.5 and edges[3] - edges[2] >= 0.5
         else piece
         for piece, edges in zip(pieces, solved, strict=True)
@@ -62,7 +63,7 @@ def settle_edges(
 
 
 def _own_equations(
-    evidence: Evidence, pieces: Sequence[Piece], index: int, piece: Piece, mark: Rectangle
+    evidence: Evidence, pieces: Sequence[Piece], index: int, piece: Piece, mark: OrientedRect
 ) -> list[tuple[dict[int, float], float, float]]:
     """(factors by unknown, value, weight): the first guess, seen edges and the mark."""
     base = 4 * index
@@ -85,7 +86,7 @@ def _own_equations(
     return rows
 
 
-def _seen_edge(evidence: Evidence, rectangle: Rectangle, edge: int) -> float | None:
+def _seen_edge(evidence: Evidence, rectangle: OrientedRect, edge: int) -> float | None:
     """Where the patch ends at this edge of a piece; None where it goes on beyond."""
     axis, upper = divmod(edge, 2)
     sign = 1.0 if upper else -1.0
@@ -123,7 +124,7 @@ def _common_edges(pieces: Sequence[Piece]) -> list[tuple[int, int]]:
     ]
 
 
-def _touch(first: Rectangle, second: Rectangle, axis: int) -> bool:
+def _touch(first: OrientedRect, second: OrientedRect, axis: int) -> bool:
     one, other = _spans(first), _spans(second)
     gap = other[axis][0] - one[axis][1]
     common = min(one[1 - axis][1], other[1 - axis][1]) - max(one[1 - axis][0], other[1 - axis][0])
@@ -131,5 +132,5 @@ def _touch(first: Rectangle, second: Rectangle, axis: int) -> bool:
     return abs(gap) < _TOUCH_PX and common > 0.5 * least
 
 
-def _spans(rectangle: Rectangle) -> FloatArray:
+def _spans(rectangle: OrientedRect) -> FloatArray:
     return np.array([[rectangle.u0, rectangle.u1], [rectangle.v0, rectangle.v1]])

@@ -15,14 +15,14 @@ from chord_usd.graph.fit import fitted_box, is_built_in
 from chord_usd.graph.flush import (
     ALIGN_BUILT_IN_DEG,
     ALIGN_DEG,
-    Standing,
     align,
     flush_with_walls,
     kept_deep,
-    part,
+    parted,
 )
 from chord_usd.graph.snap import FoundItem
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.oriented_rect import Footprint
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.types import Asset, Box, Detection, Facts, Item, PixelFrame, Room, SceneGraph
 from chord_usd.scene.units import m_from_px, wrap_deg
@@ -167,16 +167,16 @@ def _flush_boxes(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: fl
     """The boxes of a room, square to its walls; edges that lie within reach_m of a wall or of each
     other are on it."""
     on_wall = [category(one.detection.category).mount is Mount.WALL for one, _ in found]
-    standings = [
-        align(Standing.of(box), room.polygon_m, _align_within_deg(one.detection.category))
+    footprints = [
+        align(Footprint.of(box), room.polygon_m, _align_within_deg(one.detection.category))
         for one, box in found
     ]
-    for index, standing in enumerate(standings):
-        others = standings[:index] + standings[index + 1 :]
-        flush = flush_with_walls(standing, room.polygon_m, reach_m, others)
-        standings[index] = kept_deep(standing, flush) if on_wall[index] else flush
-    parted = part(standings, reach_m, share=0.0)
-    return [standing.on(box) for standing, (_, box) in zip(parted, found, strict=True)]
+    for index, footprint in enumerate(footprints):
+        others = footprints[:index] + footprints[index + 1 :]
+        flush = flush_with_walls(footprint, room.polygon_m, reach_m, others)
+        footprints[index] = kept_deep(footprint, flush) if on_wall[index] else flush
+    apart = parted(footprints, reach_m, share=0.0)
+    return [footprint.on(box) for footprint, (_, box) in zip(apart, found, strict=True)]
 
 
 def _align_within_deg(name: str) -> float:

@@ -19,12 +19,12 @@ from chord_usd.graph.directions import Directions
 from chord_usd.graph.joining import Piece, settle_edges
 from chord_usd.graph.rectangles import (
     Evidence,
-    Rectangle,
-    covered_share,
     fit_at_angle,
     fit_free,
+    front_mark,
     upright_points,
 )
+from chord_usd.scene.oriented_rect import OrientedRect
 from chord_usd.scene.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH, Category
 from chord_usd.scene.types import BoolArray, FloatArray
 from chord_usd.scene.units import fold_deg
@@ -141,7 +141,7 @@ def cut_patch(
 
 
 def explain(
-    patch: Patch, directions: Directions, proposals: Sequence[Rectangle] = ()
+    patch: Patch, directions: Directions, proposals: Sequence[OrientedRect] = ()
 ) -> tuple[list[Piece], float]:
     """The pieces a patch is made of, and the cost of the explanation in pixels."""
     best = [_single(patch, directions)]
@@ -181,7 +181,7 @@ def drawing_cost(patch: Patch, pieces: Sequence[Piece]) -> float:
         times += piece.rectangle.covers(members)
         spilt |= piece.rectangle.covers(outsiders)
         if piece.quarter_turns is not None:
-            expected |= piece.rectangle.mark(piece.quarter_turns).covers(members)
+            expected |= front_mark(piece.rectangle, piece.quarter_turns).covers(members)
     cost = float((times == 0).sum() + np.maximum(times - 1, 0).sum())
     cost += float(patch.evidence.weights[spilt].sum())
     cost += _WRONG_MARK_COST * float((patch.marked & ~expected).sum())
@@ -196,7 +196,7 @@ def uncovered(patch: Patch, pieces: Sequence[Piece]) -> BoolArray:
     return left
 
 
-def fit(evidence: Evidence, directions: Directions) -> Rectangle:
+def fit(evidence: Evidence, directions: Directions) -> OrientedRect:
     """The rectangle of some pixels, along a wall's direction.
 
     Torn patches are often a little rounder than they should be, which a slanted rectangle suits
@@ -204,8 +204,8 @@ def fit(evidence: Evidence, directions: Directions) -> Rectangle:
     """
     members = evidence.members
     low, high = members.min(axis=0) - 0.5, members.max(axis=0) + 0.5
-    box = Rectangle(0.0, low[0], high[0], low[1], high[1])
-    if round(box.area_px) == len(members):
+    box = OrientedRect(0.0, low[0], high[0], low[1], high[1])
+    if round(box.area) == len(members):
         return box
     angles = directions.near(members.mean(axis=0))
     fitted = [fit_at_angle(evidence, angle) for angle in angles]
@@ -223,24 +223,24 @@ def fit(evidence: Evidence, directions: Directions) -> Rectangle:
     return fitted[int(np.argmin(costs + _RARE_SHARE * len(members) * rare))]
 
 
-def _skew_px(rectangle: Rectangle, angles_deg: Iterable[float]) -> float:
+def _skew_px(rectangle: OrientedRect, angles_deg: Iterable[float]) -> float:
     """How far the long side of a rectangle runs out of the nearest of some directions."""
     turn_deg = min(abs(fold_deg(rectangle.angle_deg - angle)) for angle in angles_deg)
     longest = max(rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0)
     return longest * math.sin(math.radians(turn_deg))
 
 
-def mark_fits(rectangle: Rectangle, marked: FloatArray) -> FloatArray:
+def mark_fits(rectangle: OrientedRect, marked: FloatArray) -> FloatArray:
     """(4,) intersection over union of marked points (N, 2) and the front mark at each side."""
     fits = []
     for quarter_turns in range(4):
-        mark = rectangle.mark(quarter_turns)
+        mark = front_mark(rectangle, quarter_turns)
         hit = float(mark.covers(marked).sum())
-        fits.append(hit / (mark.area_px + len(marked) - hit))
+        fits.append(hit / (mark.area + len(marked) - hit))
     return np.array(fits)
 
 
-def _front_of(rectangle: Rectangle, marked: FloatArray) -> int | None:
+def _front_of(rectangle: OrientedRect, marked: FloatArray) -> int | None:
     """Quarter turns at which the front mark lies best on the marked points (N, 2), if it does."""
     fits = mark_fits(rectangle, marked)
     return int(fits.argmax()) if fits.max() >= _LEAST_MARK_OVERLAP else None
@@ -251,7 +251,7 @@ def _single(patch: Patch, directions: Directions) -> Piece:
     return Piece(rectangle, _front_of(rectangle, patch.evidence.members[patch.marked]))
 
 
-def _patch_angles(patch: Patch, directions: Directions, single: Rectangle) -> list[float]:
+def _patch_angles(patch: Patch, directions: Directions, single: OrientedRect) -> list[float]:
     """Directions the pieces of a patch may share: exact for rows, a guess for L shapes."""
     angles = directions.near(patch.evidence.members.mean(axis=0))[:3]
     return angles if single.angle_deg in angles else [*angles, single.angle_deg]
@@ -283,7 +283,7 @@ def _split_by_marks(patch: Patch, blobs: Sequence[BoolArray], angle_deg: float) 
         agreement, piece = max(guesses, key=lambda guess: guess[0])
         found.append((agreement, piece, mark))
     found.sort(key=lambda one: -one[0])
-    kept: list[tuple[Piece, Rectangle]] = []
+    kept: list[tuple[Piece, OrientedRect]] = []
     for _, piece, mark in found:
         # A doubled mark gives the same piece twice.
         if is_another(piece, [other for other, _ in kept]):
@@ -294,7 +294,7 @@ def _split_by_marks(patch: Patch, blobs: Sequence[BoolArray], angle_deg: float) 
 
 def is_another(piece: Piece, others: Iterable[Piece]) -> bool:
     """Whether a piece lies in none of the others, which would be itself, read twice."""
-    return all(covered_share(piece.rectangle, other.rectangle) < _DOUBLE_SHARE for other in others)
+    return all(piece.rectangle.covered_by(other.rectangle) < _DOUBLE_SHARE for other in others)
 
 
 def _refit(patch: Patch, pieces: Sequence[Piece]) -> list[Piece]:
@@ -307,12 +307,12 @@ def _refit(patch: Patch, pieces: Sequence[Piece]) -> list[Piece]:
     return found
 
 
-def _mark_rectangle(patch: Patch, blob: BoolArray, angle_deg: float) -> Rectangle:
+def _mark_rectangle(patch: Patch, blob: BoolArray, angle_deg: float) -> OrientedRect:
     members = patch.evidence.members
     points = members[blob]
     if angle_deg == 0.0:
         low, high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
-        return Rectangle(0.0, low[0], high[0], low[1], high[1])
+        return OrientedRect(0.0, low[0], high[0], low[1], high[1])
     near = (np.abs(members - points.mean(axis=0)) <= np.ptp(points, axis=0) / 2 + 4).all(axis=1)
     others = members[near & ~blob]
     outside = patch.evidence.outsiders
@@ -321,7 +321,7 @@ def _mark_rectangle(patch: Patch, blob: BoolArray, angle_deg: float) -> Rectangl
     return fit_at_angle(Evidence(points, others, np.ones(len(others))), angle_deg)
 
 
-def _from_mark(patch: Patch, mark: Rectangle, quarter_turns: int) -> tuple[float, Piece]:
+def _from_mark(patch: Patch, mark: OrientedRect, quarter_turns: int) -> tuple[float, Piece]:
     """The piece whose front mark this is if it faces so, and how well the pixels agree, to 1."""
     along_u = quarter_turns % 2 == 0
     (a, b), (near, far) = (
@@ -342,7 +342,7 @@ def _from_mark(patch: Patch, mark: Rectangle, quarter_turns: int) -> tuple[float
     spans = (middle - half, middle + half, low, high)
     if not along_u:
         spans = (low, high, middle - half, middle + half)
-    piece = Piece(Rectangle(mark.angle_deg, *spans), quarter_turns)
+    piece = Piece(OrientedRect(mark.angle_deg, *spans), quarter_turns)
     return _agreement(patch, piece), piece
 
 
@@ -362,14 +362,14 @@ def _agreement(patch: Patch, piece: Piece) -> float:
     assert piece.quarter_turns is not None
     inside = piece.rectangle.covers(patch.evidence.members)
     spilt = piece.rectangle.covers(patch.evidence.outsiders).sum()
-    expected = piece.rectangle.mark(piece.quarter_turns).covers(patch.evidence.members)
+    expected = front_mark(piece.rectangle, piece.quarter_turns).covers(patch.evidence.members)
     right = (expected == patch.marked)[inside].sum()
     odd = _ODD_AGREEMENT * patch.usual_px.odd_sides(piece)
     return float(right / max(inside.sum() + spilt, 1)) - odd
 
 
 def _split_by_proposals(
-    patch: Patch, proposals: Sequence[Rectangle], angle_deg: float
+    patch: Patch, proposals: Sequence[OrientedRect], angle_deg: float
 ) -> list[Piece]:
     """One piece per proposal, each moved onto the pixels that are nearest to it."""
     owner = _owners(patch, proposals)
@@ -383,7 +383,7 @@ def _split_by_proposals(
     return pieces
 
 
-def _owners(patch: Patch, rectangles: Sequence[Rectangle]) -> npt.NDArray[np.intp]:
+def _owners(patch: Patch, rectangles: Sequence[OrientedRect]) -> npt.NDArray[np.intp]:
     """(N,) index of the rectangle that each member is deepest in, or least far from."""
     depths = []
     for rectangle in rectangles:
@@ -393,7 +393,7 @@ def _owners(patch: Patch, rectangles: Sequence[Rectangle]) -> npt.NDArray[np.int
     return np.argmax(depths, axis=0)
 
 
-def _fit_own(patch: Patch, own: BoolArray, angle_deg: float) -> Rectangle | None:
+def _fit_own(patch: Patch, own: BoolArray, angle_deg: float) -> OrientedRect | None:
     """The rectangle of some members against all other pixels around."""
     if own.sum() < 2:
         return None

@@ -1,101 +1,44 @@
-"""Oriented rectangles on the pixel grid, and the one that best separates pixels from others.
+"""The oriented rectangle that best separates pixels from others, and its front mark.
 
-Everything here lives in upright pixels: x right, y UP, the centre of pixel (row 0, column 0) at
-(0.5, -0.5), so that angles are counter-clockwise as in the world.
+Everything here lives in upright pixels (scene/oriented_rect.py).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from chord_usd.scene.oriented_rect import EDGES, Edge, OrientedRect, turn_matrix
 from chord_usd.scene.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH
 from chord_usd.scene.types import BoolArray, FloatArray
-from chord_usd.scene.units import fold_deg, rotation_2d
+from chord_usd.scene.units import fold_deg
 
-FRONT_EDGES = ("v0", "u1", "v1", "u0")
+FRONT_EDGES: tuple[Edge, ...] = ("v0", "u1", "v1", "u0")
 """Edge that is the front after 0, 1, 2, 3 counter-clockwise quarter turns."""
 
 _SAME_PX = 1e-6
 
 
-@dataclass(frozen=True)
-class Rectangle:
-    """u0 <= u <= u1, v0 <= v <= v1, where u runs along angle_deg and v a quarter turn further."""
-
-    angle_deg: float
-    u0: float
-    u1: float
-    v0: float
-    v1: float
-
-    @property
-    def area_px(self) -> float:
-        """Square pixels."""
-        return (self.u1 - self.u0) * (self.v1 - self.v0)
-
-    @property
-    def center(self) -> FloatArray:
-        """(2,) upright pixels."""
-        middle = np.array([(self.u0 + self.u1) / 2, (self.v0 + self.v1) / 2])
-        return _turn(self.angle_deg) @ middle
-
-    def local(self, points: FloatArray) -> FloatArray:
-        """(N, 2) own coordinates (u, v) of upright points (N, 2)."""
-        return points @ _turn(self.angle_deg)
-
-    def covers(self, points: FloatArray) -> BoolArray:
-        """(N,) which upright points lie inside; as in drawing, the lower edges count."""
-        u, v = self.local(points).T
-        return (u >= self.u0) & (u < self.u1) & (v >= self.v0) & (v < self.v1)
-
-    def corners_px(self, quarter_turns: int = 0) -> FloatArray:
-        """(4, 2) canvas pixels (y down) as in Detection: back left, front left, front right,
-        back right of an item whose yaw is angle_deg plus these quarter turns."""
-        own = [(self.u0, self.v1), (self.u0, self.v0), (self.u1, self.v0), (self.u1, self.v1)]
-        first = quarter_turns % 4
-        return np.array(own[first:] + own[:first]) @ _to_canvas(self.angle_deg)
-
-    def grown(self, by_px: float) -> Rectangle:
-        """The same rectangle with every edge moved outwards."""
-        return Rectangle(
-            self.angle_deg, self.u0 - by_px, self.u1 + by_px, self.v0 - by_px, self.v1 + by_px
-        )
-
-    def mark(self, quarter_turns: int) -> Rectangle:
-        """The strip a front mark covers when the front is at FRONT_EDGES[quarter_turns]."""
-        along_u = quarter_turns % 2 == 0
-        length = self.u1 - self.u0 if along_u else self.v1 - self.v0
-        width = self.v1 - self.v0 if along_u else self.u1 - self.u0
-        inset = (length - max(FRONT_MARK_LENGTH * length, 1.0)) / 2
-        depth = max(FRONT_MARK_WIDTH * width, 1.0)
-        if quarter_turns == 0:
-            return replace(self, u0=self.u0 + inset, u1=self.u1 - inset, v1=self.v0 + depth)
-        if quarter_turns == 1:
-            return replace(self, v0=self.v0 + inset, v1=self.v1 - inset, u0=self.u1 - depth)
-        if quarter_turns == 2:
-            return replace(self, u0=self.u0 + inset, u1=self.u1 - inset, v0=self.v1 - depth)
-        return replace(self, v0=self.v0 + inset, v1=self.v1 - inset, u1=self.u0 + depth)
+def canvas_corners(rect: OrientedRect, quarter_turns: int = 0) -> FloatArray:
+    """(4, 2) canvas pixels (y down) as in Detection."""
+    corners: FloatArray = rect.corners(quarter_turns) * (1.0, -1.0)
+    return corners
 
 
-@lru_cache(maxsize=256)
-def _turn(angle_deg: float) -> FloatArray:
-    """(2, 2) rotation; a house has few directions."""
-    matrix = rotation_2d(angle_deg)
-    matrix.setflags(write=False)
-    return matrix
-
-
-@lru_cache(maxsize=256)
-def _to_canvas(angle_deg: float) -> FloatArray:
-    """(2, 2) what turns rows of (u, v) into canvas pixels, y down."""
-    matrix: FloatArray = rotation_2d(angle_deg).T * (1.0, -1.0)
-    matrix.setflags(write=False)
-    return matrix
+def front_mark(rect: OrientedRect, quarter_turns: int) -> OrientedRect:
+    """The strip a front mark covers when the front is at FRONT_EDGES[quarter_turns]."""
+    along, across = (0, 1) if quarter_turns % 2 == 0 else (1, 0)
+    low, high = rect.span(along)
+    inset = (high - low - max(FRONT_MARK_LENGTH * (high - low), 1.0)) / 2
+    near, far = rect.span(across)
+    depth = max(FRONT_MARK_WIDTH * (far - near), 1.0)
+    mark = rect.moved_edge(EDGES[along][0], low + inset).moved_edge(EDGES[along][1], high - inset)
+    if FRONT_EDGES[quarter_turns].endswith("0"):
+        return mark.moved_edge(EDGES[across][1], near + depth)
+    return mark.moved_edge(EDGES[across][0], far - depth)
 
 
 def upright_points(mask: BoolArray, top: int = 0, left: int = 0) -> FloatArray:
@@ -115,19 +58,19 @@ class Evidence:
     weights: FloatArray
     """(M,) cost of covering each outsider, in members left uncovered."""
 
-    def cost(self, rectangle: Rectangle) -> float:
+    def cost(self, rectangle: OrientedRect) -> float:
         """Members left outside plus the weights of outsiders covered."""
         missed = len(self.members) - int(rectangle.covers(self.members).sum())
         return missed + float(self.weights[rectangle.covers(self.outsiders)].sum())
 
 
-def fit_at_angle(evidence: Evidence, angle_deg: float, rounds: int = 3) -> Rectangle:
+def fit_at_angle(evidence: Evidence, angle_deg: float, rounds: int = 3) -> OrientedRect:
     """The rectangle of this direction that separates members from outsiders at least cost.
 
     Each edge in turn goes to the middle of the interval of positions that cost least, which on a
     clean raster is within half a pixel of the edge that was drawn.
     """
-    turn = _turn(angle_deg)
+    turn = turn_matrix(angle_deg)
     inside, outside = evidence.members @ turn, evidence.outsiders @ turn
     low, high = _trimmed_span(inside)
     edges = [[low[0] - 0.5, high[0] + 0.5], [low[1] - 0.5, high[1] + 0.5]]
@@ -146,7 +89,7 @@ def fit_at_angle(evidence: Evidence, angle_deg: float, rounds: int = 3) -> Recta
         if before == edges:
             break
     (u0, u1), (v0, v1) = edges
-    return Rectangle(angle_deg, u0, u1, v0, v1)
+    return OrientedRect(angle_deg, u0, u1, v0, v1)
 
 
 def _trimmed_span(points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -179,7 +122,7 @@ def best_edge(inside: FloatArray, outside: FloatArray, weights: FloatArray, midd
     return float(positions[best] + gaps[best] / 2)
 
 
-def fit_free(evidence: Evidence) -> Rectangle:
+def fit_free(evidence: Evidence) -> OrientedRect:
     """The rectangle of any direction that separates members from outsiders at least cost.
 
     The direction is the middle of the interval that costs least, in [-45, 45) degrees.
@@ -192,11 +135,3 @@ def fit_free(evidence: Evidence) -> Rectangle:
         costs = [evidence.cost(fit_at_angle(evidence, float(a), rounds=2)) for a in angles]
         angle = float(angles[np.flatnonzero(np.array(costs) <= min(costs) + 1e-9)].mean())
     return fit_at_angle(evidence, fold_deg(angle))
-
-
-def covered_share(inner: Rectangle, outer: Rectangle) -> float:
-    """Share of inner's area that lies within outer."""
-    both, _ = cv2.intersectConvexConvex(
-        inner.corners_px().astype(np.float32), outer.corners_px().astype(np.float32)
-    )
-    return float(both) / max(inner.area_px, 1e-9)

@@ -31,7 +31,8 @@ from chord_usd.graph.patches import (
     is_another,
     uncovered,
 )
-from chord_usd.graph.rectangles import Rectangle, covered_share
+from chord_usd.graph.rectangles import canvas_corners
+from chord_usd.scene.oriented_rect import OrientedRect
 from chord_usd.scene.palette import HOUSE_CATEGORIES, Category
 from chord_usd.scene.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
 from chord_usd.scene.units import fold_deg
@@ -186,7 +187,7 @@ def _least_size_px(usual_px: UsualSize, seen: bool) -> float:
 
 
 def _explained(
-    patch: Patch, directions: Directions, proposals: Sequence[Rectangle]
+    patch: Patch, directions: Directions, proposals: Sequence[OrientedRect]
 ) -> list[tuple[Piece, float]]:
     """Pieces of a patch with their share of wrong pixels; what is left over is explained again."""
     pieces, cost = explain(patch, directions, proposals)
@@ -225,7 +226,7 @@ def _found_item(
     patch: Patch,
     piece: Piece,
     wrong_share: float,
-    seen: Sequence[tuple[Detection, Rectangle]],
+    seen: Sequence[tuple[Detection, OrientedRect]],
 ) -> FoundItem:
     marked = patch.evidence.members[patch.marked]
     marked = marked[piece.rectangle.grown(1.0).covers(marked)]
@@ -240,14 +241,14 @@ def _found_item(
     mask.setflags(write=False)
     detection = Detection(
         category=row.name,
-        corners_px=frozen_array(rectangle.corners_px(turns)),
+        corners_px=frozen_array(canvas_corners(rectangle, turns)),
         score=score if in_detector else 1.0 - wrong_share,
         mask=mask,
     )
     return FoundItem(detection, front_seen, in_detector)
 
 
-def _thinned(rectangle: Rectangle, turns: int, row: Category, m_per_px: float) -> Rectangle:
+def _thinned(rectangle: OrientedRect, turns: int, row: Category, m_per_px: float) -> OrientedRect:
     """Whatever is painted a single row of pixels thick, growing to the front, given back the
     depth that is most likely: the middle, as ratios go, of the depths that look so."""
     depth = rectangle.v1 - rectangle.v0 if turns % 2 == 0 else rectangle.u1 - rectangle.u0
@@ -264,17 +265,17 @@ def _thinned(rectangle: Rectangle, turns: int, row: Category, m_per_px: float) -
     return replace(rectangle, u0=rectangle.u0 + excess)
 
 
-def _as_rectangle(corners_px: FloatArray) -> Rectangle:
+def _as_rectangle(corners_px: FloatArray) -> OrientedRect:
     """An oriented box given by its corners on the canvas (y down)."""
     upright = corners_px * (1.0, -1.0)
     side = upright[3] - upright[0]
     angle = fold_deg(float(np.degrees(np.arctan2(side[1], side[0]))))
-    local = Rectangle(angle, 0, 0, 0, 0).local(upright)
+    local = OrientedRect(angle, 0, 0, 0, 0).local(upright)
     (u0, v0), (u1, v1) = local.min(axis=0), local.max(axis=0)
-    return Rectangle(angle, float(u0), float(u1), float(v0), float(v1))
+    return OrientedRect(angle, float(u0), float(u1), float(v0), float(v1))
 
 
-def _true_sized(proposal: Rectangle, usual_px: UsualSize) -> Rectangle:
+def _true_sized(proposal: OrientedRect, usual_px: UsualSize) -> OrientedRect:
     """A proposal without what the network adds to small pieces (detect.LEAST_SIDE_PX)."""
     most = sorted((usual_px.length[1], usual_px.width[1]))
     u, v = proposal.u1 - proposal.u0, proposal.v1 - proposal.v0
@@ -283,25 +284,25 @@ def _true_sized(proposal: Rectangle, usual_px: UsualSize) -> Rectangle:
     return _resized(proposal, across, along)
 
 
-def _resized(rectangle: Rectangle, across: float, along: float) -> Rectangle:
+def _resized(rectangle: OrientedRect, across: float, along: float) -> OrientedRect:
     """The same centre and direction, other sides."""
     u, v = (rectangle.u0 + rectangle.u1) / 2, (rectangle.v0 + rectangle.v1) / 2
     spans = (u - across / 2, u + across / 2, v - along / 2, v + along / 2)
-    return Rectangle(rectangle.angle_deg, *spans)
+    return OrientedRect(rectangle.angle_deg, *spans)
 
 
-def _support(patch: Patch, proposal: Rectangle) -> float:
+def _support(patch: Patch, proposal: OrientedRect) -> float:
     """Share of a proposal, which may be a pixel off, that the pixels of a patch cover."""
     covered = proposal.grown(_NETWORK_PX).covers(patch.evidence.members).sum()
-    return float(covered) / max(proposal.area_px, 1.0)
+    return float(covered) / max(proposal.area, 1.0)
 
 
-def _overlap(piece: Rectangle, proposal: Rectangle) -> float:
+def _overlap(piece: OrientedRect, proposal: OrientedRect) -> float:
     """Intersection over union; of panels, both as deep as the network is taught them."""
     if max(piece.u1 - piece.u0, piece.v1 - piece.v0) >= LEAST_SIDE_PX:
         piece, proposal = (
             _resized(one, max(one.u1 - one.u0, LEAST_SIDE_PX), max(one.v1 - one.v0, LEAST_SIDE_PX))
             for one in (piece, proposal)
         )
-    both = covered_share(piece, proposal) * piece.area_px
-    return both / max(piece.area_px + proposal.area_px - both, 1e-9)
+    both = piece.covered_by(proposal) * piece.area
+    return both / max(piece.area + proposal.area - both, 1e-9)

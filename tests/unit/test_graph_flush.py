@@ -1,4 +1,4 @@
-"""Standing in the room: what reaches into walls is cut back, however little of it does."""
+"""Footprint in the room: what reaches into walls is cut back, however little of it does."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.graph.flush import Standing, pull_into
+from chord_usd.arrange.walls_kept import cut_at_walls
 from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.oriented_rect import Footprint
 from chord_usd.scene.types import Box
 
 TOUCHING_M = 0.005
@@ -22,9 +23,9 @@ PIER = shapely.Polygon([(0, 0), (4, 0), (4, 1.9), (3, 1.9), (3, 2.1), (4, 2.1), 
     yaw_deg=st.floats(-180.0, 180.0),
 )
 def test_nothing_is_left_in_a_wall(x: float, y: float, length: float, yaw_deg: float) -> None:
-    standing = Standing.of(Box((x, y, 0.0), (length, 0.35, 0.5), yaw_deg))
+    standing = Footprint.of(Box((x, y, 0.0), (length, 0.35, 0.5), yaw_deg))
     before = footprint_polygon(standing.on(Box((0, 0, 0), (1, 1, 0.5), 0.0)))
-    pulled = pull_into(standing, PIER)
+    pulled = cut_at_walls(standing, PIER)
     after = footprint_polygon(pulled.on(Box((0, 0, 0), (1, 1, 0.5), 0.0)))
     assert after.difference(before.buffer(1e-6)).is_empty, "only ever cut"
     if before.difference(PIER).area < 0.1 * before.area:
@@ -33,13 +34,13 @@ def test_nothing_is_left_in_a_wall(x: float, y: float, length: float, yaw_deg: f
 
 def test_a_corner_of_a_slanted_piece_comes_out_of_the_wall() -> None:
     room = shapely.box(0, 0, 4, 4)
-    standing = Standing.of(Box((2.0, 0.147, 0.0), (0.57, 0.27, 0.3), 175.7))
+    standing = Footprint.of(Box((2.0, 0.147, 0.0), (0.57, 0.27, 0.3), 175.7))
     before = footprint_polygon(standing.on(Box((0, 0, 0), (1, 1, 0.3), 0.0)))
     assert 0.0 < before.difference(room).area < 0.02 * before.area
-    after = footprint_polygon(pull_into(standing, room).on(Box((0, 0, 0), (1, 1, 0.3), 0.0)))
+    after = footprint_polygon(cut_at_walls(standing, room).on(Box((0, 0, 0), (1, 1, 0.3), 0.0)))
     assert after.bounds[1] > -TOUCHING_M
 
 
 def test_what_stands_in_the_room_stays() -> None:
-    standing = Standing.of(Box((2.0, 2.0, 0.0), (1.0, 1.0, 1.0), 30.0))
-    assert pull_into(standing, shapely.box(0, 0, 4, 4)) == standing
+    standing = Footprint.of(Box((2.0, 2.0, 0.0), (1.0, 1.0, 1.0), 30.0))
+    assert cut_at_walls(standing, shapely.box(0, 0, 4, 4)) == standing

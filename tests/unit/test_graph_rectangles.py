@@ -8,15 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chord_usd.graph.directions import plan_directions
-from chord_usd.graph.flush import Standing, align, flush_with_walls, part
+from chord_usd.graph.flush import align, flush_with_walls, parted
 from chord_usd.graph.rectangles import (
     FRONT_EDGES,
     Evidence,
-    Rectangle,
+    canvas_corners,
     fit_at_angle,
     fit_free,
+    front_mark,
 )
 from chord_usd.scene.geometry import footprint, footprint_polygon
+from chord_usd.scene.oriented_rect import Footprint, OrientedRect
 from chord_usd.scene.types import Box, PixelFrame, Room, frozen_array
 from chord_usd.scene.units import fold_deg, px_from_m
 
@@ -24,14 +26,13 @@ GRID = np.stack(np.meshgrid(np.arange(64) + 0.5, -np.arange(64) - 0.5), axis=-1)
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
 
 
-def evidence_of(rectangle: Rectangle) -> Evidence:
+def evidence_of(rectangle: OrientedRect) -> Evidence:
     inside = rectangle.covers(GRID)
     return Evidence(GRID[inside], GRID[~inside], np.ones(int((~inside).sum())))
 
 
-def centred(angle_deg: float, x: float, y: float, length: float, width: float) -> Rectangle:
-    u, v = Rectangle(angle_deg, 0, 0, 0, 0).local(np.array([[x, y]]))[0]
-    return Rectangle(angle_deg, u - length / 2, u + length / 2, v - width / 2, v + width / 2)
+def centred(angle_deg: float, x: float, y: float, length: float, width: float) -> OrientedRect:
+    return OrientedRect.around((x, y), angle_deg, length, width)
 
 
 PLACES = {
@@ -81,11 +82,11 @@ def test_specks_do_not_stretch_a_rectangle() -> None:
 
 @pytest.mark.parametrize("quarter_turns", range(4))
 def test_the_mark_lies_at_the_front_edge(quarter_turns: int) -> None:
-    body = Rectangle(20.0, 0.0, 20.0, 0.0, 10.0)
-    mark = body.mark(quarter_turns)
+    body = OrientedRect(20.0, 0.0, 20.0, 0.0, 10.0)
+    mark = front_mark(body, quarter_turns)
     name = FRONT_EDGES[quarter_turns]
     assert getattr(mark, name) == getattr(body, name)
-    corners = body.corners_px(quarter_turns)
+    corners = canvas_corners(body, quarter_turns)
     front_middle = (corners[1] + corners[2]) / 2
     mark_middle = mark.center * (1.0, -1.0)
     assert np.hypot(*(front_middle - mark_middle)) < np.hypot(*(corners.mean(axis=0) - mark_middle))
@@ -96,37 +97,37 @@ def test_the_mark_lies_at_the_front_edge(quarter_turns: int) -> None:
     length=st.floats(0.3, 3),
     width=st.floats(0.1, 2),
 )
-def test_a_standing_gives_its_box_back(yaw_deg: float, length: float, width: float) -> None:
+def test_a_footprint_gives_its_box_back(yaw_deg: float, length: float, width: float) -> None:
     box = Box((1.0, -2.0, 0.3), (length, width, 0.8), yaw_deg)
-    np.testing.assert_allclose(footprint(Standing.of(box).on(box)), footprint(box), atol=1e-9)
+    np.testing.assert_allclose(footprint(Footprint.of(box).on(box)), footprint(box), atol=1e-9)
 
 
 @given(off_m=st.floats(-0.04, 0.04), yaw_deg=st.sampled_from([0.0, 90.0, 180.0, -90.0]))
 def test_a_back_within_reach_of_the_wall_is_put_on_it(off_m: float, yaw_deg: float) -> None:
     box = Box((2.0, 3.0 - 0.3 + off_m, 0.0), (1.0, 0.6, 0.8), yaw_deg)
-    standing = Standing.of(box)
-    upper = standing.rectangle.v1
-    moved = flush_with_walls(standing, SQUARE, 0.05 + abs(upper - 3.0))
-    assert moved.rectangle.v1 == pytest.approx(3.0, abs=1e-12)
-    assert moved.rectangle.v0 == standing.rectangle.v0
+    before = Footprint.of(box)
+    upper = before.rect.v1
+    moved = flush_with_walls(before, SQUARE, 0.05 + abs(upper - 3.0))
+    assert moved.rect.v1 == pytest.approx(3.0, abs=1e-12)
+    assert moved.rect.v0 == before.rect.v0
 
 
 def test_an_item_out_of_reach_of_walls_stays() -> None:
-    standing = Standing.of(Box((2.0, 1.5, 0.0), (1.0, 0.6, 0.8), 0.0))
-    assert flush_with_walls(standing, SQUARE, 0.05) == standing
+    before = Footprint.of(Box((2.0, 1.5, 0.0), (1.0, 0.6, 0.8), 0.0))
+    assert flush_with_walls(before, SQUARE, 0.05) == before
 
 
 @given(turn=st.floats(-3.9, 3.9))
 def test_nearly_aligned_items_are_aligned_about_their_centre(turn: float) -> None:
-    standing = Standing.of(Box((2.0, 2.6, 0.0), (1.0, 0.6, 0.8), 90.0 + turn))
-    moved = align(standing, SQUARE)
-    assert moved.rectangle.angle_deg == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_allclose(moved.rectangle.center, (2.0, 2.6), atol=1e-9)
+    before = Footprint.of(Box((2.0, 2.6, 0.0), (1.0, 0.6, 0.8), 90.0 + turn))
+    moved = align(before, SQUARE)
+    assert moved.rect.angle_deg == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(moved.rect.center, (2.0, 2.6), atol=1e-9)
 
 
 def test_clearly_turned_items_keep_their_yaw() -> None:
-    standing = Standing.of(Box((2.0, 2.6, 0.0), (1.0, 0.6, 0.8), 12.0))
-    assert align(standing, SQUARE) == standing
+    before = Footprint.of(Box((2.0, 2.6, 0.0), (1.0, 0.6, 0.8), 12.0))
+    assert align(before, SQUARE) == before
 
 
 @given(gap=st.floats(-0.049, 0.2))
@@ -136,13 +137,13 @@ def test_neighbours_never_overlap_and_are_not_pulled_together(gap: float) -> Non
         Box((2.0 + gap, 1.1, 0.0), (1.0, 0.6, 0.8), 180.0),
     ]
     moved = [
-        standing.on(box)
-        for standing, box in zip(part([Standing.of(box) for box in boxes]), boxes, strict=True)
+        one.on(box)
+        for one, box in zip(parted([Footprint.of(box) for box in boxes]), boxes, strict=True)
     ]
     first, second = (footprint_polygon(box) for box in moved)
     assert first.intersection(second).area < 1e-9
     if gap >= 0.0:
-        assert moved == [Standing.of(box).on(box) for box in boxes]
+        assert moved == [Footprint.of(box).on(box) for box in boxes]
 
 
 def test_directions_of_a_house_are_its_walls() -> None:
