@@ -23,11 +23,11 @@ from chord_usd.arrange.rules import RULES, arrange_meshes
 from chord_usd.evaluation.cases import Case, flat_cases, procedural_cases
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
 from chord_usd.metrics.scores import SceneScores, score_scene
-from chord_usd.pipeline.redraw import Draw, unbuildable
+from chord_usd.pipeline.redraw import Draw, arrange_drawn
 from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
 
 BUILDING: Mapping[str, Callable[[SceneGraph], SceneGraph]] = {
-    "what stands in the way is left out": lambda graph: graph.without(unbuildable(graph, Draw())),
+    "what stands in the way left out": lambda graph: arrange_drawn(graph, Draw()),
     "panels on walls, chairs clear of tables": arrange_meshes,
 }
 """Steps of the pipeline after reading."""

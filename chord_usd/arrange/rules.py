@@ -14,6 +14,7 @@ import numpy as np
 
 from chord_usd.arrange.chairs_clear import draw_out_chairs
 from chord_usd.arrange.free_floor import FreeFloor, Painted
+from chord_usd.arrange.left_out import Faults, leave_out
 from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
@@ -56,15 +57,18 @@ class Seen:
 
 
 OnLayout = Callable[[SceneGraph, Seen], SceneGraph]
+OnHouse = Callable[[SceneGraph, Faults, Collection[str]], SceneGraph]
 OnMeshes = Callable[[SceneGraph, Collection[str], Collection[str]], SceneGraph]
 
 
 @dataclass(frozen=True)
 class Rule:
-    """One thing that is mended, by a layout raster or, with meshes at hand, without."""
+    """One thing that is mended: by a layout raster, when no more is drawn, or by meshes."""
 
     name: str
     on_layout: OnLayout | None = None
+    on_house: OnHouse | None = None
+    """Called with what tells how much is wrong, and ids of the items that may go, none for all."""
     on_meshes: OnMeshes | None = None
     """Called with ids of rooms, none for all, and of items that stay."""
 
@@ -77,6 +81,20 @@ def arrange(graph: SceneGraph, seen: Seen, without: Collection[str] = ()) -> Sce
     for rule in RULES:
         if rule.on_layout and rule.name not in without:
             graph = noted(rule.name, graph, rule.on_layout(graph, seen))
+    return graph
+
+
+def arrange_house(
+    graph: SceneGraph, faults: Faults, among: Collection[str] = (), without: Collection[str] = ()
+) -> SceneGraph:
+    """The graph after the rules for what the last draw leaves.
+
+    faults: how much is wrong with a house. among: ids of the items that may go, by default all.
+    without: names of rules that are left out.
+    """
+    for rule in RULES:
+        if rule.on_house and rule.name not in without:
+            graph = rule.on_house(graph, faults, among)
     return graph
 
 
@@ -188,6 +206,7 @@ RULES: tuple[Rule, ...] = (
     Rule("below window sills", _below_sills),
     Rule("grown to usual sizes", lambda graph, _: grow_to_usual(graph)),
     Rule("chairs face tables, in sets", lambda graph, _: seat_chairs(graph)),
+    Rule("what stands in the way left out", on_house=leave_out),
     Rule("panels on their walls", on_meshes=hang_on_walls),
     Rule("chairs clear of tables", on_meshes=draw_out_chairs),
 )

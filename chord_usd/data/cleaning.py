@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from chord_usd.data.nudge import nudged
-from chord_usd.metrics.clear_floor import blocked_openings
-from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
+from chord_usd.metrics.violations import violations
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import Item, SceneGraph
@@ -59,7 +58,8 @@ def clean(house: SceneGraph) -> Cleaned:
     house = house.without(removed)
     removed |= dict.fromkeys(_colliding(house), "colliding")
     house = house.without(removed)
-    removed |= dict.fromkeys((blocked.item for blocked in blocked_openings(house)), "blocking")
+    blocking = (one.item for one in violations(house) if one.kind == "before an opening")
+    removed |= dict.fromkeys(blocking, "blocking")
     house = house.without(removed)
     empty = tuple(empty_rooms(house))
     most = MOST_EMPTY * len(rooms_to_furnish(house.rooms))
@@ -89,7 +89,7 @@ def _is_usual(item: Item) -> bool:
 def _colliding(house: SceneGraph) -> list[str]:
     """The smaller of each colliding pair, the worst offenders first, until none collides."""
     area_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in house.items}
-    pairs = [(p.a, p.b) for p in scene_overlap(house).overlapping if not p.natural]
+    pairs = [one.items for one in violations(house) if one.kind == "overlap"]
     gone: list[str] = []
     while pairs:
         often = Counter(item for pair in pairs for item in pair)

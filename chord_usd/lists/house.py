@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 
 from chord_usd.lists.list_sampler import HEAT, Drawn, Heat, ListDrawer, Subject, without
 from chord_usd.lists.piece_words import ANY_M
@@ -22,18 +21,8 @@ from chord_usd.lists.pieces import (
     segments_of,
 )
 from chord_usd.lists.wishes import Asked
-from chord_usd.metrics.clear_floor import blocked_openings
-from chord_usd.metrics.complete import ESSENTIALS, homely_rooms
-from chord_usd.metrics.overlap import items_overlap
-from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.metrics.violations import room_faults
 from chord_usd.scene.types import Item, Plan, Room, SceneGraph
-
-OUTSIDE_M2 = 0.01
-"""Less of a piece beyond its room's walls is rounding."""
-
-BLOCKED, MISSING, MISPLACED = 0.3, 1.0, 0.2
-"""What a blocked opening, something missing and a piece that stands wrongly weigh beside a square
-metre of overlap."""
 
 WISHED = 4
 """Times as many drafts."""
@@ -235,45 +224,3 @@ def _keep_best(
             found = _Try((len(wishes[at].missing(own)), fault), own)
             if at not in best or found.key < best[at].key:
                 best[at] = found
-
-
-def room_faults(
-    graph: SceneGraph,
-    rooms: Sequence[Room],
-    excluded: Mapping[str, Collection[str]] | None = None,
-    *,
-    unpainted: bool = False,
-) -> list[float]:
-    """How much is wrong in each of these rooms; 0 is good.
-
-    Per piece, in square metres or what weighs as much: pieces in each other, beyond walls, before
-    openings, off their places. A total would favour short lists. Then essentials that are missing,
-    but for those of excluded categories, by room id.
-
-    unpainted: whether what stands before openings is missing, since the painter may not paint it.
-    """
-    blocked = {one.item for one in blocked_openings(graph)}
-    homely = {one.room: one for one in homely_rooms(graph)}
-    stays = homely_rooms(graph.without(blocked)) if unpainted and blocked else homely.values()
-    lacks = {one.room: one.missing for one in stays}
-    faults = []
-    for room in rooms:
-        items = tuple(graph.items_of(room.id))
-        floor = room_polygon(room)
-        overlap = items_overlap(items)
-        total = sum(pair.area_m2 for pair in overlap.overlapping if not pair.natural)
-        for item in items:
-            outside = shapely.difference(footprint_polygon(item.box), floor).area
-            total += outside if outside > OUTSIDE_M2 else 0.0
-            total += BLOCKED * (item.id in blocked)
-        found = homely[room.id]
-        total += MISPLACED * len(found.misplaced)
-        missing = [n for n in lacks[room.id] if not _is_excluded(n, room, excluded or {})]
-        faults.append(round(MISSING * len(missing) + total / max(1, len(items)), 4))
-    return faults
-
-
-def _is_excluded(name: str, room: Room, excluded: Mapping[str, Collection[str]]) -> bool:
-    """Whether an essential of a room is one that it shall not hold."""
-    own = {one.name: one.categories for one in ESSENTIALS[room.kind]}
-    return bool(own.get(name, frozenset()).intersection(excluded.get(room.id, ())))

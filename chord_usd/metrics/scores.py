@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from chord_usd.metrics.clear_floor import Blocked, blocked_openings, rooms_beside
+from chord_usd.metrics.clear_floor import rooms_beside
 from chord_usd.metrics.complete import Homely, homely_rooms, is_complete, is_right
 from chord_usd.metrics.overlap import Overlap, scene_overlap
-from chord_usd.metrics.rooms import empty_rooms, out_of_room, rooms_to_furnish
+from chord_usd.metrics.rooms import empty_rooms, rooms_to_furnish
+from chord_usd.metrics.violations import Violation, violations
 from chord_usd.metrics.walk import Walk, walk
 from chord_usd.scene.types import RoomKind, SceneGraph
 
@@ -20,18 +21,23 @@ class SceneScores:
     overlap: Overlap
     walk: Walk
     items: int
-    out_of_room: tuple[str, ...]
     openings: int
-    blocked: tuple[Blocked, ...]
     rooms_to_furnish: int
     empty_rooms: tuple[str, ...]
     homely: tuple[Homely, ...]
     """What the rooms that are judged lack, in their order."""
+    violations: tuple[Violation, ...]
+
+    @property
+    def out_of_room(self) -> tuple[str, ...]:
+        """Ids of pieces that stand beyond the floor of their room."""
+        return tuple(one.item for one in self.violations if one.kind == "out of room")
 
     @property
     def blocked_openings(self) -> tuple[str, ...]:
         """Ids of openings that something stands in front of, each once."""
-        return tuple(dict.fromkeys(blocked.opening for blocked in self.blocked))
+        found = (one.other for one in self.violations if one.kind == "before an opening")
+        return tuple(dict.fromkeys(found))
 
 
 @dataclass(frozen=True)
@@ -74,16 +80,16 @@ def score_scene(graph: SceneGraph, room_ids: Collection[str] | None = None) -> S
     """All scores of a scene, or of some of its rooms."""
     if room_ids is not None:
         graph = part_of(graph, room_ids)
+    overlap, homely = scene_overlap(graph), homely_rooms(graph)
     return SceneScores(
-        overlap=scene_overlap(graph),
+        overlap=overlap,
         walk=walk(graph),
         items=len(graph.items),
-        out_of_room=tuple(out_of_room(graph)),
         openings=len(graph.openings),
-        blocked=tuple(blocked_openings(graph)),
         rooms_to_furnish=len(rooms_to_furnish(graph.rooms)),
         empty_rooms=tuple(empty_rooms(graph)),
-        homely=tuple(room for room in homely_rooms(graph) if room.is_judged),
+        homely=tuple(room for room in homely if room.is_judged),
+        violations=tuple(violations(graph, overlap=overlap, homely=homely)),
     )
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import CheckpointError, ChordError, PlanError
-from chord_usd.pipeline.redraw import Draw, furnish_again, mend_rooms, unbuildable
+from chord_usd.pipeline.redraw import Draw, arrange_drawn, furnish_again, mend_rooms
 from chord_usd.pipeline.settings import Settings as Settings
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
@@ -99,7 +99,7 @@ def generate(
         )  # fmt: skip
         graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
         if settings.arrange:
-            graph = graph.without(unbuildable(graph, draw))
+            graph = arrange_drawn(graph, draw)
         draw.refuse_lacking(graph)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)

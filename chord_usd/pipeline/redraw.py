@@ -1,8 +1,7 @@
 """Rooms drawn again: the floor of some rooms is sampled anew, given what stands in the others.
 
 For somebody who wants another arrangement, and for what a first draw got wrong: a room that lacks
-what its kind cannot do without, or has a piece in another or before a door. What the last draw
-leaves and nobody could build is left out.
+what its kind cannot do without, or has a piece in another or before a door.
 """
 
 from __future__ import annotations
@@ -50,7 +49,10 @@ WISH_DRAWS = 3
 """So often a room that lacks a piece that was wished for is drawn again."""
 
 _WISHED = 1.0
-"""What a wish that is not granted weighs, beside what lists.house.room_faults weighs."""
+"""What a wish that is not granted weighs, beside what metrics.violations.room_faults weighs."""
+
+_BARRED = frozenset(("overlap", "before an opening", "out of room"))
+"""What no piece that was wished for may have wrong."""
 
 _TOUCH_M2 = 1e-4
 """Footprints that share less only touch."""
@@ -140,13 +142,13 @@ class Mended:
 
 
 def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, float]:
-    """How much is wrong in each room, by id, as lists.house.room_faults weighs it; rooms that are
-    right have none.
+    """How much is wrong in each room, by id (metrics.violations.room_faults); rooms that are right
+    have none.
 
     draw: what rooms shall hold and lack counts, too, and that they lack what they shall not hold is
     no fault.
     """
-    from chord_usd.lists.house import room_faults
+    from chord_usd.metrics.violations import room_faults
 
     asked = draw.asked if draw else {}
     found = room_faults(graph, graph.rooms, {key: own.excluded for key, own in asked.items()})
@@ -156,17 +158,11 @@ def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, flo
     return faults
 
 
-def _clashes(graph: SceneGraph) -> Iterator[tuple[str, ...]]:
-    """Ids of every two pieces that stand in each other, and of each piece before an opening."""
-    from chord_usd.metrics.clear_floor import blocked_openings
-    from chord_usd.metrics.overlap import scene_overlap
+def arrange_drawn(graph: SceneGraph, draw: Draw, among: Collection[str] = ()) -> SceneGraph:
+    """The house after the rules for what the last draw leaves. among: ids of items that may go."""
+    from chord_usd.arrange.rules import arrange_house
 
-    pieces = {item.id for item in graph.items}
-    for pair in scene_overlap(graph).overlapping:
-        if not pair.natural and pair.a in pieces:
-            yield pair.a, pair.b
-    for blocked in blocked_openings(graph):
-        yield (blocked.item,)
+    return arrange_house(graph, lambda house: sum(faults_by_room(house, draw).values()), among)
 
 
 def mend_rooms(
@@ -209,40 +205,6 @@ def mend_rooms(
         if progress and attempt <= times:
             progress(attempt, times)
     return Mended(graph, layout, tuple(later))
-
-
-def unbuildable(graph: SceneGraph, draw: Draw, among: Collection[str] = ()) -> tuple[str, ...]:
-    """Ids of pieces that stand in others or before openings and can best be done without.
-
-    Of those in each other's way the one goes without which least is wrong, of equal ones the
-    smaller. What a room cannot do without stays before a window, not before a door or in another
-    piece. among: ids of those that may go, by default all.
-    """
-    floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
-    out: tuple[str, ...] = ()
-    while True:
-        built = graph.without(out)
-        faults = sum(faults_by_room(built, draw).values())
-        clashing = {item_id for clash in _clashes(built) for item_id in clash}
-        tries = sorted(
-            (sum(faults_by_room(built.without([one]), draw).values()), floor_m2[one], one)
-            for one in (clashing & set(among) if among else clashing)
-        )
-        shut = _shut_in(built)
-        worst = next((one for left, _, one in tries if left < faults or one in shut), None)
-        if worst is None:
-            return out
-        out = (*out, worst)
-
-
-def _shut_in(graph: SceneGraph) -> set[str]:
-    """Ids of pieces that stand in others, or before doors and passages: nobody gets by."""
-    from chord_usd.metrics.clear_floor import blocked_openings
-
-    ways = {opening.id for opening in graph.openings if opening.kind != "window"}
-    pairs = (clash for clash in _clashes(graph) if len(clash) > 1)
-    before = (one.item for one in blocked_openings(graph) if one.opening in ways)
-    return {*(item_id for clash in pairs for item_id in clash), *before}
 
 
 def redraw_rooms(
@@ -315,7 +277,7 @@ def furnish_again(
             made = replace(drawn.layout.provenance, seed=draw.seed)
             new = with_furniture(base, room, found.items_of(room.id), stay)
             new = replace(new, provenance=made)
-        new = new.without(unbuildable(new, draw, {item.id for item in found.items}))
+        new = arrange_drawn(new, draw, {item.id for item in found.items})
         if not draw.lacking(new):
             break
     draw.refuse_lacking(new)
@@ -332,7 +294,7 @@ def with_wishes(
     What the painter will not paint is given to it, as what is kept is.
     """
     from chord_usd.lists.pieces import CATEGORY_ORDER
-    from chord_usd.metrics.rooms import out_of_room
+    from chord_usd.metrics.violations import violations
 
     # Lists of nothing else: the best of them has the best places for what is wished for.
     asked = {
@@ -352,8 +314,9 @@ def with_wishes(
             stay = {one.id for one in graph.items_of(room.id)}
             tried = with_furniture(graph, room, [item], stay)
             new = {one.id for one in tried.items_of(room.id)} - stay
-            in_the_way = {item_id for clash in _clashes(tried) for item_id in clash}
-            if met and new and not new & {*in_the_way, *out_of_room(tried)}:
+            wrong = {item_id for one in violations(tried) if one.kind in _BARRED
+                     for item_id in one.items}  # fmt: skip
+            if met and new and not new & wrong:
                 wanted.remove(met)
                 graph = tried
                 given |= new

@@ -47,7 +47,7 @@ ALLOWED: dict[str, set[str]] = {
     },
     "farm": set(),
     "batch": {"pipeline", "data", "stage", "image"},
-    "pipeline.redraw": {"lists", "layout", "metrics"},
+    "pipeline.redraw": {"lists", "layout", "arrange", "metrics"},
     "pipeline": {*STEPS, "assets", "pipeline.redraw"},
     "pipeline.planner": {"pipeline", *STEPS},
     "commands": {"pipeline", "pipeline.planner", "batch", "farm", *STEPS, *WORKSHOP},

@@ -45,7 +45,7 @@ def test_each_fault_is_taken_out_and_named() -> None:
     assert cleaned.is_kept
     scores = score_scene(cleaned.house)
     assert not scores.out_of_room
-    assert not scores.blocked
+    assert not scores.blocked_openings
     assert scores.overlap.por == 0.0
 
 

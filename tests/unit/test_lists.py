@@ -14,13 +14,14 @@ from hypothesis import strategies as st
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.lists import pieces
-from chord_usd.lists.house import Drafts, furnish_by_lists, room_faults
+from chord_usd.lists.house import Drafts, furnish_by_lists
 from chord_usd.lists.list_sampler import GRAPH_INPUTS, ListDrawer, Subject
 from chord_usd.lists.pieces import PIECES
 from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.complete import homely_rooms
+from chord_usd.metrics.violations import room_faults
 from chord_usd.scene.palette import HOUSE_CATEGORIES
 from chord_usd.scene.pose import Pose, posed
 from chord_usd.scene.types import Room, SceneGraph, frozen_array
