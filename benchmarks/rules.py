@@ -19,7 +19,8 @@ import numpy as np
 from results import write_section
 
 from chord_usd import pipeline
-from chord_usd.arrange.rules import RULES, arrange_meshes
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.arrange.rules import RULES, arrange
 from chord_usd.evaluation.cases import Case, flat_cases, procedural_cases
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
 from chord_usd.metrics.scores import SceneScores, score_scene
@@ -28,7 +29,9 @@ from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
 
 BUILDING: Mapping[str, Callable[[SceneGraph], SceneGraph]] = {
     "what stands in the way left out": lambda graph: arrange_drawn(graph, Draw()),
-    "panels on walls, chairs clear of tables": arrange_meshes,
+    "panels on walls, chairs clear of tables": lambda graph: arrange(
+        Arrangement.of(graph), "meshed"
+    ),
 }
 """Steps of the pipeline after reading."""
 
@@ -73,7 +76,7 @@ def main() -> None:
     lists = pipeline.load_lists(settings, model)
     made = list(sampled(model, cases, Sampling(), lists))
     whole = _graphs(made, reader, ())
-    names = (*(rule.name for rule in RULES if rule.on_layout), *BUILDING)
+    names = (*(rule.name for rule in RULES if rule.when == "read"), *BUILDING)
     rows = [("", " | ".join(_row([score_scene(whole[0])])) + " | acts")]
     rows.append(("all rules", _told(whole)))
     for name in names:

@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from results import write_section
 
-from chord_usd.arrange.rules import arrange_meshes
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.arrange.rules import arrange
 from chord_usd.data.floorplans.programme import spread_room_count
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
@@ -105,7 +106,7 @@ def _read_back(
     graph = models.reader.read(layout, plan)
     assert models.table is not None
     graph = lay_tables(graph, models.table, models.reader.database, settings).graph
-    return arrange_meshes(graph)
+    return arrange(Arrangement.of(graph), "meshed")
 
 
 def _counts(graph: SceneGraph) -> dict[str, Any]:

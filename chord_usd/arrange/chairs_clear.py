@@ -9,7 +9,7 @@ simulator would throw apart what they hold in each other.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -19,11 +19,10 @@ import trimesh
 from pxr import UsdGeom, UsdPhysics
 from shapely import Polygon
 
-from chord_usd.metrics.clear_floor import clearances
-from chord_usd.metrics.free_places import free_places
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.metrics.overlap import natural_partners
 from chord_usd.runtime.stages import open_asset
-from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.places import FreePlaces, places_near
 from chord_usd.scene.types import Asset, Box, Item, SceneGraph
 from chord_usd.scene.units import rotation_2d
@@ -63,35 +62,24 @@ class _Table:
         return bool(self.shape.distance(footprint_polygon(chair.box)) < FARTHEST_M)
 
 
-def draw_out_chairs(
-    graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
-) -> SceneGraph:
+def draw_out_chairs(work: Arrangement) -> SceneGraph:
     """The house with every chair clear of its table, where there is room for that.
 
-    rooms: ids of the rooms whose chairs may move, by default all. but: ids of chairs that stay.
-    Items whose mesh is not there stay, too. Raises StageError for one that cannot be opened.
+    Items whose mesh is not there stay. Raises StageError for one that cannot be opened.
     """
+    graph = work.graph
     caught = []
     tables = [_Table(one) for one in graph.items if one.category in _TABLES and _has_mesh(one)]
     for chair in graph.items:
-        if _may_move(chair, rooms, but):
+        if chair.category == SEAT and work.may_move(chair) and _has_mesh(chair):
             near = [table for table in tables if table.is_near(chair)]
             if _runs_into(chair.box, chair, near):
                 caught.append((chair, near))
-    if not caught:
-        return graph
     items = {item.id: item for item in graph.items}
-    clear = list(clearances(graph.rooms, graph.openings))
-    floors = {room.id: room_polygon(room) for room in graph.rooms}
     for chair, near in caught:
-        free = free_places(chair, floors.get(chair.room_id), items.values(), clear)
+        free = work.free_places(chair, items.values())
         items[chair.id] = _drawn_out(chair, near, free)
     return replace(graph, items=tuple(items.values()))
-
-
-def _may_move(item: Item, rooms: Collection[str], but: Collection[str]) -> bool:
-    is_asked = (not rooms or item.room_id in rooms) and item.id not in but
-    return item.category == SEAT and is_asked and _has_mesh(item)
 
 
 def _has_mesh(item: Item) -> bool:

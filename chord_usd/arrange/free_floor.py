@@ -15,12 +15,12 @@ import numpy as np
 import shapely
 
 from chord_usd.graph.colours import LabelArray
-from chord_usd.metrics.clear_floor import clearances
+from chord_usd.metrics.clear_floor import ClearFloor
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.oriented_rect import Edge, Footprint
 from chord_usd.scene.palette import Category, Mount, category
-from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room
+from chord_usd.scene.types import Box, Item, PixelFrame
 from chord_usd.scene.units import m_from_px, px_from_m
 
 _EDGES: tuple[Edge, ...] = ("u0", "u1", "v0", "v1")
@@ -57,10 +57,9 @@ class Painted:
 class FreeFloor:
     """The floor that the openings of a house keep free."""
 
-    def __init__(self, rooms: Sequence[Room], openings: Sequence[Opening]) -> None:
-        pairs = list(clearances(rooms, openings))
-        self._openings = [opening for opening, _ in pairs]
-        self._tree = shapely.STRtree([floor for _, floor in pairs])
+    def __init__(self, clear: Sequence[ClearFloor]) -> None:
+        self._openings = [opening for opening, _ in clear]
+        self._tree = shapely.STRtree([floor for _, floor in clear])
 
     def kept(
         self,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Iterable
 
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.metrics.violations import Violation, violations
 from chord_usd.scene.types import SceneGraph
-
-Faults = Callable[[SceneGraph], float]
-"""How much is wrong with a house."""
 
 
 def clashes(graph: SceneGraph) -> list[Violation]:
@@ -16,22 +14,22 @@ def clashes(graph: SceneGraph) -> list[Violation]:
     return [one for one in violations(graph) if one.kind in ("overlap", "before an opening")]
 
 
-def leave_out(graph: SceneGraph, faults: Faults, among: Collection[str] = ()) -> SceneGraph:
+def leave_out(work: Arrangement) -> SceneGraph:
     """The house without pieces that stand in others or before openings and can best be done
     without.
 
     Of those in each other's way the one goes without which least is wrong, of equal ones the
     smaller. What a room cannot do without stays before a window, not before a door or in another
-    piece. among: ids of those that may go, by default all.
+    piece.
     """
+    faults, graph = work.faults, work.graph
+    assert faults is not None, "nothing tells how much is wrong"
     floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
     while found := clashes(graph):
         before = faults(graph)
         clashing = {item_id for one in found for item_id in one.items}
-        tries = sorted(
-            (faults(graph.without([one])), floor_m2[one], one)
-            for one in (clashing & set(among) if among else clashing & floor_m2.keys())
-        )
+        may_go = (item.id for item in graph.items if item.id in clashing and work.may_move(item))
+        tries = sorted((faults(graph.without([one])), floor_m2[one], one) for one in may_go)
         shut = _shut_in(graph, found)
         worst = next((one for left, _, one in tries if left < before or one in shut), None)
         if worst is None:

@@ -6,13 +6,13 @@ little before the wall or in it. It cannot hang there, so it is moved onto the w
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 import shapely
 
-from chord_usd.scene.geometry import footprint, front_direction, room_polygon
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.scene.geometry import footprint, front_direction
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.types import Item, SceneGraph
 
@@ -28,25 +28,20 @@ _AT_WALL_M = 0.01
 """What is farther from a wall does not hang on it (stage.check_contact)."""
 
 
-def hang_on_walls(
-    graph: SceneGraph, rooms: Collection[str] = (), but: Collection[str] = ()
-) -> SceneGraph:
+def hang_on_walls(work: Arrangement) -> SceneGraph:
     """The house with what hangs on walls touching them, where it was within REACH_M of one, and
     without what would hang nowhere.
-
-    rooms: ids of the rooms whose panels may move, by default all. but: ids of items that stay.
     """
-    floors = {room.id: room_polygon(room) for room in graph.rooms if not rooms or room.id in rooms}
     items = []
-    for item in graph.items:
+    for item in work.graph.items:
         is_panel = category(item.category).mount is Mount.WALL
-        if is_panel and item.room_id in floors and item.id not in but:
-            floor = floors[item.room_id]
+        if is_panel and item.room_id in work.floors and work.may_move(item):
+            floor = work.floors[item.room_id]
             item = _hung(item, floor)
             if not _hangs(item, floor):
                 continue
         items.append(item)
-    return replace(graph, items=tuple(items))
+    return replace(work.graph, items=tuple(items))
 
 
 def _hangs(item: Item, floor: shapely.Polygon) -> bool:

@@ -13,14 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from chord_usd.metrics.clear_floor import clearances
-from chord_usd.metrics.free_places import free_places
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.metrics.overlap import natural_partners
 from chord_usd.scene.geometry import (
     footprint_polygon,
     front_direction,
     resized,
-    room_polygon,
     to_own,
 )
 from chord_usd.scene.palette import category
@@ -33,13 +31,13 @@ _AT_TABLE_M = 0.4
 """A chair this close to a table is one of its."""
 
 
-def seat_chairs(graph: SceneGraph) -> SceneGraph:
+def seat_chairs(work: Arrangement) -> SceneGraph:
     """The graph with chairs that face their tables, in sets of one size; meshes are to be matched.
 
     A chair whose front was seen faces as it did, and so does one at no table.
     """
-    faced = tuple(_facing(item, graph.items) for item in graph.items)
-    return _even_sets(replace(graph, items=faced))
+    faced = tuple(_facing(item, work.graph.items) for item in work.graph.items)
+    return _even_sets(work.holding(replace(work.graph, items=faced)))
 
 
 def _table_of(chair: Item, items: Sequence[Item]) -> Item | None:
@@ -85,23 +83,20 @@ def _turned(box: Box, quarters: int) -> Box:
     return Box(box.center_m, (length, depth, height), wrap_deg(box.yaw_deg + 90.0 * quarters))
 
 
-def _even_sets(graph: SceneGraph) -> SceneGraph:
+def _even_sets(work: Arrangement) -> SceneGraph:
     """The graph with the chairs of each table in the middle one of their sizes, of usual ones.
 
     Their fronts stay where they were. A chair that would grow into something, or before a door,
     stays as it is.
     """
-    clear = list(clearances(graph.rooms, graph.openings))
-    floors = {room.id: room_polygon(room) for room in graph.rooms}
-    items = {item.id: item for item in graph.items}
-    for chairs in _sets(graph.items):
+    items = {item.id: item for item in work.graph.items}
+    for chairs in _sets(work.graph.items):
         length_m, depth_m = _usual_size_m(chairs)
         for chair in chairs:
             box = _sized(chair.box, length_m, depth_m)
-            free = free_places(chair, floors.get(chair.room_id), items.values(), clear)
-            if free.has(box):
+            if work.free_places(chair, items.values()).has(box):
                 items[chair.id] = replace(chair, box=box)
-    return replace(graph, items=tuple(items.values()))
+    return replace(work.graph, items=tuple(items.values()))
 
 
 def _sets(items: Sequence[Item]) -> list[list[Item]]:

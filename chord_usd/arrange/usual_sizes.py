@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.graph.fit import is_built_in
-from chord_usd.metrics.clear_floor import clearances
-from chord_usd.metrics.free_places import free_places
-from chord_usd.scene.geometry import resized, room_polygon
+from chord_usd.scene.geometry import resized
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.places import FreePlaces
 from chord_usd.scene.types import Box, Item, SceneGraph
@@ -22,23 +21,20 @@ _SIDES = (0.0, -0.5, 0.5)
 """Where what is added to the length goes, as shares of it: both ends alike, the left, the right."""
 
 
-def grow_to_usual(graph: SceneGraph) -> SceneGraph:
+def grow_to_usual(work: Arrangement) -> SceneGraph:
     """The graph with floor pieces no smaller than the palette's usual ones, where there is room.
 
     A piece grows neither into another one nor out of its room nor farther before an opening; where
     it can grow in one direction alone, it does that. Panels, units of a kitchen's run and scraps,
     of which nobody knows what they were to be, stay as they are. Meshes are to be matched after it.
     """
-    small = [item for item in graph.items if _is_small(item)]
-    clear = list(clearances(graph.rooms, graph.openings)) if small else []
-    floors = {room.id: room_polygon(room) for room in graph.rooms}
-    items = {item.id: item for item in graph.items}
+    small = [item for item in work.graph.items if _is_small(item)]
+    items = {item.id: item for item in work.graph.items}
     # Larger pieces first: a room is what it is for by them.
     for item in sorted(small, key=lambda one: (-one.box.size_m[0] * one.box.size_m[1], one.id)):
-        floor = floors.get(item.room_id)
-        free = free_places(item, floor, items.values(), clear, may_share=_are_apart)
+        free = work.free_places(item, items.values(), may_share=_are_apart)
         items[item.id] = replace(item, box=_grown(item, free))
-    return replace(graph, items=tuple(items.values()))
+    return replace(work.graph, items=tuple(items.values()))
 
 
 def _is_small(item: Item) -> bool:

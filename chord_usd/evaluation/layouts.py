@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chord_usd.arrange.rules import Seen, arrange
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.arrange.rules import arrange
 from chord_usd.data.splits import split_hash
 from chord_usd.errors import SceneError
 from chord_usd.evaluation.cases import Case
@@ -166,7 +167,7 @@ def read_back(case: Case, image: LayoutImage) -> Furnished:
         plan = extract_graph(image, detector=_Blind()).plan
     except SceneError:
         plan = None
-    return Furnished(case, image, scene, arrange(scene, Seen.on(image)), plan)
+    return Furnished(case, image, scene, arrange(Arrangement.read_from(image, scene), "read"), plan)
 
 
 def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:

@@ -234,14 +234,17 @@ class GraphReader:
     def read(self, layout: LayoutImage, plan: Plan | None = None) -> SceneGraph:
         """LayoutImage -> SceneGraph, arranged and with meshes; without a plan, rooms are read,
         too."""
-        from chord_usd.arrange.rules import Seen, arrange
+        from chord_usd.arrange.arrangement import Arrangement
+        from chord_usd.arrange.free_floor import Painted
+        from chord_usd.arrange.rules import arrange
         from chord_usd.graph.colours import read_pixels
         from chord_usd.graph.extract import extract_graph
         from chord_usd.graph.match import match_assets
 
         pixels = read_pixels(layout.rgb)
         graph = extract_graph(layout, plan, self.detector, pixels=pixels)
-        graph = arrange(graph, Seen(pixels.item, layout.frame), self.without)
+        work = Arrangement.of(graph, painted=Painted(pixels.item, layout.frame))
+        graph = arrange(work, "read", self.without)
         return match_assets(graph, self.database)
 
 
@@ -352,9 +355,17 @@ def settle(
 
     rooms: ids of the rooms whose pieces may move, by default all. but: ids of items that stay.
     """
-    from chord_usd.arrange.rules import arrange_meshes
+    from chord_usd.arrange.arrangement import Arrangement
+    from chord_usd.arrange.rules import arrange
 
-    return arrange_meshes(graph, rooms, but) if settings.arrange else graph
+    if not settings.arrange:
+        return graph
+    movable = {
+        item.id
+        for item in graph.items
+        if (not rooms or item.room_id in rooms) and item.id not in but
+    }
+    return arrange(Arrangement.of(graph, movable=movable), "meshed")
 
 
 def load_usd() -> None:

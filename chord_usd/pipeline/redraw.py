@@ -160,9 +160,13 @@ def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, flo
 
 def arrange_drawn(graph: SceneGraph, draw: Draw, among: Collection[str] = ()) -> SceneGraph:
     """The house after the rules for what the last draw leaves. among: ids of items that may go."""
-    from chord_usd.arrange.rules import arrange_house
+    from chord_usd.arrange.arrangement import Arrangement
+    from chord_usd.arrange.rules import arrange
 
-    return arrange_house(graph, lambda house: sum(faults_by_room(house, draw).values()), among)
+    def faults(house: SceneGraph) -> float:
+        return sum(faults_by_room(house, draw).values())
+
+    return arrange(Arrangement.of(graph, faults=faults, movable=among or None), "drawn")
 
 
 def mend_rooms(

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.chairs_clear import FARTHEST_M, draw_out_chairs
-from chord_usd.arrange.rules import arrange_meshes
+from chord_usd.arrange.rules import arrange
 from chord_usd.assets.database import load_database
 from chord_usd.graph.match import match_assets
 from chord_usd.metrics.clear_floor import blocked_openings
@@ -39,12 +40,16 @@ def moved_m(before: SceneGraph, after: SceneGraph, name: str = "chair") -> float
     return float(np.hypot(*np.subtract(first, second)[:2]))
 
 
+def cleared(graph: SceneGraph) -> SceneGraph:
+    return draw_out_chairs(Arrangement.of(graph))
+
+
 @pytest.mark.parametrize("x_m", [1.4, 1.55, 2.0, 2.6])
 @pytest.mark.parametrize("y_m", [2.1, 2.35, 2.55])
 def test_a_chair_ends_up_clear_of_its_table(x_m: float, y_m: float) -> None:
     before = house(TABLE, chair_at(x_m, y_m))
-    after = arrange_meshes(before)
-    again = draw_out_chairs(after)
+    after = arrange(Arrangement.of(before), "meshed")
+    again = cleared(after)
     assert moved_m(after, again) == 0.0, "what is clear stays where it is"
     assert moved_m(before, after, "table") == 0.0
     far_m = moved_m(before, after)
@@ -58,7 +63,7 @@ def test_the_certificate_sees_no_collision_any_more(tmp_path: Path) -> None:
     before = house(TABLE, chair_at(1.5, 2.4), chair_at(2.55, 1.6, 180.0, "other"))
     bad, good = (
         check_stage(author_stage(graph, tmp_path / f"{name}.usda", looks=()).path)
-        for name, graph in (("bad", before), ("good", draw_out_chairs(before)))
+        for name, graph in (("bad", before), ("good", cleared(before)))
     )
     assert len(bad.collisions) == 2
     assert good.collisions == ()
@@ -68,16 +73,16 @@ def test_a_chair_well_under_its_table_stays_there() -> None:
     before = house(TABLE, chair_at(2.0, 2.5))
     overlap = footprint_polygon(before.items[0].box) & footprint_polygon(before.items[1].box)
     assert overlap.area > 0.01
-    assert draw_out_chairs(before).items == before.items
+    assert cleared(before).items == before.items
 
 
 def test_a_chair_with_its_back_to_its_table_comes_out_forward() -> None:
     """Its mark may have been misread; backwards it would have to cross all of the table."""
     before = house(TABLE, chair_at(2.0, 2.3, 180.0))
-    after = draw_out_chairs(before)
+    after = cleared(before)
     assert 0.0 < moved_m(before, after) <= FARTHEST_M + 1e-6
     assert after.items[1].box.center_m[1] > 2.3
-    assert moved_m(after, draw_out_chairs(after)) == 0.0
+    assert moved_m(after, cleared(after)) == 0.0
 
 
 def test_a_chair_shut_in_stays() -> None:
@@ -86,7 +91,7 @@ def test_a_chair_shut_in_stays() -> None:
         for n, (x, y, yaw) in enumerate([(2.0, 2.58, 0.0), (1.55, 2.1, 90.0), (2.45, 2.1, 90.0)])
     ]
     before = house(TABLE, chair_at(2.0, 2.1), *walls)
-    assert moved_m(before, draw_out_chairs(before)) == 0.0
+    assert moved_m(before, cleared(before)) == 0.0
 
 
 def test_a_chair_does_not_move_before_a_door() -> None:
@@ -94,7 +99,7 @@ def test_a_chair_does_not_move_before_a_door() -> None:
     table = replace(TABLE, box=replace(TABLE.box, center_m=(2.0, 2.45, 0.0)))
     before = house(table, chair_at(2.0, 2.62), openings=(door,))
     assert not blocked_openings(before)
-    after = draw_out_chairs(before)
+    after = cleared(before)
     assert not blocked_openings(after)
 
 
@@ -103,12 +108,12 @@ def test_a_chair_may_move_below_a_sill(sill_m: float, may_move: bool) -> None:
     window = Opening("w", "window", Box((2.0, 4.12, sill_m), (3.8, 0.24, 1.0), 0.0), ("r",))
     table = replace(TABLE, box=replace(TABLE.box, center_m=(2.5, 2.9, 0.0)))
     before = house(table, chair_at(2.0, 3.3), openings=(window,))
-    assert (moved_m(before, draw_out_chairs(before)) > 0.0) == may_move
+    assert (moved_m(before, cleared(before)) > 0.0) == may_move
 
 
 def test_only_chairs_that_may_move_do() -> None:
     before = house(TABLE, chair_at(2.0, 2.1), chair_at(2.0, 1.9, 180.0, "other"))
-    after = draw_out_chairs(before, but=("chair",))
+    after = draw_out_chairs(Arrangement.of(before, movable=("other",)))
     assert moved_m(before, after) == 0.0
     assert moved_m(before, after, "other") > 0.0
-    assert draw_out_chairs(before, rooms=("elsewhere",)).items == before.items
+    assert draw_out_chairs(Arrangement.of(before, movable=())).items == before.items

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.on_walls import REACH_M, hang_on_walls
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.types import Box, Item, Room, SceneGraph
@@ -15,7 +16,7 @@ ROOM = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 
 def hung(box: Box, category: str = "bed_background") -> tuple[Item, Item]:
     """An item before and after."""
     item = Item("one", category, box, "r")
-    return item, hang_on_walls(SceneGraph((ROOM,), (), (item,))).items[0]
+    return item, hang_on_walls(Arrangement.of(SceneGraph((ROOM,), (), (item,)))).items[0]
 
 
 @pytest.mark.parametrize("gap_m", [-0.045, -0.002, 0.002, 0.02, REACH_M - 1e-3])
@@ -42,7 +43,7 @@ def test_one_that_is_there_stays() -> None:
 )
 def test_what_hangs_nowhere_is_left_out(box: Box) -> None:
     item = Item("one", "bed_background", box, "r")
-    assert not hang_on_walls(SceneGraph((ROOM,), (), (item,))).items
+    assert not hang_on_walls(Arrangement.of(SceneGraph((ROOM,), (), (item,)))).items
 
 
 def test_what_stands_on_the_floor_stays() -> None:
@@ -53,5 +54,4 @@ def test_what_stands_on_the_floor_stays() -> None:
 def test_what_is_kept_stays() -> None:
     item = Item("one", "bed_background", Box((2.0, 2.93, 1.1), (1.6, 0.08, 1.0), 0.0), "r")
     graph = SceneGraph((ROOM,), (), (item,))
-    assert hang_on_walls(graph, but=("one",)).items == (item,)
-    assert hang_on_walls(graph, rooms=("other",)).items == (item,)
+    assert hang_on_walls(Arrangement.of(graph, movable=())).items == (item,)

@@ -10,7 +10,7 @@ import pytest
 
 from chord_usd.arrange.free_floor import FreeFloor, Painted
 from chord_usd.graph.colours import NO_ITEM
-from chord_usd.metrics.clear_floor import blocked_openings
+from chord_usd.metrics.clear_floor import blocked_openings, clearances
 from chord_usd.raster.canvas import draw_items
 from chord_usd.scene.oriented_rect import Footprint
 from chord_usd.scene.palette import category
@@ -28,7 +28,7 @@ def cabinet(x: float, y: float, height: float = 1.6, yaw_deg: float = 0.0) -> It
 
 
 def kept(item: Item) -> Item:
-    free = FreeFloor([ROOM], [DOOR, WINDOW])
+    free = FreeFloor(list(clearances([ROOM], [DOOR, WINDOW])))
     standing = Footprint.of(item.box)
     box = free.kept(standing, item.box, category(item.category), REACH_M)
     return free.below_sill(replace(item, box=box))
@@ -40,7 +40,7 @@ def kept_as_painted(item: Item, painted: Box, openings: Sequence[Opening] = (DOO
     shown = replace(item, box=painted)
     drawn, _ = draw_items([shown], frame)
     labels = np.where(drawn > 0, drawn - 1, NO_ITEM).astype(np.uint8)
-    free = FreeFloor([ROOM], openings)
+    free = FreeFloor(list(clearances([ROOM], openings)))
     standing = Footprint.of(item.box)
     row = category(item.category)
     box = free.kept(standing, item.box, row, REACH_M, Painted(labels, frame))
@@ -127,7 +127,7 @@ def test_an_edge_before_a_window_counts_only_for_what_is_always_high() -> None:
 
 def test_houses_without_openings_are_as_before() -> None:
     item = cabinet(2.0, 2.0)
-    free = FreeFloor([ROOM], [])
+    free = FreeFloor([])
     assert free.below_sill(item) == item
     box = free.kept(Footprint.of(item.box), item.box, category("cabinet"), REACH_M)
     assert_alike(replace(item, box=box), item)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction
@@ -21,7 +22,7 @@ ROOM = Room("r", "dining", frozen_array([(-2.0, -2.0), (6.0, -2.0), (6.0, 6.0), 
 
 
 def seated(*items: Item) -> tuple[Item, ...]:
-    return seat_chairs(SceneGraph((ROOM,), (), items)).items
+    return seat_chairs(Arrangement.of(SceneGraph((ROOM,), (), items))).items
 
 
 def chair(own_x_m: float, own_y_m: float, yaw_deg: float = 75.0, seen: str = "wall") -> Item:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.usual_sizes import grow_to_usual
 from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.metrics.overlap import scene_overlap
@@ -23,7 +24,7 @@ def toilet(x_m: float = 1.5, size_m: tuple[float, float] = (0.3, 0.4), yaw: floa
 
 
 def grown(*items: Item, openings: tuple[Opening, ...] = ()) -> tuple[Item, ...]:
-    return grow_to_usual(SceneGraph((ROOM,), openings, items)).items
+    return grow_to_usual(Arrangement.of(SceneGraph((ROOM,), openings, items))).items
 
 
 def left_back(box: Box) -> np.ndarray:
