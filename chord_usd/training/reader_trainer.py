@@ -1,21 +1,17 @@
-"""Training of the network that reads pages: resumable, on a time budget, on CPU or CUDA."""
+"""Training of the network that reads pages."""
 
 from __future__ import annotations
 
-import json
 from collections import deque
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional
 
-from chord_usd.errors import CheckpointError
-from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.raster.page_labels import (
     BUILT_NAMES,
     BUILT_WEIGHTS,
@@ -25,12 +21,8 @@ from chord_usd.raster.page_labels import (
     READER_INPUT,
     READER_OUTPUTS,
 )
-from chord_usd.runtime.checksums import checkpoint_files
-from chord_usd.runtime.files import begin_run, write_atomic
-from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 from chord_usd.runtime.progress import Progress
-from chord_usd.training.budget import Budget
-from chord_usd.training.memory import keep_freed_memory
+from chord_usd.training.loop import Lesson, RunConfig, train, write_weights
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.reader_data import (
     NO_KIND,
@@ -47,18 +39,11 @@ from chord_usd.training.reader_network import (
     Reading,
     take_up_fused,
 )
-from chord_usd.training.weights import Weights, warm_and_cool
 
-STATE_FOLDER = "state"
-LOG_FILE = "log.jsonl"
-_SAVE_MINUTES = 5.0
-_LOG_STEPS = 20
 _CALIBRATED_ON = 24
 """Batches."""
 _TAKEN_UP_ON = 16
 """Crops."""
-_END_RATE = 0.02
-"""Share of the learning rate at which a run ends."""
 
 _LAID_WEIGHTS = (1.0, 6.0, 2.5, 3.0)
 """Of the classes in the loss: thin ones have few pixels."""
@@ -68,7 +53,7 @@ _LOSSES = ("built", "laid", "points", "overlap", "kinds")
 
 
 @dataclass(frozen=True)
-class ReaderTraining:
+class ReaderTraining(RunConfig):
     """How to train."""
 
     minutes: float = 60.0
@@ -76,13 +61,9 @@ class ReaderTraining:
     learning_rate: float = 2e-3
     warmup_steps: int = 50
     cooldown_share: float = 0.7
-    """Last share of the budget in which the learning rate falls to a fiftieth."""
     weight_decay: float = 0.01
     ema_decay: float = 0.998
-    gradient_clip: float = 1.0
     workers: int = 1
-    seed: int = 0
-    device: str = "cpu"
 
 
 def train_reader(
@@ -93,76 +74,30 @@ def train_reader(
     channels: tuple[int, ...] = CHANNELS,
     start: Path | None = None,
 ) -> dict[str, Any]:
-    """Run until the minutes are spent, going on where a run in the folder stopped.
-
-    start: checkpoint whose weights a new run begins with.
-
-    Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, and is
-    renewed whenever the state is saved.
-    """
-    begin_run(folder)
-    keep_freed_memory()
+    """Train as loop.train does, and return what the card says of the run."""
     torch.manual_seed(config.seed)
-    network = ReaderNetwork(channels).to(config.device, memory_format=torch.channels_last)  # type: ignore[call-overload]
-    weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
-    before = weights.load(folder / STATE_FOLDER, config.device)
-    if before is None:
-        before = _begun(weights, start, config) if start else {"step": 0, "minutes": 0.0}
-    step = first_step = int(before["step"])
-    budget, seen = Budget(config.minutes), torch.zeros(len(_LOSSES))
+    network = ReaderNetwork(channels).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     pictures: deque[Tensor] = deque(maxlen=_CALIBRATED_ON)
-    facts: dict[str, Any] = {}
-    for told in page_loader(PageStream(config.batch, config.seed + step), config.workers):
-        rate = warm_and_cool(
-            step - first_step, config.warmup_steps, budget.share, config.cooldown_share, _END_RATE
-        )
+
+    def losses(network: ReaderNetwork, told: Batch) -> dict[str, Tensor]:
         batch = _moved(told, config.device)
         pictures.append(batch[0])
-        losses = batch_losses(network, batch)
-        weights.step(losses.sum(), config.learning_rate * rate, config.gradient_clip, step)
-        step, seen = step + 1, seen + losses.detach().cpu()
-        if step % _LOG_STEPS == 0:
-            _log(folder, step, budget.spent, seen / min(_LOG_STEPS, step - first_step))
-            seen = torch.zeros(len(_LOSSES))
-        if progress and step % 10 == 0:
-            progress(round(budget.spent * 60), round(config.minutes * 60))
-        ended = budget.is_over
-        if ended or budget.is_due("save", _SAVE_MINUTES):
-            _calibrate(weights, pictures)
-            minutes = before["minutes"] + budget.spent
-            weights.save(folder / STATE_FOLDER, {"step": step, "minutes": minutes})
-            facts = {
-                **asdict(config), "steps": step, "minutes": round(minutes, 1),
-                "held_out": score(weights.average, held_out, config.device),
-            }  # fmt: skip
-            write_checkpoint(folder / "checkpoint", weights.average, facts)
-        if ended:
-            break
-    return facts
+        return dict(zip(_LOSSES, batch_losses(network, batch), strict=True))
+
+    lesson = Lesson(
+        lambda seed: page_loader(PageStream(config.batch, seed), config.workers),
+        losses,
+        score=lambda network: {"held_out": score(network, held_out, config.device)},
+        write=write_checkpoint,
+        take_up=lambda network, tensors: take_up_fused(network, tensors, _first_pages(config.seed)),
+        calibrate=lambda network: _calibrate(network, pictures),
+    )
+    return train(lesson, network, config, folder, progress, start)
 
 
-def _begun(weights: Weights[ReaderNetwork], start: Path, config: ReaderTraining) -> dict[str, Any]:
-    """Take up a checkpoint, and say how long it was trained.
-
-    Raises CheckpointError where it is damaged or of another size.
-    """
-    stored = read_weights(start / WEIGHTS_FILE, "chord-usd train reader, or reinstall chord-usd")
-    tensors = {name: torch.from_numpy(value).float() for name, value in stored.items()}
-    rgb = next(iter(PageStream(_TAKEN_UP_ON, config.seed)))[0].float() / 127.5 - 1.0
-    for network in (weights.network, weights.average):
-        network.to("cpu")
-        try:
-            take_up_fused(network, tensors, rgb)
-        except (KeyError, RuntimeError) as error:
-            raise CheckpointError(
-                f"weights of another reader ({str(error).splitlines()[0]})",
-                where=str(start / WEIGHTS_FILE),
-                expected="a checkpoint that train reader wrote",
-            ) from error
-        network.to(config.device)
-    weights.average.eval()
-    told = json.loads((start / CONFIG_FILE).read_text(encoding="utf-8"))["training"]
-    return {"step": int(told["steps"]), "minutes": float(told["minutes"])}
+def _first_pages(seed: int) -> Tensor:
+    """What a network sees whose normalisation is counted anew."""
+    return next(iter(PageStream(_TAKEN_UP_ON, seed)))[0].float() / 127.5 - 1.0
 
 
 def _moved(batch: Batch, device: str) -> Batch:
@@ -170,26 +105,20 @@ def _moved(batch: Batch, device: str) -> Batch:
     return rgb, built, laid, heat, kinds
 
 
-def _log(folder: Path, step: int, minutes: float, losses: Tensor) -> None:
-    row = {name: round(float(loss), 4) for name, loss in zip(_LOSSES, losses, strict=True)}
-    with (folder / LOG_FILE).open("a", encoding="utf-8") as log:
-        log.write(json.dumps({"step": step, "minutes": round(minutes, 2), **row}) + "\n")
-
-
 @torch.no_grad()
-def _calibrate(weights: Weights[ReaderNetwork], pictures: Sequence[Tensor]) -> None:
+def _calibrate(average: ReaderNetwork, pictures: Iterable[Tensor]) -> None:
     """Let the averaged network count what it normalises by, on pictures of the last steps.
 
     What the trained one has counted is of other weights, and costs a third of all rooms.
     """
-    norms = [m for m in weights.average.modules() if isinstance(m, nn.BatchNorm2d)]
+    norms = [m for m in average.modules() if isinstance(m, nn.BatchNorm2d)]
     for norm in norms:
         norm.reset_running_stats()
         norm.momentum = None  # a plain mean over all that follows
-    weights.average.train()
+    average.train()
     for rgb in pictures:
-        logits_of(weights.average, rgb)
-    weights.average.eval()
+        logits_of(average, rgb)
+    average.eval()
 
 
 # Losses ------------------------------------------------------------------------------------------
@@ -289,22 +218,14 @@ def score(network: ReaderNetwork, crops: Sequence[Crop], device: str) -> dict[st
 
 def write_checkpoint(folder: Path, network: ReaderNetwork, facts: dict[str, Any]) -> None:
     """The weights in half precision, how to read with them, and where they come from."""
-    folder.mkdir(parents=True, exist_ok=True)
     reading = Reading(network.cpu()).eval().to(memory_format=torch.contiguous_format)  # type: ignore[call-overload]
-    halves = {
-        name: tensor.contiguous().to(torch.float16)
-        for name, tensor in reading.network.state_dict().items()
-    }
     names = {"built": BUILT_NAMES, "laid": LAID_NAMES, "points": POINT_NAMES, "kinds": KIND_NAMES}
-    with checkpoint_files(folder):
-        write_atomic(folder / WEIGHTS_FILE, save(halves))
-        description = json.dumps({"format": FORMAT, "labels": names, "training": facts}, indent=2)
-        write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
+    write_weights(folder, reading.network, {"labels": names, "training": facts})
     axes = {0: "batch", 2: "height", 3: "width"}
     write_graph(
         folder,
         reading,
-        stored={f"network.{name}": name for name in halves},
+        stored={f"network.{name}": name for name in reading.network.state_dict()},
         inputs={READER_INPUT: torch.zeros(1, 3, 64, 64)},
         outputs=READER_OUTPUTS,
         free_axes={

@@ -1,37 +1,26 @@
-"""Training of the sketching network: resumable, on a time budget, on CPU or CUDA."""
+"""Training of the sketching network."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors.torch import save
 from torch import Tensor
 
-from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.planning import sketch_tokens as tokens
 from chord_usd.planning.sketcher import GRAPH_INPUTS, GRAPH_OUTPUTS
-from chord_usd.runtime.checksums import checkpoint_files
-from chord_usd.runtime.files import begin_run, write_atomic
-from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.runtime.progress import Progress
-from chord_usd.training.budget import Budget
+from chord_usd.training.loop import Lesson, RunConfig, train, write_weights
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.sketch_data import Batch, Sketched, batch_of, endless_batches
 from chord_usd.training.sketch_network import SketchNetwork
-from chord_usd.training.weights import Weights, warm_and_cool
-
-STATE_FOLDER = "state"
-_SAVE_MINUTES = 2.0
-_END_RATE = 0.02
-"""Share of the learning rate at which a run ends."""
 
 
 @dataclass(frozen=True)
-class SketchTraining:
+class SketchTraining(RunConfig):
     """How to train."""
 
     minutes: float = 30.0
@@ -39,13 +28,9 @@ class SketchTraining:
     learning_rate: float = 1e-3
     warmup_steps: int = 100
     cooldown_share: float = 0.4
-    """Last share of the budget in which the learning rate falls to a fiftieth."""
     weight_decay: float = 0.05
     ema_decay: float = 0.998
-    gradient_clip: float = 1.0
     real_share: float = 0.3
-    seed: int = 0
-    device: str = "cpu"
 
 
 def train_sketches(
@@ -56,43 +41,24 @@ def train_sketches(
     judges: list[Sketched],
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Run until the minutes are spent, going on where a run in the folder stopped.
-
-    judges: held-out houses. Returns what the card says of the run; the checkpoint comes to lie in
-    folder/checkpoint.
-    """
-    begin_run(folder)
+    """Train as loop.train does. judges: held-out houses. Returns what the card says of the run."""
     torch.manual_seed(config.seed)
-    network = SketchNetwork().to(config.device)
-    weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
-    before = weights.load(folder / STATE_FOLDER, config.device) or {"step": 0, "minutes": 0.0}
-    step = first_step = int(before["step"])
-    budget = Budget(config.minutes)
-    for batch in endless_batches(houses, real, config.real_share, config.batch, config.seed + step):
-        steps, cooldown = step - first_step, config.cooldown_share
-        rate = warm_and_cool(steps, config.warmup_steps, budget.share, cooldown, _END_RATE)
-        loss = batch_loss(network, tuple(part.to(config.device) for part in batch)).mean()
-        weights.step(loss, config.learning_rate * rate, config.gradient_clip, step)
-        step += 1
-        if progress and step % 25 == 0:
-            progress(round(budget.spent * 60), round(config.minutes * 60))
-        ended = budget.is_over
-        if ended or budget.is_due("save", _SAVE_MINUTES):
-            counters = {"step": step, "minutes": before["minutes"] + budget.spent}
-            weights.save(folder / STATE_FOLDER, counters)
-        if ended:
-            break
-    facts = {
-        "steps": step,
-        "batch": config.batch,
-        "minutes": round(before["minutes"] + budget.spent, 1),
-        "houses": len(houses),
-        "real_plans": len(real),
-        "held_out_nats": round(_score(weights.average, judges), 3),
-        "held_out": len(judges),
-    }
-    _write_checkpoint(folder / "checkpoint", weights.average, facts)
-    return facts
+
+    def batches(seed: int) -> Iterator[Batch]:
+        return endless_batches(houses, real, config.real_share, config.batch, seed)
+
+    def losses(network: SketchNetwork, batch: Batch) -> dict[str, Tensor]:
+        moved = tuple(part.to(config.device) for part in batch)
+        return {"nats": batch_loss(network, moved).mean()}
+
+    def score(network: SketchNetwork) -> dict[str, Any]:
+        return {
+            "houses": len(houses), "real_plans": len(real),
+            "held_out_nats": round(_score(network, judges), 3), "held_out": len(judges),
+        }  # fmt: skip
+
+    lesson = Lesson(batches, losses, score, _write_checkpoint)
+    return train(lesson, SketchNetwork(), config, folder, progress)
 
 
 def batch_loss(network: SketchNetwork, batch: Batch | tuple[Tensor, ...]) -> Tensor:
@@ -115,12 +81,7 @@ def _score(network: SketchNetwork, houses: list[Sketched]) -> float:
 
 def _write_checkpoint(folder: Path, network: SketchNetwork, facts: dict[str, Any]) -> None:
     """The weights in half precision, how to compute with them, and where they come from."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with checkpoint_files(folder):
-        halves = {name: t.cpu().to(torch.float16) for name, t in network.state_dict().items()}
-        write_atomic(folder / WEIGHTS_FILE, save(halves))
-        description = json.dumps({"format": FORMAT, "training": facts}, indent=2)
-        write_atomic(folder / CONFIG_FILE, (description + "\n").encode())
+    write_weights(folder, network, {"training": facts})
     example = {
         "shell": torch.from_numpy(tokens.no_shell())[None],
         "roles": torch.zeros(1, tokens.HEADING, dtype=torch.long),
