@@ -24,7 +24,7 @@ from chord_usd.commands.common import (
     scale,
     stopwatch,
 )
-from chord_usd.commands.paths import output_file
+from chord_usd.commands.paths import output_file, output_folder
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
 from chord_usd.runtime.files import deliver
 
@@ -72,6 +72,12 @@ def add(verbs: Verbs) -> None:
         metavar="PNG",
         help="also draw the house from above, labelled",
     )
+    parser.add_argument(
+        "--keep",
+        type=output_folder,
+        metavar="DIR",
+        help="also keep what every step made, with a contact sheet, in a folder, new or empty",
+    )
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -116,6 +122,10 @@ def run(options: argparse.Namespace) -> Outcome:
         settings = without_scale(settings) if planned else settings
         house = generate(plan_file, stage_path, settings, watch)
         _write_extras(house, extras)
+        if options.keep:
+            from chord_usd.commands.kept import write_kept
+
+            write_kept(house, delivery.place_folder(options.keep))
         with watch.step("check"):
             from chord_usd.stage.check import certificate, check_stage
 

@@ -42,6 +42,17 @@ DETECTOR_CHECKPOINT = "detector_items"
 
 
 @dataclass(frozen=True, eq=False)
+class FirstDraw:
+    """A house before rooms with faults are sampled again."""
+
+    listed: SceneGraph | None
+    """What lists tell; None without lists."""
+    layout: LayoutImage
+    graph: SceneGraph
+    """As it was read, and arranged."""
+
+
+@dataclass(frozen=True, eq=False)
 class House:
     """Every artefact of one run."""
 
@@ -51,6 +62,7 @@ class House:
     graph: SceneGraph
     """With the tabletop items, where they were asked for."""
     stage: StageFile
+    first: FirstDraw
     tabletops: Tabletops | None = None
     redrawn: tuple[str, ...] = ()
     """Ids of the rooms whose furniture is that of a later draw."""
@@ -92,6 +104,7 @@ def generate(
         layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, listed, progress)
     with watch.step("graph"):
         graph = draw.heeded(models.reader.read(layout, plan))
+        first = FirstDraw(listed, layout, graph)
     with watch.step("redraw") as progress:
         mended = mend_rooms(
             graph, layout, plan_image, models.layout, models.reader.read, draw,
@@ -114,7 +127,7 @@ def generate(
         built = {item.id for item in graph.items}
         left_out = tuple(item.id for item in mended.graph.items if item.id not in built)
         stage = write_stage(graph, stage_path, settings)
-    return House(plan, plan_image, layout, graph, stage, tabletops, mended.rooms, left_out)
+    return House(plan, plan_image, layout, graph, stage, first, tabletops, mended.rooms, left_out)
 
 
 def read_plan(plan_file: Path, settings: Settings) -> Plan:

@@ -43,7 +43,8 @@ def make(run_cli: RunCli, folder: Path, plan: str, *more: str) -> Made:
     done = run_cli(
         "generate", EXAMPLES / plan, "-o", folder / "house.usda", "--steps", STEPS,
         "--layout-out", folder / "layout.png", "--graph-out", folder / "scene.json",
-        "--preview", folder / "preview.png", "--json", "--progress", "json", *more,
+        "--preview", folder / "preview.png", "--keep", folder / "kept",
+        "--json", "--progress", "json", *more,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return Made(folder, json.loads(done.stdout), done.stderr)
