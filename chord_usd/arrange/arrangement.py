@@ -8,10 +8,10 @@ from functools import cached_property
 
 from shapely import Polygon
 
-from chord_usd.arrange.free_floor import FreeFloor, Painted
+from chord_usd.arrange.free_floor import Painted
 from chord_usd.graph.colours import read_pixels
 from chord_usd.graph.match import FLUSH_PX
-from chord_usd.metrics.clear_floor import ClearFloor, clearances
+from chord_usd.metrics.clear_floor import ClearFloor, ClearFloors, clearances
 from chord_usd.metrics.free_places import free_places
 from chord_usd.metrics.overlap import overlaps_by_nature
 from chord_usd.scene.geometry import room_polygon
@@ -38,8 +38,8 @@ class _Shell:
         return list(clearances(self.rooms, self.openings))
 
     @cached_property
-    def free_floor(self) -> FreeFloor:
-        return FreeFloor(self.clear)
+    def clear_floors(self) -> ClearFloors:
+        return ClearFloors(self.clear)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +82,9 @@ class Arrangement:
         return self.shell.floors
 
     @property
-    def free_floor(self) -> FreeFloor:
+    def clear_floors(self) -> ClearFloors:
         """The floor that openings keep free."""
-        return self.shell.free_floor
+        return self.shell.clear_floors
 
     @property
     def reach_m(self) -> float:

@@ -8,18 +8,17 @@ one of the lower pieces of its category, where there are such.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
 from chord_usd.graph.colours import LabelArray
-from chord_usd.metrics.clear_floor import ClearFloor
+from chord_usd.metrics.clear_floor import ClearFloors
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.oriented_rect import Edge, Footprint
-from chord_usd.scene.palette import Category, Mount, category
+from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.types import Box, Item, PixelFrame
 from chord_usd.scene.units import m_from_px, px_from_m
 
@@ -54,60 +53,22 @@ class Painted:
         return float(shown.mean()) if shown.size else 0.0
 
 
-class FreeFloor:
-    """The floor that the openings of a house keep free."""
+def kept_off(clear: ClearFloors, item: Item, reach_m: float, painted: Painted | None = None) -> Box:
+    """The piece's box with edges within reach_m of the free floor's on them.
 
-    def __init__(self, clear: Sequence[ClearFloor]) -> None:
-        self._openings = [opening for opening, _ in clear]
-        self._tree = shapely.STRtree([floor for _, floor in clear])
-
-    def kept(
-        self,
-        footprint: Footprint,
-        box: Box,
-        row: Category,
-        reach_m: float,
-        painted: Painted | None = None,
-    ) -> Box:
-        """The box on its footprint, edges within reach_m of the free floor's on them.
-
-        painted: where it shows nothing of the piece on that floor, edges come from farther.
-        """
-        if row.mount is Mount.FLOOR:
-            for index in self._before(footprint.on(box)):
-                sill_m = self._openings[index].box.center_m[2]
-                if row.height_m[0] <= sill_m:
-                    continue
-                free = self._tree.geometries[index]
-                shared = footprint_polygon(footprint.on(box)).intersection(free)
-                # What gave way to one opening may have left another's floor, too.
-                if shared.area <= MIN_OVERLAP_M2:
-                    continue
-                is_bare = painted and painted.share(shared, row.detector_class) < _BARE
-                most_cut = _MOST_CUT if is_bare else 0.0
-                footprint = _backed_off(footprint, shared, reach_m, most_cut)
-        return footprint.on(box)
-
-    def below_sill(self, item: Item) -> Item:
-        """The item as low as the window it stands before asks, where its category can be."""
-        row = category(item.category)
-        if row.mount is not Mount.FLOOR:
-            return item
-        sills = [self._openings[index].box.center_m[2] for index in self._before(item.box)]
-        lowest = min((sill for sill in sills if sill >= row.height_m[0]), default=None)
-        if lowest is None:
-            return item
-        length, width, height = item.box.size_m
-        box = replace(item.box, size_m=(length, width, min(height, lowest)))
-        return replace(item, box=box).found(below_sill_m=lowest)
-
-    def _before(self, box: Box) -> list[int]:
-        """Which free floors a box stands on, by index."""
-        shape = footprint_polygon(box)
-        near = self._tree.query(shape, predicate="intersects")
-        floors = self._tree.geometries[near]
-        shares = shapely.area(shapely.intersection(shape, floors))
-        return [int(index) for index in np.sort(near[shares > MIN_OVERLAP_M2])]
+    painted: where it shows nothing of the piece on that floor, edges come from farther.
+    """
+    row, footprint = category(item.category), Footprint.of(item.box)
+    if row.mount is not Mount.FLOOR:
+        return item.box
+    for opening, free in clear.before(item.box):
+        shared = footprint_polygon(footprint.on(item.box)).intersection(free)
+        # What gave way to one opening may have left another's floor, too.
+        if row.height_m[0] <= opening.box.center_m[2] or shared.area <= MIN_OVERLAP_M2:
+            continue
+        is_bare = painted and painted.share(shared, row.detector_class) < _BARE
+        footprint = _backed_off(footprint, shared, reach_m, _MOST_CUT if is_bare else 0.0)
+    return footprint.on(item.box)
 
 
 def _backed_off(

@@ -15,6 +15,7 @@ import numpy as np
 
 from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.chairs_clear import draw_out_chairs
+from chord_usd.arrange.free_floor import kept_off
 from chord_usd.arrange.left_out import leave_out
 from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
@@ -121,16 +122,15 @@ def _levelled(work: Arrangement, _: str, items: Sequence[Item]) -> list[Box]:
 
 
 def _off_free_floor(work: Arrangement) -> SceneGraph:
-    def kept(item: Item) -> Box:
-        footprint, row = Footprint.of(item.box), category(item.category)
-        return work.free_floor.kept(footprint, item.box, row, work.reach_m, work.painted)
-
-    items = tuple(replace(item, box=kept(item)) for item in work.graph.items)
+    items = tuple(
+        replace(item, box=kept_off(work.clear_floors, item, work.reach_m, work.painted))
+        for item in work.graph.items
+    )
     return replace(work.graph, items=items)
 
 
 def _below_sills(work: Arrangement) -> SceneGraph:
-    items = tuple(work.free_floor.below_sill(item) for item in work.graph.items)
+    items = tuple(work.clear_floors.below_sill(item) for item in work.graph.items)
     return replace(work.graph, items=items)
 
 

@@ -21,6 +21,7 @@ from chord_usd.lists.pieces import (
     segments_of,
 )
 from chord_usd.lists.wishes import Asked
+from chord_usd.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.metrics.violations import room_faults
 from chord_usd.scene.types import Item, Plan, Room, SceneGraph
 
@@ -70,7 +71,8 @@ def furnish_by_lists(
     ]
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
     rng = np.random.default_rng(drafts.seed)
-    table = _Table(jobs, wishes, drawer, drafts, rng)
+    clear = ClearFloors(list(clearances(plan.rooms, plan.openings)))
+    table = _Table(jobs, wishes, drawer, drafts, rng, clear)
     best: dict[int, _Try] = {}
     lengths: dict[int, int] = {}
     due = list(range(len(jobs)))
@@ -110,6 +112,7 @@ class _Table:
     drawer: ListDrawer
     drafts: Drafts
     rng: np.random.Generator
+    clear: ClearFloors
 
     def held(self, due: Sequence[int], lengths: Mapping[int, int]) -> dict[int, Drawn]:
         """One list for each of these rooms; of several where the length of an earlier one is known,
@@ -156,7 +159,7 @@ class _Table:
 
     def _items(self, at: int, drawn: Drawn) -> list[Item]:
         room, around = self.jobs[at]
-        return items_from(drawn.elements, around, room.id)
+        return [self.clear.below_sill(item) for item in items_from(drawn.elements, around, room.id)]
 
     def _subject(self, at: int) -> Subject:
         return _subject(self.jobs[at][1], self.wishes[at])

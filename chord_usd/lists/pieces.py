@@ -1,21 +1,25 @@
 """The pieces of a room as a list, and the room around them as segments.
 
 A room is told in a frame of its own: its middle is the origin, most of its walls run along x and y.
-A piece is a category, the way it faces, and the lines that its footprint lies between. Walls and
-footprints are told on one grid: what touches has the same number, so that a network says so by
-repeating it. Read back, a number that is a wall's own means exactly that wall.
+A piece is a category, the way it faces, and the lines that its footprint lies between; so is the
+floor that an opening keeps clear. All are told on one grid: what touches has the same number, so
+that a network says so by repeating it. Read back, a number that is the own one of a wall or of a
+clear floor means exactly that line.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import shapely
 
 from chord_usd.lists.vocabulary import Element, Floats, Ints, Vocabulary
+from chord_usd.metrics.clear_floor import ClearFloor, clearances
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint, room_polygon
 from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
@@ -30,7 +34,7 @@ YAWS = 24
 LARGEST_M = 8.0
 
 MOST_PIECES = 24
-MOST_SEGMENTS = 48
+MOST_SEGMENTS = 64
 
 CATEGORY_ORDER = (
     "bed_background", "bed", "sofa_background", "sofa", "tv_cabinet", "dining_table",
@@ -42,7 +46,14 @@ CATEGORY_ORDER = (
 )  # fmt: skip
 """Large and needed pieces first, what stands at others after them."""
 
-SEGMENT_KINDS = ("wall", "door", "window", "low window", "passage", "open side")
+SEGMENT_KINDS = (
+    "wall", "door", "window", "low window", "passage", "open side",
+    "clear of way", "clear of window", "clear of low window",
+)  # fmt: skip
+"""The last three are rectangles: floor that doors and passages keep free, or windows above their
+sill, told from its lowest corner to its highest."""
+TOUCHING_M = 0.05
+"""Rooms whose outlines are no farther apart have no wall between them."""
 LOW_SILL_M = 0.7
 """A window below it keeps out most furniture."""
 
@@ -51,6 +62,12 @@ TEACHERS: tuple[Teacher, ...] = ("homes", "paper")
 """Whose houses the network imitates (data.furnish.mix)."""
 AREAS = 24
 _LEAST_AREA_M2, _AREA_STEP = 1.0, 1.2
+
+_FIRST_CLEAR = 1 + SEGMENT_KINDS.index("clear of way")
+_CLEAR_OF = {
+    kind: 1 + SEGMENT_KINDS.index(f"clear of {kind if 'window' in kind else 'way'}")
+    for kind in ("door", "window", "low window", "passage")
+}
 
 _INDEX = {name: index for index, name in enumerate(CATEGORY_ORDER)}
 _KINDS = {kind: index for index, kind in enumerate(ROOM_KINDS)}
@@ -93,7 +110,8 @@ class Around:
 
     frame: Frame
     lines_m: FloatArray
-    """(S, 4) x and y of both ends of each segment, in the frame."""
+    """(S, 4) x and y of both ends of each segment, or of opposite corners of clear floor; in the
+    frame."""
     kinds: Ints
     """(S,) 1 + index into SEGMENT_KINDS."""
     facts: Ints
@@ -128,15 +146,18 @@ def rooms_around(
     """
     known = None if told is None else frozenset(told)
     walls = [(room, _sides(room.polygon_m)) for room in graph.rooms]
+    near = _near(graph.rooms)
     counts = np.array([sum(room.kind == kind for room in graph.rooms) for kind in ROOM_KINDS])
     held = {room.id: _held(graph.items_of(room.id)) for room in graph.rooms}
+    clear = list(clearances(graph.rooms, graph.openings))
     found = []
     for room, sides in walls:
         frame = frame_of(room)
         lines, kinds = [*sides], [1] * len(sides)
         touching = []
-        for other, others in walls:
-            shared = [] if other is room else _shared(sides, others)
+        for at in near[room.id]:
+            other, others = walls[at]
+            shared = _shared(sides, others)
             if shared:
                 touching.append(other.id)
                 lines += shared
@@ -146,7 +167,11 @@ def rooms_around(
             if side is not None:
                 lines.append(side)
                 kinds.append(1 + SEGMENT_KINDS.index(_kind_of(opening)))
-        points = frame.points(np.array(lines)[:MOST_SEGMENTS].reshape(-1, 2, 2))
+        points = frame.points(np.array(lines).reshape(-1, 2, 2))
+        for opening, corners in _clear_floors(room, clear, frame):
+            points = np.concatenate([points, corners[None]])
+            kinds.append(_CLEAR_OF[_kind_of(opening)])
+        points = points[:MOST_SEGMENTS]
         flags = _flags(room, graph.rooms, touching, held, counts, known)
         facts = np.array([_KINDS[room.kind], TEACHERS.index(teacher), _area(room)], np.int64)
         kinds_told = np.array(kinds[:MOST_SEGMENTS], np.int64)
@@ -192,6 +217,17 @@ def _sides(polygon_m: FloatArray) -> list[FloatArray]:
     return list(np.stack([polygon_m, np.roll(polygon_m, -1, axis=0)], axis=1))
 
 
+def _near(rooms: Sequence[Room]) -> dict[str, list[int]]:
+    """Numbers of the rooms that may touch one, by its id."""
+    low = np.array([room.polygon_m.min(axis=0) for room in rooms]) - TOUCHING_M
+    high = np.array([room.polygon_m.max(axis=0) for room in rooms]) + TOUCHING_M
+    meets = ((low[:, None] <= high) & (high[:, None] >= low)).all(axis=2)
+    return {
+        room.id: [int(other) for other in np.flatnonzero(meets[at]) if other != at]
+        for at, room in enumerate(rooms)
+    }
+
+
 def _shared(sides: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[FloatArray]:
     """Stretches of our sides along which another room touches."""
     found = []
@@ -206,7 +242,7 @@ def _shared(sides: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[F
         s = ahead @ along
         t = ahead @ np.array([-along[1], along[0]])
         low, high = np.maximum(s.min(axis=1), 0.0), np.minimum(s.max(axis=1), length)
-        touches = (np.abs(t).max(axis=1) < 0.05) & (high - low > 0.3)
+        touches = (np.abs(t).max(axis=1) < TOUCHING_M) & (high - low > 0.3)
         found += [
             np.array([side[0] + along * a, side[0] + along * b])
             for a, b in zip(low[touches], high[touches], strict=True)
@@ -245,9 +281,27 @@ def _in_wall(opening: Opening, sides: Sequence[FloatArray], room: Room) -> Float
     return best
 
 
+def _clear_floors(
+    room: Room, clear: Iterable[ClearFloor], frame: Frame
+) -> Iterator[tuple[Opening, FloatArray]]:
+    """Openings, and (2, 2) the corners, in the frame, of what they keep clear of a room."""
+    floor = room_polygon(room)
+    shapely.prepare(floor)
+    for opening, shape in clear:
+        if floor.intersects(shape):
+            own = shape.intersection(floor)
+            if own.area > MIN_OVERLAP_M2:
+                corners = frame.points(shapely.get_coordinates(own))
+                yield opening, np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+
 def segments_of(around: Around, turned: FloatArray | None = None) -> Ints:
     """(S, SEGMENT_FIELDS) the segments as numbers. turned: (S, 4) instead of the own lines."""
     lines = around.lines_m if turned is None else turned
+    corners = lines.reshape(-1, 2, 2)
+    sorted_corners = np.sort(corners, axis=1)
+    is_clear = around.kinds >= _FIRST_CLEAR
+    lines = np.where(is_clear[:, None, None], sorted_corners, corners).reshape(-1, 4)
     return np.concatenate([around.kinds[:, None], place(lines)], axis=1)
 
 
@@ -332,7 +386,7 @@ def _box(element: Element, around: Around) -> Box | None:
     if x1 <= x0 or y1 <= y0:
         return None
     bounds = np.array([[x0, y0], [x1, y1]])
-    low, high = _on_walls(bounds, around) if slant_deg == 0.0 else place_m(bounds)
+    low, high = _on_lines(bounds, around) if slant_deg == 0.0 else place_m(bounds)
     middle = rotation_2d(slant_deg) @ ((low + high) / 2)
     long, deep = (high - low) / around.frame.scale
     if round((yaw * YAW_STEP_DEG - slant_deg) / 90.0) % 2:
@@ -345,13 +399,17 @@ def _box(element: Element, around: Around) -> Box | None:
     return Box((float(x_m), float(y_m), base_m), (float(long), float(deep), height_m), yaw_deg)
 
 
-def _on_walls(bounds: Ints, around: Around) -> FloatArray:
-    """(2, 2) metres of low and high; on walls where their number is that of one."""
+def _on_lines(bounds: Ints, around: Around) -> FloatArray:
+    """(2, 2) metres of low and high; on walls where their number is that of one, else at the edge
+    of clear floors.
+    """
     found = np.array(place_m(bounds), np.float64)
-    lines = around.lines_m[around.kinds == 1]
+    walls, clear = around.lines_m[around.kinds == 1], around.lines_m[around.kinds >= _FIRST_CLEAR]
     for axis in (0, 1):
-        ends = lines[:, axis], lines[:, axis + 2]
+        ends = walls[:, axis], walls[:, axis + 2]
         flat = ends[0][np.abs(ends[0] - ends[1]) < STEP_M / 2]
+        edges = clear[:, [axis, axis + 2]].ravel()
+        flat = np.concatenate([flat, edges[~np.isin(place(edges), place(flat))]])
         numbers = place(flat)
         for row in (0, 1):
             same = flat[numbers == bounds[row, axis]]

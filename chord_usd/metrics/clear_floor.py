@@ -11,6 +11,7 @@ import shapely
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
 MAX_CLEARANCE_M = 0.9
@@ -135,3 +136,36 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
             if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
                 found[Blocked(opening=opening.id, item=item.id)] = None
     return list(found)
+
+
+class ClearFloors:
+    """The floor that the openings of a house keep free, to be asked for by place."""
+
+    def __init__(self, clear: Sequence[ClearFloor]) -> None:
+        self.openings = [opening for opening, _ in clear]
+        self._tree = shapely.STRtree([floor for _, floor in clear])
+
+    def before(self, box: Box) -> list[tuple[Opening, shapely.Geometry]]:
+        """Openings that a box stands before, and their clear floor."""
+        shape = footprint_polygon(box)
+        near = np.sort(self._tree.query(shape, predicate="intersects"))
+        floors = self._tree.geometries[near]
+        shared_m2 = shapely.area(shapely.intersection(shape, floors))
+        return [
+            (self.openings[index], floor)
+            for index, floor, area in zip(near, floors, shared_m2, strict=True)
+            if area > MIN_OVERLAP_M2
+        ]
+
+    def below_sill(self, item: Item) -> Item:
+        """The piece as low as the windows it stands before ask, where its category can be."""
+        row = CATEGORIES.get(item.category)
+        if row is None or row.mount is not Mount.FLOOR:
+            return item
+        sills = [opening.box.center_m[2] for opening, _ in self.before(item.box)]
+        lowest = min((sill for sill in sills if sill >= row.height_m[0]), default=None)
+        if lowest is None:
+            return item
+        length, width, height = item.box.size_m
+        box = replace(item.box, size_m=(length, width, min(height, lowest)))
+        return replace(item, box=box).found(below_sill_m=lowest)

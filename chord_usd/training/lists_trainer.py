@@ -61,8 +61,21 @@ def train_lists(
         losses,
         score=lambda network: {"held_out_nats": _score(network, task.held_out, config.device)},
         write=lambda to, network, facts: write_checkpoint(to, network, task.vocabulary, facts),
+        take_up=take_up,
     )
     return train(lesson, ListNetwork(task.vocabulary), config, folder, progress, start)
+
+
+def take_up(network: ListNetwork, tensors: dict[str, Tensor]) -> None:
+    """Give a network the weights of a checkpoint, which may know fewer kinds of segment.
+
+    Raises RuntimeError where they do not fit.
+    """
+    own = network.segment_kind.weight
+    known = tensors["segment_kind.weight"]
+    if known.shape[1:] == own.shape[1:] and len(known) < len(own):
+        tensors = {**tensors, "segment_kind.weight": torch.cat([known, own[len(known) :].data])}
+    network.load_state_dict(tensors)
 
 
 def _moved(batch: Batch, device: str) -> Batch:

@@ -8,12 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.arrange.free_floor import FreeFloor, Painted
+from chord_usd.arrange.free_floor import Painted, kept_off
 from chord_usd.graph.colours import NO_ITEM
-from chord_usd.metrics.clear_floor import blocked_openings, clearances
+from chord_usd.metrics.clear_floor import ClearFloors, blocked_openings, clearances
 from chord_usd.raster.canvas import draw_items
-from chord_usd.scene.oriented_rect import Footprint
-from chord_usd.scene.palette import category
 from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room, SceneGraph, frozen_array
 
 ROOM = Room("room1", "bedroom", frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)]))
@@ -28,10 +26,8 @@ def cabinet(x: float, y: float, height: float = 1.6, yaw_deg: float = 0.0) -> It
 
 
 def kept(item: Item) -> Item:
-    free = FreeFloor(list(clearances([ROOM], [DOOR, WINDOW])))
-    standing = Footprint.of(item.box)
-    box = free.kept(standing, item.box, category(item.category), REACH_M)
-    return free.below_sill(replace(item, box=box))
+    clear = ClearFloors(list(clearances([ROOM], [DOOR, WINDOW])))
+    return clear.below_sill(replace(item, box=kept_off(clear, item, REACH_M)))
 
 
 def kept_as_painted(item: Item, painted: Box, openings: Sequence[Opening] = (DOOR, WINDOW)) -> Item:
@@ -40,11 +36,8 @@ def kept_as_painted(item: Item, painted: Box, openings: Sequence[Opening] = (DOO
     shown = replace(item, box=painted)
     drawn, _ = draw_items([shown], frame)
     labels = np.where(drawn > 0, drawn - 1, NO_ITEM).astype(np.uint8)
-    free = FreeFloor(list(clearances([ROOM], openings)))
-    standing = Footprint.of(item.box)
-    row = category(item.category)
-    box = free.kept(standing, item.box, row, REACH_M, Painted(labels, frame))
-    return replace(item, box=box)
+    clear = ClearFloors(list(clearances([ROOM], openings)))
+    return replace(item, box=kept_off(clear, item, REACH_M, Painted(labels, frame)))
 
 
 def blocked(item: Item) -> list[str]:
@@ -127,7 +120,6 @@ def test_an_edge_before_a_window_counts_only_for_what_is_always_high() -> None:
 
 def test_houses_without_openings_are_as_before() -> None:
     item = cabinet(2.0, 2.0)
-    free = FreeFloor([])
-    assert free.below_sill(item) == item
-    box = free.kept(Footprint.of(item.box), item.box, category("cabinet"), REACH_M)
-    assert_alike(replace(item, box=box), item)
+    clear = ClearFloors([])
+    assert clear.below_sill(item) == item
+    assert_alike(replace(item, box=kept_off(clear, item, REACH_M)), item)
