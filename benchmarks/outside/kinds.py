@@ -123,7 +123,6 @@ KINDS: dict[str, Kind] = {
     "flats": Kind(
         ("flats.jsonl", "flats.jsonl.gz"),
         (("call", "chord_usd.data.flats:read_flats", "{in}"),
-         ("call", "chord_usd.data.flats:read_plans", "{in}"),
          ("dataset", "import", "{in}", "-o", "{out}")),
     ),
     "foreign": Kind(

@@ -50,11 +50,6 @@ _WET: tuple[RoomKind, ...] = ("bathroom", "kitchen")
 _ALL: tuple[RoomKind, ...] = (*_DRY, "kitchen")
 
 
-def build_looks(folder: Path) -> tuple[Path, ...]:
-    """Draw and write every look into folder; returns the look folders. Takes about a minute."""
-    return tuple(write_look(recipe, folder) for recipe in RECIPES)
-
-
 def write_look(recipe: Recipe, folder: Path) -> Path:
     """Write one look package; the same bytes every time with the same Pillow."""
     from chord_usd.assets.look_package import write_material

@@ -8,8 +8,6 @@ WALL_THICKNESS_M around the drawn line, as in all our plans.
 
 from __future__ import annotations
 
-import gzip
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,10 +26,8 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.splits import Part, part_of
 from chord_usd.errors import PlanError
 from chord_usd.metrics.rooms import empty_rooms
-from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.json_lines import read_lines
 from chord_usd.runtime.json_text import parse_json
-from chord_usd.scene.chord_json import plan_from_json, plan_to_json
 from chord_usd.scene.types import Plan, Room, RoomKind, frozen_array
 
 _AREA_M2 = (14.0, 130.0)
@@ -216,19 +212,3 @@ def _fixtures(marks: Sequence[Mark]) -> list[dict[str, Any]]:
         for mark in marks
         if mark.label in _FIXTURES_KEPT
     ]
-
-
-def write_plans(plans: Iterable[Plan], path: Path) -> None:
-    """Keep plans as CHOrD JSON, one a line, gzipped where the name ends in .gz.
-
-    The same plans give the same bytes. Raises OutputError.
-    """
-    lines = (json.dumps(plan_to_json(plan), separators=(",", ":")) + "\n" for plan in plans)
-    data = "".join(lines).encode()
-    write_atomic(path, gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
-
-
-def read_plans(path: Path) -> list[Plan]:
-    """Plans that write_plans wrote. Raises PlanError naming the line that is none."""
-    wheres = ((f"{path} line {number}", line) for number, line in read_lines(path, PlanError))
-    return [plan_from_json(parse_json(line, at, PlanError), where=at) for at, line in wheres]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -109,8 +108,3 @@ def folder_cases(folder: Path, split: Split, count: int | None = None) -> Cases:
             try_=skipped[0] if skipped else "--split all",
         )
     return Cases(tuple(cases), tuple(skipped))
-
-
-def ids_of(cases: Sequence[Case]) -> list[str]:
-    """Their names, in order."""
-    return [case.id for case in cases]

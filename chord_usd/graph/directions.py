@@ -85,13 +85,6 @@ def raster_directions(structure: LabelArray) -> Directions:
     return _grouped(segments, angles, of_region)
 
 
-def near_direction(angle_deg: float, angles_deg: Iterable[float], reach_deg: float) -> float | None:
-    """The direction nearest to angle_deg modulo quarter turns, if within reach_deg."""
-    gaps = [(abs(fold_deg(angle_deg - direction)), direction) for direction in angles_deg]
-    best = min(gaps, default=(np.inf, 0.0))
-    return best[1] if best[0] <= reach_deg else None
-
-
 def _straight_runs(points: FloatArray) -> Iterable[FloatArray]:
     """The runs of outline pixels (N, 2) between the corners of a polygon close to them."""
     corners = cv2.approxPolyDP(points.astype(np.int32), 1.5, True)[:, 0, :]

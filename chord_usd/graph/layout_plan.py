@@ -14,24 +14,22 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from chord_usd.errors import SceneError
-from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels, read_pixels
+from chord_usd.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels
 from chord_usd.graph.detect import RoomProposal
 from chord_usd.graph.faces import settle_faces
 from chord_usd.graph.outlines import outline_of
 from chord_usd.graph.wall_sides import Walls
 from chord_usd.raster.vectorize import RotatedBox, rotated_box_from_mask
-from chord_usd.scene.palette import PLAN_CATEGORIES, ROOM_SHADES, category
+from chord_usd.scene.palette import PLAN_CATEGORIES
 from chord_usd.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
     BoolArray,
     Box,
-    LayoutImage,
     Opening,
     OpeningKind,
     PixelFrame,
     Plan,
-    PlanImage,
     Room,
     RoomKind,
     frozen_array,
@@ -48,17 +46,6 @@ _WHITE = SHADE_KINDS.index("unknown")
 _CLASSES = {row.name: row.detector_class for row in PLAN_CATEGORIES}
 _SURE = 0.1
 """Least confidence times overlap with the room at which the network's word for it is taken."""
-
-
-def bare_plan(layout: LayoutImage) -> PlanImage:
-    """The plan raster under a layout: the same picture without its items."""
-    pixels = read_pixels(layout.rgb)
-    shades = np.array(list(ROOM_SHADES.values()), dtype=np.uint8)
-    rgb = shades[pixels.shade]
-    for name, label in _CLASSES.items():
-        rgb[pixels.structure == label] = category(name).rgb
-    rgb.setflags(write=False)
-    return PlanImage(rgb, layout.frame)
 
 
 def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:

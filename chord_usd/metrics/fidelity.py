@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,25 +149,6 @@ def orientation(found: Sequence[Item], truth: Sequence[Item]) -> tuple[float, in
     pairs = match_items(found, truth)
     right = sum(abs(wrap_deg(a.box.yaw_deg - b.box.yaw_deg)) <= MAX_TURN_DEG for a, b in pairs)
     return (right / len(pairs) if pairs else 0.0), len(pairs)
-
-
-def category_iou(
-    drawn: npt.NDArray[np.integer], truth: npt.NDArray[np.integer], names: Sequence[str]
-) -> Mapping[str, float]:
-    """Round trip: intersection over union of each category in two label rasters.
-
-    drawn, truth: (H, W) labels; label k is names[k], negative is background. Categories that
-    appear in neither raster are left out. Raises ValueError where the shapes differ.
-    """
-    if drawn.shape != truth.shape:
-        raise ValueError(f"rasters of shapes {drawn.shape} and {truth.shape} cannot be compared")
-    scores: dict[str, float] = {}
-    for label, name in enumerate(names):
-        ours, theirs = drawn == label, truth == label
-        either = int(np.count_nonzero(ours | theirs))
-        if either:
-            scores[name] = int(np.count_nonzero(ours & theirs)) / either
-    return scores
 
 
 def _iou_table(found: npt.NDArray, truth: npt.NDArray) -> FloatArray:

@@ -106,9 +106,10 @@ def generate(
         graph = draw.heeded(models.reader.read(layout, plan))
         first = FirstDraw(listed, layout, graph)
     with watch.step("redraw") as progress:
+        leave_out = partial(arrange_drawn, draw=draw) if settings.arrange else None
         mended = mend_rooms(
             graph, layout, plan_image, models.layout, models.reader.read, draw,
-            times=settings.redraws, progress=progress,
+            times=settings.redraws, settle=leave_out, progress=progress,
         )  # fmt: skip
         graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
         if settings.arrange:
@@ -125,7 +126,8 @@ def generate(
     with watch.step("stage"):
         graph = settle(graph, settings)
         built = {item.id for item in graph.items}
-        left_out = tuple(item.id for item in mended.graph.items if item.id not in built)
+        later = (item.id for item in mended.graph.items if item.id not in built)
+        left_out = (*mended.left_out, *later)
         stage = write_stage(graph, stage_path, settings)
     return House(plan, plan_image, layout, graph, stage, first, tabletops, mended.rooms, left_out)
 

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 Read = Callable[[LayoutImage, Plan], SceneGraph]
 """Reads a layout in the rooms of its plan."""
 
+Settle = Callable[[SceneGraph], SceneGraph]
+
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
 
@@ -139,6 +141,8 @@ class Mended:
     layout: LayoutImage
     rooms: tuple[str, ...]
     """Ids of the rooms whose furniture is that of a later draw."""
+    left_out: tuple[str, ...] = ()
+    """Ids of pieces in the layout that are not in the house."""
 
 
 def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, float]:
@@ -178,15 +182,23 @@ def mend_rooms(
     draw: Draw,
     *,
     times: int,
+    settle: Settle | None = None,
     progress: Progress | None = None,
 ) -> Mended:
     """The house with those rooms drawn again that have faults; what has fewer of them is kept.
 
     graph: as read reads it in layout, which was drawn over plan_image. times: draws of a room that
     has faults; one that lacks what it shall hold is drawn WISH_DRAWS times at least, around pieces
-    of lists, which have no meshes.
+    of lists, which have no meshes. settle: what is done to a draw before its faults are looked at.
     """
     later: dict[str, None] = {}
+    out: dict[str, str] = {}
+
+    def settled(house: SceneGraph) -> SceneGraph:
+        return settle(house) if settle else house
+
+    painted, graph = graph, settled(graph)
+    out |= _gone(painted, graph)
     faults = faults_by_room(graph, draw)
     for attempt in range(1, max(times, WISH_DRAWS if draw.asked else 0) + 1):
         wrong = set(faults) if attempt <= times else set(draw.lacking(graph))
@@ -201,14 +213,23 @@ def mend_rooms(
             for room in group:
                 items = tuple(item for item in base.items_of(room.id) if item.id in given)
                 new = with_furniture(graph, room, items)
-                new = with_furniture(new, room, found.items_of(room.id), given)
+                painted = with_furniture(new, room, found.items_of(room.id), given)
+                new = settled(painted)
                 left = faults_by_room(new, draw)
                 if sum(left.values()) < sum(faults.values()):
                     graph, layout, faults = new, _pasted(layout, drawn.layout, room), left
                     later[room.id] = None
+                    out = {one: at for one, at in out.items() if at != room.id}
+                    out |= _gone(painted, new)
         if progress and attempt <= times:
             progress(attempt, times)
-    return Mended(graph, layout, tuple(later))
+    return Mended(graph, layout, tuple(later), tuple(out))
+
+
+def _gone(before: SceneGraph, after: SceneGraph) -> dict[str, str]:
+    """The room's id by that of each piece that is no longer there."""
+    there = {item.id for item in after.items}
+    return {item.id: item.room_id for item in before.items if item.id not in there}
 
 
 def redraw_rooms(

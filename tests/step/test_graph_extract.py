@@ -17,7 +17,6 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import SceneError
 from chord_usd.graph.extract import extract_graph
-from chord_usd.graph.layout_plan import bare_plan
 from chord_usd.graph.match import match_assets
 from chord_usd.graph.snap import decode_items
 from chord_usd.raster import canvas
@@ -173,15 +172,6 @@ def test_rooms_and_openings_are_read_when_the_plan_is_not_known() -> None:
         )
         total = sum(1 for item in graph.items)
         assert abs(len(found.items) - total) <= 0.02 * total
-
-
-def test_the_bare_plan_is_the_plan_raster() -> None:
-    for shade in (True, False):
-        graph = house(4)
-        plan_image = canvas.draw_plan(graph.plan, shade=shade)
-        layout = canvas.layout_image(plan_image, graph.items)
-        bare = bare_plan(layout)
-        assert (bare.rgb != plan_image.rgb).any(axis=-1).mean() < 0.0005
 
 
 def noisy(rgb: ByteArray, rng: np.random.Generator) -> ByteArray:

@@ -8,15 +8,12 @@ from itertools import combinations
 import numpy as np
 import pytest
 from shapely.geometry import box as rectangle
-from shapely.ops import unary_union
 
 from chord_usd.data.flats import (
     flat_from_lines,
     furnishable,
     read_flats,
     read_flats_or_why,
-    read_plans,
-    write_plans,
 )
 from chord_usd.data.floorplans.traced import closed_cells
 from chord_usd.data.splits import part_of
@@ -158,22 +155,6 @@ def test_a_plan_with_a_room_of_nothing_but_doors_is_not_furnishable(plan):
     )
     all_doors = replace(plan, openings=(*plan.openings, *doors))
     assert furnishable([all_doors, plan]) == [plan]
-
-
-def test_plans_survive_keeping(tmp_path, plan):
-    path = tmp_path / "plans.jsonl.gz"
-    write_plans([plan, plan], path)
-    first = path.read_bytes()
-    again = read_plans(path)
-    write_plans(again, path)
-    assert path.read_bytes() == first
-    assert len(again) == 2
-    for room, kept in zip(plan.rooms, again[0].rooms, strict=True):
-        assert kept.kind == room.kind
-        assert np.allclose(kept.polygon_m, room.polygon_m, atol=1e-7)
-    assert again[0].extra["fixtures"] == plan.extra["fixtures"]
-    floors = [unary_union([room_polygon(r) for r in p.rooms]).area for p in (plan, again[0])]
-    assert floors[0] == pytest.approx(floors[1])
 
 
 @pytest.mark.parametrize(

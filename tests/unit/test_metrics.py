@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from chord_usd.metrics import part_of, rooms_of_kind, score_scene, score_scenes
 from chord_usd.metrics.clear_floor import blocked_openings, rooms_beside
 from chord_usd.metrics.fidelity import (
-    category_iou,
     match_items,
     opening_f1,
     orientation,
@@ -403,14 +402,3 @@ def test_orientation_counts_matched_items_only():
     assert orientation(found, truth) == (0.5, 2)
     assert [(a.id, b.id) for a, b in match_items(found, truth)] == [("y", "b"), ("x", "a")]
     assert orientation([], truth) == (0.0, 0)
-
-
-def test_category_iou_of_label_rasters():
-    truth = np.full((4, 4), -1)
-    truth[:2] = 0
-    drawn = truth.copy()
-    drawn[1] = 1
-    assert category_iou(truth, truth, ["bed", "sofa"]) == {"bed": 1.0}
-    assert category_iou(drawn, truth, ["bed", "sofa"]) == {"bed": 0.5, "sofa": 0.0}
-    with pytest.raises(ValueError, match="cannot be compared"):
-        category_iou(drawn[:2], truth, ["bed"])
