@@ -124,13 +124,31 @@ def room_outlines(regions: Regions, segments: Segments, m_per_px: float) -> list
 
 
 def large_regions(labels: Labels, m_per_px: float) -> Labels:
-    """Numbers of the regions, (H, W) with 0 for none, that are large enough for rooms."""
+    """Numbers of the regions, (H, W) with 0 for none, that are large enough for rooms.
+
+    One that another one encloses is none: a shaft, or the well of a staircase.
+    """
     areas = np.bincount(labels.ravel())
     # Half of the room's least width is how far its middle must be from its walls.
     depths = cv2.distanceTransform((labels > 0).astype(np.uint8), cv2.DIST_L2, 3)
     wide = np.unique(labels[depths * m_per_px >= _NARROWEST_ROOM_M / 2])
     found: Labels = wide[(areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2) & (wide > 0)]
-    return found
+    return found[~_is_enclosed(labels, found)]
+
+
+def _is_enclosed(labels: Labels, numbers: Labels) -> BoolArray:
+    """Which of the regions lie inside the outer edge of another."""
+    inside = np.zeros(len(numbers), bool)
+    starts = [np.argwhere(labels == number)[0, ::-1] for number in numbers]
+    for number in numbers:
+        outer, _ = cv2.findContours(
+            (labels == number).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
+        )
+        for at, start in enumerate(starts):
+            spot = (float(start[0]), float(start[1]))
+            is_in = any(cv2.pointPolygonTest(edge, spot, False) > 0 for edge in outer)
+            inside[at] |= is_in and numbers[at] != number
+    return inside
 
 
 def _outline(mask: BoolArray, segments: Segments, noise_px: float) -> Outline:

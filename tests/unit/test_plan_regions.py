@@ -98,6 +98,13 @@ def test_stairs_are_floor_of_the_room_that_they_stand_in() -> None:
     assert seen(labels)[0] == 2
 
 
+def test_the_well_of_a_staircase_is_no_room() -> None:
+    labels = two_rooms()
+    labels[110:210, 110:210] = WALL
+    labels[115:205, 115:205] = FLOOR
+    assert seen(labels)[0] == 2
+
+
 def test_nothing_built_is_nothing() -> None:
     assert seen(np.zeros((64, 64), np.uint8)) == (0, [])
 
