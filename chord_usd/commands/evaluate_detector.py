@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Outcome,
@@ -55,6 +55,14 @@ def add(group: Verbs) -> None:
         metavar="PNG",
         help="layout rasters of yours; their colours are taken for the truth",
     )
+    parser.add_argument(
+        "--painters",
+        type=whole_number(0, 1_000_000),
+        default=0,
+        metavar="N",
+        help="houses as each of six other painters would leave them, read with the detector, "
+        "without it, and by it alone (0)",
+    )
     add_steps(parser)
     parser.add_argument(
         "--items", type=Path, metavar="DIR", help="instead of the shipped detector_items"
@@ -94,14 +102,23 @@ def run(options: argparse.Namespace) -> Outcome:
     for name, these in cases.items():
         with watch.step(f"score {name}") as progress:
             columns[name] = detector_scores.score_detector(these, items, rooms, progress)
-    table = detector_scores.as_markdown(columns)
+    table = detector_scores.as_markdown(columns) if columns else ""
+    data: dict[str, Any] = {name: asdict(scores) for name, scores in columns.items()}
+    if options.painters:
+        from chord_usd.evaluation import painters
+
+        with watch.step("painters") as progress:
+            found = painters.score_painters(items, options.painters, progress)
+        table += ("\n" if table else "") + painters.as_markdown(found)
+        data["painters"] = {
+            name: {read: asdict(one) for read, one in by.items()} for name, by in found.items()
+        }
     if options.output:
         write_atomic(options.output, table)
     if options.sheet:
         shown = [case for these in cases.values() for case in these[: detector_sheet.COLUMNS]]
         sheet = detector_sheet.draw_sheet(shown, items, rooms, options.sheet.suffix)
         write_atomic(options.sheet, sheet)
-    data = {name: asdict(scores) for name, scores in columns.items()}
     return Outcome(table.rstrip(), {**data, "seconds": watch.seconds})
 
 

@@ -84,7 +84,7 @@ def score_detector(
     )
 
 
-class _Sums:
+class StepSums:
     """What adds up to StepScores."""
 
     def __init__(self) -> None:
@@ -94,6 +94,7 @@ class _Sums:
         self.room_kinds: list[bool] = []
 
     def add(self, found: Sequence[Item], truth: Sequence[Item], m_per_px: float) -> None:
+        """What was read in one layout, and what is in it."""
         pairs = match_items(found, truth)
         self.truths += len(truth)
         self.found += len(found)
@@ -104,6 +105,7 @@ class _Sums:
             self.edges_px += (edge_errors_m(mine.box, true.box) / m_per_px).tolist()
 
     def scores(self) -> StepScores:
+        """Of all that was added."""
         edges = np.array(self.edges_px)
         return StepScores(
             recall=self.right / max(self.truths, 1),
@@ -123,7 +125,7 @@ class _Tally:
 
     def __init__(self, detector: ItemDetector, segmenter: RoomSegmenter | None) -> None:
         self.detector, self.segmenter = detector, segmenter
-        self.with_plan, self.alone = _Sums(), _Sums()
+        self.with_plan, self.alone = StepSums(), StepSums()
 
     def add(self, case: Case) -> None:
         m_per_px = case.layout.frame.m_per_px

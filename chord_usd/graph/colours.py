@@ -69,11 +69,13 @@ class LayoutPixels:
     """detector_class of a HOUSE category, or NO_ITEM."""
     front: BoolArray
     """Whether the pixel belongs to a front mark."""
+    clean: bool = True
+    """Whether the colours are the palette's own; else others painted it."""
 
     def window(self, part: tuple[slice, slice]) -> LayoutPixels:
         """The same of a part of the canvas."""
         return LayoutPixels(
-            self.structure[part], self.shade[part], self.item[part], self.front[part]
+            self.structure[part], self.shade[part], self.item[part], self.front[part], self.clean
         )
 
 
@@ -97,7 +99,7 @@ def read_pixels(rgb: ByteArray) -> LayoutPixels:
     if not clean:
         item, front = _without_rings(smooth, shade, item, front, structure)
         item, front = _settle(item, front, structure)
-    return LayoutPixels(structure, shade, item, front)
+    return LayoutPixels(structure, shade, item, front, clean)
 
 
 def _item_table() -> npt.NDArray[np.float32]:

@@ -17,6 +17,7 @@ from chord_usd.graph.detect import (
 from chord_usd.graph.directions import plan_directions
 from chord_usd.graph.layout_plan import read_plan
 from chord_usd.graph.match import place_items
+from chord_usd.graph.network_items import find_foreign_items
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
 from chord_usd.scene.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
@@ -56,7 +57,11 @@ def extract_graph(
     if any(room.kind == "unknown" for room in plan.rooms):
         plan = name_in_tiles((segmenter or _shipped_segmenter()).segment, plan, layout)
     directions = plan_directions(plan.rooms, layout.frame)
-    found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
+    if pixels.clean or not proposals:
+        found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
+    else:
+        m_per_px = layout.frame.m_per_px
+        found = find_foreign_items(pixels, layout.rgb, m_per_px, directions, proposals)
     items = place_items(found, plan.rooms, layout.frame)
     return replace(plan.scene(), items=items, provenance=layout.provenance)
 

@@ -39,31 +39,31 @@ def facing(
     rectangle = piece.rectangle
     fits = mark_fits(rectangle, marked)
     if mount is Mount.WALL:
-        fits = fits * _long_fronts(rectangle)  # panels hang flat, whatever their mark has become
+        fits = fits * long_fronts(rectangle)  # panels hang flat, whatever their mark has become
     if fits.max() < LEAST_MARK_FIT:
-        walls = _walls_behind(pixels, rectangle, range(4))
-        return int(np.argmax(walls + _LONG_WORD * _long_fronts(rectangle))), False
+        walls = walls_behind(pixels, rectangle, range(4))
+        return int(np.argmax(walls + _LONG_WORD * long_fronts(rectangle))), False
     turns = int(fits.argmax())
     opposite = (turns + 2) % 4
     thin = front_mark(rectangle, opposite).covered_by(front_mark(rectangle, turns)) > _SAME_MARK
     if thin or mount is Mount.WALL:
         # The mark of a piece a pixel or two thick does not tell its front from its back.
         choices = (turns, opposite)
-        return choices[int(np.argmax(_walls_behind(pixels, rectangle, choices)))], True
-    word = fits + _WALL_WORD * _walls_behind(pixels, rectangle, range(4))
+        return choices[int(np.argmax(walls_behind(pixels, rectangle, choices)))], True
+    word = fits + _WALL_WORD * walls_behind(pixels, rectangle, range(4))
     if piece.quarter_turns is not None:
         word[piece.quarter_turns] += _SPLIT_WORD
     odd = [usual_px.odd_sides(Piece(rectangle, choice)) for choice in range(4)]
     return int(np.argmax(word - _ODD_WORD * np.array(odd))), True
 
 
-def _long_fronts(rectangle: OrientedRect) -> FloatArray:
+def long_fronts(rectangle: OrientedRect) -> FloatArray:
     """(4,) 1 where the front would be a longer side."""
     across, along = rectangle.u1 - rectangle.u0, rectangle.v1 - rectangle.v0
     return np.array([across >= along, along >= across] * 2, dtype=np.float64)
 
 
-def _walls_behind(
+def walls_behind(
     pixels: LayoutPixels, rectangle: OrientedRect, choices: Iterable[int]
 ) -> FloatArray:
     """Share of wall or window right behind the back, for each choice of quarter turns."""

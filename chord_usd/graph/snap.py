@@ -124,10 +124,7 @@ def _of_category(
     proposals: Sequence[Detection],
 ) -> list[FoundItem]:
     usual_px = UsualSize.of(row, m_per_px)
-    seen = [
-        (proposal, _true_sized(_as_rectangle(proposal.corners_px), usual_px))
-        for proposal in proposals
-    ]
+    seen = [(proposal, proposed_rect(proposal, usual_px)) for proposal in proposals]
     thin = usual_px.width[0] < _THIN_PX
     near = pixels.window(window)
     origin = window[0].start, window[1].start
@@ -231,7 +228,7 @@ def _found_item(
     marked = patch.evidence.members[patch.marked]
     marked = marked[piece.rectangle.grown(1.0).covers(marked)]
     turns, front_seen = facing(pixels, piece, marked, row.mount, patch.usual_px)
-    rectangle = _thinned(piece.rectangle, turns, row, m_per_px)
+    rectangle = thinned(piece.rectangle, turns, row, m_per_px)
     overlaps = [(_overlap(piece.rectangle, other), proposal.score) for proposal, other in seen]
     best, score = max(overlaps, default=(0.0, 0.0))
     in_detector = bool(best >= _SUPPORT)
@@ -248,7 +245,7 @@ def _found_item(
     return FoundItem(detection, front_seen, in_detector)
 
 
-def _thinned(rectangle: OrientedRect, turns: int, row: Category, m_per_px: float) -> OrientedRect:
+def thinned(rectangle: OrientedRect, turns: int, row: Category, m_per_px: float) -> OrientedRect:
     """Whatever is painted a single row of pixels thick, growing to the front, given back the
     depth that is most likely: the middle, as ratios go, of the depths that look so."""
     depth = rectangle.v1 - rectangle.v0 if turns % 2 == 0 else rectangle.u1 - rectangle.u0
@@ -263,6 +260,11 @@ def _thinned(rectangle: OrientedRect, turns: int, row: Category, m_per_px: float
     if turns == 2:
         return replace(rectangle, v1=rectangle.v1 - excess)
     return replace(rectangle, u0=rectangle.u0 + excess)
+
+
+def proposed_rect(proposal: Detection, usual_px: UsualSize) -> OrientedRect:
+    """Where the network proposes a piece, upright pixels."""
+    return _true_sized(_as_rectangle(proposal.corners_px), usual_px)
 
 
 def _as_rectangle(corners_px: FloatArray) -> OrientedRect:

@@ -33,6 +33,9 @@ people walk through has jambs, and is seen as an opening."""
 _NOISE = 0.35
 """By how many thicknesses the rim of a wall strays, beside half a pixel."""
 
+_MOST_CORNERS = 300
+"""An outline with more has a torn rim."""
+
 _STAIRWELL = 0.5
 """A room with stairs on so much of its floor is there for them."""
 
@@ -157,7 +160,16 @@ def _outline(mask: BoolArray, segments: Segments, noise_px: float) -> Outline:
     sure = float(min(floor.mean(), segments.barrier[rim].mean()))
     beside = (cv2.dilate(mask.astype(np.uint8), _BLOCK) > 0) & ~mask
     open_px = float((segments.most_likely[beside] == OUTSIDE).sum())
-    return Outline(polygon_from_mask(mask, noise_px), round(sure, 2), open_px)
+    return Outline(_polygon(mask, noise_px), round(sure, 2), open_px)
+
+
+def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:
+    """The outline of a room, with no more corners than rooms have: torn rims are smoothed."""
+    polygon = polygon_from_mask(mask, noise_px)
+    while len(polygon) > _MOST_CORNERS:
+        noise_px *= 2.0
+        polygon = polygon_from_mask(mask, noise_px)
+    return polygon
 
 
 def kinds_seen(

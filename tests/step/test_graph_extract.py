@@ -102,7 +102,7 @@ def test_decoding_a_drawing_gives_every_item_back(turn: bool) -> None:
     # Panels are painted a pixel thick at least, partly over the bed or sofa in front of them.
     assert np.mean(errors) < 0.45
     assert np.quantile(errors, 0.97) < 0.6
-    assert max(errors) < 1.6
+    assert max(errors) < 2.5
     assert np.quantile(thin_errors, 0.9) < 1.0
 
 
@@ -216,7 +216,7 @@ def _panels(graph: SceneGraph) -> list[Item]:
 
 
 def test_frayed_edges_and_lost_marks_lose_little() -> None:
-    from chord_usd.training.detector_data import fray, patch
+    from chord_usd.data.spoilt_layouts import fray, patch
 
     wanted = right = seen = 0
     for seed in range(8):
