@@ -310,3 +310,21 @@ def test_every_item_gets_a_mesh_of_its_own_size_children_too() -> None:
         assert item.asset.id == f"{item.category}_{'big' if item.box.size_m[0] > 1.0 else 'small'}"
     again = match_assets(matched, Shelf())
     assert [item.asset for item in again.items] == [item.asset for item in matched.items]
+
+
+def test_where_others_painted_it_the_detector_decides() -> None:
+    from chord_usd.evaluation.painters import painted_cases
+    from chord_usd.graph.detect import load_item_detector
+
+    detector = load_item_detector()
+    wanted = with_it = without = wrong_with = wrong_without = 0
+    for case in painted_cases("JPEG 50", 3):
+        both = extract_graph(case.layout, case.plan, detector).items
+        colours = extract_graph(case.layout, case.plan, BLIND).items
+        wanted += len(case.items)
+        with_it += matches(case.items, both)
+        without += matches(case.items, colours)
+        wrong_with += len(both) - matches(case.items, both)
+        wrong_without += len(colours) - matches(case.items, colours)
+    assert with_it > max(without, 0.8 * wanted)
+    assert wrong_with < 0.5 * wrong_without
