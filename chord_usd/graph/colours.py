@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -18,13 +17,11 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from chord_usd.errors import SceneError
+from chord_usd.graph.calibration import ITEM_RGB, STRUCTURE_RGB, calibrated, is_exact, packed
 from chord_usd.scene.palette import (
-    FRONT_MARK_OPACITY,
     HOUSE_CATEGORIES,
-    PLAN_CATEGORIES,
     ROOM_SHADES,
     Mount,
-    painted,
 )
 from chord_usd.scene.types import BoolArray, ByteArray
 
@@ -70,7 +67,7 @@ class LayoutPixels:
     front: BoolArray
     """Whether the pixel belongs to a front mark."""
     clean: bool = True
-    """Whether the colours are the palette's own; else others painted it."""
+    """Whether the colours are the palette's, or shifted alike; else others painted it."""
 
     def window(self, part: tuple[slice, slice]) -> LayoutPixels:
         """The same of a part of the canvas."""
@@ -89,12 +86,16 @@ def read_pixels(rgb: ByteArray) -> LayoutPixels:
             f"layout raster of shape {rgb.shape} and type {rgb.dtype}",
             expected="(height, width, 3) uint8",
         )
-    clean = _is_clean(rgb)
-    smooth = rgb if clean else np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), dtype=np.uint8)
+    exact = is_exact(rgb)
+    known = rgb if exact else calibrated(rgb)
+    clean = known is not None
+    smooth = (
+        np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), np.uint8) if known is None else known
+    )
     structure = _read_structure(smooth)
     _, regions = cv2.connectedComponents((structure == CLEAR).astype(np.uint8), connectivity=4)
     shade, allowed = _read_shades(smooth, regions, 0.0 if clean else _LEAST_SHADE_SHARE)
-    far_cost = _FAR_SHADE_COST_CLEAN if clean else _FAR_SHADE_COST
+    far_cost = _FAR_SHADE_COST_CLEAN if exact else _FAR_SHADE_COST
     item, front, shade = _read_items(smooth, regions, shade, allowed, far_cost)
     if not clean:
         item, front = _without_rings(smooth, shade, item, front, structure)
@@ -102,52 +103,18 @@ def read_pixels(rgb: ByteArray) -> LayoutPixels:
     return LayoutPixels(structure, shade, item, front, clean)
 
 
-def _item_table() -> npt.NDArray[np.float32]:
-    """(shade, 2 * category + marked or bare floor last, 3) colours."""
-    rows = []
-    for shade_rgb in ROOM_SHADES.values():
-        colours = []
-        for row in HOUSE_CATEGORIES:
-            body = painted(shade_rgb, row.rgb)
-            colours += [body, painted(body, (0, 0, 0), FRONT_MARK_OPACITY)]
-        rows.append([*colours, shade_rgb])
-    return np.array(rows, dtype=np.float32)
-
-
-_TABLE = _item_table()
-_FLOOR = _TABLE.shape[1] - 1
+_FLOOR = ITEM_RGB.shape[1] - 1
 _PANEL_CODES = {
     2 * row.detector_class + marked
     for row in HOUSE_CATEGORIES
     if row.mount is Mount.WALL
     for marked in (0, 1)
 }
-_STRUCTURE_RGB = np.array([row.rgb for row in PLAN_CATEGORIES], dtype=np.int16)
 
 
-def _packed(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
-    red, green, blue = np.moveaxis(rgb.astype(np.uint32), -1, 0)
-    return np.asarray((red << 16) | (green << 8) | blue, dtype=np.uint32)
-
-
-_EXACT = np.unique(
-    np.concatenate(
-        [_packed(_TABLE.reshape(-1, 3).astype(np.uint8)), _packed(_STRUCTURE_RGB.astype(np.uint8))]
-    )
-)
-
-
-@lru_cache(maxsize=1)
-def _is_exact() -> BoolArray:
-    """(2^24,) whether a packed colour is one of the palette."""
-    table = np.zeros(1 << 24, dtype=bool)
-    table[_EXACT] = True
-    return table
-
-
-def _is_clean(rgb: ByteArray) -> bool:
-    """Whether nearly every pixel has exactly a colour of the palette."""
-    return bool(_is_exact()[_packed(rgb)].mean() >= 0.995)
+def _smoothed(rgb: ByteArray) -> ByteArray:
+    """Within its flat areas."""
+    return np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), np.uint8)
 
 
 def _extremes(rgb: ByteArray) -> tuple[ByteArray, ByteArray]:
@@ -161,7 +128,7 @@ def _read_structure(rgb: ByteArray) -> LabelArray:
     least, _ = _extremes(rgb)
     structure = np.full(least.shape, CLEAR, dtype=np.int16)
     dark = least < _DARK
-    spread = np.abs(rgb[dark][:, None, :].astype(np.int16) - _STRUCTURE_RGB).max(axis=-1)
+    spread = np.abs(rgb[dark][:, None, :].astype(np.int16) - STRUCTURE_RGB).max(axis=-1)
     structure[dark] = spread.argmin(axis=-1)
     return structure
 
@@ -252,12 +219,12 @@ def _nearest_colours(
     rgb: npt.NDArray[np.uint8], prior: LabelArray, shades: list[int], far_cost: float
 ) -> tuple[npt.NDArray[np.int64], LabelArray]:
     """Best (row of the item table, shade) for each of (N, 3) colours."""
-    colours, back = np.unique(_packed(rgb), return_inverse=True)
+    colours, back = np.unique(packed(rgb), return_inverse=True)
     distinct = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=-1)
     cost = np.empty((len(shades), len(rgb)), dtype=np.float32)
     code = np.empty((len(shades), len(rgb)), dtype=np.int64)
     for position, shade in enumerate(shades):
-        gap = ((distinct[:, None, :].astype(np.float32) - _TABLE[shade]) ** 2).sum(axis=-1)
+        gap = ((distinct[:, None, :].astype(np.float32) - ITEM_RGB[shade]) ** 2).sum(axis=-1)
         best = gap.argmin(axis=1)
         code[position] = best[back]
         cost[position] = gap[np.arange(len(best)), best][back]
@@ -285,11 +252,11 @@ def _without_rings(
     for label in np.unique(code):
         core = _core((code == label) & clear, by_wall if label in _PANEL_CODES else None)
         reach = cv2.dilate(core, np.ones((7, 7), np.uint8)) > 0
-        cost = ((levels[reach] - _TABLE[shade[reach], label]) ** 2).sum(axis=-1)
+        cost = ((levels[reach] - ITEM_RGB[shade[reach], label]) ** 2).sum(axis=-1)
         better = cost < least[reach]
         least[reach] = np.where(better, cost, least[reach])
         nearest[reach] = np.where(better, label, nearest[reach])
-    own = ((levels - _TABLE[shade, code]) ** 2).sum(axis=-1)
+    own = ((levels - ITEM_RGB[shade, code]) ** 2).sum(axis=-1)
     code = np.where(clear & (own > _MIXED_COST) & np.isfinite(least), nearest, code)
     found = np.where(code == _FLOOR, NO_ITEM, code // 2).astype(np.int16)
     return found, (code != _FLOOR) & (code % 2 == 1)

@@ -51,6 +51,21 @@ def test_noise_changes_few_pixels(kind: RoomKind, reach: int) -> None:
     assert (pixels.item[~painted] != NO_ITEM).mean() < 0.001
 
 
+@pytest.mark.parametrize("kind", ["unknown", "kitchen", "store"])
+@pytest.mark.parametrize("offset", [(6, -6, 0), (-5, 3, 6), (0, 0, 0)])
+def test_colours_that_are_all_shifted_alike_are_read_as_their_own(
+    kind: RoomKind, offset: tuple[int, int, int]
+) -> None:
+    plan_image = canvas.draw_plan(plan_of(kind))
+    labels, front = canvas.draw_items(all_categories(), plan_image.frame)
+    rgb = canvas.paint_layout(plan_image, labels, front) * (0.94, 0.97, 1.0) + offset
+    pixels = read_pixels(np.clip(rgb, 0, 255).astype(np.uint8))
+    assert pixels.clean
+    np.testing.assert_array_equal(pixels.item, labels.astype(int) - 1)
+    np.testing.assert_array_equal(pixels.front, front)
+    assert (pixels.shade[pixels.item != NO_ITEM] == SHADE_KINDS.index(kind)).all()
+
+
 def test_two_shades_without_a_wall_between_are_told_apart() -> None:
     halves = [ROOM * (0.5, 1.0), ROOM * (0.5, 1.0) + (4.5, 0.0)]
     rooms = tuple(
