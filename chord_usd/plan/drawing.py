@@ -179,10 +179,9 @@ def _better(seen: _Found, strokes: _Found) -> Plan:
     is_simpler = len(strokes.plan.rooms) <= len(seen.plan.rooms)
     if is_simpler and strokes.contradictions < seen.contradictions:
         taken, other = strokes, seen
-    told = (
-        f"{len(taken.plan.rooms)} rooms were found; read in another way, it shows "
-        f"{len(other.plan.rooms)}, or others: look at --overlay"
-    )
+    count, others = len(taken.plan.rooms), len(other.plan.rooms)
+    shown = "rooms of other outlines" if count == others else f"{others}"
+    told = f"{count} rooms were found; read in another way, it shows {shown}: look at --overlay"
     warnings = [*taken.plan.extra.get(WARNINGS, ()), told]
     return replace(taken.plan, extra={**taken.plan.extra, WARNINGS: warnings})
 

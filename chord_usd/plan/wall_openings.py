@@ -35,6 +35,9 @@ more."""
 _MIDDLE = np.array([0.4, 0.5, 0.6])
 
 _IS_WALL = 0.5
+_AT_END = 0.3
+"""Share of wall where an opening ends: the network blurs jambs outwards, by a pixel at a half."""
+
 _LEAST_LENGTH = 1.6
 """What is shorter than so many usual walls are thick is no opening."""
 
@@ -192,7 +195,8 @@ def _in_wall(wall: _Wall, segments: Segments, least_px: float) -> Iterator[WallO
             if stop - start < least_px or (wall.other is None and sign < _LEAST_SIGN):
                 continue
             kind = _KINDS[label] if sign >= _LEAST_SIGN else "passage"
-            yield _opening(wall, kind, along[first] + start - 0.5, stop - start, sign)
+            low, high = _ends(profile[WALL], first, last, start, stop)
+            yield _opening(wall, kind, wall.low + low, high - low, sign)
 
 
 def _runs(is_open: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -211,6 +215,30 @@ def _by_kind(profile: np.ndarray, least_px: float) -> Iterator[tuple[int, int, i
         yield from stretches
         return
     yield 0, len(own), int(labels[profile[labels].sum(axis=1).argmax()])
+
+
+def _ends(walled: FloatArray, first: int, last: int, start: int, stop: int) -> tuple[float, float]:
+    """Where a stretch of a hole begins and ends, in pixels from the wall's low end.
+
+    walled: share of wall. first, last: of the hole. start, stop: of the stretch, from first.
+    """
+    low, high = float(first + start), float(first + stop)
+    middle = (first + start + first + stop - 1) // 2
+    padded = np.pad(walled, 1, constant_values=1.0)  # walls stand at both ends
+    if start == 0:
+        low += _inset(padded[first : middle + 2])
+    if first + stop > last:
+        high -= _inset(padded[middle + 1 : last + 3][::-1])
+    return low, high
+
+
+def _inset(walled: FloatArray) -> float:
+    """Where the wall ends, in pixels after the first; 0 where it never does."""
+    clear = np.flatnonzero(walled <= _AT_END)
+    if not len(clear):
+        return 0.0
+    before, after = walled[clear[0] - 1], walled[clear[0]]
+    return float(clear[0] - 1.5 + (before - _AT_END) / (before - after))
 
 
 def _opening(
