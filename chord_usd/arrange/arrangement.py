@@ -13,7 +13,6 @@ from chord_usd.graph.colours import read_pixels
 from chord_usd.graph.match import FLUSH_PX
 from chord_usd.metrics.clear_floor import ClearFloor, ClearFloors, clearances
 from chord_usd.metrics.free_places import free_places
-from chord_usd.metrics.overlap import overlaps_by_nature
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.places import FreePlaces
 from chord_usd.scene.types import Item, LayoutImage, Opening, Room, SceneGraph
@@ -95,12 +94,6 @@ class Arrangement:
         """Whether a piece may move, or go."""
         return self.movable is None or item.id in self.movable
 
-    def free_places(
-        self,
-        item: Item,
-        among: Iterable[Item],
-        may_share: Callable[[Item, Item], bool] = overlaps_by_nature,
-    ) -> FreePlaces:
+    def free_places(self, item: Item, among: Iterable[Item]) -> FreePlaces:
         """Where a piece may stand among others, in its room and before no opening."""
-        floor = self.floors.get(item.room_id)
-        return free_places(item, floor, among, self.shell.clear, may_share=may_share)
+        return free_places(item, self.floors.get(item.room_id), among, self.shell.clear)

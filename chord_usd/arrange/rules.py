@@ -20,7 +20,6 @@ from chord_usd.arrange.left_out import leave_out
 from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
-from chord_usd.arrange.usual_sizes import grow_to_usual
 from chord_usd.arrange.walls_kept import cut_at_walls
 from chord_usd.graph.fit import is_built_in
 from chord_usd.graph.flush import parted
@@ -140,7 +139,6 @@ RULES: tuple[Rule, ...] = (
     Rule("one depth of kitchen units", "read", _room_by_room(_levelled)),
     Rule("off the floor before openings", "read", _off_free_floor),
     Rule("below window sills", "read", _below_sills),
-    Rule("grown to usual sizes", "read", grow_to_usual),
     Rule("chairs face tables, in sets", "read", seat_chairs),
     Rule("what stands in the way left out", "drawn", leave_out),
     Rule("panels on their walls", "meshed", hang_on_walls),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import shapely
 
@@ -18,22 +18,16 @@ def free_places(
     floor: shapely.Polygon | None,
     items: Iterable[Item],
     clear: Iterable[ClearFloor],
-    *,
-    is_to_clear: bool = False,
-    may_share: Callable[[Item, Item], bool] = overlaps_by_nature,
 ) -> FreePlaces:
     """Places in an item's room where it is in no other item and before no opening.
 
-    floor: of its room, None where it is in none. items: all of the house; those that it may share
-    floor with are not in its way. is_to_clear: it has to leave openings that it stands before; else
-    it only comes no farther before them.
+    floor: of its room, None where it is in none. items: all of the house; those that overlap it by
+    nature are not in its way. It comes no farther before openings that it stands before.
     """
     others = [
         footprint_polygon(other.box)
         for other in items
-        if other.id != item.id and not may_share(item, other)
+        if other.id != item.id and not overlaps_by_nature(item, other)
     ]
     kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
-    if is_to_clear:
-        return FreePlaces(item.box, floor, others, kept_free, touch_m2=MIN_OVERLAP_M2)
     return FreePlaces(item.box, floor, [*others, *kept_free], touch_m2=MIN_OVERLAP_M2)

@@ -8,8 +8,9 @@ from typing import Protocol
 
 import cv2
 import numpy as np
+from shapely.geometry import box as rectangle
 
-from chord_usd.scene.geometry import footprint
+from chord_usd.scene.geometry import footprint, footprint_polygon
 from chord_usd.scene.types import Asset, BoolArray, Box, FloatArray
 
 LEVEL_M = 0.006
@@ -87,7 +88,12 @@ class Relief:
         """Share of a box's footprint that lies over the top, [0, 1]."""
         mask, window = self.under(box)
         cells = box.size_m[0] * box.size_m[1] / self.cell_m2
-        return min(float(self.free[window][mask].sum()) / max(cells, float(mask.sum()), 1.0), 1.0)
+        share = float(self.free[window][mask].sum()) / max(cells, float(mask.sum()), 1.0)
+        # Cells at a rim count whole, and would make up for a centimetre beyond the piece.
+        length, depth, _ = self.size_m
+        piece = rectangle(-length / 2, -depth / 2, length / 2, depth / 2)
+        shape = footprint_polygon(box)
+        return min(share, float(shape.intersection(piece).area / shape.area))
 
     def is_level(self, box: Box) -> bool:
         """Whether nothing that rises from the top, as a television's foot, is under a box."""

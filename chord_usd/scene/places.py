@@ -44,18 +44,16 @@ class FreePlaces:
         box: Box,
         floor: shapely.Polygon | None,
         others: Sequence[shapely.Geometry],
-        kept_free: Sequence[shapely.Geometry] = (),
         *,
         touch_m2: float,
     ) -> None:
         """box: the piece as it stands; what it stands on of others is no worse for its moving on.
 
-        floor: of its room; None where it may stand anywhere. kept_free: what it has to be off,
-        wherever it came from. touch_m2: shapes that share no more than this only touch.
+        floor: of its room; None where it may stand anywhere. touch_m2: shapes that share no more
+        than this only touch.
         """
         self._floor = floor.buffer(_IN_ROOM_M) if floor else None
-        elsewhere = shapely.union_all(others).difference(footprint_polygon(box))
-        self._taken = shapely.union_all([elsewhere, *kept_free])
+        self._taken = shapely.union_all(others).difference(footprint_polygon(box))
         self._touch_m2 = touch_m2
 
     def has(self, box: Box) -> bool:

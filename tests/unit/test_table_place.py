@@ -105,6 +105,10 @@ class TestRelief:
         assert mask.sum() * relief.cell_m2 == pytest.approx(0.06, rel=0.06)
         assert relief.free_share(box) == pytest.approx(1.0, abs=0.005)
 
+    def test_a_centimetre_beyond_the_edge_is_not_over_the_top(self) -> None:
+        box = Box((-0.43, 0.0, 0.0), (0.36, 0.28, 0.1), 0.0)
+        assert flat((1.2, 0.6, TOP_M)).free_share(box) == pytest.approx(0.35 / 0.36, abs=0.001)
+
     def test_a_piece_of_another_size_has_its_relief_scaled(self) -> None:
         relief = flat((1.0, 0.5, 0.7)).scaled((2.0, 1.0, 0.8))
         assert relief.level_m == pytest.approx(0.8)
