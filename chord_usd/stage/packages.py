@@ -40,8 +40,8 @@ class Packages:
             taken = set(self._names.values())
             name = free_package(interface.parent.name, files, self._finals, taken)
             self._names[interface] = name
-            if not any(os.path.lexists(final / name) for final in self._finals):
-                _copy(files, self._staged / name)
+            # Also what lies there already: the house is checked before it is delivered.
+            _copy(files, self._staged / name)
         return f"./{self._kind}/{self._names[interface]}/{interface.name}"
 
 

@@ -12,9 +12,11 @@ import pytest
 from pxr import Sdf, Usd, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.errors import AssetError, OutputError, SceneError
+from chord_usd.runtime.files import deliver
 from chord_usd.scene.looks import load_looks
 from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
+from chord_usd.stage.check import check_stage
 from chord_usd.stage.summary import summary
 
 
@@ -89,6 +91,28 @@ def test_houses_of_a_folder_share_their_packages(staged_graph: SceneGraph, tmp_p
     assert asset.stat().st_mtime_ns == written_ns
     assert {path.name for path in (tmp_path / "assets").iterdir()} == {"Block", "Placeholder"}
     assert (tmp_path / "two_architecture").is_dir()
+
+
+def test_a_second_house_of_a_folder_is_whole_before_it_is_delivered(
+    staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    """Its certificate is made then: generate said that no mesh was there."""
+    author_stage(staged_graph, tmp_path / "one.usda", looks=())
+    with deliver() as delivery:
+        path = delivery.place(tmp_path / "two.usda")
+        author_stage(staged_graph, path, looks=())
+        assert "CHORD008" not in {error.rule for error in check_stage(path, own=True).errors}
+
+
+def test_a_second_house_of_a_folder_is_whole_before_it_is_delivered(
+    staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    """Its certificate is made then: generate said that no mesh was there."""
+    author_stage(staged_graph, tmp_path / "one.usda", looks=())
+    with deliver() as delivery:
+        path = delivery.place(tmp_path / "two.usda")
+        author_stage(staged_graph, path, looks=())
+        assert "CHORD008" not in {error.rule for error in check_stage(path, own=True).errors}
 
 
 def test_two_packages_of_one_name_stay_apart(
