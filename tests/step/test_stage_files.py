@@ -104,17 +104,6 @@ def test_a_second_house_of_a_folder_is_whole_before_it_is_delivered(
         assert "CHORD008" not in {error.rule for error in check_stage(path, own=True).errors}
 
 
-def test_a_second_house_of_a_folder_is_whole_before_it_is_delivered(
-    staged_graph: SceneGraph, tmp_path: Path
-) -> None:
-    """Its certificate is made then: generate said that no mesh was there."""
-    author_stage(staged_graph, tmp_path / "one.usda", looks=())
-    with deliver() as delivery:
-        path = delivery.place(tmp_path / "two.usda")
-        author_stage(staged_graph, path, looks=())
-        assert "CHORD008" not in {error.rule for error in check_stage(path, own=True).errors}
-
-
 def test_two_packages_of_one_name_stay_apart(
     staged_graph: SceneGraph, block: Asset, tmp_path: Path
 ) -> None:
