@@ -159,6 +159,7 @@ def fill(dice: random.Random, length: float) -> list[Module]:
     if length <= WIDEST_SINGLE_M + 1e-6:
         return [Module(SINGLE, length)]
     widths = [width for width in WIDTHS_M if _is_fillable(length - width)]
-    first = dice.choice(widths) if widths else length
+    # No cabinet is between the widest with one door and the narrowest with two.
+    first = dice.choice(widths) if widths else WIDEST_SINGLE_M
     module = Module(SINGLE if first <= WIDEST_SINGLE_M + 1e-6 else DOUBLE, first)
     return [module, *fill(dice, length - first)]
