@@ -18,7 +18,16 @@ from chord_usd.plan.regions import Regions
 from chord_usd.plan.text import Text
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_names import room_kind
-from chord_usd.scene.types import OPEN, FloatArray, PixelFrame, Plan, RoomKind
+from chord_usd.scene.types import (
+    OPEN,
+    SURROUNDS,
+    FloatArray,
+    Opening,
+    PixelFrame,
+    Plan,
+    Room,
+    RoomKind,
+)
 from chord_usd.scene.units import m_from_px, px_from_m
 
 _HOUSE_M2 = (4.0, 3000.0)
@@ -67,6 +76,21 @@ def refuse_nonsense(polygons_px: Sequence[FloatArray], regions: Regions, frame: 
             expected="walls that close round every room, but for doors and windows",
             try_="a clearer drawing, cut to one floor, with the walls filled in black",
         )
+
+
+def is_all_guessed(plan: Plan) -> bool:
+    """Whether no room closes, and nothing on the page is sure: noise, fur, or something else."""
+    return all(_is_shaky(room) and OPEN in room.extra for room in plan.rooms) and all(
+        _is_vague(opening) for opening in plan.openings
+    )
+
+
+def _is_shaky(room: Room) -> bool:
+    return bool(room.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM)
+
+
+def _is_vague(opening: Opening) -> bool:
+    return bool(opening.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN)
 
 
 def _surrounded_px(polygons_px: Sequence[FloatArray], regions: Regions) -> float:
@@ -130,7 +154,12 @@ def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
     ajar = [room.id for room in plan.rooms if OPEN in room.extra]
     if ajar:
         told.append(f"{_listed(ajar, 'rooms')}: open to the outside; a wall may be missing")
-    shaky = [r.id for r in plan.rooms if r.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM]
+    told += [
+        f"{room.id}: walls within it take up {room.extra[SURROUNDS]:g} m², which are no room"
+        for room in plan.rooms
+        if SURROUNDS in room.extra
+    ]
+    shaky = [room.id for room in plan.rooms if _is_shaky(room)]
     if shaky:
         told.append(f"the outlines of {_listed(shaky, 'rooms')} are uncertain")
     return told
@@ -145,7 +174,7 @@ def _listed(ids: Sequence[str], what: str) -> str:
 
 def _doubts_of_openings(plan: Plan) -> list[str]:
     told = []
-    vague = [o.id for o in plan.openings if o.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN]
+    vague = [opening.id for opening in plan.openings if _is_vague(opening)]
     if vague:
         is_one = len(vague) == 1
         told.append(

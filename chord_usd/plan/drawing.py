@@ -17,7 +17,7 @@ from typing import Protocol
 from chord_usd.errors import PlanError
 from chord_usd.metrics.fidelity import room_iou
 from chord_usd.plan.classical.reading import read_strokes
-from chord_usd.plan.doubts import doubts, named_rooms, refuse_nonsense
+from chord_usd.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
 from chord_usd.plan.labels import label_rooms
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import parts_of
@@ -32,6 +32,7 @@ from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.scene.types import (
     OPEN,
+    SURROUNDS,
     WALL_THICKNESS_M,
     BoolArray,
     ByteArray,
@@ -49,6 +50,9 @@ _SAME_ROOMS = 0.85
 
 _OPEN_M = 1.2
 """Wider than a door."""
+
+_SURROUNDED_M2 = 1.0
+"""Larger than a chimney."""
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
@@ -202,6 +206,8 @@ def _finished(whole: Reading | None, page: _Page) -> _Found:
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
     plan = _plan(reading, page, frame)
+    if is_all_guessed(plan):
+        raise _no_room()
     sheet = page.sheet
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     rooms = named_rooms(plan, page.texts, frame)
@@ -275,4 +281,9 @@ def _plan(reading: Reading, page: _Page, frame: PixelFrame) -> Plan:
 
 def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:
     open_m = round(outline.open_px * frame.m_per_px, 2)
-    return {CONFIDENCE: outline.confidence, **({OPEN: open_m} if open_m > _OPEN_M else {})}
+    inside_m2 = round(outline.surrounded_px2 * frame.m_per_px**2, 1)
+    return {
+        CONFIDENCE: outline.confidence,
+        **({OPEN: open_m} if open_m > _OPEN_M else {}),
+        **({SURROUNDS: inside_m2} if inside_m2 >= _SURROUNDED_M2 else {}),
+    }

@@ -69,6 +69,8 @@ class Outline:
     """How sure it is that this is a room, [0, 1]: by its floor and its rim."""
     open_px: float = 0.0
     """How much of its rim lies at the outside with nothing between."""
+    surrounded_px2: float = 0.0
+    """What walls within it take up: a shaft, or the well of a staircase."""
 
 
 def find_regions(segments: Segments) -> Regions:
@@ -160,7 +162,14 @@ def _outline(mask: BoolArray, segments: Segments, noise_px: float) -> Outline:
     sure = float(min(floor.mean(), segments.barrier[rim].mean()))
     beside = (cv2.dilate(mask.astype(np.uint8), _BLOCK) > 0) & ~mask
     open_px = float((segments.most_likely[beside] == OUTSIDE).sum())
-    return Outline(_polygon(mask, noise_px), round(sure, 2), open_px)
+    return Outline(_polygon(mask, noise_px), round(sure, 2), open_px, surrounded_px2(mask))
+
+
+def surrounded_px2(mask: BoolArray) -> float:
+    """Area of the holes of a region."""
+    whole = mask.astype(np.uint8)
+    outer, _ = cv2.findContours(whole, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    return float(cv2.drawContours(whole, outer, -1, (1,), cv2.FILLED).sum() - mask.sum())
 
 
 def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:

@@ -11,7 +11,15 @@ from shapely.ops import unary_union
 from chord_usd.errors import PlanError
 from chord_usd.raster import plan_labels
 from chord_usd.scene.geometry import polygons_of, room_polygon
-from chord_usd.scene.types import OPEN, WALL_THICKNESS_M, ByteArray, PixelFrame, Plan, frozen_array
+from chord_usd.scene.types import (
+    OPEN,
+    SURROUNDS,
+    WALL_THICKNESS_M,
+    ByteArray,
+    PixelFrame,
+    Plan,
+    frozen_array,
+)
 
 LEAST_AREA_M2 = 14.0
 
@@ -36,6 +44,13 @@ def shell_of(plan: Plan, where: str) -> Plan:
             where=where,
             expected="an open plan: outer walls that close, but for doors and windows",
             try_="drawing what closes them",
+        )
+    if SURROUNDS in room.extra:
+        raise PlanError(
+            f"has walls inside, round {room.extra[SURROUNDS]:g} m²",
+            where=where,
+            expected="an open plan: outer walls that close, nothing inside",
+            try_="chord-usd generate PLAN, for a plan that has its rooms",
         )
     area_m2 = room_polygon(room).area
     extent_m, most_m = plan_labels.extent_m(plan), plan_labels.LARGEST_M

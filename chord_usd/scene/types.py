@@ -57,6 +57,9 @@ OPEN = "openM"
 """Key of Room.extra: metres of its outline with nothing between it and the outside, where that is
 more than a door."""
 
+SURROUNDS = "surroundsM2"
+"""Key of a room's extra: square metres that walls within it take up, which are no room."""
+
 
 @dataclass(frozen=True)
 class PixelFrame:

@@ -67,7 +67,8 @@ def _put_runs(floor: Floor, has_refrigerator: bool) -> None:
 
 
 def _best_runs(floor: Floor, depth: float, height: float, aisle: float) -> list[Run]:
-    wanted = min(5.6, 1.8 + 0.36 * floor.area_m2) + floor.dice.uniform(-0.3, 0.6)
+    least, per_m2, most = floor.mix.worktop_m
+    wanted = min(most, least + per_m2 * floor.area_m2) + floor.dice.uniform(-0.3, 0.6)
     best: tuple[float, int, list[Run]] | None = None
     spots = [
         Spot(wall, s_from, s_to)
@@ -161,7 +162,8 @@ def _fill(
     owns = _shared_out(floor, runs, has_refrigerator, has_oven)
     for run, own in zip(runs, owns, strict=True):
         modules = pack(dice, run.length, own, _window_at(floor, run), run.blind_start,
-                       run.blind_end, BLIND_M, _tall_at_end(dice, run))  # fmt: skip
+                       run.blind_end, BLIND_M, _tall_at_end(dice, run),
+                       floor.mix.cabinets_m)  # fmt: skip
         _put_modules(floor, run, modules, depth, height)
 
 

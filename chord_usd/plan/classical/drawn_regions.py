@@ -10,7 +10,7 @@ import numpy as np
 from chord_usd.plan.classical.gaps import Gap, close_gaps
 from chord_usd.plan.classical.strokes import Strokes
 from chord_usd.plan.ink import border_values
-from chord_usd.plan.regions import Labels, Outline, large_regions
+from chord_usd.plan.regions import Labels, Outline, large_regions, surrounded_px2
 from chord_usd.raster.vectorize import polygon_from_mask
 from chord_usd.scene.types import FloatArray
 
@@ -109,6 +109,7 @@ def room_outlines(enclosed: Enclosed, strokes: Strokes, m_per_px: float) -> list
         Outline(
             polygon_from_mask(labels == label, noise_px),
             round(min(1.0, float(enclosed.walled[label])), 2),
+            surrounded_px2=surrounded_px2(np.asarray(labels == label)),
         )
         for label in large_regions(labels, m_per_px)
     ]
