@@ -126,8 +126,10 @@ def openings_of(
     openings = []
     for one in found:
         counts[one.kind] += 1
-        size_px = one.length_px, one.depth_px
-        box = _box(one.kind, one.center_px, one.along, size_px, frame)
+        low, high = one.insets_px
+        size_px = one.length_px - low - high, one.depth_px
+        center_px = one.center_px + (low - high) / 2 * one.along
+        box = _box(one.kind, center_px, one.along, size_px, frame)
         joined = _joined(one.rooms, box.yaw_deg, room_ids)
         extra = {CONFIDENCE: one.confidence}
         openings.append(Opening(f"{one.kind}{counts[one.kind]}", one.kind, box, joined, extra))

@@ -36,7 +36,8 @@ _MIDDLE = np.array([0.4, 0.5, 0.6])
 
 _IS_WALL = 0.5
 _AT_END = 0.3
-"""Share of wall where an opening ends: the network blurs jambs outwards, by a pixel at a half."""
+"""Share of wall where an opening ends: the network blurs jambs outwards, by a pixel at a half. What
+openings there are, and what doors say of the scale, is told by the half."""
 
 _LEAST_LENGTH = 1.6
 """What is shorter than so many usual walls are thick is no opening."""
@@ -66,6 +67,8 @@ class WallOpening:
     """The rooms it joins, one or two: index, and unit normal out of the room into the wall."""
     confidence: float
     """Chance of its kind, averaged over it."""
+    insets_px: tuple[float, float] = (0.0, 0.0)
+    """How far inside its ends, along, the jambs are: what is seen is a little longer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,8 +198,8 @@ def _in_wall(wall: _Wall, segments: Segments, least_px: float) -> Iterator[WallO
             if stop - start < least_px or (wall.other is None and sign < _LEAST_SIGN):
                 continue
             kind = _KINDS[label] if sign >= _LEAST_SIGN else "passage"
-            low, high = _ends(profile[WALL], first, last, start, stop)
-            yield _opening(wall, kind, wall.low + low, high - low, sign)
+            found = _opening(wall, kind, along[first] + start - 0.5, stop - start, sign)
+            yield replace(found, insets_px=_insets(profile[WALL], first, last, start, stop))
 
 
 def _runs(is_open: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -217,18 +220,17 @@ def _by_kind(profile: np.ndarray, least_px: float) -> Iterator[tuple[int, int, i
     yield 0, len(own), int(labels[profile[labels].sum(axis=1).argmax()])
 
 
-def _ends(walled: FloatArray, first: int, last: int, start: int, stop: int) -> tuple[float, float]:
-    """Where a stretch of a hole begins and ends, in pixels from the wall's low end.
+def _insets(
+    walled: FloatArray, first: int, last: int, start: int, stop: int
+) -> tuple[float, float]:
+    """How far inside the ends of a stretch of a hole the jambs are.
 
     walled: share of wall. first, last: of the hole. start, stop: of the stretch, from first.
     """
-    low, high = float(first + start), float(first + stop)
     middle = (first + start + first + stop - 1) // 2
     padded = np.pad(walled, 1, constant_values=1.0)  # walls stand at both ends
-    if start == 0:
-        low += _inset(padded[first : middle + 2])
-    if first + stop > last:
-        high -= _inset(padded[middle + 1 : last + 3][::-1])
+    low = _inset(padded[first : middle + 2]) if start == 0 else 0.0
+    high = _inset(padded[middle + 1 : last + 3][::-1]) if first + stop > last else 0.0
     return low, high
 
 
@@ -283,9 +285,13 @@ def _is_same(one: WallOpening, other: WallOpening, thickness_px: float) -> bool:
 def _together(one: WallOpening, other: WallOpening) -> WallOpening:
     """From the far end of one to that of the other, in the wall of the longer."""
     shift = float((other.center_px - one.center_px) @ one.along)
-    ends = [-one.length_px / 2, one.length_px / 2]
-    ends += [shift - other.length_px / 2, shift + other.length_px / 2]
-    low, high = min(ends), max(ends)
+    insets = other.insets_px if float(one.along @ other.along) > 0 else other.insets_px[::-1]
+    pieces = (0.0, one.length_px, one.insets_px), (shift, other.length_px, insets)
+    low, first = min((middle - length / 2, own[0]) for middle, length, own in pieces)
+    high, last = max((middle + length / 2, own[1]) for middle, length, own in pieces)
     return replace(
-        one, center_px=one.center_px + (low + high) / 2 * one.along, length_px=high - low
+        one,
+        center_px=one.center_px + (low + high) / 2 * one.along,
+        length_px=high - low,
+        insets_px=(first, last),
     )
