@@ -338,6 +338,9 @@ def _element(item: Item, frame: Frame, quarter_turns: int, mirrored: bool) -> El
     yaw = round((yaw_deg + 90.0 * quarter_turns) / YAW_STEP_DEG) % YAWS
     own = corners @ rotation_2d(_slant_deg(yaw))
     low, high = place(own.min(axis=0)), place(own.max(axis=0))
+    flat = low == high  # a panel as thin as the grid
+    is_above = ((own.mean(axis=0) > place_m(low)) & (low < PLACES - 1)) | (low == 0)
+    low, high = low - (flat & ~is_above), high + (flat & is_above)
     return Element(_INDEX[item.category], (yaw, int(low[0]), int(low[1]), int(high[0]),
                                            int(high[1])))  # fmt: skip
 

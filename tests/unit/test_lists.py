@@ -46,16 +46,17 @@ def test_lists_can_tell_every_category_of_the_palette() -> None:
     assert sorted(PIECES.categories) == sorted(row.name for row in HOUSE_CATEGORIES)
 
 
-@settings(max_examples=15, deadline=None)
-@given(SEEDS)
-def test_what_is_told_and_read_back_is_the_same_home(seed: int) -> None:
-    before = house(seed)
-    after = told_and_read(before)
-    assert homely_rooms(after) == homely_rooms(_renamed(before))
-    assert len(after.items) == len(before.items)
-    scores = score_scene(after)
-    assert scores.overlap.piou < 1e-4
-    assert len(scores.out_of_room) <= 0.05 * len(after.items) + 1
+def test_what_is_told_and_read_back_is_the_same_home() -> None:
+    """But for the grid: a cabinet that fills what is left of a run is no multiple of 5 cm."""
+    before = [house(seed) for seed in range(60)]
+    after = [told_and_read(graph) for graph in before]
+    for one, other in zip(before, after, strict=True):
+        assert homely_rooms(other) == homely_rooms(_renamed(one))
+        assert len(other.items) == len(one.items)
+    scores = [score_scene(graph) for graph in after]
+    assert np.mean([score.overlap.piou for score in scores]) < 2e-5
+    outside = sum(len(score.out_of_room) for score in scores)
+    assert outside <= 0.05 * sum(score.items for score in scores)
 
 
 def _renamed(graph: SceneGraph) -> SceneGraph:
