@@ -73,7 +73,8 @@ def packed(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
     return np.asarray((red << 16) | (green << 8) | blue, dtype=np.uint32)
 
 
-def _unpacked(colours: npt.NDArray[np.uint32]) -> ByteArray:
+def unpacked(colours: npt.NDArray[np.uint32]) -> ByteArray:
+    """(..., 3) the colours of these numbers."""
     return np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=-1).astype(np.uint8)
 
 
@@ -98,7 +99,7 @@ def calibrated(rgb: ByteArray) -> ByteArray | None:
     colours, back, counts = np.unique(packed(rgb), return_inverse=True, return_counts=True)
     if len(colours) > _MOST_COLOURS:
         return None
-    seen = _unpacked(colours)
+    seen = unpacked(colours)
     shown = max(
         (_stretched(seen, white, black) for white in _unclipped(background, 255)
          for black in _unclipped(wall, 0)),
@@ -126,7 +127,7 @@ def _stretched(rgb: ByteArray, background: Floats, wall: Floats) -> ByteArray:
 def _commonest(colours: ByteArray) -> npt.NDArray[np.float64]:
     """(3,) of (N, 3)."""
     values, counts = np.unique(packed(colours), return_counts=True)
-    return _unpacked(values[counts.argmax()]).astype(np.float64)
+    return unpacked(values[counts.argmax()]).astype(np.float64)
 
 
 def _share_near(rgb: ByteArray, reach: int) -> float:

@@ -17,7 +17,14 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from chord_usd.errors import SceneError
-from chord_usd.graph.calibration import ITEM_RGB, STRUCTURE_RGB, calibrated, is_exact, packed
+from chord_usd.graph.calibration import (
+    ITEM_RGB,
+    STRUCTURE_RGB,
+    calibrated,
+    is_exact,
+    packed,
+    unpacked,
+)
 from chord_usd.scene.palette import (
     HOUSE_CATEGORIES,
     ROOM_SHADES,
@@ -220,7 +227,7 @@ def _nearest_colours(
 ) -> tuple[npt.NDArray[np.int64], LabelArray]:
     """Best (row of the item table, shade) for each of (N, 3) colours."""
     colours, back = np.unique(packed(rgb), return_inverse=True)
-    distinct = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=-1)
+    distinct = unpacked(colours)
     cost = np.empty((len(shades), len(rgb)), dtype=np.float32)
     code = np.empty((len(shades), len(rgb)), dtype=np.int64)
     for position, shade in enumerate(shades):

@@ -31,12 +31,7 @@ def shell_of(plan: Plan, where: str) -> Plan:
     can be planned at once.
     """
     if len(plan.rooms) != 1:
-        raise PlanError(
-            f"has {len(plan.rooms)} closed rooms",
-            where=where,
-            expected="an open plan: outer walls that close, nothing inside",
-            try_="chord-usd generate PLAN, for a plan that has its rooms",
-        )
+        raise _not_open(f"has {len(plan.rooms)} closed rooms", where)
     room = plan.rooms[0]
     if OPEN in room.extra:
         raise PlanError(
@@ -46,12 +41,7 @@ def shell_of(plan: Plan, where: str) -> Plan:
             try_="drawing what closes them",
         )
     if SURROUNDS in room.extra:
-        raise PlanError(
-            f"has walls inside, round {room.extra[SURROUNDS]:g} m²",
-            where=where,
-            expected="an open plan: outer walls that close, nothing inside",
-            try_="chord-usd generate PLAN, for a plan that has its rooms",
-        )
+        raise _not_open(f"has walls inside, round {room.extra[SURROUNDS]:g} m²", where)
     area_m2 = room_polygon(room).area
     extent_m, most_m = plan_labels.extent_m(plan), plan_labels.LARGEST_M
     if area_m2 < LEAST_AREA_M2 or extent_m > most_m:
@@ -66,6 +56,15 @@ def shell_of(plan: Plan, where: str) -> Plan:
         for opening in plan.openings
     )
     return Plan((replace(room, kind="unknown"),), openings, plan.extra)
+
+
+def _not_open(what: str, where: str) -> PlanError:
+    return PlanError(
+        what,
+        where=where,
+        expected="an open plan: outer walls that close, nothing inside",
+        try_="chord-usd generate PLAN, for a plan that has its rooms",
+    )
 
 
 def shell_labels(shell: Plan) -> tuple[ByteArray, PixelFrame]:
