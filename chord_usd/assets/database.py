@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
 
-_GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture")
+_GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture", "dressing")
 _REBUILD = "chord-usd assets build -o FOLDER"
 
 SizeM = tuple[float, float, float]
@@ -187,6 +187,7 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
         usd_path=usd_path,
         licence=str(entry.get("licence", "")),
         author=str(entry.get("author", "")),
+        styles=tuple(str(name) for name in entry.get("styles", ())),
     )
 
 
@@ -207,7 +208,8 @@ def build_assets(
         if progress is not None:
             progress(done, len(catalogue))
         path = write_component(design, folder)
-        assets.append(Asset(design.id, design.category, design.size_m, path, LICENCE, AUTHOR))
+        asset = Asset(design.id, design.category, design.size_m, path, LICENCE, AUTHOR)
+        assets.append(replace(asset, styles=design.styles))
     write_index(assets, folder)
     if progress is not None:
         progress(len(catalogue), len(catalogue))
@@ -224,6 +226,7 @@ def write_index(assets: Iterable[Asset], folder: Path) -> None:
             "path": asset.usd_path.relative_to(folder).as_posix(),
             "licence": asset.licence,
             "author": asset.author,
+            **({"styles": list(asset.styles)} if asset.styles else {}),
         }
         for asset in assets
     ]
@@ -248,6 +251,7 @@ def embedded_assets() -> tuple[Asset, ...]:
             usd_path=folder / design.id / f"{design.id}.usda",
             licence=LICENCE,
             author=AUTHOR,
+            styles=design.styles,
         )
         for design in designs()
     )

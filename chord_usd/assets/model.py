@@ -60,6 +60,16 @@ class Part:
         return {f"{self.name}_{n}": one.bounds_m() for n, one in enumerate(self.felt, start=1)}
 
 
+@dataclass(frozen=True)
+class Light:
+    """What shines in a lamp."""
+
+    at_m: tuple[float, float, float]
+    """Middle of the bulb in the model's own frame."""
+    radius_m: float = 0.04
+    lumens: float = 600.0
+
+
 Draw = Callable[[tuple[float, float, float]], tuple[Part, ...]]
 """Makes the parts for a size; own frame: underside centred on the origin, front to -y."""
 
@@ -78,6 +88,10 @@ class Design:
     """Colourway name to (slot to finish name); the first one is the default."""
     finishes: Mapping[str, Finish] = field(default_factory=lambda: FINISHES)
     """Finish by name."""
+    styles: tuple[str, ...] = ()
+    """Names of the styles (scene.styles) whose form it has; empty where it suits them all."""
+    light: Light | None = None
+    """Where it shines from, if it is a lamp."""
 
     def parts(self) -> tuple[Part, ...]:
         """The parts, brought to exactly the nominal size.

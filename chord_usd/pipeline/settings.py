@@ -31,6 +31,12 @@ class Settings:
     """Folders of further meshes, tried beside the shipped ones."""
     tabletop: bool = True
     """Whether tables, desks and worktops are laid."""
+    dressing: bool = True
+    """Whether walls, windows, ceilings, floors, shelves and beds are dressed."""
+    style: str = "mixed"
+    """Name of a style (scene.styles); `mixed` takes one of them by seed."""
+    sky: str = ""
+    """Name of a sky or an HDRI's file; "" for the sky of the time of day."""
     lists: bool = True
     """Whether a list of pieces is drawn of each room before they are painted; without, the
     diffusion model alone decides what a room holds, as in the paper."""

@@ -287,7 +287,11 @@ def room_pixels(room: Room, frame: PixelFrame) -> BoolArray:
 # Items -------------------------------------------------------------------------------------------
 
 _MOUNTS = (Mount.UNDERFOOT, Mount.FLOOR, Mount.WALL)
-_MOUNT_ORDER = {row.name: _MOUNTS.index(row.mount) for row in palette.CATEGORIES.values()}
+_MOUNT_ORDER = {
+    row.name: _MOUNTS.index(row.mount)
+    for row in palette.CATEGORIES.values()
+    if row.mount in _MOUNTS
+}
 
 
 def draw_items(

@@ -10,7 +10,7 @@ from chord_usd.scene.types import Box, Edit, Facts, FrontFrom
 
 FACT_KEYS = (
     "source_px", "front_from", "detected", "below_sill_m", "asset_distance_m", "ood", "edits",
-    "moved_m",
+    "moved_m", "rests_on",
 )  # fmt: skip
 """moved_m is of older files; it follows from the edits."""
 
@@ -32,6 +32,7 @@ def read_facts(element: Element, read_box: ReadBox) -> Facts:
         asset_distance_m=_number(element, "asset_distance_m"),
         ood=_number(element, "ood"),
         edits=_edits(element, read_box),
+        rests_on=element.text("rests_on") if element.has("rests_on") else None,
     )
 
 
@@ -72,5 +73,6 @@ def facts_to_json(facts: Facts, write_box: Callable[[Box], Any]) -> dict[str, An
         "asset_distance_m": facts.asset_distance_m,
         "ood": facts.ood,
         "edits": [{"rule": e.rule, **write_box(e.before)} for e in facts.edits] or None,
+        "rests_on": facts.rests_on,
     }
     return {key: value for key, value in values.items() if value is not None}

@@ -39,6 +39,8 @@ class Level(Enum):
     PLAN = "plan"
     HOUSE = "house"
     TABLE = "table"
+    DRESSING = "dressing"
+    """Painted in none: chosen when furniture and tables are in place."""
 
 
 class Mount(Enum):
@@ -48,6 +50,13 @@ class Mount(Enum):
     WALL = "wall"
     UNDERFOOT = "underfoot"
     """Lies flat under other items, which may stand on it."""
+    CEILING = "ceiling"
+    WINDOW = "window"
+    """Hangs in or before a window."""
+    PIECE = "piece"
+    """Lies on a piece of furniture: a cushion, a throw."""
+    BOARD = "board"
+    """Stands on a shelf, a sill, a worktop."""
 
 
 SCRAP_SHARE = 0.6
@@ -168,6 +177,108 @@ _TABLE_ROWS: tuple[tuple[str, str, str, _Span, _Span, _Span, dict], ...] = (
     ("drinks", "Drinks", "7F7F00", (0.06, 0.3), (0.06, 0.3), (0.12, 0.35), {}),
 )  # fmt: skip
 
+_LIVED: tuple[RoomKind, ...] = ("living", "bedroom", "study", "dining")
+_SERVED: tuple[RoomKind, ...] = ("kitchen", "bathroom")
+_CEILING = {"mount": Mount.CEILING}
+_WINDOW = {"mount": Mount.WINDOW}
+_PIECE = {"mount": Mount.PIECE}
+_BOARD = {"mount": Mount.BOARD}
+_UNDERFOOT = {"mount": Mount.UNDERFOOT}
+
+
+def _hung(height_m: float) -> dict:
+    """On a wall, its underside at this height."""
+    return {"mount": Mount.WALL, "mount_height_m": height_m}
+
+
+# name, label, colour, length, width (depth), height, rooms, further fields
+_DRESSING_ROWS: tuple[tuple[str, str, str, _Span, _Span, _Span, tuple[RoomKind, ...], dict], ...] = (
+    ("curtain", "Curtain", "B5651D", (0.2, 3.0), (0.06, 0.16), (0.6, 2.6), _LIVED, _WINDOW),
+    ("curtain_rail", "Curtain Rail", "7A4A1E", (0.6, 5.0), (0.06, 0.14), (0.02, 0.08), _LIVED,
+     _WINDOW),
+    ("blind", "Blind", "C49A6C", (0.4, 3.0), (0.03, 0.1), (0.1, 2.4), _SERVED, _WINDOW),
+    ("rug", "Rug", "8E3B46", (0.6, 4.0), (0.4, 3.0), (0.003, 0.005), _LIVED, _UNDERFOOT),
+    ("mat", "Mat", "A9746E", (0.4, 1.0), (0.3, 0.7), (0.003, 0.005), ("bathroom", "corridor"),
+     _UNDERFOOT),
+    ("ceiling_lamp", "Ceiling Lamp", "FFE08A", (0.2, 1.2), (0.08, 0.8), (0.04, 0.25), ROOM_KINDS,
+     _CEILING),
+    ("pendant_lamp", "Pendant Lamp", "FFD24D", (0.15, 1.3), (0.15, 0.9), (0.4, 1.4), _EAT,
+     _CEILING),
+    ("floor_lamp", "Floor Lamp", "E8B923", (0.25, 0.6), (0.25, 0.6), (1.2, 1.9), _LIVED, {}),
+    ("wall_lamp", "Wall Lamp", "F2C14E", (0.08, 0.6), (0.06, 0.3), (0.08, 0.45),
+     ("bedroom", "bathroom", "corridor"), _hung(1.5)),
+    ("picture", "Picture", "3E7CB1", (0.2, 1.6), (0.015, 0.05), (0.2, 1.3), _LIVED, _hung(1.2)),
+    ("mirror", "Mirror", "A7C6DA", (0.3, 1.6), (0.015, 0.14), (0.4, 1.9),
+     ("bathroom", "corridor", "bedroom"), _hung(1.1)),
+    ("clock", "Clock", "5B6C8F", (0.2, 0.5), (0.02, 0.08), (0.2, 0.5), ("kitchen", "living"),
+     _hung(1.8)),
+    ("wall_shelf", "Wall Shelf", "9C6644", (0.4, 1.4), (0.12, 0.3), (0.02, 0.9), _LIVED,
+     _hung(1.4)),
+    ("hook_rail", "Hook Rail", "6B4F3A", (0.3, 1.0), (0.04, 0.3), (0.08, 0.9), ("corridor",),
+     _hung(1.0)),
+    ("radiator", "Radiator", "D9D9D9", (0.4, 1.8), (0.05, 0.14), (0.3, 0.9), _LIVED, _hung(0.12)),
+    ("light_switch", "Light Switch", "BFC3C7", (0.07, 0.16), (0.008, 0.015), (0.07, 0.16),
+     ROOM_KINDS, _hung(1.05)),
+    ("socket", "Socket", "C9CDD1", (0.07, 0.24), (0.008, 0.015), (0.07, 0.1), ROOM_KINDS,
+     _hung(0.3)),
+    ("wall_cabinet", "Wall Cabinet", "7077A1", (0.3, 1.2), (0.28, 0.4), (0.35, 0.9), _COOK,
+     _hung(1.4)),
+    ("cooker_hood", "Cooker Hood", "4B5D67", (0.5, 0.9), (0.28, 0.52), (0.1, 1.1), _COOK,
+     _hung(1.55)),
+    ("splashback", "Splashback", "B8C0C8", (0.3, 4.0), (0.004, 0.012), (0.4, 0.7), _COOK,
+     _hung(0.9)),
+    ("utensil_rail", "Utensil Rail", "6D7278", (0.3, 0.9), (0.04, 0.12), (0.2, 0.45), _COOK,
+     _hung(1.1)),
+    ("towel_rail", "Towel Rail", "B0B7BF", (0.4, 0.8), (0.06, 0.16), (0.05, 1.6), _BATH,
+     _hung(0.9)),
+    ("paper_holder", "Paper Holder", "8D99A6", (0.12, 0.25), (0.08, 0.16), (0.08, 0.2), _BATH,
+     _hung(0.65)),
+    ("shower_screen", "Shower Screen", "CFE8EF", (0.6, 1.1), (0.006, 0.03), (1.3, 1.5), _BATH,
+     _PIECE),
+    ("floor_plant", "Floor Plant", "3A7D44", (0.25, 0.9), (0.25, 0.9), (0.5, 1.9),
+     ("living", "dining", "study", "bedroom", "balcony"), {}),
+    ("basket", "Basket", "B08D57", (0.25, 0.55), (0.25, 0.5), (0.2, 0.6),
+     ("living", "bathroom", "bedroom"), {}),
+    ("bin", "Bin", "6E6E6E", (0.18, 0.4), (0.18, 0.4), (0.22, 0.7),
+     ("bathroom", "kitchen", "study"), {}),
+    ("umbrella_stand", "Umbrella Stand", "4F4A45", (0.18, 0.35), (0.18, 0.35), (0.45, 0.9),
+     ("corridor",), {}),
+    ("cushion", "Cushion", "D17B88", (0.3, 0.65), (0.1, 0.35), (0.25, 0.55), _LOUNGE, _PIECE),
+    ("throw", "Throw", "C08497", (0.4, 2.2), (0.4, 2.2), (0.02, 0.95), ("living", "bedroom"),
+     _PIECE),
+    ("toilet_brush", "Toilet Brush", "9AA0A6", (0.08, 0.14), (0.08, 0.14), (0.3, 0.5), _BATH, {}),
+    ("book_row", "Book Row", "8C5E58", (0.1, 0.6), (0.12, 0.26), (0.16, 0.34), _LIVED, _BOARD),
+    ("vase", "Vase", "7FA99B", (0.08, 0.3), (0.08, 0.3), (0.12, 0.7), _LIVED, _BOARD),
+    ("sculpture", "Sculpture", "A39BA8", (0.06, 0.3), (0.05, 0.2), (0.08, 0.4), _LIVED, _BOARD),
+    ("candle", "Candle", "EFE2BA", (0.05, 0.2), (0.05, 0.2), (0.05, 0.3), _LIVED, _BOARD),
+    ("storage_box", "Storage Box", "C2A878", (0.15, 0.4), (0.15, 0.35), (0.1, 0.3), _LIVED,
+     _BOARD),
+    ("trailing_plant", "Trailing Plant", "5FAD56", (0.12, 0.4), (0.12, 0.4), (0.12, 0.6), _LIVED,
+     _BOARD),
+    ("kettle", "Kettle", "59636E", (0.15, 0.26), (0.13, 0.22), (0.18, 0.28), _COOK, _BOARD),
+    ("toaster", "Toaster", "7D8590", (0.22, 0.36), (0.14, 0.22), (0.16, 0.24), _COOK, _BOARD),
+    ("coffee_machine", "Coffee Machine", "3C4146", (0.18, 0.34), (0.24, 0.42), (0.26, 0.42),
+     _COOK, _BOARD),
+    ("pot", "Pot", "6A7F8C", (0.16, 0.5), (0.16, 0.34), (0.08, 0.26), _COOK, _BOARD),
+    ("cutting_board", "Cutting Board", "C68B59", (0.2, 0.5), (0.015, 0.12), (0.25, 0.5), _COOK,
+     _BOARD),
+    ("knife_block", "Knife Block", "5C4033", (0.08, 0.2), (0.1, 0.22), (0.2, 0.36), _COOK,
+     _BOARD),
+    ("utensil_jar", "Utensil Jar", "A9B4C2", (0.08, 0.16), (0.08, 0.16), (0.24, 0.4), _COOK,
+     _BOARD),
+    ("jar", "Jar", "D8C3A5", (0.07, 0.5), (0.07, 0.18), (0.1, 0.3), _COOK, _BOARD),
+    ("bottle", "Bottle", "4E6E58", (0.05, 0.3), (0.05, 0.14), (0.14, 0.36), _SERVED, _BOARD),
+    ("bowl", "Bowl", "D9BF77", (0.14, 0.4), (0.14, 0.4), (0.05, 0.16), ("kitchen", "living"),
+     _BOARD),
+    ("plate_stack", "Plate Stack", "E4E4E4", (0.16, 0.3), (0.16, 0.3), (0.03, 0.16), _COOK,
+     _BOARD),
+    ("soap_dispenser", "Soap Dispenser", "9FB7B9", (0.05, 0.12), (0.05, 0.12), (0.12, 0.22),
+     _SERVED, _BOARD),
+    ("toothbrush_cup", "Toothbrush Cup", "7EBDC2", (0.06, 0.12), (0.06, 0.12), (0.12, 0.24),
+     _BATH, _BOARD),
+    ("towel_stack", "Towel Stack", "CFC6B8", (0.2, 0.5), (0.15, 0.4), (0.06, 0.4), _BATH, _BOARD),
+)  # fmt: skip
+
 _PLAN_ROWS: tuple[tuple[str, str, str], ...] = (
     ("wall", "Wall", "000000"),
     ("door", "Door", "139C5A"),
@@ -187,6 +298,14 @@ def _table_categories() -> Iterable[Category]:
         yield Category(name, label, Level.TABLE, _rgb(code), index, length, width, height, **more)
 
 
+def _dressing_categories() -> Iterable[Category]:
+    for index, (name, label, code, length, width, height, rooms, more) in enumerate(_DRESSING_ROWS):
+        rgb = _rgb(code)
+        yield Category(
+            name, label, Level.DRESSING, rgb, index, length, width, height, rooms=rooms, **more
+        )
+
+
 def _plan_categories() -> Iterable[Category]:
     for index, (name, label, code) in enumerate(_PLAN_ROWS):
         span = (0.0, 0.0)
@@ -195,10 +314,13 @@ def _plan_categories() -> Iterable[Category]:
 
 HOUSE_CATEGORIES: tuple[Category, ...] = tuple(_house_categories())
 TABLE_CATEGORIES: tuple[Category, ...] = tuple(_table_categories())
+DRESSING_CATEGORIES: tuple[Category, ...] = tuple(_dressing_categories())
 PLAN_CATEGORIES: tuple[Category, ...] = tuple(_plan_categories())
 
 CATEGORIES: dict[str, Category] = {
-    row.name: row for row in (*HOUSE_CATEGORIES, *TABLE_CATEGORIES, *PLAN_CATEGORIES)
+    row.name: row for row in (
+        *HOUSE_CATEGORIES, *TABLE_CATEGORIES, *DRESSING_CATEGORIES, *PLAN_CATEGORIES,
+    )
 }
 """Every row by name; names are unique over all levels."""
 

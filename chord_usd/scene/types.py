@@ -41,6 +41,9 @@ BASE_AND_HEIGHT_M: dict[OpeningKind, tuple[float, float]] = {
 WALL_THICKNESS_M = 0.24
 """Every wall of a plan raster is this thick, which is what gives the raster its scale (paper)."""
 
+ROOM_HEIGHT_M = 2.7
+"""From floor to ceiling, in every room."""
+
 CANVAS_PX = 256
 """Width and height of plan and layout rasters (paper, section 5); those of large houses are
 larger (canvas.house_frame)."""
@@ -181,6 +184,8 @@ class Asset:
     """Interface layer of the component."""
     licence: str = ""
     author: str = ""
+    styles: tuple[str, ...] = ()
+    """Names of the styles (scene.styles) whose form it has; empty where it suits them all."""
 
 
 FrontFrom = Literal["mark", "wall", "table", "guess"]
@@ -213,6 +218,8 @@ class Facts:
     have put there (layout.outlier)."""
     edits: tuple[Edit, ...] = ()
     """What rules did to it, in order."""
+    rests_on: str | None = None
+    """Id of the piece that dressing lies on, stands in or hangs over: the bed of a throw."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,13 +253,16 @@ class Item:
 
 @dataclass(frozen=True, eq=False)
 class SceneGraph:
-    """House > rooms > items > tabletop items."""
+    """House > rooms > items > tabletop items; and what the rooms are dressed with."""
 
     rooms: tuple[Room, ...]
     openings: tuple[Opening, ...]
     items: tuple[Item, ...]
     provenance: Provenance = field(default_factory=Provenance)
     extra: Mapping[str, Any] = field(default_factory=dict)
+    dressing: tuple[Item, ...] = ()
+    """What hangs on walls and ceilings, lies on floors and furniture, stands on shelves and sills:
+    categories of the level DRESSING, boxes in the world, no children."""
 
     @property
     def plan(self) -> Plan:
@@ -262,6 +272,10 @@ class SceneGraph:
     def items_of(self, room_id: str) -> Iterator[Item]:
         """Items that stand in this room, in their order."""
         return (item for item in self.items if item.room_id == room_id)
+
+    def dressing_of(self, room_id: str) -> Iterator[Item]:
+        """What this room is dressed with, in its order."""
+        return (item for item in self.dressing if item.room_id == room_id)
 
     def without(self, item_ids: Iterable[str]) -> SceneGraph:
         """The same house without these items, and what stands on them."""

@@ -21,7 +21,7 @@ from chord_usd.scene.looks import Look, load_looks
 from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
-from chord_usd.stage.dressing import Wardrobe
+from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.furniture import extent_of, place_furniture
 from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_light

@@ -10,7 +10,8 @@ from pxr import Gf, Sdf
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, set_op_order
 from chord_usd.stage.viewpoints import EYE_M, SENSOR_MM, choose_view
-from chord_usd.stage.walls import ROOM_HEIGHT_M, Walls
+from chord_usd.scene.types import ROOM_HEIGHT_M
+from chord_usd.stage.walls import Walls
 
 TENTHS_PER_MM = 0.01
 """Lenses and sensors are written in tenths of a scene unit, which is a metre here."""

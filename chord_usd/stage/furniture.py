@@ -16,7 +16,7 @@ from pxr import Sdf
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.palette import category
 from chord_usd.scene.types import Asset, Box, FloatArray, Item, Room
-from chord_usd.stage.dressing import Wardrobe
+from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
 from chord_usd.stage.packages import Packages

@@ -13,7 +13,8 @@ from shapely.geometry import Point, Polygon, box
 
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, place
-from chord_usd.stage.walls import ROOM_HEIGHT_M, Walls
+from chord_usd.scene.types import ROOM_HEIGHT_M
+from chord_usd.stage.walls import Walls
 
 _BELOW_CEILING_M = 0.03
 _SHARE_OF_ROOM = 0.4

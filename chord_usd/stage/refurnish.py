@@ -28,7 +28,7 @@ from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.check_scene import read_scene
-from chord_usd.stage.dressing import Wardrobe
+from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.furniture import place_furniture
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy

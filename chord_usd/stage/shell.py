@@ -19,7 +19,7 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import footprint_polygon, polygons_of
-from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening
+from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
@@ -53,7 +53,6 @@ from chord_usd.stage.prims import (
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
 from chord_usd.stage.walls import (
-    ROOM_HEIGHT_M,
     Tunnel,
     WallLine,
     Walls,

@@ -22,12 +22,19 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import Floors, polygons_of, room_polygon, wall_area
-from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Plan, Room
+from chord_usd.scene.types import (
+    ROOM_HEIGHT_M,
+    WALL_THICKNESS_M,
+    Box,
+    FloatArray,
+    Opening,
+    Plan,
+    Room,
+)
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, flat, upright
 from chord_usd.stage.railings import gaps_for_railings
 
-ROOM_HEIGHT_M = 2.7
 """Floor to ceiling, everywhere."""
 
 LINTEL_M = 0.1

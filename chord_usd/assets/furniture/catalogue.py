@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from chord_usd.assets import dressing
 from chord_usd.assets.furniture import (
     beds,
     cabinets,
@@ -27,4 +28,5 @@ def designs() -> tuple[Design, ...]:
     living = (beds, seats, tables, cabinets, sideboards, panels)
     wet = (kitchen_units, sanitaryware, showers, laundry)
     found = [design for module in (*living, *wet, desktop, tableware) for design in module.DESIGNS]
+    found += dressing.designs()
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))
