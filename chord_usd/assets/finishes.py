@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+
+Surface = Literal[
+    "plain", "wood", "weave", "knit", "boucle", "velvet", "leather", "brushed", "stone", "ceramic",
+    "concrete", "terracotta", "rattan", "paper", "leaf", "bark",
+]  # fmt: skip
+"""What a finish is made of, and so which maps are drawn for it; plain has none."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +29,8 @@ class Finish:
     """Emission as a share of the colour; screens and lamp shades."""
     texture: Image | None = None
     """A picture in place of the colour, on the part's own texture coordinates."""
+    surface: Surface = "plain"
+    """Grain, weave or veins over the colour, in metres."""
 
     def linear_rgb(self) -> tuple[float, float, float]:
         """The colour in linear light, 0 to 1, which is what USD colour inputs hold."""

@@ -263,6 +263,8 @@ class SceneGraph:
     dressing: tuple[Item, ...] = ()
     """What hangs on walls and ceilings, lies on floors and furniture, stands on shelves and sills:
     categories of the level DRESSING, boxes in the world, no children."""
+    style: str = ""
+    """Name of the style (scene.styles) of its furniture, looks and dressing; "" for none."""
 
     @property
     def plan(self) -> Plan:
