@@ -269,15 +269,7 @@ def _write_interface(
             "version": COMPONENT_VERSION,
         }
     )
-    root.SetCustomDataByKey(
-        "chord",
-        {
-            "category": design.category,
-            "licence": info.licence,
-            "author": info.author,
-            **({"label": info.label} if info.label else {}),
-        },
-    )
+    root.SetCustomDataByKey("chord", _about(design, used_slots(parts), info))
     stage.CreateClassPrim("/__class__")
     inherited = stage.CreateClassPrim(f"/__class__/{design.id}")
     root.GetInherits().AddInherit(inherited.GetPath())
@@ -292,6 +284,32 @@ def _write_interface(
     spec = layer.GetPrimAtPath(f"/{design.id}")
     spec.payloadList.prependedItems = [Sdf.Payload("./payload.usda")]
     layer.Export(str(path))
+
+
+def _about(design: Design, slots: Iterable[str], info: ComponentInfo) -> dict[str, Any]:
+    """What the root's customData says: who made it, what its colourways wear, where it shines."""
+    from pxr import Gf, Vt
+
+    about: dict[str, Any] = {
+        "category": design.category,
+        "licence": info.licence,
+        "author": info.author,
+        "finishes": {
+            colourway: " ".join(looks[slot] for slot in slots)
+            for colourway, looks in design.colourways.items()
+        },
+    }
+    if info.label:
+        about["label"] = info.label
+    if design.styles:
+        about["styles"] = Vt.StringArray(design.styles)
+    if design.light is not None:
+        about["light"] = {
+            "at_m": Gf.Vec3d(*design.light.at_m),
+            "radius_m": design.light.radius_m,
+            "lumens": design.light.lumens,
+        }
+    return about
 
 
 def _hint(root: Usd.Prim, parts: Iterable[Part]) -> None:
