@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from chord_usd.assets.dressing import ceiling_lamps, pendants
 from chord_usd.assets.model import Design
 
 
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
-    modules: tuple = ()
+    modules = (ceiling_lamps, pendants)
     return tuple(design for module in modules for design in module.DESIGNS)
