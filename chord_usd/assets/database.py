@@ -29,7 +29,15 @@ if TYPE_CHECKING:
 INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
 
-_GENERATOR = ("component.py", "finishes.py", "model.py", "shading.py", "solids.py", "furniture", "dressing")
+_GENERATOR = (
+    "component.py",
+    "finishes.py",
+    "model.py",
+    "shading.py",
+    "solids.py",
+    "furniture",
+    "dressing",
+)
 _REBUILD = "chord-usd assets build -o FOLDER"
 
 SizeM = tuple[float, float, float]
@@ -38,6 +46,10 @@ _LONGEST_M = 1000.0
 
 OWN_FIRST_M = 0.25
 """The shipped furniture comes in so many sizes that hardly anything else would ever be nearest."""
+
+
+STRANGE_FORM_M = 0.08
+"""A form of another style is taken where it misses the size by so much less."""
 
 
 def _is_there(asset: Asset) -> None:
@@ -54,6 +66,8 @@ class AssetDatabase:
     """Ids of the assets that the user brought, which go before the shipped ones."""
     prepare: Callable[[Asset], None] = _is_there
     """Called before an asset is handed out: draws it where it is not on disk yet."""
+    style: str = ""
+    """Name of the style whose forms go before others; "" for none."""
     _by_category: Mapping[str, tuple[Asset, ...]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -61,6 +75,10 @@ class AssetDatabase:
         for asset in self.assets:
             groups.setdefault(asset.category, []).append(asset)
         object.__setattr__(self, "_by_category", {k: tuple(v) for k, v in groups.items()})
+
+    def in_style(self, name: str) -> AssetDatabase:
+        """The same meshes, with the forms of this style before others."""
+        return replace(self, style=name)
 
     def of_category(self, name: str) -> tuple[Asset, ...]:
         """Assets of a category, perhaps none. Raises SceneError for a name not in the palette."""
@@ -85,10 +103,10 @@ class AssetDatabase:
         if most_height_m is not None:
             low = [asset for asset in candidates if asset.size_m[2] <= most_height_m]
             candidates = tuple(low) or candidates
-        best = min(candidates, key=lambda asset: _retrieval_key(asset, size_m))
+        best = min(candidates, key=lambda asset: self._key(asset, size_m))
         brought = [asset for asset in candidates if asset.id in self.own]
         if brought:
-            first = min(brought, key=lambda asset: _retrieval_key(asset, size_m))
+            first = min(brought, key=lambda asset: self._key(asset, size_m))
             if _miss_m(first, size_m) <= _miss_m(best, size_m) + OWN_FIRST_M:
                 best = first
         self.prepare(best)
@@ -102,11 +120,18 @@ class AssetDatabase:
         """
         ranked = sorted(
             self.of_category(name),
-            key=lambda asset: (*_retrieval_key(asset, size_m)[:2], asset.id not in self.own),
+            key=lambda asset: (*self._key(asset, size_m)[:2], asset.id not in self.own),
         )[:count]
         for asset in ranked:
             self.prepare(asset)
         return tuple(ranked)
+
+    def _key(self, asset: Asset, size_m: SizeM) -> tuple[float, float, str]:
+        """What sorts assets by their difference from a size; a strange form counts as one, too."""
+        footprint, height, name = _retrieval_key(asset, size_m)
+        if self.style and asset.styles and self.style not in asset.styles:
+            footprint = round((math.sqrt(footprint) + STRANGE_FORM_M) ** 2, 9)
+        return footprint, height, name
 
     def named(self, asset_id: str) -> Asset:
         """The asset of this id, on disk. Raises KeyError."""
@@ -127,8 +152,8 @@ def _retrieval_key(asset: Asset, size_m: SizeM) -> tuple[float, float, str]:
     return round(footprint, 9), round(abs(asset.size_m[2] - size_m[2]), 9), asset.id
 
 
-def load_database(folders: Sequence[Path] = ()) -> AssetDatabase:
-    """The embedded database and, before it, those in folders.
+def load_database(folders: Sequence[Path] = (), style: str = "") -> AssetDatabase:
+    """The embedded database and, before it, those in folders. style: as AssetDatabase has it.
 
     An id that occurs twice counts where it is met first, so a folder can replace an embedded
     asset. Raises AssetError for a folder without a readable index.
@@ -140,7 +165,7 @@ def load_database(folders: Sequence[Path] = ()) -> AssetDatabase:
     own = frozenset(found)
     for asset in embedded_assets():
         found.setdefault(asset.id, asset)
-    return AssetDatabase(tuple(found.values()), own, draw_embedded)
+    return AssetDatabase(tuple(found.values()), own, draw_embedded, style)
 
 
 def read_index(folder: Path) -> tuple[Asset, ...]:

@@ -19,6 +19,7 @@ from chord_usd.commands.common import (
     add_redraws,
     add_seed,
     add_steps,
+    add_style,
     add_verb,
     positive,
     scale,
@@ -65,6 +66,7 @@ def _add_houses(parser: Parser) -> None:
         "--synth", type=whole_number(1, 1_000_000), default=0, metavar="N",
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
+    add_style(group)
     add_steps(group)
     add_lists(group)
     add_arrange(group)
@@ -150,6 +152,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         m_per_px=options.scale,
         device=options.device,
         asset_folders=tuple(folder.absolute() for folder in options.assets),
+        style=options.style,
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
         arrange=not options.no_arrange,

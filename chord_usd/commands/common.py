@@ -14,6 +14,7 @@ from chord_usd.commands.paths import UsageError, output_file, output_folder
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.scene.limits import M_PER_PX
+from chord_usd.scene.styles import MIXED, STYLES, style_named
 
 if TYPE_CHECKING:
     from chord_usd.runtime.files import FolderMode
@@ -154,6 +155,22 @@ def add_device(parser: Options) -> None:
     parser.add_argument(
         "--device", choices=("auto", "cpu", "cuda"), default="auto", help="where the networks run"
     )
+
+
+def add_style(parser: Options, without: str = "") -> None:
+    """The option --style. without: what holds where it is not given."""
+    parser.add_argument(
+        "--style", type=style_name, default=None if without else MIXED, metavar="NAME",
+        help=f"{', '.join(STYLES)} or {MIXED} ({without or MIXED}: "
+        f"{'else ' if without else ''}one of them by the seed)",
+    )  # fmt: skip
+
+
+def style_name(text: str) -> str:
+    """An option type: the name of a style. Raises ChordError that says which there are."""
+    if text != MIXED:
+        style_named(text, 0)
+    return text
 
 
 def add_assets(parser: Options) -> None:

@@ -20,6 +20,7 @@ from chord_usd.commands.common import (
     add_rooms,
     add_seed,
     add_steps,
+    add_style,
     add_verb,
     scale,
     stopwatch,
@@ -42,6 +43,7 @@ def add(verbs: Verbs) -> None:
     add_sources(parser)
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
+    add_style(parser)
     add_steps(parser)
     add_lists(parser)
     add_arrange(parser)
@@ -93,6 +95,7 @@ def run(options: argparse.Namespace) -> Outcome:
         part=options.part,
         device=options.device,
         asset_folders=tuple(options.assets),
+        style=options.style,
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
         arrange=not options.no_arrange,
@@ -161,6 +164,7 @@ def _summary(
     tabletop = sum(len(item.children) for item in house.graph.items)
     return {
         "stage": str(stage),
+        "style": house.graph.style,
         "rooms": len(house.graph.rooms),
         "furniture": furniture,
         "items": furniture + tabletop,

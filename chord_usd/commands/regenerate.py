@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     add_device,
     add_lists,
     add_steps,
+    add_style,
     add_verb,
     existing_file,
     seed,
@@ -51,6 +52,7 @@ def add(verbs: Verbs) -> None:
     )
     in_place_of(target, "STAGE")
     parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
+    add_style(parser, "that of the stage")
     add_steps(parser)
     add_lists(parser)
     add_arrange(parser)
@@ -82,6 +84,7 @@ def run(options: argparse.Namespace) -> Outcome:
         steps=options.steps,
         device=options.device,
         asset_folders=tuple(options.assets),
+        style=options.style or "",
         tabletop=not options.no_tabletop,
         lists=not options.no_list,
         arrange=not options.no_arrange,
@@ -116,6 +119,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "stage": str(target),
         "room": options.room,
         "seed": seed,
+        "style": made.style,
         "furniture": furniture,
         "items": furniture + sum(len(piece.children) for piece in pieces),
         "kept": list(made.kept),

@@ -12,6 +12,7 @@ from chord_usd.commands.common import (
     add_assets,
     add_output,
     add_seed,
+    add_style,
     add_verb,
     existing_file,
     stopwatch,
@@ -25,6 +26,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
+    add_style(parser, "the scene's own")
     add_arrange(parser)
     add_assets(parser)
 
@@ -35,7 +37,10 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.pipeline import Settings, read_scene_file, settle, write_stage
 
     settings = Settings(
-        seed=options.seed, asset_folders=tuple(options.assets), arrange=not options.no_arrange
+        seed=options.seed,
+        asset_folders=tuple(options.assets),
+        arrange=not options.no_arrange,
+        style=options.style or "",
     )
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)
@@ -48,6 +53,7 @@ def run(options: argparse.Namespace) -> Outcome:
             stage = write_stage(graph, target, settings)
     data = {
         "stage": str(options.output),
+        "style": graph.style,
         "rooms": len(graph.rooms),
         "furniture": len(graph.items),
         "edits": edits_told(graph),

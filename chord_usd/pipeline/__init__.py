@@ -12,11 +12,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import CheckpointError, ChordError, PlanError
+from chord_usd.pipeline.loading import (
+    LAYOUT_CHECKPOINT,
+    LISTS_CHECKPOINT,
+    THINGS_CHECKPOINT,
+    GraphReader,
+    Models,
+    checkpoints,
+    load_lists,
+    load_model,
+    load_models,
+    load_reader,
+)
 from chord_usd.pipeline.redraw import Draw, arrange_drawn, furnish_again, mend_rooms
-from chord_usd.pipeline.settings import Settings as Settings
+from chord_usd.pipeline.settings import Settings
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.progress import Progress, Stopwatch
+from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import (
     LayoutImage,
     Plan,
@@ -28,17 +41,18 @@ from chord_usd.scene.types import (
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
-    from chord_usd.graph.detect import ItemDetector
     from chord_usd.graph.tabletop import Tabletops, TopModel
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.list_sampler import ListDrawer
     from chord_usd.lists.wishes import Asked, Wishes
+    from chord_usd.pipeline.loading import Models
 
-LAYOUT_CHECKPOINT = "plan2layout"
-LISTS_CHECKPOINT = "lists"
-TABLE_CHECKPOINT = "table"
-THINGS_CHECKPOINT = "things"
-DETECTOR_CHECKPOINT = "detector_items"
+
+__all__ = [
+    "THINGS_CHECKPOINT", "GraphReader", "Models", "Settings", "checkpoints", "load_lists",
+    "load_model", "load_models", "load_reader",
+]  # fmt: skip
+"""Of the modules beside this one, as if they were its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +108,9 @@ def generate(
         refuse_shut(plan, plan_file)
         plan_image = draw_plan(plan)
         asked = asked_of(plan, settings)
+    style = style_named(settings.style or MIXED, settings.seed)
     with watch.step("load"):
-        models = models or load_models(settings)
+        models = (models or load_models(settings)).in_style(style.name)
         load_usd()
     draw = sampling(settings, models.lists, asked)
     with watch.step("list"):
@@ -115,6 +130,7 @@ def generate(
         if settings.arrange:
             graph = arrange_drawn(graph, draw)
         draw.refuse_lacking(graph)
+        graph = in_style(graph, style)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None
@@ -174,29 +190,6 @@ def draw_plan(plan: Plan) -> PlanImage:
     return canvas.draw_plan(plan, canvas.house_frame(plan))
 
 
-def load_model(settings: Settings) -> LayoutModel:
-    """The layout model, with torch."""
-    from chord_usd.layout.sample import LayoutModel
-
-    return LayoutModel.load(checkpoint_folder(LAYOUT_CHECKPOINT), settings.device)
-
-
-def load_table_model(settings: Settings) -> TopModel | None:
-    """The model of what stands on tables; None where that is not wanted."""
-    if not settings.tabletop:
-        return None
-    if settings.lists:
-        from chord_usd.lists.top_lists import load_lister
-
-        return load_lister(checkpoint_folder(THINGS_CHECKPOINT))
-    from chord_usd.graph.table_items import TopPainter
-    from chord_usd.layout.sample import LayoutModel
-
-    model = LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
-    sample = partial(model.sample_batch, sampler=settings.sampler)
-    return TopPainter(sample, model.checkpoint.content_hash)
-
-
 def draw_layout(
     plan: Plan,
     plan_image: PlanImage,
@@ -227,70 +220,6 @@ def draw_layout(
     return replace(layout, provenance=provenance)
 
 
-def load_reader(settings: Settings) -> GraphReader:
-    """The detector and the mesh database, whose meshes are drawn when they are first needed."""
-    from chord_usd.arrange.rules import RULES
-    from chord_usd.assets.database import load_database
-    from chord_usd.graph.detect import load_item_detector
-
-    without = frozenset() if settings.arrange else frozenset(rule.name for rule in RULES)
-    return GraphReader(load_item_detector(), load_database(settings.asset_folders), without)
-
-
-@dataclass(frozen=True, eq=False)
-class GraphReader:
-    """What it takes to read a layout."""
-
-    detector: ItemDetector
-    database: AssetDatabase
-    without: frozenset[str] = frozenset()
-    """Names of rules that are left out."""
-
-    def read(self, layout: LayoutImage, plan: Plan | None = None) -> SceneGraph:
-        """LayoutImage -> SceneGraph, arranged and with meshes; without a plan, rooms are read,
-        too."""
-        from chord_usd.arrange.arrangement import Arrangement
-        from chord_usd.arrange.free_floor import Painted
-        from chord_usd.arrange.rules import arrange
-        from chord_usd.graph.colours import read_pixels
-        from chord_usd.graph.extract import extract_graph
-        from chord_usd.graph.match import match_assets
-
-        pixels = read_pixels(layout.rgb)
-        graph = extract_graph(layout, plan, self.detector, pixels=pixels)
-        work = Arrangement.of(graph, painted=Painted(pixels.item, layout.frame))
-        graph = arrange(work, "read", self.without)
-        return match_assets(graph, self.database)
-
-
-@dataclass(frozen=True, eq=False)
-class Models:
-    """What takes longest to load; it furnishes any number of houses."""
-
-    layout: LayoutModel
-    table: TopModel | None
-    """Of what stands on tables; None where that is not wanted."""
-    reader: GraphReader
-    lists: ListDrawer | None = None
-    """None where the layout model decides alone."""
-
-
-def checkpoints(settings: Settings) -> tuple[str, ...]:
-    """Names of the checkpoints that decide what a house looks like."""
-    of_tables = THINGS_CHECKPOINT if settings.lists else TABLE_CHECKPOINT
-    table = (of_tables,) if settings.tabletop else ()
-    lists = (LISTS_CHECKPOINT,) if settings.lists else ()
-    return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *lists, *table)
-
-
-def load_models(settings: Settings) -> Models:
-    """Everything that furnishes a house. Raises CheckpointError, AssetError."""
-    layout = load_model(settings)
-    return Models(
-        layout, load_table_model(settings), load_reader(settings), load_lists(settings, layout)
-    )
-
-
 def sampling(
     settings: Settings, lists: ListDrawer | None, asked: Mapping[str, Asked] | None = None
 ) -> Draw:
@@ -315,16 +244,6 @@ def require_lists(settings: Settings) -> None:
             try_="chord-usd train plan2layout",
         )
     checkpoint_folder(LISTS_CHECKPOINT)
-
-
-def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
-    """What decides which pieces rooms have; None where that is not wanted, or where the layout
-    model was not trained to see it."""
-    if not settings.lists or not layout.config.draft:
-        return None
-    from chord_usd.lists import list_sampler, pieces
-
-    return list_sampler.load_lists(checkpoint_folder(LISTS_CHECKPOINT), pieces.PIECES)
 
 
 def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel) -> SceneGraph:
@@ -395,6 +314,13 @@ def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> Stag
     return author_stage(graph, stage_path, seed=settings.seed)
 
 
+def in_style(graph: SceneGraph, style: HomeStyle) -> SceneGraph:
+    """The graph that notes its style, also where it says how it was made."""
+    made = graph.provenance
+    configuration = {**made.configuration, "style": style.name}
+    return replace(graph, style=style.name, provenance=replace(made, configuration=configuration))
+
+
 @dataclass(frozen=True, eq=False)
 class Regenerated:
     """A house of which one room is to be furnished anew."""
@@ -412,6 +338,10 @@ class Regenerated:
     """Names of the room's prims that stay as they are."""
     kept_ids: frozenset[str] = frozenset()
     """Their ids in the graph."""
+    style: str = ""
+    """Name of the style it is furnished in."""
+    home_seed: int = 0
+    """Seed of the house, by which its rooms agree."""
 
 
 def regenerate(
@@ -448,8 +378,9 @@ def regenerate(
         asked = {}
         if wishes and any(wishes):
             asked[room.id] = asked_in(room_name, room, wishes, kept_items)
+    style = style_named(settings.style or house.graph.style or MIXED, house.seed)
     with watch.step("load"):
-        models = load_models(settings)
+        models = load_models(settings).in_style(style.name)
     own = replace(settings, seed=seed)
     plan_image = draw_plan(house.graph.plan)
     draw = sampling(own, models.lists, asked)
@@ -466,8 +397,9 @@ def regenerate(
             graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
     graph = settle(graph, own, (room.id,), kept_ids)
     return Regenerated(
-        source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids
-    )
+        source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids,
+        style.name, house.seed,
+    )  # fmt: skip
 
 
 def write_regenerated(made: Regenerated, target: Path) -> StageFile:
@@ -476,7 +408,10 @@ def write_regenerated(made: Regenerated, target: Path) -> StageFile:
 
     items = tuple(i for i in made.graph.items_of(made.room.id) if i.id not in made.kept_ids)
     openings = made.graph.openings
-    new = NewFurniture(made.room_name, made.room, items, made.graph.provenance, openings, made.kept)
+    new = NewFurniture(
+        made.room_name, made.room, items, made.graph.provenance, openings, made.kept,
+        made.style, made.home_seed,
+    )  # fmt: skip
     return refurnish(made.source, target, new)
 
 
@@ -492,6 +427,8 @@ def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:
     from chord_usd.scene.chord_json import read_scene
 
     folders = settings.asset_folders
-    database = load_database(folders)
-    graph = with_found_assets(read_scene(scene_file), scene_file, folders, database)
+    graph = read_scene(scene_file)
+    style = style_named(settings.style or graph.style or MIXED, settings.seed)
+    database = load_database(folders, style=style.name)
+    graph = with_found_assets(in_style(graph, style), scene_file, folders, database)
     return match_assets(graph, database)

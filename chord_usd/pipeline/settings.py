@@ -34,7 +34,8 @@ class Settings:
     dressing: bool = True
     """Whether walls, windows, ceilings, floors, shelves and beds are dressed."""
     style: str = "mixed"
-    """Name of a style (scene.styles); `mixed` takes one of them by seed."""
+    """Name of a style (scene.styles); `mixed` takes one of them by seed; "" keeps the one that a
+    scene or a stage notes, and takes one by seed where none is noted."""
     sky: str = ""
     """Name of a sky or an HDRI's file; "" for the sky of the time of day."""
     lists: bool = True

@@ -52,6 +52,7 @@ from chord_usd.scene.limits import (
 )
 from chord_usd.scene.palette import Level
 from chord_usd.scene.room_names import room_kind
+from chord_usd.scene.styles import STYLES
 from chord_usd.scene.types import (
     ROOM_KINDS,
     WALL_THICKNESS_M,
@@ -123,7 +124,9 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     names = Names("furniture", MOST_ITEMS)
     elements = house.elements("furniture", "furniture", MOST_ITEMS)
     items = tuple(_read_item(element, names, floors) for element in elements)
-    return SceneGraph(floors.rooms, openings, items, _read_provenance(house), extra)
+    style = house.choice("style", tuple(STYLES)) if house.has("style") else ""
+    extra.pop("style", None)
+    return SceneGraph(floors.rooms, openings, items, _read_provenance(house), extra, style=style)
 
 
 def _load(path: Path, error: type[ChordError]) -> object:
@@ -390,6 +393,8 @@ def scene_to_json(graph: SceneGraph) -> dict[str, Any]:
     if graph.provenance != Provenance():
         values = asdict(graph.provenance).values()
         data["provenance"] = dict(zip(_PROVENANCE_KEYS, values, strict=True))
+    if graph.style:
+        data["style"] = graph.style
     return data
 
 

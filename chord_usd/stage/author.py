@@ -18,10 +18,10 @@ from chord_usd.errors import OutputError
 from chord_usd.runtime.files import deliver, destination
 from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.looks import Look, load_looks
+from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
-from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.furniture import extent_of, place_furniture
 from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_light
@@ -45,6 +45,7 @@ from chord_usd.stage.prims import (
     relate,
 )
 from chord_usd.stage.shell import draw_shell
+from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.walls import build_walls
 
 SCHEMA = 1
@@ -57,7 +58,12 @@ ARCHIVE_TIME_S = 500_000_000
 
 
 def author_stage(
-    graph: SceneGraph, path: Path, *, seed: int = 0, looks: Sequence[Look] | None = None
+    graph: SceneGraph,
+    path: Path,
+    *,
+    seed: int = 0,
+    looks: Sequence[Look] | None = None,
+    style: str = "",
 ) -> StageFile:
     """Write a house as a USD stage, with everything it points to beside it.
 
@@ -66,7 +72,8 @@ def author_stage(
     bytes. Nothing is left behind on failure.
 
     seed chooses the looks of walls and floors. looks: the library; by default the shipped one, and
-    an empty one gives plain surfaces.
+    an empty one gives plain surfaces. style: name of a style; by default that of the graph, and
+    where that has none, one by the seed.
 
     Raises SceneError for a graph without rooms or with an unknown category, AssetError for a
     missing mesh, OutputError for a target that cannot be written.
@@ -78,7 +85,13 @@ def author_stage(
             where=str(path),
             expected=f"one of {', '.join(SUFFIXES)}",
         )
-    house = _House(graph, name_rooms(graph), seed, load_looks() if looks is None else tuple(looks))
+    house = _House(
+        graph,
+        name_rooms(graph),
+        seed,
+        load_looks() if looks is None else tuple(looks),
+        style_named(style or graph.style or MIXED, seed),
+    )
     with deliver() as delivery:
         target = delivery.place(path)
         final = destination(path.parent)
@@ -100,6 +113,7 @@ class _House:
     rooms: tuple[NamedRoom, ...]
     seed: int
     looks: tuple[Look, ...]
+    style: HomeStyle
 
 
 def _write_house(house: _House, target: Path, final: Path) -> str:
@@ -114,7 +128,8 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
             _open_room(layer, room)
         extent = draw_shell(layer, house.rooms, walls, architecture)
         lamps = []
-        wardrobe = Wardrobe(house.seed, house.graph.openings)
+        agreed = house.style.agreed(house.seed)
+        wardrobe = Wardrobe(house.seed, house.graph.openings, house.style, agreed)
         for room in house.rooms:
             floor = walls.floors_m[room.index]
             place_furniture(layer, room, assets, Path(scratch), wardrobe)
@@ -138,6 +153,7 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
         "chord": dictionary(
             {
                 "seed": house.seed,
+                "style": house.style.name,
                 "generator": f"chord-usd {__version__}",
                 "schema": SCHEMA,
                 "provenance": {

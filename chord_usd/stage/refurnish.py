@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 import shapely
 from pxr import Gf, Sdf, Usd, UsdUtils
@@ -22,17 +23,18 @@ from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.styles import style_named
 from chord_usd.scene.types import Item, Opening, Provenance, Room, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.check_scene import read_scene
-from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.furniture import place_furniture
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
+from chord_usd.stage.variants import Wardrobe
 
 SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
@@ -56,6 +58,8 @@ class StagedHouse:
     """The seed each room was furnished with, by the name of its prim."""
     item_ids: dict[str, str]
     """Id of each item by the path of its prim, or of the group around it."""
+    seed: int = 0
+    """Seed of the house."""
 
     def furniture(self, room_name: str, names: Sequence[str], where: Path) -> frozenset[str]:
         """Ids of pieces of a room by the names of their prims. Raises StageError."""
@@ -118,14 +122,23 @@ def _house_of(stage: Usd.Stage, path: Path) -> StagedHouse:
         for prim in stage.TraverseAll()
         if prim.HasAttribute(NODE_ID)
     }
-    house_seed = int(stage.GetRootLayer().customLayerData.get("chord", {}).get("seed", 0))
+    chord = noted_settings(stage)
+    house_seed = int(chord.get("seed", 0))
+    graph = replace(graph, style=str(chord.get("style", "")))
     seeds = {}
     for room in graph.rooms:
         own = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
         seeds[room.name] = int(own.Get()) if own else house_seed
     room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
     item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in graph.items}
-    return StagedHouse(_with_noted_ids(graph, noted), room_ids, seeds, item_ids)
+    return StagedHouse(_with_noted_ids(graph, noted), room_ids, seeds, item_ids, house_seed)
+
+
+def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
+    """What a house notes of its making; of the first of its layers that does."""
+    layers = (layer for layer in stage.GetUsedLayers())
+    found = [layer.customLayerData["chord"] for layer in layers if "chord" in layer.customLayerData]
+    return dict(stage.GetRootLayer().customLayerData.get("chord", found[0] if found else {}))
 
 
 def _placed(path: str) -> str:
@@ -147,6 +160,10 @@ class NewFurniture:
     """Of the house; nothing is hung over them."""
     kept: Sequence[str] = ()
     """Names of the room's prims that stay as they are."""
+    style: str = ""
+    """Name of the style it is furnished in; "" for none."""
+    home_seed: int = 0
+    """Seed of the house, by which its rooms agree."""
 
 
 def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
@@ -275,7 +292,9 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
     items = name_items(new.items, taken=new.kept)
     named = NamedRoom(0, new.room_name, new.room, items, ())
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
-        wardrobe = Wardrobe(new.made.seed, new.openings)
+        style = style_named(new.style, new.home_seed) if new.style else None
+        home = style.agreed(new.home_seed) if style else None
+        wardrobe = Wardrobe(new.made.seed, new.openings, style, home)
         packages = Packages(path.parent, finals, "assets")
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
     _note_making(furniture, new.made)

@@ -1,0 +1,126 @@
+"""The networks and the mesh database that furnish houses, loaded as the settings say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from chord_usd.pipeline.settings import Settings
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
+
+if TYPE_CHECKING:
+    from chord_usd.assets.database import AssetDatabase
+    from chord_usd.graph.detect import ItemDetector
+    from chord_usd.graph.tabletop import TopModel
+    from chord_usd.layout.sample import LayoutModel
+    from chord_usd.lists.list_sampler import ListDrawer
+
+LAYOUT_CHECKPOINT = "plan2layout"
+LISTS_CHECKPOINT = "lists"
+TABLE_CHECKPOINT = "table"
+THINGS_CHECKPOINT = "things"
+DETECTOR_CHECKPOINT = "detector_items"
+
+
+def load_model(settings: Settings) -> LayoutModel:
+    """The layout model, with torch."""
+    from chord_usd.layout.sample import LayoutModel
+
+    return LayoutModel.load(checkpoint_folder(LAYOUT_CHECKPOINT), settings.device)
+
+
+def load_table_model(settings: Settings) -> TopModel | None:
+    """The model of what stands on tables; None where that is not wanted."""
+    if not settings.tabletop:
+        return None
+    if settings.lists:
+        from chord_usd.lists.top_lists import load_lister
+
+        return load_lister(checkpoint_folder(THINGS_CHECKPOINT))
+    from chord_usd.graph.table_items import TopPainter
+    from chord_usd.layout.sample import LayoutModel
+
+    model = LayoutModel.load(checkpoint_folder(TABLE_CHECKPOINT), settings.device)
+    sample = partial(model.sample_batch, sampler=settings.sampler)
+    return TopPainter(sample, model.checkpoint.content_hash)
+
+
+def load_reader(settings: Settings) -> GraphReader:
+    """The detector and the mesh database, whose meshes are drawn when they are first needed."""
+    from chord_usd.arrange.rules import RULES
+    from chord_usd.assets.database import load_database
+    from chord_usd.graph.detect import load_item_detector
+
+    without = frozenset() if settings.arrange else frozenset(rule.name for rule in RULES)
+    return GraphReader(load_item_detector(), load_database(settings.asset_folders), without)
+
+
+@dataclass(frozen=True, eq=False)
+class GraphReader:
+    """What it takes to read a layout."""
+
+    detector: ItemDetector
+    database: AssetDatabase
+    without: frozenset[str] = frozenset()
+    """Names of rules that are left out."""
+
+    def read(self, layout: LayoutImage, plan: Plan | None = None) -> SceneGraph:
+        """LayoutImage -> SceneGraph, arranged and with meshes; without a plan, rooms are read,
+        too."""
+        from chord_usd.arrange.arrangement import Arrangement
+        from chord_usd.arrange.free_floor import Painted
+        from chord_usd.arrange.rules import arrange
+        from chord_usd.graph.colours import read_pixels
+        from chord_usd.graph.extract import extract_graph
+        from chord_usd.graph.match import match_assets
+
+        pixels = read_pixels(layout.rgb)
+        graph = extract_graph(layout, plan, self.detector, pixels=pixels)
+        work = Arrangement.of(graph, painted=Painted(pixels.item, layout.frame))
+        graph = arrange(work, "read", self.without)
+        return match_assets(graph, self.database)
+
+
+@dataclass(frozen=True, eq=False)
+class Models:
+    """What takes longest to load; it furnishes any number of houses."""
+
+    layout: LayoutModel
+    table: TopModel | None
+    """Of what stands on tables; None where that is not wanted."""
+    reader: GraphReader
+    lists: ListDrawer | None = None
+    """None where the layout model decides alone."""
+
+    def in_style(self, name: str) -> Models:
+        """The same, with meshes of this style before others."""
+        database = self.reader.database.in_style(name)
+        return replace(self, reader=replace(self.reader, database=database))
+
+
+def checkpoints(settings: Settings) -> tuple[str, ...]:
+    """Names of the checkpoints that decide what a house looks like."""
+    of_tables = THINGS_CHECKPOINT if settings.lists else TABLE_CHECKPOINT
+    table = (of_tables,) if settings.tabletop else ()
+    lists = (LISTS_CHECKPOINT,) if settings.lists else ()
+    return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *lists, *table)
+
+
+def load_models(settings: Settings) -> Models:
+    """Everything that furnishes a house. Raises CheckpointError, AssetError."""
+    layout = load_model(settings)
+    return Models(
+        layout, load_table_model(settings), load_reader(settings), load_lists(settings, layout)
+    )
+
+
+def load_lists(settings: Settings, layout: LayoutModel) -> ListDrawer | None:
+    """What decides which pieces rooms have; None where that is not wanted, or where the layout
+    model was not trained to see it."""
+    if not settings.lists or not layout.config.draft:
+        return None
+    from chord_usd.lists import list_sampler, pieces
+
+    return list_sampler.load_lists(checkpoint_folder(LISTS_CHECKPOINT), pieces.PIECES)
