@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from chord_usd.scene.types import RoomKind
+if TYPE_CHECKING:
+    from chord_usd.scene.types import RoomKind
 
 Value = float | str | tuple[float, float] | tuple[str, ...]
 """One value, a range that is drawn from evenly, or words of which one is drawn."""
