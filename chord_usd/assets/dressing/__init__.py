@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from chord_usd.assets.dressing import ceiling_lamps, pendants
+from chord_usd.assets.dressing import ceiling_lamps, mirrors, pendants, shelves
 from chord_usd.assets.model import Design
 
 
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
-    modules = (ceiling_lamps, pendants)
+    modules = (ceiling_lamps, pendants, mirrors, shelves)
     return tuple(design for module in modules for design in module.DESIGNS)
