@@ -28,7 +28,8 @@ def with_found_assets(
     """
     home = scene.absolute().parent
     allowed = [*(folder.resolve() for folder in (home, *folders, cache_folder()))]
-    named = {asset.usd_path: asset for item in graph.items for asset in _assets_of(item)}
+    things = (*graph.items, *graph.dressing)
+    named = {asset.usd_path: asset for item in things for asset in _assets_of(item)}
     found: dict[Path, Path] = {}
     for path, asset in sorted(named.items()):
         place = _found(path, home, allowed)
@@ -39,7 +40,10 @@ def with_found_assets(
         _require_inside(place, scene, allowed)
         found[path] = place
     _require_layers([place for place in found.values() if not _is_drawn_here(place)])
-    return replace(graph, items=tuple(_with_assets(item, found) for item in graph.items))
+    items, dressing = (
+        tuple(_with_assets(item, found) for item in all_) for all_ in (graph.items, graph.dressing)
+    )
+    return replace(graph, items=items, dressing=dressing)
 
 
 def _assets_of(item: Item) -> Iterator[Asset]:

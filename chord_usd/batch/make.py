@@ -139,7 +139,8 @@ def _write_rasters(house: House, folder: Path) -> None:
 
 def _with_own_assets(graph: SceneGraph) -> SceneGraph:
     """The graph pointing to the meshes beside its stage, not to those of the machine."""
-    return replace(graph, items=tuple(_with_own_asset(item) for item in graph.items))
+    items, dressing = (tuple(map(_with_own_asset, all_)) for all_ in (graph.items, graph.dressing))
+    return replace(graph, items=items, dressing=dressing)
 
 
 def _with_own_asset(item: Item) -> Item:
@@ -163,6 +164,7 @@ def _told(unit: Unit, house: House, report: Report, watch: Stopwatch) -> dict[st
         "rooms": len(house.graph.rooms),
         "furniture": len(items),
         "items": len(items) + sum(len(item.children) for item in items),
+        "dressing": len(house.graph.dressing),
         "openings": len(house.graph.openings),
         "m_per_px": house.plan_image.frame.m_per_px,
         "holds": report.holds,

@@ -14,6 +14,7 @@ from chord_usd.commands.common import (
     add_arrange,
     add_assets,
     add_device,
+    add_dressing,
     add_lists,
     add_output,
     add_redraws,
@@ -75,6 +76,7 @@ def _add_houses(parser: Parser) -> None:
         "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
     )
     group.add_argument("--no-tabletop", action="store_true", help="leave tables bare")
+    add_dressing(group)
     add_assets(group)
 
 
@@ -154,6 +156,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         style=options.style,
         tabletop=not options.no_tabletop,
+        dressing=not options.no_dressing,
         lists=not options.no_list,
         arrange=not options.no_arrange,
         redraws=options.redraws,

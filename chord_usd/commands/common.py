@@ -142,6 +142,14 @@ def add_arrange(parser: Options) -> None:
     )  # fmt: skip
 
 
+def add_dressing(parser: Options) -> None:
+    """The option --no-dressing."""
+    parser.add_argument(
+        "--no-dressing", action="store_true",
+        help="leave walls, windows, ceilings, floors and shelves bare, as in the paper",
+    )  # fmt: skip
+
+
 def add_redraws(parser: Options, count: int = 2) -> None:
     """The option --redraws."""
     parser.add_argument(

@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     add_arrange,
     add_assets,
     add_device,
+    add_dressing,
     add_lists,
     add_output,
     add_part,
@@ -60,6 +61,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave tables, desks and worktops bare"
     )
+    add_dressing(parser)
     add_assets(parser)
     add_device(parser)
     parser.add_argument(
@@ -97,6 +99,7 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         style=options.style,
         tabletop=not options.no_tabletop,
+        dressing=not options.no_dressing,
         lists=not options.no_list,
         arrange=not options.no_arrange,
         redraws=options.redraws,
@@ -169,6 +172,7 @@ def _summary(
         "furniture": furniture,
         "items": furniture + tabletop,
         "tabletop": _tabletop(house, tabletop),
+        "dressing": len(house.graph.dressing),
         "openings": len(house.graph.openings),
         "redrawn": list(house.redrawn),
         "left_out": list(house.left_out),
@@ -198,8 +202,9 @@ def _text(data: dict[str, Any], holds: bool) -> str:
     told = "holds" if holds else "does not hold: chord-usd check says why"
     carried = data["tabletop"]["items"]
     small = f" and {carried} items on them" if carried else ""
+    dressed = f", dressed with {data['dressing']} things" if data["dressing"] else ""
     return (
-        f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture{small}, "
-        f"{data['openings']} doors, windows and passages, in {total:.1f} s\n"
+        f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture{small}"
+        f"{dressed}, {data['openings']} doors, windows and passages, in {total:.1f} s\n"
         f"certificate {told}"
     )

@@ -11,6 +11,7 @@ from chord_usd.commands.common import (
     add_arrange,
     add_assets,
     add_device,
+    add_dressing,
     add_lists,
     add_steps,
     add_style,
@@ -34,7 +35,7 @@ def add(verbs: Verbs) -> None:
     )
     parser.add_argument(
         "--keep", action="append", default=[], metavar="NAME",
-        help="a piece of the room that stays, such as Bed_0; may be given several times",
+        help="furniture or dressing that stays, such as Bed_0; may be given several times",
     )  # fmt: skip
     parser.add_argument(
         "--with", dest="wanted", action="append", metavar="PIECES",
@@ -59,6 +60,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
     )
+    add_dressing(parser)
     parser.add_argument(
         "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
     )
@@ -73,7 +75,8 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
     from chord_usd.arrange.rules import edits_told
     from chord_usd.lists.wishes import read_pieces
-    from chord_usd.pipeline import Settings, regenerate, require_lists, write_regenerated
+    from chord_usd.pipeline import Settings, require_lists
+    from chord_usd.pipeline.one_room import regenerate, write_regenerated
     from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import write_scene
 
@@ -86,6 +89,7 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         style=options.style or "",
         tabletop=not options.no_tabletop,
+        dressing=not options.no_dressing,
         lists=not options.no_list,
         arrange=not options.no_arrange,
     )
@@ -111,9 +115,8 @@ def run(options: argparse.Namespace) -> Outcome:
 
         report = check_stage(target, own=True)
     pieces = list(made.graph.items_of(made.room.id))
-    new_ids = {piece.id for piece in pieces} - made.kept_ids
+    new_ids = {piece.id for piece in made.new_items}
     furniture = len(pieces)
-    new = furniture - len(made.kept)
     seed = made.layout.provenance.seed
     data = {
         "stage": str(target),
@@ -122,11 +125,13 @@ def run(options: argparse.Namespace) -> Outcome:
         "style": made.style,
         "furniture": furniture,
         "items": furniture + sum(len(piece.children) for piece in pieces),
+        "dressing": sum(1 for _ in made.graph.dressing_of(made.room.id)),
         "kept": list(made.kept),
         "edits": [told for told in edits_told(made.graph) if told["item"] in new_ids],
         "seconds": watch.seconds,
         "certificate": certificate(report),
     }
     holds = "holds" if report.holds else "does not hold: chord-usd check says why"
+    new = len(made.new_items)
     text = f"{target}: {new} new pieces in {options.room}, seed {seed}\ncertificate {holds}"
     return Outcome(text, data)

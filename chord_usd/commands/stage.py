@@ -56,6 +56,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "style": graph.style,
         "rooms": len(graph.rooms),
         "furniture": len(graph.items),
+        "dressing": len(graph.dressing),
         "edits": edits_told(graph),
         "content_hash": stage.content_hash,
         "seconds": watch.seconds,

@@ -92,12 +92,15 @@ def items_seen(detections: Iterable[Detection], frame: PixelFrame) -> tuple[Item
 def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = ()) -> SceneGraph:
     """Give every item without a mesh the nearest one: same category, least difference in size.
 
-    Tabletop items too. Its box becomes what the mesh fills (fit.fitted_box); how far the mesh
-    missed the box asked for is one of its facts. Raises AssetError when the database has nothing
-    of a category. but: ids of items that stay as they are.
+    Tabletop items and dressing too. Its box becomes what the mesh fills (fit.fitted_box); how far
+    the mesh missed the box asked for is one of its facts. Raises AssetError when the database has
+    nothing of a category. but: ids of items that stay as they are.
     """
-    items = (item if item.id in but else _matched(item, database) for item in graph.items)
-    return replace(graph, items=tuple(items))
+    items, dressing = (
+        tuple(item if item.id in but else _matched(item, database) for item in all_)
+        for all_ in (graph.items, graph.dressing)
+    )
+    return replace(graph, items=items, dressing=dressing)
 
 
 def _matched(item: Item, database: Database) -> Item:

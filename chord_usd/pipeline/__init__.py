@@ -5,7 +5,7 @@ plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -24,7 +24,7 @@ from chord_usd.pipeline.loading import (
     load_models,
     load_reader,
 )
-from chord_usd.pipeline.redraw import Draw, arrange_drawn, furnish_again, mend_rooms
+from chord_usd.pipeline.redraw import Draw, arrange_drawn, mend_rooms
 from chord_usd.pipeline.settings import Settings
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
@@ -34,7 +34,6 @@ from chord_usd.scene.types import (
     LayoutImage,
     Plan,
     PlanImage,
-    Room,
     SceneGraph,
     StageFile,
 )
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
     from chord_usd.graph.tabletop import Tabletops, TopModel
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.list_sampler import ListDrawer
-    from chord_usd.lists.wishes import Asked, Wishes
+    from chord_usd.lists.wishes import Asked
     from chord_usd.pipeline.loading import Models
 
 
@@ -94,8 +93,8 @@ def generate(
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
     models: those of earlier houses with the same settings, but for the seed; by default they are
-    loaded. The stopwatch times plan, load, list, layout, graph, redraw, outliers, tabletop and
-    stage.
+    loaded. The stopwatch times plan, load, list, layout, graph, redraw, outliers, tabletop, dress
+    and stage.
     Raises ChordError.
     """
     from chord_usd.graph.match import match_assets
@@ -141,6 +140,10 @@ def generate(
             graph = tabletops.graph
     with watch.step("stage"):
         graph = settle(graph, settings)
+    if settings.dressing:
+        with watch.step("dress"):
+            graph = dress_rooms(graph, models.reader.database, settings)
+    with watch.step("stage"):
         built = {item.id for item in graph.items}
         later = (item.id for item in mended.graph.items if item.id not in built)
         left_out = (*mended.left_out, *later)
@@ -302,6 +305,27 @@ def settle(
     return arrange(Arrangement.of(graph, movable=movable), "meshed")
 
 
+def dress_rooms(
+    graph: SceneGraph,
+    database: AssetDatabase,
+    settings: Settings,
+    rooms: Collection[str] = (),
+    keep: Collection[str] = (),
+) -> SceneGraph:
+    """The graph with its rooms dressed anew, in its style or else that of the settings.
+
+    rooms: ids, by default all. keep: ids of dressing that stays as it is.
+    """
+    from importlib.util import find_spec
+
+    if find_spec("chord_usd.dressing") is None:
+        return graph
+    from chord_usd.dressing.dress import dress
+
+    style = style_named(graph.style or settings.style or MIXED, settings.seed)
+    return dress(graph, database, style, settings.seed, rooms, keep)
+
+
 def load_usd() -> None:
     """Import what writes stages, so that the time of the step is its own."""
     import chord_usd.stage.author  # noqa: F401
@@ -319,100 +343,6 @@ def in_style(graph: SceneGraph, style: HomeStyle) -> SceneGraph:
     made = graph.provenance
     configuration = {**made.configuration, "style": style.name}
     return replace(graph, style=style.name, provenance=replace(made, configuration=configuration))
-
-
-@dataclass(frozen=True, eq=False)
-class Regenerated:
-    """A house of which one room is to be furnished anew."""
-
-    source: Path
-    room_name: str
-    room: Room
-    before: LayoutImage
-    """The house as it stands, drawn from its stage."""
-    layout: LayoutImage
-    """The same with the room sampled anew; every pixel outside the room is that of before."""
-    graph: SceneGraph
-    """The house with the room's new furniture."""
-    kept: tuple[str, ...] = ()
-    """Names of the room's prims that stay as they are."""
-    kept_ids: frozenset[str] = frozenset()
-    """Their ids in the graph."""
-    style: str = ""
-    """Name of the style it is furnished in."""
-    home_seed: int = 0
-    """Seed of the house, by which its rooms agree."""
-
-
-def regenerate(
-    source: Path,
-    room_name: str,
-    settings: Settings | None = None,
-    stopwatch: Stopwatch | None = None,
-    seed: int | None = None,
-    *,
-    keep: Sequence[str] = (),
-    edits: Path | None = None,
-    wishes: Wishes | None = None,
-) -> Regenerated:
-    """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
-
-    room_name: name of the room's prim. seed: in place of that of settings; None takes the one
-    after the room's last. keep: names of prims of the room's furniture that stay; the rest is
-    sampled around them. edits: a layer over source in which things stand elsewhere; the house is
-    seen with it. wishes: what the room shall hold (lists.wishes.read_pieces). The stopwatch times
-    read, load, layout, graph, outliers and tabletop. Raises ChordError.
-    """
-    settings = settings or Settings()
-    watch = stopwatch or Stopwatch()
-    with watch.step("read"):
-        from chord_usd.graph.match import match_assets
-        from chord_usd.lists.wishes import asked_in
-        from chord_usd.stage.refurnish import read_edited_house, read_house
-
-        house = read_edited_house(edits, source) if edits else read_house(source)
-        room = house.room(room_name, source)
-        kept_ids = house.furniture(room_name, keep, source)
-        seed = house.seeds[room_name] + 1 if seed is None else seed
-        kept_items = [item for item in house.graph.items_of(room.id) if item.id in kept_ids]
-        asked = {}
-        if wishes and any(wishes):
-            asked[room.id] = asked_in(room_name, room, wishes, kept_items)
-    style = style_named(settings.style or house.graph.style or MIXED, house.seed)
-    with watch.step("load"):
-        models = load_models(settings).in_style(style.name)
-    own = replace(settings, seed=seed)
-    plan_image = draw_plan(house.graph.plan)
-    draw = sampling(own, models.lists, asked)
-    drawn, graph = furnish_again(
-        house.graph, room, plan_image, models.layout, models.reader.read, draw, kept_ids, watch
-    )
-    others = {item.id for item in house.graph.items if item.room_id != room.id}
-    graph = match_assets(graph, models.reader.database, but=others | kept_ids)
-    with watch.step("outliers"):
-        graph = score_outliers(graph, plan_image, models.layout)
-    if models.table:
-        with watch.step("tabletop") as progress:
-            database, rooms = models.reader.database, (room.id,)
-            graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
-    graph = settle(graph, own, (room.id,), kept_ids)
-    return Regenerated(
-        source, room_name, room, drawn.before, drawn.layout, graph, tuple(keep), kept_ids,
-        style.name, house.seed,
-    )  # fmt: skip
-
-
-def write_regenerated(made: Regenerated, target: Path) -> StageFile:
-    """Write the stage with its one room changed; target may be the stage it came from."""
-    from chord_usd.stage.refurnish import NewFurniture, refurnish
-
-    items = tuple(i for i in made.graph.items_of(made.room.id) if i.id not in made.kept_ids)
-    openings = made.graph.openings
-    new = NewFurniture(
-        made.room_name, made.room, items, made.graph.provenance, openings, made.kept,
-        made.style, made.home_seed,
-    )  # fmt: skip
-    return refurnish(made.source, target, new)
 
 
 def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:

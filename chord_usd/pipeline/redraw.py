@@ -56,7 +56,7 @@ _WISHED = 1.0
 _BARRED = frozenset(("overlap", "before an opening", "out of room"))
 """What no piece that was wished for may have wrong."""
 
-_TOUCH_M2 = 1e-4
+TOUCH_M2 = 1e-4
 """Footprints that share less only touch."""
 
 
@@ -372,7 +372,7 @@ def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]
     for item in new:
         mount, shape = category(item.category).mount, footprint_polygon(item.box)
         if any(
-            mount is other and shape.intersection(taken).area > _TOUCH_M2 for other, taken in kept
+            mount is other and shape.intersection(taken).area > TOUCH_M2 for other, taken in kept
         ):
             continue
         stem, number = item.id.rsplit("_", 1)

@@ -10,10 +10,11 @@ Our reading of what the listing leaves open:
 - `roomType` 0 is the outline of the house. It is no room: it travels in `extra["outRooms"]`.
 - Keys not known here travel in `extra` of their element and are written again.
 
-A scene graph adds `id`, `roomId` (`roomIds` for openings), `asset`, `score`, `children` (posed in
-their parent's frame) and `provenance`. Where ids or rooms are missing they are filled in: ids by
-count, rooms by where things stand. Numbers are written to 1e-6 cm, so that writing what was read
-gives the same text again.
+A scene graph adds `style`, `dressing` (elements as those of `furniture`, of categories of the
+dressing level), `provenance`, and to elements `id`, `roomId` (`roomIds` for openings), `asset`,
+`score`, `rests_on` and `children` (posed in their parent's frame). Where ids or rooms are missing
+they are filled in: ids by count, rooms by where things stand. Numbers are written to 1e-6 cm, so
+that writing what was read gives the same text again.
 
 read_plan and plan_from_json raise PlanError, read_scene and scene_from_json SceneError; both name
 the file, the element and the key.
@@ -37,8 +38,8 @@ from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.json_text import parse_json
-from chord_usd.scene import palette
 from chord_usd.scene.geometry import Floors, extent_m, footprint_polygon, rooms_beside
+from chord_usd.scene.json_categories import read_category, read_style, refuse_loose_ends, spelling
 from chord_usd.scene.json_elements import Element, Names, shown
 from chord_usd.scene.json_facts import FACT_KEYS, facts_to_json, read_facts
 from chord_usd.scene.limits import (
@@ -52,7 +53,6 @@ from chord_usd.scene.limits import (
 )
 from chord_usd.scene.palette import Level
 from chord_usd.scene.room_names import room_kind
-from chord_usd.scene.styles import STYLES
 from chord_usd.scene.types import (
     ROOM_KINDS,
     WALL_THICKNESS_M,
@@ -81,6 +81,7 @@ _DEEPEST_OVERLAP_M = WALL_THICKNESS_M
 
 _CM_DECIMALS = 6
 
+_HOUSE_KEYS = ("rooms", "windowsDoors", "furniture", "dressing", "style", "provenance")
 _BOX_KEYS = ("pos", "length", "width", "height", "rotate")
 _ROOM_KEYS = ("roomId", "roomName", "roomType", "roomKind", "wallPoints")
 _OPENING_KEYS = ("type", *_BOX_KEYS, "id", "roomIds")
@@ -124,9 +125,21 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     names = Names("furniture", MOST_ITEMS)
     elements = house.elements("furniture", "furniture", MOST_ITEMS)
     items = tuple(_read_item(element, names, floors) for element in elements)
-    style = house.choice("style", tuple(STYLES)) if house.has("style") else ""
-    extra.pop("style", None)
-    return SceneGraph(floors.rooms, openings, items, _read_provenance(house), extra, style=style)
+    return SceneGraph(
+        floors.rooms, openings, items, _read_provenance(house), extra,
+        _read_dressing(house, names, floors, items), read_style(house),
+    )  # fmt: skip
+
+
+def _read_dressing(
+    house: Element, names: Names, floors: Floors, items: Sequence[Item]
+) -> tuple[Item, ...]:
+    if not house.has("dressing"):
+        return ()
+    elements = house.elements("dressing", "dressing", MOST_ITEMS)
+    dressing = tuple(_read_item(one, names, floors, level=Level.DRESSING) for one in elements)
+    refuse_loose_ends(elements, dressing, items)
+    return dressing
 
 
 def _load(path: Path, error: type[ChordError]) -> object:
@@ -156,7 +169,7 @@ def _read_shell(house: Element) -> tuple[Floors, tuple[Opening, ...], dict[str, 
     names = Names("opening", MOST_OPENINGS)
     elements = house.elements("windowsDoors", "opening", MOST_OPENINGS)
     openings = tuple(_read_opening(element, names, floors) for element in elements)
-    extra = house.rest(("rooms", "windowsDoors", "furniture", "provenance"))
+    extra = house.rest(_HOUSE_KEYS)
     if out_rooms:
         extra[OUT_ROOMS] = out_rooms
     return floors, openings, extra
@@ -246,7 +259,7 @@ def _refuse_overlaps(floors: Floors, house: Element) -> None:
 
 def _read_opening(element: Element, names: Names, floors: Floors) -> Opening:
     kinds = get_args(OpeningKind)
-    spelled = _spelling(element.text("type"))
+    spelled = spelling(element.text("type"))
     kind = _OPENING_SYNONYMS.get(spelled, spelled)
     if kind not in kinds:
         raise element.error(
@@ -263,8 +276,14 @@ def _read_opening(element: Element, names: Names, floors: Floors) -> Opening:
     return Opening(opening_id, kind, box, room_ids, element.rest(_OPENING_KEYS))  # type: ignore[arg-type]
 
 
-def _read_item(element: Element, names: Names, floors: Floors, parent: Item | None = None) -> Item:
-    category = _read_category(element, is_child=parent is not None)
+def _read_item(
+    element: Element,
+    names: Names,
+    floors: Floors,
+    parent: Item | None = None,
+    level: Level = Level.HOUSE,
+) -> Item:
+    category = read_category(element, level, is_child=parent is not None)
     box = _read_box(element)
     if element.has("roomId"):
         room_id = element.text("roomId")
@@ -284,25 +303,6 @@ def _read_item(element: Element, names: Names, floors: Floors, parent: Item | No
     return Item(item_id, category, box, room_id, asset, children, score, facts, extra)
 
 
-def _read_category(element: Element, *, is_child: bool) -> str:
-    given = element.text("type")
-    try:
-        row = palette.category(_spelling(given))
-    except SceneError as problem:
-        raise element.error(
-            f"unknown category '{shown(given)}'", expected=problem.expected, try_=problem.try_
-        ) from None
-    if row.level is Level.PLAN:
-        raise element.error(f"'{given}' is no furniture", try_="move it to windowsDoors")
-    if row.level is Level.TABLE and not is_child:
-        raise element.error(
-            f"'{shown(given)}' is a tabletop category",
-            expected="a piece that stands in the room",
-            try_="put it into the children of what carries it",
-        )
-    return row.name
-
-
 def _read_box(element: Element) -> Box:
     x, y, z = (m_from_cm(value) for value in element.numbers("pos", 3))
     length, width, height = (m_from_cm(element.size(key)) for key in ("length", "width", "height"))
@@ -318,6 +318,7 @@ def _read_asset(element: Element) -> Asset:
         usd_path=element.path("usdPath"),
         licence=element.text("licence") if element.has("licence") else "",
         author=element.text("author") if element.has("author") else "",
+        styles=element.texts("styles") if element.has("styles") else (),
     )
 
 
@@ -364,10 +365,6 @@ def _room_under(box: Box, floors: Floors) -> str:
     return best if best and shared[best] > 0 else ""
 
 
-def _spelling(name: str) -> str:
-    return re.sub(r"[\s_-]+", "_", name.strip().lower())
-
-
 # Writing -----------------------------------------------------------------------------------------
 
 
@@ -390,11 +387,13 @@ def scene_to_json(graph: SceneGraph) -> dict[str, Any]:
     """The JSON object of a scene graph; scene_from_json gives it back."""
     data = _shell_to_json(graph.rooms, graph.openings, graph.extra)
     data["furniture"] = [_item_to_json(item) for item in graph.items]
+    if graph.dressing:
+        data["dressing"] = [_item_to_json(item) for item in graph.dressing]
+    if graph.style:
+        data["style"] = graph.style
     if graph.provenance != Provenance():
         values = asdict(graph.provenance).values()
         data["provenance"] = dict(zip(_PROVENANCE_KEYS, values, strict=True))
-    if graph.style:
-        data["style"] = graph.style
     return data
 
 
@@ -460,6 +459,7 @@ def _asset_to_json(asset: Asset) -> dict[str, Any]:
         "usdPath": asset.usd_path.as_posix(),
         "licence": asset.licence,
         "author": asset.author,
+        **({"styles": list(asset.styles)} if asset.styles else {}),
     }
 
 

@@ -22,7 +22,13 @@ from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.cameras import set_cameras
-from chord_usd.stage.furniture import extent_of, place_furniture
+from chord_usd.stage.furniture import (
+    DRESSING,
+    FURNITURE,
+    extent_of,
+    place_dressing,
+    place_furniture,
+)
 from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_light
 from chord_usd.stage.look_variants import wear_looks
@@ -133,6 +139,8 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
         for room in house.rooms:
             floor = walls.floors_m[room.index]
             place_furniture(layer, room, assets, Path(scratch), wardrobe)
+            if house.graph.dressing:
+                place_dressing(layer, room, assets, Path(scratch), wardrobe)
             lamps.append(hang_light(layer, room, walls))
             wear_looks(layer, room, floor, house.looks, materials, house.seed)
     set_lighting(layer, lamps, walls, architecture)
@@ -212,17 +220,21 @@ def _set_render(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
 
 
 def _hint_house(layer: Sdf.Layer, shell_m: FloatArray, graph: SceneGraph) -> None:
-    """Bounds and the furniture collection, once everything is in place."""
+    """Bounds and collections, once everything is in place."""
     house = layer.GetPrimAtPath("/House")
     extents = np.array([shell_m, extent_of(graph.items)] if graph.items else [shell_m])
     hint_extent(house, np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)]))
-    apply_schema(house, "CollectionAPI:furniture")
+    _collect(layer, FURNITURE)
+    if graph.dressing:
+        _collect(layer, DRESSING)
+
+
+def _collect(layer: Sdf.Layer, group: str) -> None:
+    """A collection of the house: the groups of this name of all rooms."""
+    house, name = layer.GetPrimAtPath("/House"), group.lower()
+    apply_schema(house, f"CollectionAPI:{name}")
     rooms = layer.GetPrimAtPath("/House/Rooms").nameChildren
-    relate(
-        house,
-        "collection:furniture:includes",
-        [room.path.AppendChild("Furniture") for room in rooms],
-    )
+    relate(house, f"collection:{name}:includes", [room.path.AppendChild(group) for room in rooms])
 
 
 def _pack(house: _House, target: Path, final: Path) -> str:

@@ -72,7 +72,7 @@ class Body:
     path: str
     solids: tuple[Solid, ...]
     parent: str = ""
-    """Path of the body that carries it, where it is a tabletop item."""
+    """Path of the body that carries it, where it is a tabletop item or dressing."""
 
     @cached_property
     def bounds_m(self) -> FloatArray:

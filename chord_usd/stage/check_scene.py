@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -33,6 +33,7 @@ from chord_usd.scene.types import (
 from chord_usd.scene.units import wrap_deg
 from chord_usd.stage.check_contact import Body, Solid
 from chord_usd.stage.check_rules import NODE_ID
+from chord_usd.stage.furniture import DRESSING, FURNITURE
 from chord_usd.stage.mesh import fans
 
 CATEGORY = "chord:category"
@@ -41,6 +42,9 @@ SIZE = "chord:size_m"
 
 OOD_NOTE = "chord:ood"
 """Attribute of the prims of items that the layout model was asked about."""
+
+RESTS_ON = "chord:rests_on"
+"""Attribute of the prims of dressing: node id of what carries it."""
 
 _KINDS: dict[str, OpeningKind] = {"door": "door", "window": "window", "passage": "passage"}
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -54,7 +58,7 @@ class StageScene:
     graph: SceneGraph
     """Ids are prim paths; items have no assets."""
     items: tuple[Body, ...]
-    """One per item, tabletop items included; path is the item's id."""
+    """One per item, tabletop items and dressing included; path is the item's id."""
     walls: tuple[Body, ...]
     ground: tuple[Body, ...]
     """Floors and thresholds."""
@@ -65,8 +69,14 @@ def read_scene(stage: Usd.Stage) -> StageScene:
     reader = _Reader(stage)
     for prim in _children(stage.GetDefaultPrim(), "Rooms"):
         reader.read_room(prim)
+    reader.tell_carriers()
     return StageScene(
-        graph=SceneGraph(tuple(reader.rooms), tuple(reader.openings), tuple(reader.items)),
+        graph=SceneGraph(
+            tuple(reader.rooms),
+            tuple(reader.openings),
+            tuple(reader.items),
+            dressing=tuple(reader.dressing),
+        ),
         items=tuple(reader.bodies),
         walls=_meshed(reader.walls),
         ground=_meshed(reader.ground),
@@ -85,10 +95,24 @@ class _Reader:
         self.rooms: list[Room] = []
         self.openings: list[Opening] = []
         self.items: list[Item] = []
+        self.dressing: list[Item] = []
         self.bodies: list[Body] = []
         self.walls: list[Body] = []
         self.ground: list[Body] = []
         self._transforms = UsdGeom.XformCache()
+        self._paths: dict[str, str] = {}
+        """Of items, by node id."""
+
+    def tell_carriers(self) -> None:
+        """Let dressing name what it rests on by its path, once all is read."""
+        carriers = {
+            item.id: self._paths.get(item.facts.rests_on or "", "") for item in self.dressing
+        }
+        self.dressing = [one.found(rests_on=carriers[one.id] or None) for one in self.dressing]
+        self.bodies = [
+            replace(body, parent=carriers[body.path]) if carriers.get(body.path) else body
+            for body in self.bodies
+        ]
 
     def read_room(self, prim: Usd.Prim) -> None:
         path = str(prim.GetPath())
@@ -105,10 +129,11 @@ class _Reader:
         polygon = _outline(floors)
         if polygon is not None:
             self.rooms.append(Room(path, _room_kind(prim), polygon, name=prim.GetName()))
-        for part in _children(prim, "Furniture"):
-            item = self._read_item(part, path, carrier=None)
-            if item is not None:
-                self.items.append(item)
+        for group, things in ((FURNITURE, self.items), (DRESSING, self.dressing)):
+            for part in _children(prim, group):
+                item = self._read_item(part, path, carrier=None)
+                if item is not None:
+                    things.append(item)
 
     def _read_opening(self, prim: Usd.Prim) -> None:
         kind = _KINDS[_text(prim, CATEGORY)]
@@ -137,6 +162,7 @@ class _Reader:
         if not body.solids:
             return None
         self.bodies.append(body)
+        self._paths[_text(piece, NODE_ID)] = body.path
         children = (self._read_item(child, room, body) for child in carried)
         # Overlap is compared among what stands on one table, so the world's frame serves as well.
         return Item(
@@ -180,7 +206,9 @@ def _text(prim: Usd.Prim, name: str) -> str:
 
 def _facts(prim: Usd.Prim) -> Facts:
     noted = prim.GetAttribute(OOD_NOTE).Get() if prim.HasAttribute(OOD_NOTE) else None
-    return Facts(ood=noted if isinstance(noted, float) else None)
+    return Facts(
+        ood=noted if isinstance(noted, float) else None, rests_on=_text(prim, RESTS_ON) or None
+    )
 
 
 def _room_kind(prim: Usd.Prim) -> RoomKind:

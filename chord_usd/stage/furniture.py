@@ -1,4 +1,4 @@
-"""Furniture and what stands on it: placed references to components.
+"""Furniture, what stands on it, and dressing: placed references to components.
 
 A component may not contain a component, so a piece that carries others becomes a group: the group
 holds the placement, beside the piece itself stand its Items. Everything else is one reference.
@@ -14,9 +14,8 @@ import numpy as np
 from pxr import Sdf
 
 from chord_usd.scene.geometry import footprint
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import Asset, Box, FloatArray, Item, Room
-from chord_usd.stage.variants import Wardrobe
+from chord_usd.scene.palette import Level, category
+from chord_usd.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
 from chord_usd.stage.packages import Packages
@@ -36,9 +35,14 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
+from chord_usd.stage.variants import Wardrobe
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
+
+
+FURNITURE, DRESSING = "Furniture", "Dressing"
+"""Names of the groups of a room that hold its things."""
 
 
 def place_furniture(
@@ -49,17 +53,27 @@ def place_furniture(
     scratch: a folder that is thrown away later, where a placeholder can be drawn. wardrobe: which
     variants of its components the furniture wears.
     """
-    shop = _Shop(room.room, assets, scratch, wardrobe)
-    furniture = define(layer, f"/House/Rooms/{room.name}/Furniture", "Xform", kind="group")
-    for named in room.items:
-        _place(layer, furniture.path, named, shop)
+    _place_all(layer, FURNITURE, room.items, _Shop(room, assets, scratch, wardrobe))
+
+
+def place_dressing(
+    layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path, wardrobe: Wardrobe
+) -> None:
+    """Write the Dressing group of a room; arguments as place_furniture takes."""
+    _place_all(layer, DRESSING, room.dressing, _Shop(room, assets, scratch, wardrobe))
+
+
+def _place_all(layer: Sdf.Layer, name: str, items: Iterable[NamedItem], shop: _Shop) -> None:
+    group = define(layer, f"/House/Rooms/{shop.named.name}/{name}", "Xform", kind="group")
+    for named in items:
+        _place(layer, group.path, named, shop)
 
 
 @dataclass(frozen=True)
 class _Shop:
     """Where the components of a room come from."""
 
-    room: Room
+    named: NamedRoom
     assets: Packages
     scratch: Path
     wardrobe: Wardrobe
@@ -97,7 +111,7 @@ def _refer(
     asset = item.asset or _placeholder(shop.scratch)
     prim = define(layer, path, "Xform", kind="component", name=category(item.category).label)
     prim.referenceList.prependedItems.append(Sdf.Reference(shop.assets.add(asset.usd_path)))
-    for variant_set, variant in shop.wardrobe.selections(item, shop.room).items():
+    for variant_set, variant in shop.wardrobe.selections(item, shop.named.room).items():
         prim.variantSelections[variant_set] = variant
     prim.instanceable = True
     box: Box = item.box
@@ -110,6 +124,10 @@ def _refer(
     note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
     if item.facts.ood is not None:
         note(prim, ood=item.facts.ood)
+    if category(item.category).level is Level.DRESSING:
+        note(prim, level=Level.DRESSING.value)
+    if item.facts.rests_on is not None:
+        note(prim, rests_on=item.facts.rests_on)
     _note_origin(prim, item)
     note_size(prim, box.size_m)
     let_move(prim, item)

@@ -58,6 +58,7 @@ class NamedRoom:
     room: Room
     items: tuple[NamedItem, ...]
     openings: tuple[NamedOpening, ...]
+    dressing: tuple[NamedItem, ...] = ()
 
 
 def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
@@ -74,16 +75,24 @@ def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
         )
     names = _numbered([ROOM_LABELS[room.kind] for room in graph.rooms])
     place = _Places(graph.rooms)
-    items: list[list[Item]] = [[] for _ in graph.rooms]
-    for item in graph.items:
-        items[place.owner((item.room_id,), item.box.center_m)].append(item)
+    items, dressing = _by_room(graph.items, place), _by_room(graph.dressing, place)
     openings: list[list[Opening]] = [[] for _ in graph.rooms]
     for opening in graph.openings:
         openings[place.owner(opening.room_ids, opening.box.center_m)].append(opening)
     return tuple(
-        NamedRoom(index, names[index], room, name_items(items[index]), _openings(openings[index]))
+        NamedRoom(
+            index, names[index], room, name_items(items[index]), _openings(openings[index]),
+            name_items(dressing[index]),
+        )
         for index, room in enumerate(graph.rooms)
-    )
+    )  # fmt: skip
+
+
+def _by_room(items: Iterable[Item], place: _Places) -> list[list[Item]]:
+    rooms: list[list[Item]] = [[] for _ in place.floors]
+    for item in items:
+        rooms[place.owner((item.room_id,), item.box.center_m)].append(item)
+    return rooms
 
 
 def name_items(items: Sequence[Item], taken: Collection[str] = ()) -> tuple[NamedItem, ...]:
@@ -127,12 +136,12 @@ class _Places:
     def __init__(self, rooms: Sequence[Room]) -> None:
         # The first of several with the same id.
         self._index_of = {room.id: index for index, room in reversed(list(enumerate(rooms)))}
-        self._floors = [room_polygon(room) for room in rooms]
+        self.floors = [room_polygon(room) for room in rooms]
 
     def owner(self, room_ids: Sequence[str], at_m: tuple[float, float, float]) -> int:
         """Index of the first room named, else of the nearest one."""
         for room_id in room_ids:
             if room_id in self._index_of:
                 return self._index_of[room_id]
-        distances = shapely.distance(self._floors, Point(at_m[:2]))
+        distances = shapely.distance(self.floors, Point(at_m[:2]))
         return int(np.argmin(distances))

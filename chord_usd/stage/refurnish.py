@@ -1,4 +1,5 @@
-"""New furniture for one room of a written stage; every other opinion stays as it is, byte for byte.
+"""New furniture and dressing for one room of a written stage; every other opinion stays as it is,
+byte for byte.
 
 The stage's own layer is edited and not written anew, so that what an artist has changed elsewhere,
 looks chosen and lights moved, survives.
@@ -24,13 +25,13 @@ from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.styles import style_named
-from chord_usd.scene.types import Item, Opening, Provenance, Room, SceneGraph, StageFile
+from chord_usd.scene.types import Asset, Item, Opening, Provenance, Room, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import EYE_M, choose_view
 from chord_usd.stage.check_rules import NODE_ID
-from chord_usd.stage.check_scene import read_scene
-from chord_usd.stage.furniture import place_furniture
+from chord_usd.stage.check_scene import CATEGORY, read_scene
+from chord_usd.stage.furniture import DRESSING, place_dressing, place_furniture
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
@@ -51,20 +52,26 @@ class StagedHouse:
 
     graph: SceneGraph
     """As it stands: boxes from meshes and transforms, ids as the author noted them. Items have no
-    assets."""
+    assets, so that rules leave them as they are."""
     room_ids: dict[str, str]
     """Id of each room by the name of its prim, such as Bedroom_0."""
     seeds: dict[str, int]
     """The seed each room was furnished with, by the name of its prim."""
     item_ids: dict[str, str]
-    """Id of each item by the path of its prim, or of the group around it."""
-    seed: int = 0
+    """Id of each piece of furniture or dressing by the path of its prim, or of the group around
+    it."""
+    is_dressed: bool
+    """Whether its rooms have groups for dressing."""
+    seed: int
     """Seed of the house."""
+    assets: dict[str, Asset]
+    """By id of a thing that wears one; none of those packed in an archive."""
 
-    def furniture(self, room_name: str, names: Sequence[str], where: Path) -> frozenset[str]:
-        """Ids of pieces of a room by the names of their prims. Raises StageError."""
-        group = f"/House/Rooms/{room_name}/Furniture/"
-        own = {p.removeprefix(group): i for p, i in self.item_ids.items() if p.startswith(group)}
+    def kept(self, room_name: str, names: Sequence[str], where: Path) -> dict[str, str]:
+        """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
+        they rest on. Raises StageError."""
+        room = f"/House/Rooms/{room_name}/"
+        own = {p.split("/")[-1]: i for p, i in self.item_ids.items() if p.startswith(room)}
         for name in names:
             if name not in own:
                 near = get_close_matches(name, own, n=1)
@@ -74,7 +81,15 @@ class StagedHouse:
                     expected=f"one of {', '.join(own)}" if own else "a room with furniture",
                     try_=f"--keep {near[0]}" if near else "",
                 )
-        return frozenset(own[name] for name in names)
+        name_of = {item_id: name for name, item_id in own.items()}
+        carriers = {item.id: item.facts.rests_on for item in self.graph.dressing}
+        found: dict[str, str] = {}
+        for name in names:
+            item_id: str | None = own[name]
+            while item_id in name_of and item_id not in found:
+                found[item_id] = name_of[item_id]
+                item_id = carriers.get(item_id)
+        return found
 
     def room(self, name: str, where: Path) -> Room:
         """The room whose prim has this name. Raises StageError, suggesting the nearest."""
@@ -130,8 +145,13 @@ def _house_of(stage: Usd.Stage, path: Path) -> StagedHouse:
         own = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
         seeds[room.name] = int(own.Get()) if own else house_seed
     room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
-    item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in graph.items}
-    return StagedHouse(_with_noted_ids(graph, noted), room_ids, seeds, item_ids, house_seed)
+    things = (*graph.items, *graph.dressing)
+    item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in things}
+    is_dressed = any(stage.GetPrimAtPath(f"{room.id}/{DRESSING}") for room in graph.rooms)
+    worn = {noted_id: _asset_of(stage.GetPrimAtPath(at)) for at, noted_id in noted.items()}
+    assets = {item_id: asset for item_id, asset in worn.items() if asset}
+    graph = _with_noted_ids(graph, noted)
+    return StagedHouse(graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets)
 
 
 def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
@@ -139,6 +159,20 @@ def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
     layers = (layer for layer in stage.GetUsedLayers())
     found = [layer.customLayerData["chord"] for layer in layers if "chord" in layer.customLayerData]
     return dict(stage.GetRootLayer().customLayerData.get("chord", found[0] if found else {}))
+
+
+def _asset_of(prim: Usd.Prim) -> Asset | None:
+    arcs = Usd.PrimCompositionQuery.GetDirectReferences(prim).GetCompositionArcs()
+    if not arcs:
+        return None
+    layer = arcs[0].GetTargetLayer()
+    file = Path(layer.realPath)
+    hint = layer.GetAttributeAtPath(f"/{layer.defaultPrim}.extentsHint")
+    if hint is None or len(hint.default or ()) < 2 or not file.is_file():
+        return None
+    length, width, height = (float(side) for side in hint.default[1] - hint.default[0])
+    category = str(prim.GetAttribute(CATEGORY).Get() or "")
+    return Asset(file.stem, category, (length, width, height), file)
 
 
 def _placed(path: str) -> str:
@@ -156,6 +190,8 @@ class NewFurniture:
     items: Sequence[Item]
     """Posed in the world, as in the scene graph."""
     made: Provenance
+    dressing: Sequence[Item] = ()
+    """Of a house that is dressed; others stay undressed."""
     openings: Sequence[Opening] = ()
     """Of the house; nothing is hung over them."""
     kept: Sequence[str] = ()
@@ -207,6 +243,7 @@ def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
             id=noted.get(one.id, one.id),
             room_id=noted.get(one.room_id, one.room_id),
             children=tuple(map(item, one.children)),
+            facts=replace(one.facts, rests_on=noted.get(one.facts.rests_on or "")),
         )
 
     return replace(
@@ -214,6 +251,7 @@ def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
         rooms=tuple(replace(room, id=noted.get(room.id, room.id)) for room in graph.rooms),
         openings=tuple(replace(one, id=noted.get(one.id, one.id)) for one in graph.openings),
         items=tuple(map(item, graph.items)),
+        dressing=tuple(map(item, graph.dressing)),
     )
 
 
@@ -286,17 +324,21 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
             where=str(path),
             expected="the stage as chord-usd wrote it, not one that refers to it",
         )
-    for name in list(furniture.nameChildren.keys()):
-        if name not in new.kept:
-            del furniture.nameChildren[name]
-    items = name_items(new.items, taken=new.kept)
-    named = NamedRoom(0, new.room_name, new.room, items, ())
+    dressing = furniture.nameParent.nameChildren.get(DRESSING)
+    for group in (furniture, dressing):
+        for name in list(group.nameChildren.keys()) if group else ():
+            if name not in new.kept:
+                del group.nameChildren[name]
+    items, hung = (name_items(things, taken=new.kept) for things in (new.items, new.dressing))
+    named = NamedRoom(0, new.room_name, new.room, items, (), hung)
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
         style = style_named(new.style, new.home_seed) if new.style else None
         home = style.agreed(new.home_seed) if style else None
         wardrobe = Wardrobe(new.made.seed, new.openings, style, home)
         packages = Packages(path.parent, finals, "assets")
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
+        if dressing:
+            place_dressing(layer, named, packages, Path(scratch), wardrobe)
     _note_making(furniture, new.made)
     _clear_camera(layer, new)
     layer.Save()

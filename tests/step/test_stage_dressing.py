@@ -1,0 +1,148 @@
+"""Dressing on a stage: a level of its own that can be left out, left unloaded, and read back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Sdf, Usd, UsdGeom
+
+from chord_usd.scene.types import Asset, Box, Facts, Item, Provenance, SceneGraph
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
+
+
+@pytest.fixture(scope="module")
+def dressed_graph(staged_graph: SceneGraph, block: Asset) -> SceneGraph:
+    """The shared house with a bowl on a table of each room that has furniture, and a vase."""
+    dressing = []
+    for room in staged_graph.rooms:
+        for item in list(staged_graph.items_of(room.id))[:1]:
+            x, y, z = item.box.center_m
+            top = (x, y, z + item.box.size_m[2])
+            dressing += [
+                Item(
+                    f"{room.id}/dressing/bowl_0", "bowl", Box(top, (0.2, 0.2, 0.1), 0.0), room.id,
+                    asset=block, facts=Facts(rests_on=item.id),
+                ),
+                Item(
+                    f"{room.id}/dressing/floor_plant_0", "floor_plant",
+                    Box((*room.polygon_m.mean(axis=0), 0.0), (0.3, 0.3, 1.0), 0.0), room.id,
+                ),
+            ]  # fmt: skip
+    return replace(staged_graph, dressing=tuple(dressing), style="modern")
+
+
+@pytest.fixture(scope="module")
+def dressed_house(dressed_graph: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return author_stage(
+        dressed_graph, tmp_path_factory.mktemp("dressed") / "house.usda", seed=3
+    ).path
+
+
+def groups(stage: Usd.Stage) -> list[Usd.Prim]:
+    rooms = stage.GetPrimAtPath("/House/Rooms").GetChildren()
+    return [room.GetChild("Dressing") for room in rooms]
+
+
+def test_without_its_groups_it_is_the_undressed_house(
+    dressed_house: Path, staged_house: Path
+) -> None:
+    layer = Sdf.Layer.OpenAsAnonymous(str(dressed_house))
+    for room in layer.GetPrimAtPath("/House/Rooms").nameChildren:
+        del room.nameChildren["Dressing"]
+    house = layer.GetPrimAtPath("/House")
+    house.RemoveProperty(house.relationships["collection:dressing:includes"])
+    schemas = house.GetInfo("apiSchemas").prependedItems
+    kept = [name for name in schemas if name != "CollectionAPI:dressing"]
+    house.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=kept))
+    undressed = Sdf.Layer.OpenAsAnonymous(str(staged_house))
+    assert layer.ExportToString() == undressed.ExportToString()
+    for file in (staged_house.parent / "house_architecture").iterdir():
+        assert (dressed_house.parent / "house_architecture" / file.name).read_bytes() == (
+            file.read_bytes()
+        )
+
+
+def test_each_thing_is_an_instance_that_says_what_it_is(
+    dressed_house: Path, dressed_graph: SceneGraph
+) -> None:
+    stage = Usd.Stage.Open(str(dressed_house))
+    found = [prim for group in groups(stage) for prim in group.GetChildren()]
+    assert {prim.GetAttribute("chord:node_id").Get() for prim in found} == {
+        item.id for item in dressed_graph.dressing
+    }
+    for prim in found:
+        assert prim.IsInstance()
+        assert Usd.ModelAPI(prim).GetKind() == "component"
+        assert prim.GetAttribute("chord:level").Get() == "dressing"
+        category = prim.GetAttribute("chord:category").Get()
+        assert prim.GetAttribute("semantics:labels:category").Get() == [category]
+    bowls = [prim for prim in found if prim.GetName() == "Bowl_0"]
+    assert len({prim.GetPrototype().GetPath() for prim in bowls}) == 1
+    assert all(bowl.GetAttribute("chord:rests_on").Get() for bowl in bowls)
+    house = Usd.CollectionAPI(stage.GetDefaultPrim(), "dressing")
+    assert all(house.ComputeMembershipQuery().IsPathIncluded(prim.GetPath()) for prim in found)
+    order = [
+        child.GetName()
+        for child in stage.GetPrimAtPath("/House/Rooms").GetChildren()[0].GetChildren()
+    ]
+    assert order == ["Architecture", "Furniture", "Dressing", "Lights"]
+
+
+def test_it_may_stay_unloaded_and_keeps_its_bounds(dressed_house: Path) -> None:
+    def bounds(stage: Usd.Stage, path: Sdf.Path) -> np.ndarray:
+        cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"], useExtentsHint=True)
+        box = cache.ComputeWorldBound(stage.GetPrimAtPath(path)).ComputeAlignedRange()
+        return np.array([box.GetMin(), box.GetMax()])
+
+    loaded = Usd.Stage.Open(str(dressed_house))
+    bare = Usd.Stage.Open(str(dressed_house), Usd.Stage.LoadNone)
+    for group in groups(loaded):
+        assert np.allclose(bounds(loaded, group.GetPath()), bounds(bare, group.GetPath()))
+        loaded.Unload(group.GetPath())
+        assert not any(
+            prim.IsA(UsdGeom.Mesh)
+            for prim in Usd.PrimRange(group, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate))
+        )
+
+
+def test_what_is_read_is_what_was_written(dressed_house: Path, dressed_graph: SceneGraph) -> None:
+    house = read_house(dressed_house)
+
+    def told(graph: SceneGraph) -> set[tuple[object, ...]]:
+        return {
+            (item.id, item.category, item.room_id, item.facts.rests_on,
+             *np.round(item.box.center_m, 3), *np.round(item.box.size_m, 3))
+            for item in graph.dressing
+        }  # fmt: skip
+
+    assert house.is_dressed
+    assert told(house.graph) == told(dressed_graph)
+
+
+def test_a_room_is_dressed_anew_and_the_others_stay(
+    dressed_house: Path, block: Asset, tmp_path: Path
+) -> None:
+    house = read_house(dressed_house)
+    name = next(name for name, one in house.room_ids.items() if any(house.graph.dressing_of(one)))
+    room = house.room(name, dressed_house)
+    kept = house.kept(name, ["Bowl_0"], dressed_house)
+    assert len(kept) == 2, "what the bowl stands on stays, too"
+    box = Box((*room.polygon_m.mean(axis=0), 0.0), (0.2, 0.2, 0.3), 0.0)
+    vase = Item("v", "vase", box, room.id, asset=block)
+    new = NewFurniture(name, room, (), Provenance(seed=9), (vase,), kept=tuple(kept.values()))
+    target = refurnish(dressed_house, tmp_path / "house.usda", new).path
+    after = read_house(target).graph
+    assert {item.category for item in after.dressing_of(room.id)} == {"bowl", "vase"}
+    assert {item.id for item in after.items_of(room.id)} <= set(kept)
+
+    def others(path: Path) -> str:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+        for group in ("Furniture", "Dressing"):
+            del layer.GetPrimAtPath(f"/House/Rooms/{name}").nameChildren[group]
+        return layer.ExportToString()
+
+    assert others(target) == others(dressed_house)
