@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from chord_usd.assets.dressing import ceiling_lamps, mirrors, pendants, shelves
+from chord_usd.assets.dressing import (
+    bath_things,
+    ceiling_lamps,
+    kitchen_walls,
+    mirrors,
+    pendants,
+    shelves,
+    vessels,
+    worktop_things,
+)
 from chord_usd.assets.model import Design
 
 
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
-    modules = (ceiling_lamps, pendants, mirrors, shelves)
+    lamps = (ceiling_lamps, pendants)
+    walls = (mirrors, shelves)
+    served = (kitchen_walls, worktop_things, vessels, bath_things)
+    modules = (*lamps, *walls, *served)
     return tuple(design for module in modules for design in module.DESIGNS)
