@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from chord_usd.assets.dressing import (
     bath_things,
-    ceiling_lamps,
+    dry_rooms,
     kitchen_walls,
-    mirrors,
-    pendants,
-    shelves,
     vessels,
     worktop_things,
 )
@@ -17,8 +14,6 @@ from chord_usd.assets.model import Design
 
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
-    lamps = (ceiling_lamps, pendants)
-    walls = (mirrors, shelves)
     served = (kitchen_walls, worktop_things, vessels, bath_things)
-    modules = (*lamps, *walls, *served)
+    modules = (dry_rooms, *served)
     return tuple(design for module in modules for design in module.DESIGNS)
