@@ -110,6 +110,8 @@ class Style:
     draw: Draw
     colourways: Mapping[str, Mapping[str, str]]
     height_m: float
+    styles: tuple[str, ...] = ()
+    """Names of the styles of a home whose form it has; empty where it suits them all."""
 
 
 def editions(
@@ -125,7 +127,9 @@ def editions(
             style = styles[(column + row) % len(styles)]
             name = f"{style.name}_{100 * length:.0f}x{100 * width:.0f}"
             size_m = (length, width, style.height_m)
-            yield Design(name, category, size_m, style.draw, style.colourways)
+            yield Design(
+                name, category, size_m, style.draw, style.colourways, styles=style.styles
+            )
 
 
 def steps(first: float, last: float, step: float = 0.1) -> tuple[float, ...]:
