@@ -5,34 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-import shapely
 from pxr import Sdf
-from shapely import affinity
-from shapely.geometry import Point, Polygon, box
 
+from chord_usd.scene.light_panel import panel_for
+from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, place
-from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.stage.walls import Walls
 
 _BELOW_CEILING_M = 0.03
-_SHARE_OF_ROOM = 0.4
-"""Length and width of the panel over those of the room."""
-
-_FROM_WALL_M = 0.1
 _RADIANT_W_PER_M2 = 3.0
 """Power per floor area, so that every room is as bright as the next."""
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A rectangle under the ceiling that shines down."""
-
-    center_m: tuple[float, float]
-    yaw_deg: float
-    size_m: tuple[float, float]
-    """Along its own x and y."""
 
 
 @dataclass(frozen=True)
@@ -60,42 +43,3 @@ def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
     by_window = any(tunnel.opening.kind == "window" for tunnel in walls.tunnels_of(room.room.id))
     radiance = _RADIANT_W_PER_M2 * floor.area / (math.pi * width * height)
     return Lamp(light.path, radiance, by_window)
-
-
-def panel_for(floor: Polygon) -> Panel:
-    """The panel of a room with this floor; it lies over the floor whatever its shape."""
-    centre = _centre(floor)
-    yaw_deg, extent = _main_axes(floor)
-    size = _SHARE_OF_ROOM * extent
-    free = floor.buffer(-_FROM_WALL_M)
-    while size.min() > 0.05 and not free.covers(_rectangle(centre, yaw_deg, size)):
-        size = size * 0.9
-    width, height = (round(float(side), 3) for side in size)
-    return Panel((round(centre.x, 4), round(centre.y, 4)), round(yaw_deg, 3), (width, height))
-
-
-def _centre(floor: Polygon) -> Point:
-    """The centroid, where it lies well inside; in bent rooms the point farthest from all walls."""
-    radius_line = shapely.maximum_inscribed_circle(floor, tolerance=0.01)
-    centroid = floor.centroid
-    inside = floor.contains(centroid)
-    if inside and floor.exterior.distance(centroid) > 0.6 * radius_line.length:
-        return centroid
-    return Point(radius_line.coords[0])
-
-
-def _main_axes(floor: Polygon) -> tuple[float, np.ndarray]:
-    """Direction of the room's longer side in (-90, 90], and its length and width."""
-    corners = np.asarray(shapely.minimum_rotated_rectangle(floor).exterior.coords)
-    sides = corners[1:3] - corners[:2]
-    lengths = np.hypot(*sides.T)
-    x, y = sides[int(np.argmax(lengths))]
-    angle = math.degrees(math.atan2(y, x))
-    angle = angle - 180.0 if angle > 90.0 else angle + 180.0 if angle <= -90.0 else angle
-    return angle, np.sort(lengths)[::-1]
-
-
-def _rectangle(centre: Point, yaw_deg: float, size: np.ndarray) -> Polygon:
-    half = size / 2
-    around = box(centre.x - half[0], centre.y - half[1], centre.x + half[0], centre.y + half[1])
-    return affinity.rotate(around, yaw_deg, origin=centre)

@@ -23,7 +23,7 @@ CODE = sorted(
 BASE = ("errors", "runtime", "scene", "raster")
 """What everything may import; each of them, those before it."""
 
-STEPS = ("plan", "planning", "lists", "layout", "graph", "arrange", "stage", "image")
+STEPS = ("plan", "planning", "lists", "layout", "graph", "arrange", "dressing", "stage", "image")
 WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
 LINE = ("cli", "commands", "pipeline", "pipeline.planner")
 
@@ -31,6 +31,7 @@ ALLOWED: dict[str, set[str]] = {
     **{part: set(BASE[:index]) for index, part in enumerate(BASE)},
     **{step: {"metrics"} for step in STEPS},
     "arrange": {"graph", "metrics", "stage"},
+    "dressing": {"assets", "metrics"},
     "assets": set(),
     "metrics": set(),
     "data": {"assets", "metrics"},

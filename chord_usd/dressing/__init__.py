@@ -1,0 +1,1 @@
+"""SceneGraph -> SceneGraph: what rooms are dressed with, chosen by kind, area, style and seed."""

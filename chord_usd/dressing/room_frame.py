@@ -1,0 +1,256 @@
+"""A room that is being dressed: its walls, what takes its space, what it is dressed with so far."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from chord_usd.dressing.draws import Draws
+from chord_usd.dressing.stock import Stock
+from chord_usd.dressing.taken_space import Reason, TakenSpace
+from chord_usd.dressing.tastes import Taste
+from chord_usd.dressing.walkways import Walkways
+from chord_usd.dressing.wall_faces import Hole, WallFace
+from chord_usd.metrics.clear_floor import clearance_boxes
+from chord_usd.raster.relief import Relief
+from chord_usd.scene.geometry import footprint_polygon, room_polygon, to_world
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item, Opening, Room
+
+IN_ROOM_M = 0.002
+"""What reaches farther beyond the floor of its room is not in it."""
+
+_CASING_M = 0.075
+"""Beside and over a door's hole."""
+
+_FRAME_M = 0.05
+"""Beside and round a window's hole, its board included."""
+
+_PROUD_M = 0.045
+_OPEN_M = 0.3
+"""Nothing stands so near to where a room goes on into another."""
+
+
+@dataclass(eq=False)
+class RoomFrame:
+    """One room in work."""
+
+    room: Room
+    faces: tuple[WallFace, ...]
+    pieces: tuple[Item, ...]
+    """Its furniture, with what stands on it."""
+    taken: TakenSpace
+    walkways: Walkways
+    stock: Stock
+    taste: Taste
+    draws: Draws
+    """Of the room."""
+    house: Draws
+    """Of what agrees through the house."""
+    reliefs: ReliefsOf
+    balcony_doors: frozenset[str] = frozenset()
+    """Ids of openings that lead to balconies."""
+    entrance: tuple[WallFace, Hole] | None = None
+    """The front door of the house, where it is one of this room's."""
+    placed: list[Item] = field(default_factory=list)
+    """Without ids yet, but for what stays."""
+
+    @cached_property
+    def floor(self) -> shapely.Polygon:
+        """Inner faces of its walls."""
+        return room_polygon(self.room)
+
+    @cached_property
+    def _grown(self) -> shapely.Polygon:
+        grown = self.floor.buffer(IN_ROOM_M, join_style="mitre")
+        shapely.prepare(grown)
+        return grown
+
+    @property
+    def kind(self) -> str:
+        """Of the room."""
+        return self.room.kind
+
+    def of(self, *categories: str) -> list[Item]:
+        """Its furniture of these categories."""
+        return [item for item in self.pieces if item.category in categories]
+
+    def dressed(self, *categories: str) -> list[Item]:
+        """Its dressing of these categories so far."""
+        return [item for item in self.placed if item.category in categories]
+
+    def holes(self, *kinds: str) -> Iterator[tuple[WallFace, Hole]]:
+        """Openings of these kinds, with the wall that they are in."""
+        for face in self.faces:
+            for hole in face.holes:
+                if hole.opening.kind in kinds:
+                    yield face, hole
+
+    def is_inside(self, box: Box) -> bool:
+        """Whether a box stands within the room's walls, below its ceiling and above its floor."""
+        top_m = box.center_m[2] + box.size_m[2]
+        if box.center_m[2] < -1e-6 or top_m > ROOM_HEIGHT_M + 1e-6:
+            return False
+        return bool(self._grown.covers(footprint_polygon(box)))
+
+    def fits(
+        self, box: Box, ignoring: Collection[str] = ("rug",), but: Collection[str] = ()
+    ) -> bool:
+        """Whether a box is in the room and free."""
+        return self.is_inside(box) and not self.taken.hits(box, ignoring, but)
+
+    def put(
+        self,
+        asset: Asset,
+        box: Box,
+        *,
+        rests_on: str | None = None,
+        reason: Reason = "dressing",
+    ) -> Item:
+        """Place an asset, wherever that is: whoever calls has seen that it fits."""
+        item = Item(f"{len(self.placed)}", asset.category, rounded(box), self.room.id,
+                    self.stock.fetch(asset))  # fmt: skip
+        if rests_on is not None:
+            item = item.found(rests_on=rests_on)
+        self.placed.append(item)
+        self.taken.add(item.box, reason, item.id)
+        return item
+
+    def put_where_free(
+        self,
+        asset: Asset,
+        box: Box,
+        *,
+        rests_on: str | None = None,
+        ignoring: Collection[str] = ("rug",),
+        but: Collection[str] = (),
+    ) -> Item | None:
+        """Place an asset if its box is in the room and free."""
+        if not self.fits(box, ignoring, but):
+            return None
+        return self.put(asset, box, rests_on=rests_on)
+
+    def relief(self, item: Item) -> Relief:
+        """How high a piece is, seen from above; a box for one without a mesh."""
+        return self.reliefs(item)
+
+
+class ReliefsOf:
+    """Reliefs of placed pieces; those without a mesh are boxes."""
+
+    def __init__(self, read: object) -> None:
+        self._read = read
+
+    def __call__(self, item: Item) -> Relief:
+        """At the size of the piece."""
+        from chord_usd.errors import ChordError
+
+        if item.asset is not None and item.asset.usd_path.is_file():
+            try:
+                return self._read(item.asset).scaled(item.box.size_m)  # type: ignore[operator]
+            except ChordError:
+                pass
+        return Relief(np.full((8, 8), item.box.size_m[2]), item.box.size_m)
+
+
+def rounded(box: Box) -> Box:
+    """To a hundredth of a millimetre, so that files hold it whole."""
+    return Box(
+        tuple(round(float(value), 5) for value in box.center_m),  # type: ignore[arg-type]
+        tuple(round(float(value), 5) for value in box.size_m),  # type: ignore[arg-type]
+        round(float(box.yaw_deg), 4),
+    )
+
+
+RISING = frozenset(
+    ("tv_cabinet", "sink_cabinet", "washbasin", "bathtub", "cooker_cabinet", "washing_set")
+)
+"""Categories whose meshes may rise above their nominal height: a television, a tap."""
+
+_RISES_M = 0.02
+
+
+def take_pieces(taken: TakenSpace, pieces: Iterable[Item], reliefs: ReliefsOf) -> None:
+    """Take the space of furniture, of what rises from it and of what stands on it."""
+    for item in pieces:
+        row = CATEGORIES.get(item.category)
+        is_rug = row is not None and row.mount is Mount.UNDERFOOT
+        taken.add(item.box, "rug" if is_rug else "piece", item.id)
+        if item.category in RISING:
+            risen = _risen(item, reliefs(item))
+            if risen is not None:
+                taken.add(risen, "piece", item.id)
+        for child in item.children:
+            taken.add(in_world(child.box, item.box), "piece", child.id)
+
+
+def _risen(item: Item, relief: Relief) -> Box | None:
+    """The box of what rises above a piece's nominal height."""
+    high = relief.heights_m > item.box.size_m[2] + _RISES_M
+    if not high.any():
+        return None
+    rows, columns = np.flatnonzero(high.any(axis=1)), np.flatnonzero(high.any(axis=0))
+    cell_x = item.box.size_m[0] / high.shape[1]
+    cell_y = item.box.size_m[1] / high.shape[0]
+    x0, x1 = columns[0] * cell_x, (columns[-1] + 1) * cell_x
+    y0, y1 = rows[0] * cell_y, (rows[-1] + 1) * cell_y
+    middle = ((x0 + x1 - item.box.size_m[0]) / 2, (item.box.size_m[1] - y0 - y1) / 2)
+    x, y = to_world(item.box, middle)
+    base_m = item.box.center_m[2] + item.box.size_m[2]
+    rise_m = float(relief.heights_m.max()) - item.box.size_m[2]
+    return Box((float(x), float(y), base_m), (x1 - x0, y1 - y0, rise_m), item.box.yaw_deg)
+
+
+def in_world(box: Box, parent: Box) -> Box:
+    """A child's box in the frame that its parent's box is in."""
+    x, y = to_world(parent, box.center_m[:2])
+    center_m = (float(x), float(y), parent.center_m[2] + box.center_m[2])
+    return Box(center_m, box.size_m, parent.yaw_deg + box.yaw_deg)
+
+
+def take_walls(taken: TakenSpace, faces: Iterable[WallFace]) -> None:
+    """Take the holes in walls, the casings round them, and sides without a wall."""
+    for face in faces:
+        for low, high in face.gaps_m:
+            size_m = (high - low, _OPEN_M + 0.1, ROOM_HEIGHT_M)
+            taken.add(face.box((low + high) / 2, 0.0, size_m, -0.1), "open")
+        for hole in face.holes:
+            beside = _CASING_M if hole.opening.kind == "door" else _FRAME_M
+            low = 0.0 if hole.low_m < 0.1 else hole.low_m - beside
+            size_m = (hole.width_m + 2 * beside, 0.1 + _PROUD_M, hole.high_m + beside - low)
+            taken.add(face.box(hole.middle_m, low, size_m, -0.1), "pane")
+
+
+def take_clearances(taken: TakenSpace, openings: Iterable[Opening]) -> None:
+    """Take what openings keep clear, on both sides."""
+    for opening in openings:
+        for box in clearance_boxes(opening):
+            taken.add(box, "pane" if opening.kind == "window" else "clear")
+
+
+def named(items: Iterable[Item], room_id: str, taken_ids: Collection[str]) -> Iterator[Item]:
+    """The items with ids room/dressing/category_n, and what they rest on by its new id.
+
+    taken_ids: of what stays as it is.
+    """
+    counts: Counter[str] = Counter()
+    ids: dict[str, str] = {}
+    for item in items:
+        if item.id in taken_ids:
+            yield item
+            continue
+        while True:
+            own = f"{room_id}/dressing/{item.category}_{counts[item.category]}"
+            counts[item.category] += 1
+            if own not in taken_ids:
+                break
+        ids[item.id] = own
+        rests_on = item.facts.rests_on
+        if rests_on is not None and rests_on in ids:
+            item = item.found(rests_on=ids[rests_on])
+        yield replace(item, id=own)

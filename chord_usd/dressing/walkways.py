@@ -1,0 +1,60 @@
+"""Where one walks in a house, and whether a thing on the floor would be in the way."""
+
+from __future__ import annotations
+
+import shapely
+
+from chord_usd.metrics.walk import SEAM_M, WALKER_RADIUS_M
+from chord_usd.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.types import Box
+
+_AROUND_M = 0.8
+"""How far beyond a room one looks."""
+
+_PART_M2 = 0.02
+"""Smaller parts of the walkable floor are nothing to walk on."""
+
+_LOST = 0.12
+"""Share of the walkable floor near it that one thing may take."""
+
+_COMFORT_M = 0.28
+"""Half of a way on which nobody has to turn sideways."""
+
+
+class Walkways:
+    """The free floor about one room."""
+
+    def __init__(self, free: shapely.Geometry, floor: shapely.Polygon) -> None:
+        """free: the floor of the house that nothing stands on."""
+        around = floor.buffer(_AROUND_M, join_style="mitre")
+        self._free = free.intersection(around)
+        self._eroded: dict[float, shapely.Geometry] = {}
+
+    def stay_with(self, box: Box) -> bool:
+        """Whether all one could walk to before can be walked to with something in this place."""
+        shape = footprint_polygon(box)
+        return all(self._stays(shape, radius) for radius in (WALKER_RADIUS_M, _COMFORT_M))
+
+    def _stays(self, shape: shapely.Polygon, radius_m: float) -> bool:
+        before = self._walkable(radius_m)
+        reach = shape.buffer(radius_m + SEAM_M, quad_segs=2)
+        if not reach.intersects(before):
+            return True
+        after = before.difference(reach)
+        if after.area < (1.0 - _LOST) * before.area:
+            return False
+        return _parts(after) <= _parts(before)
+
+    def take(self, box: Box) -> None:
+        """Nobody walks there any more."""
+        self._free = self._free.difference(footprint_polygon(box))
+        self._eroded.clear()
+
+    def _walkable(self, radius_m: float) -> shapely.Geometry:
+        if radius_m not in self._eroded:
+            self._eroded[radius_m] = self._free.buffer(-radius_m - SEAM_M, quad_segs=2)
+        return self._eroded[radius_m]
+
+
+def _parts(area: shapely.Geometry) -> int:
+    return sum(part.area > _PART_M2 for part in polygons_of(area))

@@ -1,0 +1,53 @@
+"""A database of boxes to dress rooms with: three sizes of every category, nothing on disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from chord_usd.assets.database import AssetDatabase
+from chord_usd.scene.palette import DRESSING_CATEGORIES, Category
+from chord_usd.scene.types import Asset
+
+CURTAINS_M = {"Open": (0.3, 0.42), "Drawn": (0.6, 0.9, 1.3)}
+RAILS_M = (1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 3.6)
+BLINDS_M = (0.6, 0.9, 1.2, 1.5, 1.8)
+
+
+def _made(asset_id: str, category: str, *size_m: float) -> Asset:
+    length, depth, height = size_m
+    return Asset(asset_id, category, (length, depth, height), Path(f"nowhere/{asset_id}.usda"))
+
+
+def _sizes(row: Category, share: float) -> tuple[float, float, float]:
+    spans = (row.length_m, row.width_m, row.height_m)
+    length, depth, height = (round(low + share * (high - low), 3) for low, high in spans)
+    return length, depth, height
+
+
+def _plain(row: Category) -> list[Asset]:
+    label = row.label.replace(" ", "_")
+    return [
+        _made(f"{label}_{name}_{100 * share:.0f}", row.name, *_sizes(row, share))
+        for name in ("Plain", "Rich")
+        for share in (0.1, 0.4, 0.7)
+    ]
+
+
+def stock_of_boxes() -> AssetDatabase:
+    """Something of every category of the dressing level."""
+    assets = [asset for row in DRESSING_CATEGORIES for asset in _plain(row)]
+    taken = ("curtain", "curtain_rail", "blind", "throw")
+    assets = [asset for asset in assets if asset.category not in taken]
+    for word, lengths in CURTAINS_M.items():
+        for length in lengths:
+            for height in (1.4, 2.4):
+                name = f"Curtain_{word}_{100 * length:.0f}x{100 * height:.0f}"
+                assets.append(_made(name, "curtain", length, 0.12, height))
+    assets += [_made(f"Rail_{100 * m:.0f}", "curtain_rail", m, 0.1, 0.04) for m in RAILS_M]
+    assets += [
+        _made(f"Blind_{100 * m:.0f}x{100 * h:.0f}", "blind", m, 0.06, h)
+        for m in BLINDS_M
+        for h in (0.4, 0.8)
+    ]
+    assets += [_made(f"Throw_Bed_{m}", "throw", m / 100, 0.6, 0.35) for m in (100, 130, 160, 190)]
+    return AssetDatabase(tuple(assets))

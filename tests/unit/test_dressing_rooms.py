@@ -1,0 +1,241 @@
+"""What rooms are dressed with is in its room, in nothing else, and in nobody's way."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from functools import cache
+from typing import cast
+
+import numpy as np
+import pytest
+import shapely
+
+from chord_usd.data.furnish import furnish
+from chord_usd.data.houses import random_plan
+from chord_usd.dressing.dress import dress
+from chord_usd.dressing.room_frame import in_world
+from chord_usd.metrics.clear_floor import clearances, enters_height
+from chord_usd.metrics.walk import walk
+from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.styles import STYLES
+from chord_usd.scene.types import (
+    ROOM_HEIGHT_M,
+    Box,
+    Item,
+    Opening,
+    OpeningKind,
+    Room,
+    RoomKind,
+    SceneGraph,
+    frozen_array,
+)
+from tests.dressing_stock import stock_of_boxes
+
+STOCK = stock_of_boxes()
+STYLE = list(STYLES)
+TOUCH_M = 0.002
+HOUSES = range(12)
+
+
+@cache
+def furnished(seed: int) -> SceneGraph:
+    return furnish(random_plan(np.random.default_rng(seed)), np.random.default_rng(seed))
+
+
+@cache
+def dressed(seed: int) -> SceneGraph:
+    return dress(furnished(seed), STOCK, STYLES[STYLE[seed % len(STYLE)]], seed)
+
+
+def mount_of(item: Item) -> Mount:
+    return category(item.category).mount
+
+
+def share_space(a: Box, b: Box) -> bool:
+    low = max(a.center_m[2], b.center_m[2])
+    high = min(a.center_m[2] + a.size_m[2], b.center_m[2] + b.size_m[2])
+    if high - low <= TOUCH_M:
+        return False
+    return footprint_polygon(a).buffer(-TOUCH_M).intersects(footprint_polygon(b))
+
+
+def standing(graph: SceneGraph) -> list[tuple[str, Box]]:
+    found = [(item.id, item.box) for item in graph.items]
+    for item in graph.items:
+        found += [(child.id, in_world(child.box, item.box)) for child in item.children]
+    return found
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_dressing_is_in_nothing_else(seed: int) -> None:
+    graph = dressed(seed)
+    assert graph.dressing
+    around = standing(graph)
+    solid = [item for item in graph.dressing if mount_of(item) is not Mount.UNDERFOOT]
+    boxes = shapely.STRtree([footprint_polygon(item.box) for item in solid])
+    for item in solid:
+        for other_id, box in around:
+            if other_id != item.facts.rests_on:
+                assert not share_space(item.box, box), (item.id, other_id)
+        for index in boxes.query(footprint_polygon(item.box)):
+            other = solid[index]
+            hangs = {item.facts.rests_on, other.facts.rests_on} & {item.id, other.id}
+            if other is not item and not hangs:
+                assert not share_space(item.box, other.box), (item.id, other.id)
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_dressing_is_in_its_room_and_keeps_doors_clear(seed: int) -> None:
+    graph = dressed(seed)
+    floors = {room.id: room_polygon(room).buffer(0.003) for room in graph.rooms}
+    clear = list(clearances(graph.rooms, graph.openings))
+    for item in graph.dressing:
+        base, top = item.box.center_m[2], item.box.center_m[2] + item.box.size_m[2]
+        assert base >= -1e-6
+        assert top <= ROOM_HEIGHT_M + 1e-6
+        shape = footprint_polygon(item.box)
+        on_sill = mount_of(item) is Mount.BOARD and item.facts.rests_on is None
+        if mount_of(item) is not Mount.WINDOW and not on_sill:
+            assert floors[item.room_id].covers(shape), item.id
+        for opening, floor in clear:
+            is_window = opening.kind == "window" and mount_of(item) is Mount.WINDOW
+            if is_window or mount_of(item) is Mount.UNDERFOOT or on_sill:
+                continue
+            if enters_height(base, top, opening):
+                assert shape.intersection(floor).area < 1e-3, (item.id, opening.id)
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_what_hangs_on_walls_has_its_back_on_one(seed: int) -> None:
+    graph = dressed(seed)
+    walls = {room.id: room_polygon(room).exterior for room in graph.rooms}
+    for item in graph.dressing:
+        if mount_of(item) is Mount.WALL:
+            back = shapely.points(footprint(item.box)[[0, 3]])
+            assert np.all(shapely.distance(walls[item.room_id], back) < 0.02), item.id
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_one_walks_as_before(seed: int) -> None:
+    graph = dressed(seed)
+    on_floor = tuple(item for item in graph.dressing if mount_of(item) is Mount.FLOOR)
+    before, after = walk(graph), walk(replace(graph, items=(*graph.items, *on_floor)))
+    assert after.unreachable == before.unreachable
+    assert after.walkable >= before.walkable - 0.01
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_same_seed_dresses_the_same_and_another_does_not(seed: int) -> None:
+    def told(graph: SceneGraph) -> list[tuple[str, Box]]:
+        return [(item.id, item.box) for item in graph.dressing]
+
+    style = STYLES["classic"]
+    first = dress(furnished(seed), STOCK, style, 1)
+    assert told(first) == told(dress(furnished(seed), STOCK, style, 1))
+    assert told(first) != told(dress(furnished(seed), STOCK, style, 2))
+
+
+def test_a_room_dressed_anew_leaves_the_others() -> None:
+    graph = dressed(1)
+    room = graph.rooms[0].id
+    again = dress(graph, STOCK, STYLES["classic"], 99, rooms=(room,))
+    for other in graph.rooms[1:]:
+        assert list(again.dressing_of(other.id)) == list(graph.dressing_of(other.id))
+    assert list(again.dressing_of(room)) != list(graph.dressing_of(room))
+
+
+def test_kept_dressing_stays_and_ids_are_unique() -> None:
+    graph = dressed(2)
+    kept = {item.id for item in graph.dressing[::3]}
+    again = dress(graph, STOCK, STYLES["industrial"], 5, keep=kept)
+    by_id = {item.id: item for item in again.dressing}
+    assert len(by_id) == len(again.dressing)
+    assert all(by_id[item.id] is item for item in graph.dressing if item.id in kept)
+
+
+def test_what_rests_on_something_names_it() -> None:
+    for seed in HOUSES:
+        graph = dressed(seed)
+        known = {item.id for item in (*graph.items, *graph.dressing)}
+        for item in graph.dressing:
+            assert item.facts.rests_on is None or item.facts.rests_on in known
+            if mount_of(item) is Mount.PIECE:
+                assert item.facts.rests_on is not None
+
+
+def _room(kind: RoomKind, length: float, depth: float, *openings: Opening) -> SceneGraph:
+    corners = [(0.0, 0.0), (length, 0.0), (length, depth), (0.0, depth)]
+    return SceneGraph((Room("r", kind, frozen_array(corners)),), openings, ())
+
+
+def _opening(kind: OpeningKind, at: float, length: float, base: float, height: float) -> Opening:
+    """In the wall along y = 0."""
+    box = Box((at, -0.12, base), (length, 0.24, height), 0.0)
+    return Opening(f"{kind}_{at}", kind, box, ("r",))
+
+
+def test_a_window_as_wide_as_its_wall_is_dressed() -> None:
+    for kind in ("living", "kitchen"):
+        window = _opening("window", 1.5, 3.0, 0.9, 1.5)
+        graph = dress(_room(cast(RoomKind, kind), 3.0, 4.0, window), STOCK, STYLES["classic"], 0)
+        assert {"curtain", "blind"} & {item.category for item in graph.dressing}
+
+
+def test_a_window_up_to_the_ceiling_has_no_rail() -> None:
+    window = _opening("window", 2.0, 1.2, 0.9, 1.79)
+    graph = dress(_room("living", 4.0, 4.0, window), STOCK, STYLES["classic"], 0)
+    assert "curtain_rail" not in {item.category for item in graph.dressing}
+
+
+@pytest.mark.parametrize("style", STYLE)
+def test_tiny_rooms_and_houses_without_windows(style: str) -> None:
+    for kind in ("bathroom", "living", "store", "corridor", "balcony", "kitchen", "bedroom"):
+        for side in (0.3, 1.0, 1.6):
+            door = _opening("door", side / 2, min(0.7, 0.8 * side), 0.0, 2.1)
+            graph = _room(cast(RoomKind, kind), side, side, door)
+            for item in dress(graph, STOCK, STYLES[style], 0).dressing:
+                assert (
+                    room_polygon(graph.rooms[0]).buffer(0.003).covers(footprint_polygon(item.box))
+                )
+
+
+def test_nothing_hangs_where_heads_are_but_over_tables() -> None:
+    for seed in HOUSES:
+        graph = dressed(seed)
+        tables = [i for i in graph.items if i.category == "dining_table"]
+        for item in graph.dressing:
+            if mount_of(item) is Mount.CEILING and item.box.center_m[2] < 2.0:
+                assert any(
+                    footprint_polygon(table.box).covers(footprint_polygon(item.box))
+                    for table in tables
+                )
+
+
+def test_every_basin_with_a_wall_above_has_a_mirror() -> None:
+    basins = mirrors = 0
+    for seed in HOUSES:
+        graph = dressed(seed)
+        basins += sum(item.category == "washbasin" for item in graph.items)
+        in_baths = {r.id for r in graph.rooms if r.kind == "bathroom"}
+        mirrors += sum(i.category == "mirror" and i.room_id in in_baths for i in graph.dressing)
+    assert mirrors >= 0.8 * basins
+
+
+def test_an_empty_database_dresses_nothing() -> None:
+    from chord_usd.assets.database import AssetDatabase
+
+    assert dress(furnished(0), AssetDatabase(()), STYLES["modern"], 0).dressing == ()
+
+
+def test_rooms_are_lived_in() -> None:
+    """Objects over all levels; things on tables come on top."""
+    counts: dict[str, list[int]] = {}
+    for seed in HOUSES:
+        graph = dressed(seed)
+        number = Counter(item.room_id for item in (*graph.items, *graph.dressing))
+        for room in graph.rooms:
+            counts.setdefault(room.kind, []).append(number[room.id])
+    for kind, least in (("living", 20), ("bedroom", 16), ("bathroom", 13)):
+        assert np.median(counts[kind]) >= least, kind
