@@ -37,6 +37,7 @@ _GENERATOR = (
     "solids.py",
     "furniture",
     "dressing",
+    "cloth",
 )
 _REBUILD = "chord-usd assets build -o FOLDER"
 
@@ -334,6 +335,11 @@ def _generator_hash() -> str:
     root = Path(__file__).parent
     for name in _GENERATOR:
         source = root / name
-        for file in sorted(source.glob("*.py")) if source.is_dir() else [source]:
+        for file in sorted(_sources(source)) if source.is_dir() else [source]:
             digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
+
+
+def _sources(folder: Path) -> list[Path]:
+    """Code and stored cloths."""
+    return [file for file in folder.iterdir() if file.suffix in (".py", ".npz")]
