@@ -64,7 +64,7 @@ HEAVY = {
     "ultralytics": ("training",),
     "onnx": ("training",),
     "pxr": ("runtime", "arrange", "stage", "assets", "image"),
-    "bpy": ("image",),
+    "bpy": ("image", "assets"),
     "transformers": ("planning", "training"),
 }
 """Which parts may import a heavy library at all."""

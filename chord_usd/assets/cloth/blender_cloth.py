@@ -82,7 +82,7 @@ def draped(
     return flat.reshape(-1, 3).astype(np.float64)
 
 
-def _thing(name, points_m, faces):  # noqa: ANN001, ANN202 - bpy has no types
+def _thing(name, points_m, faces):
     import bpy
 
     mesh = bpy.data.meshes.new(name)
@@ -92,7 +92,7 @@ def _thing(name, points_m, faces):  # noqa: ANN001, ANN202 - bpy has no types
     return thing
 
 
-def _pull(cloth, target_m, frames: int) -> None:  # noqa: ANN001
+def _pull(cloth, target_m, frames: int) -> None:
     cloth.shape_key_add(name="Basis")
     key = cloth.shape_key_add(name="Pulled")
     key.data.foreach_set("co", np.asarray(target_m, dtype=np.float32).reshape(-1))
@@ -102,7 +102,7 @@ def _pull(cloth, target_m, frames: int) -> None:  # noqa: ANN001
     key.keyframe_insert("value", frame=frames)
 
 
-def _dress(cloth, fabric: Fabric, pinned: str, frames: int) -> None:  # noqa: ANN001
+def _dress(cloth, fabric: Fabric, pinned: str, frames: int) -> None:
     modifier = cloth.modifiers.new("Cloth", "CLOTH")
     modifier.point_cache.frame_start, modifier.point_cache.frame_end = 1, frames
     settings, collision = modifier.settings, modifier.collision_settings

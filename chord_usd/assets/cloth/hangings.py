@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.assets.cloth.blender_cloth import Fabric, draped
-from chord_usd.assets.cloth.sheets import grid_faces
+from chord_usd.assets.cloth.cloth_grids import grid_faces
 from chord_usd.scene.types import FloatArray
 
 Heading = Literal["wave", "pinch", "gather"]
@@ -20,7 +20,7 @@ TIE = 0.56
 
 _TIED_M = 0.13
 _ROWS = 60
-_KEPT_ROWS = 27
+_MOST_ROWS, _MOST_TRIANGLES = 27, 5600
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Hanging:
 def hung(hanging: Hanging) -> tuple[FloatArray, np.ndarray, FloatArray]:
     """Points, faces and cloth coordinates of a curtain; its heading is at HEIGHT_M."""
     rng = np.random.default_rng(hanging.seed)
-    columns = hanging.folds * (10 if hanging.heading == "gather" else 14) + 1
+    columns = hanging.folds * (9 if hanging.heading == "gather" else 14) + 1
     cloth_m = hanging.width_m * hanging.fullness
     rows = [
         _row(hanging, share, columns, angles)
@@ -64,7 +64,8 @@ def hung(hanging: Hanging) -> tuple[FloatArray, np.ndarray, FloatArray]:
         grid.reshape(-1, 3), grid_faces(*grid.shape[:2]), fabric, 70, pinned,
         rest_m=rest.reshape(-1, 3),
     ).reshape(grid.shape)  # fmt: skip
-    kept = np.unique(np.round(_ROWS * np.linspace(0.0, 1.0, _KEPT_ROWS) ** 1.25).astype(int))
+    count = min(_MOST_TRIANGLES // (2 * columns), _MOST_ROWS)
+    kept = np.unique(np.round(_ROWS * np.linspace(0.0, 1.0, count) ** 1.25).astype(int))
     points = found[kept]
     v = np.broadcast_to(grid[kept, :1, 2], points.shape[:2])
     uvs = np.stack([rest[kept, :, 0], v], axis=-1)

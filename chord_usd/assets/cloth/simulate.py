@@ -27,7 +27,7 @@ _HANGINGS = {
     "curtain_pinch_open": Hanging("pinch", 0.34, 5, 4.0, 5, seed=14),
     "curtain_pinch_tied": Hanging("pinch", 0.46, 5, 3.0, 5, is_tied=True, seed=5),
     "curtain_gather_narrow": Hanging("gather", 0.6, 10, 2.0, 5, seed=3),
-    "curtain_gather_wide": Hanging("gather", 1.2, 21, 2.0, 10, seed=6),
+    "curtain_gather_wide": Hanging("gather", 1.2, 17, 2.0, 9, seed=6),
     "curtain_gather_open": Hanging("gather", 0.34, 9, 3.4, 5, seed=7),
 }
 

@@ -46,10 +46,20 @@ def save(name: str, points_m: FloatArray, faces: np.ndarray, uvs_m: FloatArray) 
     for key, values in (("points", points_m), ("uvs", uvs_m)):
         low, high = values.min(axis=0), values.max(axis=0)
         span = np.maximum(high - low, 1e-9)
-        packed[key] = np.round((values - low) / span * _STEPS).astype(np.uint16)
+        packed[key] = _steps_between(np.round((values - low) / span * _STEPS))
         packed[f"{key}_bounds"] = np.array([low, low + span], dtype=np.float32)
-    np.savez_compressed(file, faces=np.asarray(faces).astype(np.uint16), **packed)
+    np.savez_compressed(file, faces=_steps_between(np.asarray(faces)), **packed)
     return file
+
+
+def _steps_between(values: np.ndarray) -> np.ndarray:
+    """From each row to the next, modulo 65,536: neighbours differ by little, which packs well."""
+    whole = values.astype(np.uint16)
+    return np.diff(whole, axis=0, prepend=np.zeros_like(whole[:1]))
+
+
+def _added_up(steps: np.ndarray) -> np.ndarray:
+    return np.cumsum(steps, axis=0, dtype=np.uint16)
 
 
 def names() -> tuple[str, ...]:
@@ -67,10 +77,10 @@ def stored(name: str) -> Cloth:
         )
     with np.load(file) as packed:
         points, uvs = (_unpacked(packed, key) for key in ("points", "uvs"))
-        faces = packed["faces"].astype(np.int64)
+        faces = _added_up(packed["faces"]).astype(np.int64)
     return Cloth(Solid(frozen_array(points), frozen_array(faces, np.int64)), frozen_array(uvs))
 
 
 def _unpacked(packed: np.lib.npyio.NpzFile, key: str) -> FloatArray:
     low, high = packed[f"{key}_bounds"].astype(np.float64)
-    return low + packed[key].astype(np.float64) / _STEPS * (high - low)
+    return low + _added_up(packed[key]).astype(np.float64) / _STEPS * (high - low)

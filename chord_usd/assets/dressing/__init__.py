@@ -6,6 +6,7 @@ from chord_usd.assets.dressing import (
     bath_things,
     dry_rooms,
     kitchen_walls,
+    soft_things,
     vessels,
     worktop_things,
 )
@@ -15,5 +16,5 @@ from chord_usd.assets.model import Design
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
     served = (kitchen_walls, worktop_things, vessels, bath_things)
-    modules = (dry_rooms, *served)
+    modules = (dry_rooms, *served, soft_things)
     return tuple(design for module in modules for design in module.DESIGNS)

@@ -44,7 +44,7 @@ def rod(size_m: Size, *, finial: Finial, radius_m: float, rings: bool = False) -
     ]
     if rings:
         hoop = _ring(radius_m)
-        count = max(round(length / _RING_EACH_M), 4)
+        count = min(max(round(length / _RING_EACH_M), 4), 30)
         places = [(i - (count - 1) / 2) * (length - 2 * reach - 0.08) / count for i in range(count)]
         parts.append(Part("Rings", joined([hoop.moved(x, y, z) for x in places]), "rod", None))
     return tuple(parts)
@@ -52,7 +52,7 @@ def rod(size_m: Size, *, finial: Finial, radius_m: float, rings: bool = False) -
 
 def _ring(radius_m: float) -> Solid:
     inner, outer, half = radius_m * 1.25, radius_m * 1.5, 0.003
-    rings = [circle(r, h, 16) for r, h in ((inner, -half), (outer, -half), (outer, half),
+    rings = [circle(r, h, 12) for r, h in ((inner, -half), (outer, -half), (outer, half),
                                            (inner, half))]  # fmt: skip
     return loft(rings, loop=True).turned("y", 90)
 

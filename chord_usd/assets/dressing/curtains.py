@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -36,9 +36,7 @@ def curtain(size_m: Size, *, heading: Heading, state: str) -> tuple[Part, ...]:
     span = high - low
     cloth = cloth.moved(-float(low[0] + high[0]) / 2, -float(low[1] + high[1]) / 2, -float(low[2]))
     cloth = cloth.scaled(length / span[0], width / span[1], height / span[2])
-    sheet = Part(
-        "Curtain", cloth.solid, "cloth", None, uvs=cloth.corner_uvs_m(), two_sided=True
-    )
+    sheet = Part("Curtain", cloth.solid, "cloth", None, uvs=cloth.corner_uvs_m(), two_sided=True)
     if state == "tied":
         band = _band(cloth, height * (1.0 - TIE))
         return (sheet, Part("Band", band, "band", None))
@@ -70,7 +68,7 @@ def _cut(cloth: Cloth, height: float, *, keep_hem: bool) -> Cloth:
     return Cloth(replace(cloth.solid, points_m=moved), uvs)
 
 
-def _band(cloth: Cloth, z_m: float):  # noqa: ANN202
+def _band(cloth: Cloth, z_m: float):
     """A band around the narrowest place."""
     near = cloth.solid.points_m[abs(cloth.solid.points_m[:, 2] - z_m) < 0.05]
     low, high = near.min(axis=0), near.max(axis=0)
@@ -83,16 +81,13 @@ def _band(cloth: Cloth, z_m: float):  # noqa: ANN202
     return loft(rings, loop=True)
 
 
-def _eyelets(cloth: Cloth, height: float):  # noqa: ANN202
+def _eyelets(cloth: Cloth, height: float):
     """Metal rings through which the rod passes: one at every fold."""
     points = cloth.solid.points_m
     top = points[points[:, 2] > height - 0.004]
-    top = top[top[:, 0].argsort()]
-    crossings = [
-        (a + b) / 2 for a, b in zip(top, top[1:], strict=False) if (a[1] > 0.0) != (b[1] > 0.0)
-    ]
+    crossings = [(a + b) / 2 for a, b in itertools.pairwise(top) if (a[1] > 0.0) != (b[1] > 0.0)]
     ring = [
-        circle(r, y, 16).copy()
+        circle(r, y, 12)
         for r, y in ((0.021, -0.004), (0.03, -0.004), (0.03, 0.004), (0.021, 0.004))
     ]
     hoop = loft(ring, loop=True).turned("y", 90)

@@ -47,9 +47,7 @@ def woven(
     return Image.fromarray(np.round(rgb).astype(np.uint8))
 
 
-def _blurred_noise(
-    rng: np.random.Generator, rows: int, columns: int, cell_px: int
-) -> FloatArray:
+def _blurred_noise(rng: np.random.Generator, rows: int, columns: int, cell_px: int) -> FloatArray:
     """Smooth noise of about unit size, a knot every cell_px."""
     shape = (max(rows // cell_px, 2) + 1, max(columns // cell_px, 2) + 1)
     coarse = Image.fromarray(rng.normal(0.0, 1.0, shape).astype(np.float32))
@@ -61,18 +59,18 @@ def edge_distance(x: FloatArray, y: FloatArray, length: float, width: float) -> 
     return np.minimum(length / 2 - np.abs(x), width / 2 - np.abs(y))
 
 
-def bordered(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def bordered(x, y, length, width, rng):
     """A plain field with two bands along the edge."""
     edge = edge_distance(x, y, length, width) / min(1.0, 0.5 + 0.4 * width)
     return np.where(edge < 0.055, 1.0, np.where((edge > 0.09) & (edge < 0.102), 1.0, 0.0))
 
 
-def plain(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def plain(x, y, length, width, rng):
     """A field of one colour with a little of the second in it."""
     return 0.35 * _blurred_noise(rng, *x.shape, 5).clip(0.0, 1.0)
 
 
-def stripes(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def stripes(x, y, length, width, rng):
     """Bands across the length, broad and fine, mirrored about the middle."""
     at = np.abs(x) / max(length / 2, 1e-6)
     found = np.zeros_like(x)
@@ -83,12 +81,12 @@ def stripes(x, y, length, width, rng):  # noqa: ANN001, ANN201
     return found
 
 
-def ribs(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def ribs(x, y, length, width, rng):
     """Ribs along the length."""
     return 0.5 + 0.5 * np.sin(2 * np.pi * y / 0.024)
 
 
-def berber(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def berber(x, y, length, width, rng):
     """Thin dark lozenges on pale wool, none quite like the next."""
     pitch = 0.42
     u, v = x / pitch, y / (pitch * 1.3)
@@ -101,12 +99,12 @@ def berber(x, y, length, width, rng):  # noqa: ANN001, ANN201
     return np.maximum(found, np.where(np.floor(u + v) % 3 == 0, inner, 0.0))
 
 
-def checks(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def checks(x, y, length, width, rng):
     """Large checks of two tones."""
     return ((np.floor(x / 0.3 + 0.5) + np.floor(y / 0.3 + 0.5)) % 2).astype(np.float64)
 
 
-def arcs(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def arcs(x, y, length, width, rng):
     """Calm large shapes: an arch, a disc and a field, as on modern tufted carpets."""
     found = np.zeros_like(x)
     found[x + 0.35 * np.sin(2.2 * y + 0.6) > 0.12 * length] = 1
@@ -118,7 +116,7 @@ def arcs(x, y, length, width, rng):  # noqa: ANN001, ANN201
     return found
 
 
-def rings(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def rings(x, y, length, width, rng):
     """Braided rings around the middle, of two tones."""
     around = np.hypot(x, y)
     braid = 0.004 * np.sin(160 * np.arctan2(y, x) * np.maximum(around, 0.05))
@@ -127,13 +125,13 @@ def rings(x, y, length, width, rng):  # noqa: ANN001, ANN201
     return np.where((around > 0.36 * length) & (around < 0.42 * length), 1.0, found)
 
 
-def tatami(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def tatami(x, y, length, width, rng):
     """Rush in fine ribs, bound with cloth along the long edges."""
     rib = 0.5 + 0.5 * np.sin(2 * np.pi * x / 0.012)
     return np.where(np.abs(y) > width / 2 - 0.028, 2.0, 0.6 * rib)
 
 
-def persian(x, y, length, width, rng):  # noqa: ANN001, ANN201
+def persian(x, y, length, width, rng):
     """A medallion in a field of flowers, guard stripes and a broad border of rosettes."""
     edge = edge_distance(x, y, length, width)
     border = min(0.13 * width, 0.26)
@@ -168,7 +166,7 @@ def persian(x, y, length, width, rng):  # noqa: ANN001, ANN201
     return _persian_border(found, x, y, length, width, edge, border)
 
 
-def _persian_border(found, x, y, length, width, edge, border):  # noqa: ANN001, ANN202
+def _persian_border(found, x, y, length, width, edge, border):
     along = np.where(length / 2 - np.abs(x) < width / 2 - np.abs(y), np.abs(y), np.abs(x))
     inside = edge < border
     found = np.where(inside, 1.0, found)
@@ -189,6 +187,6 @@ def _persian_border(found, x, y, length, width, edge, border):  # noqa: ANN001, 
     return np.where(edge < 0.016, 1.0, found)
 
 
-def _flower(a, b, size, petals):  # noqa: ANN001, ANN202
+def _flower(a, b, size, petals):
     """Where a flower of this radius around (0, 0) is."""
     return np.hypot(a, b) < size * (0.72 + 0.28 * np.cos(petals * np.arctan2(b, a)))

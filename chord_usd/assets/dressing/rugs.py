@@ -99,9 +99,7 @@ def _rectangle(length: float, width: float) -> FloatArray:
     points = []
     for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
         count = max(round(math.hypot(bx - ax, by - ay) / 0.04), 1)
-        points += [
-            (ax + (bx - ax) * n / count, ay + (by - ay) * n / count) for n in range(count)
-        ]
+        points += [(ax + (bx - ax) * n / count, ay + (by - ay) * n / count) for n in range(count)]
     return np.array(points)
 
 
