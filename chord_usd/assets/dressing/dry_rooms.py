@@ -7,9 +7,10 @@ from chord_usd.assets.dressing import (
     mirrors,
     pendants,
     pictures,
+    plants,
     shelves,
 )
 
-_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures)
+_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures, plants)
 
 DESIGNS = tuple(design for module in _MODULES for design in module.DESIGNS)
