@@ -16,24 +16,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.assets.finishes import Finish
+from chord_usd.assets.material import (
+    TEXTURES,
+    Looks,
+    MapShelf,
+    define_material,
+    override_material,
+    save_pictures,
+    slot_looks,
+)
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
+from chord_usd.assets.surface_maps import MAPS_FOLDER
 from chord_usd.scene.credits import AUTHOR, LICENCE
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
 COMPONENT_VERSION = "1"
-TEXTURES = "textures"
-"""Folder of the pictures of a component."""
-
 COLOUR_VARIANT_SET = "colour"
 WALL_VARIANT_SET = "wallUnit"
 WALL_VARIANTS = ("none", "hung")
 """Whether what hangs on the wall over a piece is there; the first one is the default."""
-
-_INPUTS = ("diffuseColor", "roughness", "metallic", "opacity", "emissiveColor")
 
 
 @dataclass(frozen=True)
@@ -46,21 +50,26 @@ class ComponentInfo:
     """For people, where it differs from the name."""
 
 
-def write_component(design: Design, folder: Path, info: ComponentInfo | None = None) -> Path:
+def write_component(
+    design: Design, folder: Path, info: ComponentInfo | None = None, maps: MapShelf | None = None
+) -> Path:
     """Write a component package into folder/design.id; returns its interface layer.
 
-    The bytes depend on the design and the USD version only. Raises AssetError where a drawing
-    misses its nominal size, KeyError where a colourway names no finish.
+    maps: where maps of finishes are, or come to; by default beside the package, where its
+    materials look for them. The bytes depend on the design, the size of the maps and the versions
+    of USD and Pillow only. Raises AssetError where a drawing misses its nominal size, KeyError
+    where a colourway names no finish, OSError.
     """
     parts = design.parts()
+    worn = _worn(design, used_slots(parts), maps or MapShelf(folder / MAPS_FOLDER))
     package = folder / design.id
     package.mkdir(parents=True)
     _write_geometry(design, parts, package / "geometry.usdc")
-    _write_materials(design, parts, package / "materials.usda")
+    _write_materials(design, parts, worn, package / "materials.usda")
     _write_physics(design, parts, package / "physics.usda")
     _write_payload(design, package / "payload.usda")
     interface = package / f"{design.id}.usda"
-    _write_interface(design, parts, interface, info or ComponentInfo())
+    _write_interface(design, parts, worn, interface, info or ComponentInfo())
     return interface
 
 
@@ -115,7 +124,7 @@ def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
     normals = corner_normals(part.solid).astype(np.float32)
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
-    flat = corner_uvs_m(part.solid) if part.uvs is None else part.uvs
+    flat = corner_uvs_m(part.solid, part.name) if part.uvs is None else part.uvs
     uvs = Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(flat, dtype=np.float32))
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
@@ -123,20 +132,18 @@ def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
     primvar.Set(uvs)
 
 
-def _write_materials(design: Design, parts: Iterable[Part], path: Path) -> None:
+def _write_materials(
+    design: Design, parts: Iterable[Part], worn: Mapping[str, Looks], path: Path
+) -> None:
     """One material per slot in use, dressed in the first colourway, and what wears which."""
     from pxr import UsdGeom, UsdShade
 
     stage = _new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     UsdGeom.Scope.Define(stage, f"/{design.id}/Materials")
-    first = next(iter(design.colourways.values()))
-    for slot in used_slots(parts):
-        finish = design.finishes[first[slot]]
-        path_ = material_path(design.id, slot)
-        _define_material(stage, path_, finish)
-        if finish.texture is not None:
-            _add_texture(stage, path_, finish, path.parent / TEXTURES / f"{slot}.jpg")
+    for slot, looks in worn.items():
+        define_material(stage, material_path(design.id, slot), looks)
+        save_pictures(looks, path.parent / TEXTURES)
     for part in parts:
         prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
         material = UsdShade.Material.Get(stage, material_path(design.id, part.slot))
@@ -152,64 +159,6 @@ def used_slots(parts: Iterable[Part]) -> tuple[str, ...]:
 def material_path(root: str, slot: str) -> str:
     """Prim path of a slot's material: `book_red` becomes `BookRed`."""
     return f"/{root}/Materials/{''.join(word.capitalize() for word in slot.split('_'))}"
-
-
-def _define_material(stage: Usd.Stage, path: str, finish: Finish) -> None:
-    """A UsdPreviewSurface of constants; Blender does not follow inputs of the material itself."""
-    from pxr import Sdf, UsdShade
-
-    material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, _surface_path(path))
-    shader.CreateIdAttr("UsdPreviewSurface")
-    for name, (type_name, value) in _values(finish).items():
-        shader.CreateInput(name, getattr(Sdf.ValueTypeNames, type_name)).Set(value)
-    shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.5)
-    surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
-    material.CreateSurfaceOutput().ConnectToSource(surface)
-
-
-def _add_texture(stage: Usd.Stage, material: str, finish: Finish, file: Path) -> None:
-    """Put a picture, written to file, in place of a material's colour."""
-    from pxr import Sdf, UsdShade
-
-    assert finish.texture is not None
-    file.parent.mkdir(exist_ok=True)
-    finish.texture.save(file, quality=88)
-    reader = UsdShade.Shader.Define(stage, f"{material}/Uv")
-    reader.CreateIdAttr("UsdPrimvarReader_float2")
-    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
-    texture = UsdShade.Shader.Define(stage, f"{material}/Texture")
-    texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{TEXTURES}/{file.name}")
-    texture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set("sRGB")
-    for side in ("wrapS", "wrapT"):
-        texture.CreateInput(side, Sdf.ValueTypeNames.Token).Set("repeat")
-    texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
-        reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
-    )
-    surface = UsdShade.Shader.Get(stage, _surface_path(material))
-    surface.GetInput("diffuseColor").ConnectToSource(
-        texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
-    )
-
-
-def _surface_path(material: str) -> str:
-    return f"{material}/Surface"
-
-
-def _values(finish: Finish) -> dict[str, tuple[str, Any]]:
-    """UsdPreviewSurface input to (USD type, value) of a finish."""
-    from pxr import Gf
-
-    colour = Gf.Vec3f(*finish.linear_rgb())
-    values = (
-        ("Color3f", colour),
-        ("Float", finish.roughness),
-        ("Float", finish.metallic),
-        ("Float", finish.opacity),
-        ("Color3f", colour * finish.glow),
-    )
-    return dict(zip(_INPUTS, values, strict=True))
 
 
 def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
@@ -255,8 +204,9 @@ def _write_payload(design: Design, path: Path) -> None:
 
 
 def _write_interface(
-    design: Design, parts: tuple[Part, ...], path: Path, info: ComponentInfo
-) -> None:
+    design: Design, parts: tuple[Part, ...], worn: Mapping[str, Looks], path: Path,
+    info: ComponentInfo,
+) -> None:  # fmt: skip
     from pxr import Sdf, Usd, UsdGeom
 
     stage = _new_stage(design)
@@ -269,7 +219,7 @@ def _write_interface(
             "version": COMPONENT_VERSION,
         }
     )
-    root.SetCustomDataByKey("chord", _about(design, used_slots(parts), info))
+    root.SetCustomDataByKey("chord", _about(design, worn, info))
     stage.CreateClassPrim("/__class__")
     inherited = stage.CreateClassPrim(f"/__class__/{design.id}")
     root.GetInherits().AddInherit(inherited.GetPath())
@@ -279,7 +229,7 @@ def _write_interface(
         _add_wall_unit(stage, design, parts)
     else:
         _hint(root, parts)
-    _add_colourways(stage, design, used_slots(parts))
+    _add_colourways(stage, design, worn)
     layer = _detached(stage)
     spec = layer.GetPrimAtPath(f"/{design.id}")
     spec.payloadList.prependedItems = [Sdf.Payload("./payload.usda")]
@@ -345,40 +295,23 @@ def _bounds(parts: Iterable[Part]) -> tuple[np.ndarray, np.ndarray]:
     return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
 
 
-def _add_colourways(stage: Usd.Stage, design: Design, slots: tuple[str, ...]) -> None:
-    """The variant set: colourways override the shader inputs in which they differ."""
+def _add_colourways(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks]) -> None:
+    """The variant set: colourways override what they have in another way than the others."""
     root = stage.GetDefaultPrim()
     variants = root.GetVariantSets().AddVariantSet(COLOUR_VARIANT_SET)
-    first = {slot: _values(finish) for slot, finish in _worn(design, slots, 0)}
-    varying = {
-        (slot, name)
-        for index in range(1, len(design.colourways))
-        for slot, finish in _worn(design, slots, index)
-        for name, value in _values(finish).items()
-        if value != first[slot][name]
-    }
     for index, variant in enumerate(design.colourways):
         variants.AddVariant(variant)
         variants.SetVariantSelection(variant)
         with variants.GetVariantEditContext():
-            for slot, finish in _worn(design, slots, index):
-                values = {n: v for n, v in _values(finish).items() if (slot, n) in varying}
-                _override_inputs(stage, _surface_path(material_path(design.id, slot)), values)
+            for slot, looks in worn.items():
+                override_material(stage, material_path(design.id, slot), looks, index)
     variants.SetVariantSelection(next(iter(design.colourways)))
 
 
-def _worn(design: Design, slots: tuple[str, ...], index: int) -> list[tuple[str, Finish]]:
-    """(slot, finish) in one colourway."""
-    looks = list(design.colourways.values())[index]
-    return [(slot, design.finishes[looks[slot]]) for slot in slots]
-
-
-def _override_inputs(stage: Usd.Stage, path: str, values: Mapping[str, tuple[str, Any]]) -> None:
-    from pxr import Sdf
-
-    for name, (type_name, value) in values.items():
-        prim = stage.OverridePrim(path)
-        attribute = prim.CreateAttribute(
-            f"inputs:{name}", getattr(Sdf.ValueTypeNames, type_name), custom=False
-        )
-        attribute.Set(value)
+def _worn(design: Design, slots: Iterable[str], maps: MapShelf) -> dict[str, Looks]:
+    """What each slot in use wears, colourway by colourway."""
+    ways = design.colourways.values()
+    return {
+        slot: slot_looks(slot, [design.finishes[looks[slot]] for looks in ways], maps)
+        for slot in slots
+    }

@@ -30,15 +30,12 @@ INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
 
 _GENERATOR = (
-    "component.py",
-    "finishes.py",
-    "model.py",
-    "shading.py",
-    "solids.py",
-    "furniture",
-    "dressing",
-    "cloth",
-)
+    "component.py", "finishes.py", "look_noise.py", "material.py", "model.py", "shading.py",
+    "solids.py", "surface_cloth.py", "surface_maps.py", "surface_mineral.py", "surface_pattern.py",
+    "surface_wood.py", "furniture", "dressing", "cloth",
+)  # fmt: skip
+"""What the bytes of the assets depend on."""
+
 _REBUILD = "chord-usd assets build -o FOLDER"
 
 SizeM = tuple[float, float, float]
@@ -297,7 +294,7 @@ def draw_embedded(asset: Asset) -> None:
         raise OutputError(
             f"the mesh database cannot be kept ({error.strerror or error})",
             where=str(folder),
-            expected="a writable cache folder with 30 MB of space",
+            expected="a writable cache folder with 60 MB of space",
             try_=f"set {CACHE_VARIABLE} to another folder",
         ) from None
 
@@ -316,11 +313,13 @@ def _draw_into(folder: Path, asset: Asset) -> None:
     """Draw beside the target and rename, so that nobody ever sees half a component."""
     from chord_usd.assets.component import write_component
     from chord_usd.assets.furniture.catalogue import designs
+    from chord_usd.assets.material import MapShelf
+    from chord_usd.assets.surface_maps import MAPS_FOLDER
 
     design = next(design for design in designs() if design.id == asset.id)
     folder.mkdir(parents=True, exist_ok=True)
     with scratch_folder(folder) as hidden:
-        write_component(design, hidden)
+        write_component(design, hidden, maps=MapShelf(folder / MAPS_FOLDER))
         try:
             (hidden / asset.id).rename(folder / asset.id)
         except OSError:

@@ -10,8 +10,9 @@ if TYPE_CHECKING:
 
 
 Surface = Literal[
-    "plain", "wood", "weave", "knit", "boucle", "velvet", "leather", "brushed", "stone", "ceramic",
-    "concrete", "terracotta", "rattan", "paper", "leaf", "bark",
+    "plain", "wood", "weave", "linen", "knit", "boucle", "velvet", "leather", "brushed", "stone",
+    "marble", "quartz", "ceramic", "concrete", "terracotta", "rattan", "paper", "leaf", "bark",
+    "soil",
 ]  # fmt: skip
 """What a finish is made of, and so which maps are drawn for it; plain has none."""
 
@@ -31,6 +32,8 @@ class Finish:
     """A picture in place of the colour, on the part's own texture coordinates."""
     surface: Surface = "plain"
     """Grain, weave or veins over the colour, in metres."""
+    contrast: float = 1.0
+    """How strongly grain, yarns or veins stand out against the colour; 1 is usual."""
 
     def linear_rgb(self) -> tuple[float, float, float]:
         """The colour in linear light, 0 to 1, which is what USD colour inputs hold."""
@@ -45,13 +48,13 @@ def _linear(value: float) -> float:
 
 FINISHES: dict[str, Finish] = {
     # wood
-    "oak": Finish((198, 160, 112), 0.5),
-    "pale_oak": Finish((219, 194, 156), 0.5),
-    "walnut": Finish((104, 68, 44), 0.42),
-    "dark_walnut": Finish((66, 44, 31), 0.42),
-    "cherry": Finish((150, 84, 52), 0.42),
-    "birch": Finish((228, 208, 174), 0.5),
-    "black_stain": Finish((38, 35, 33), 0.5),
+    "oak": Finish((198, 160, 112), 0.5, surface="wood"),
+    "pale_oak": Finish((219, 194, 156), 0.5, surface="wood", contrast=0.85),
+    "walnut": Finish((104, 68, 44), 0.42, surface="wood", contrast=1.5),
+    "dark_walnut": Finish((66, 44, 31), 0.42, surface="wood", contrast=1.5),
+    "cherry": Finish((150, 84, 52), 0.42, surface="wood", contrast=1.1),
+    "birch": Finish((228, 208, 174), 0.5, surface="wood", contrast=0.6),
+    "black_stain": Finish((38, 35, 33), 0.5, surface="wood", contrast=0.8),
     # lacquer and laminate
     "white": Finish((238, 237, 233), 0.35),
     "warm_white": Finish((233, 226, 213), 0.4),
@@ -66,58 +69,58 @@ FINISHES: dict[str, Finish] = {
     "sand": Finish((212, 198, 172), 0.45),
     # metal
     "chrome": Finish((214, 216, 218), 0.12, 1.0),
-    "steel": Finish((172, 174, 176), 0.3, 1.0),
-    "brass": Finish((196, 154, 84), 0.28, 1.0),
+    "steel": Finish((172, 174, 176), 0.3, 1.0, surface="brushed"),
+    "brass": Finish((196, 154, 84), 0.28, 1.0, surface="brushed"),
     "black_metal": Finish((34, 34, 36), 0.45, 0.6),
     # stone and ceramic
     "ceramic": Finish((246, 246, 244), 0.12),
-    "ceramic_grey": Finish((150, 154, 156), 0.2),
-    "marble": Finish((232, 230, 226), 0.16),
-    "dark_stone": Finish((58, 58, 60), 0.25),
-    "quartz": Finish((222, 219, 212), 0.25),
-    "terracotta": Finish((178, 98, 66), 0.75),
-    "concrete": Finish((166, 163, 157), 0.8),
+    "ceramic_grey": Finish((150, 154, 156), 0.2, surface="ceramic"),
+    "marble": Finish((232, 230, 226), 0.16, surface="marble"),
+    "dark_stone": Finish((58, 58, 60), 0.25, surface="stone"),
+    "quartz": Finish((222, 219, 212), 0.25, surface="quartz"),
+    "terracotta": Finish((178, 98, 66), 0.75, surface="terracotta"),
+    "concrete": Finish((166, 163, 157), 0.8, surface="concrete"),
     # cloth and leather
-    "linen": Finish((222, 212, 196), 0.95),
-    "cream_cloth": Finish((236, 229, 216), 0.95),
-    "white_cloth": Finish((242, 241, 238), 0.95),
-    "grey_cloth": Finish((146, 149, 152), 0.95),
-    "charcoal_cloth": Finish((74, 77, 82), 0.95),
-    "blue_cloth": Finish((72, 98, 132), 0.95),
-    "green_cloth": Finish((92, 112, 88), 0.95),
-    "rust_cloth": Finish((176, 98, 66), 0.95),
-    "mustard_cloth": Finish((204, 158, 70), 0.95),
-    "pink_cloth": Finish((210, 158, 150), 0.95),
-    "teal_cloth": Finish((58, 112, 116), 0.95),
-    "beige_cloth": Finish((200, 182, 156), 0.95),
-    "tan_leather": Finish((160, 100, 60), 0.42),
-    "brown_leather": Finish((88, 56, 40), 0.4),
-    "black_leather": Finish((36, 34, 33), 0.4),
-    "mattress": Finish((240, 238, 234), 0.95),
+    "linen": Finish((222, 212, 196), 0.95, surface="linen"),
+    "cream_cloth": Finish((236, 229, 216), 0.95, surface="linen"),
+    "white_cloth": Finish((242, 241, 238), 0.95, surface="linen"),
+    "grey_cloth": Finish((146, 149, 152), 0.95, surface="weave"),
+    "charcoal_cloth": Finish((74, 77, 82), 0.95, surface="weave"),
+    "blue_cloth": Finish((72, 98, 132), 0.95, surface="weave"),
+    "green_cloth": Finish((92, 112, 88), 0.95, surface="weave"),
+    "rust_cloth": Finish((176, 98, 66), 0.95, surface="weave"),
+    "mustard_cloth": Finish((204, 158, 70), 0.95, surface="weave"),
+    "pink_cloth": Finish((210, 158, 150), 0.95, surface="weave"),
+    "teal_cloth": Finish((58, 112, 116), 0.95, surface="weave"),
+    "beige_cloth": Finish((200, 182, 156), 0.95, surface="weave"),
+    "tan_leather": Finish((160, 100, 60), 0.42, surface="leather"),
+    "brown_leather": Finish((88, 56, 40), 0.4, surface="leather"),
+    "black_leather": Finish((36, 34, 33), 0.4, surface="leather"),
+    "mattress": Finish((240, 238, 234), 0.95, surface="linen"),
     # glass, screens, plastic, rubber
     "glass": Finish((214, 230, 232), 0.04, 0.0, 0.16),
     "smoked_glass": Finish((70, 78, 82), 0.06, 0.0, 0.5),
     "black_glass": Finish((14, 15, 17), 0.06),
     "screen": Finish((16, 22, 32), 0.08, 0.0, 1.0, 0.05),
     "screen_lit": Finish((74, 128, 176), 0.2, 0.0, 1.0, 0.5),
-    "lamp_shade": Finish((248, 236, 208), 0.9, 0.0, 1.0, 0.4),
+    "lamp_shade": Finish((248, 236, 208), 0.9, 0.0, 1.0, 0.4, surface="linen", contrast=0.6),
     "rubber": Finish((46, 46, 48), 0.85),
     "plastic_white": Finish((240, 240, 240), 0.3),
     "plastic_black": Finish((30, 30, 32), 0.35),
     "water": Finish((150, 200, 214), 0.05, 0.0, 0.35),
     "red_glow": Finish((196, 52, 38), 0.4, 0.0, 1.0, 0.1),
     # print, plants, food
-    "light_blue": Finish((166, 196, 216), 0.8),
-    "paper": Finish((240, 236, 224), 0.85),
-    "red_cover": Finish((170, 52, 46), 0.6),
-    "blue_cover": Finish((44, 82, 136), 0.6),
-    "green_cover": Finish((62, 112, 82), 0.6),
-    "yellow_cover": Finish((222, 178, 72), 0.6),
-    "leaf": Finish((66, 116, 58), 0.6),
-    "dark_leaf": Finish((40, 84, 52), 0.5),
-    "soil": Finish((62, 46, 36), 0.95),
+    "light_blue": Finish((166, 196, 216), 0.8, surface="linen"),
+    "paper": Finish((240, 236, 224), 0.85, surface="paper"),
+    "red_cover": Finish((170, 52, 46), 0.6, surface="linen"),
+    "blue_cover": Finish((44, 82, 136), 0.6, surface="linen"),
+    "green_cover": Finish((62, 112, 82), 0.6, surface="linen"),
+    "yellow_cover": Finish((222, 178, 72), 0.6, surface="linen"),
+    "leaf": Finish((66, 116, 58), 0.6, surface="leaf"),
+    "dark_leaf": Finish((40, 84, 52), 0.5, surface="leaf"),
+    "soil": Finish((62, 46, 36), 0.95, surface="soil"),
     "coffee": Finish((62, 36, 22), 0.2),
-    "crust": Finish((172, 112, 58), 0.75),
+    "crust": Finish((172, 112, 58), 0.75, surface="terracotta"),
     "apple": Finish((188, 44, 38), 0.35),
     "orange": Finish((232, 140, 46), 0.55),
     "pear": Finish((176, 186, 76), 0.5),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterator
 from itertools import pairwise
@@ -16,6 +17,17 @@ CREASE_DEG = 38.0
 
 MOST_AT_A_POINT = 1000
 """Corners. The pole of a fine sphere has 256."""
+
+_BAR = 3.0
+"""Times as long as wide: what is a bar, with its grain along it however it stands."""
+
+_UPRIGHT = math.cos(math.radians(4.0))
+"""Cosine of the angle up to which a bar counts as parallel to an axis of the model."""
+
+_SIDES_FIRST = np.array([0.999, 1.0, 1.0])
+"""Faces at 45 degrees to the grain are seen with it."""
+
+_LONGEST_TILE_M = 2.0
 
 _PAIRS_AT_ONCE = 1_000_000
 
@@ -40,21 +52,76 @@ def corner_normals(solid: Solid, crease_deg: float = CREASE_DEG) -> FloatArray:
     return normals / np.maximum(length, 1e-18)
 
 
-def corner_uvs_m(solid: Solid) -> FloatArray:
+def corner_uvs_m(solid: Solid, name: str = "") -> FloatArray:
     """(3 T, 2) texture coordinates in metres, projected along the axis each face looks most at.
 
-    Seen from outside, u runs to the right and v up (on tops and undersides: to the back).
+    Each connected solid is a board of its own: u runs along its longest side, and it begins
+    elsewhere than others do (name: of the part, by which that is drawn). Seen from outside, v runs
+    to the left of u.
     """
-    normals = _face_normals(solid)
-    axis = np.argmax(np.abs(normals), axis=1)
-    positive = normals[np.arange(len(normals)), axis] >= 0.0
+    piece = _pieces(solid)
     corners = solid.points_m[solid.faces]
-    x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
+    normals = _face_normals(solid)
+    uvs = np.empty((len(solid.faces), 3, 2))
+    by_piece = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1])
+    for number, faces in enumerate(by_piece):
+        axes = _axes_of(corners[faces].reshape(-1, 3))
+        start = _start_m(name, number)
+        uvs[faces] = _projected(corners[faces] @ axes.T, normals[faces] @ axes.T) + start
+    return uvs.reshape(-1, 2)
+
+
+def _projected(corners: FloatArray, normals: FloatArray) -> FloatArray:
+    """(T, 3, 2) coordinates of faces in a frame whose first axis is along the grain."""
+    axis = np.argmax(np.abs(normals) * _SIDES_FIRST, axis=1)
+    positive = np.take_along_axis(normals, axis[:, None], axis=1)[:, 0] >= 0.0
     sign = np.where(positive, 1.0, -1.0)[:, None]
-    along = axis[:, None]
-    u = np.where(along == 0, sign * y, np.where(along == 1, -sign * x, sign * x))
-    v = np.where(along == 2, y, z)
-    return np.stack([u, v], axis=-1).reshape(-1, 2)
+    along, second, third = corners[..., 0], corners[..., 1], corners[..., 2]
+    which = axis[:, None]
+    u = np.where(which == 0, second, along)
+    v = np.where(which == 0, third, np.where(which == 1, -third, second))
+    return np.stack([u, v * sign], axis=-1)
+
+
+def _axes_of(points: FloatArray) -> FloatArray:
+    """(3, 3) rows: along the longest side of a solid, then the next. Bars that stand aslant have
+    axes of their own; of all others they are those of the model."""
+    spans = np.ptp(points, axis=0)
+    order = np.argsort(-spans, kind="stable")
+    axes = np.eye(3)[order]
+    centred = points - points.mean(axis=0)
+    _, vectors = np.linalg.eigh(centred.T @ centred)
+    own = vectors.T[::-1]
+    slant = np.abs(own[0]).max()
+    own_spans = np.ptp(centred @ own.T, axis=0)
+    if slant < _UPRIGHT and own_spans[0] > _BAR * max(own_spans[1:]):
+        longest = np.argmax(np.abs(own), axis=1)
+        axes = own * np.sign(own[np.arange(3), longest])[:, None]
+    if np.linalg.det(axes) < 0.0:
+        axes[2] *= -1.0
+    return axes
+
+
+def _pieces(solid: Solid) -> np.ndarray:
+    """(T,) number of the connected solid that each face belongs to, in order of appearance."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    first, second, third = solid.faces.T
+    rows, columns = np.concatenate([first, second]), np.concatenate([second, third])
+    count = len(solid.points_m)
+    joined = coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
+    _, label = connected_components(joined, directed=False)
+    _, first_seen, number = np.unique(label[first], return_index=True, return_inverse=True)
+    rank = np.empty_like(first_seen)
+    rank[np.argsort(first_seen)] = np.arange(len(first_seen))
+    return rank[number.reshape(-1)]
+
+
+def _start_m(name: str, number: int) -> FloatArray:
+    """Where in its tile the texture of a solid begins."""
+    digest = hashlib.sha256(f"{name}/{number}".encode()).digest()
+    return np.frombuffer(digest[:4], dtype="<u2") / 65536.0 * _LONGEST_TILE_M
 
 
 def _face_normals(solid: Solid) -> FloatArray:

@@ -2,7 +2,7 @@
 
 A package is a folder: an asset's or a look's interface layer and the files that this refers to.
 Houses in one folder share the packages that are the same; one that lies there already is never
-changed.
+changed. Packages of one database share a folder of pictures beside them, and keep it.
 """
 
 from __future__ import annotations
@@ -10,12 +10,18 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 
 from chord_usd.errors import AssetError, StageError
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.stages import walk
+
+SHARED = "Finishes"
+"""Folder beside packages whose pictures all of them may use."""
+
+_PICTURES = (".jpg", ".jpeg", ".png")
 
 
 class Packages:
@@ -27,6 +33,7 @@ class Packages:
         self._staged, self._kind = staged / kind, kind
         self._finals = [final / kind for final in finals]
         self._names: dict[Path, str] = {}
+        self._shared: set[Path] = set()
 
     def add(self, interface: Path, also: Iterable[str] = ()) -> str:
         """Take in the package of this interface layer; returns the path for a reference.
@@ -36,17 +43,48 @@ class Packages:
         """
         interface = Path(os.path.abspath(interface))  # noqa: PTH100 (not through links)
         if interface not in self._names:
-            files = package_files(interface, also)
+            package = package_files(interface, also)
+            files = package.files
             taken = set(self._names.values())
             name = free_package(interface.parent.name, files, self._finals, taken)
             self._names[interface] = name
             # Also what lies there already: the house is checked before it is delivered.
             _copy(files, self._staged / name)
+            self._share(package.shared, interface)
         return f"./{self._kind}/{self._names[interface]}/{interface.name}"
 
+    def _share(self, pictures: Iterable[Path], interface: Path) -> None:
+        """Copy pictures that packages share; those of one name are one picture."""
+        for picture in pictures:
+            if picture in self._shared:
+                continue
+            self._shared.add(picture)
+            place = self._staged / SHARED / picture.name
+            for there in (place, *(final / SHARED / picture.name for final in self._finals)):
+                if os.path.lexists(there) and not is_copy(picture, there):
+                    raise AssetError(
+                        f"needs {SHARED}/{picture.name}, and another file is there already",
+                        where=str(interface),
+                        expected="one picture of that name in all databases of a house",
+                        try_="-o in an empty folder, or give that picture another name",
+                    )
+            if not place.exists():
+                place.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(picture, place)
 
-def package_files(interface: Path, also: Iterable[str] = ()) -> dict[Path, Path]:
-    """Files of a package by their path within it. Raises AssetError."""
+
+@dataclass(frozen=True)
+class Package:
+    """What belongs to an asset or a look."""
+
+    files: Mapping[Path, Path]
+    """By their path within the package."""
+    shared: tuple[Path, ...]
+    """Pictures in the folder that it shares with others."""
+
+
+def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
+    """The files of a package. Raises AssetError."""
     if not interface.is_file():
         raise AssetError(
             "the asset's layer is missing",
@@ -63,19 +101,34 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> dict[Path, Path]
             where=str(interface),
             expected="a USD layer with a default prim",
         ) from error
-    files = [*found.layers, *found.others]
-    outside = found.outside([source]) or next(
+    shared = [file for file in found.others if _is_shared(file, source)]
+    files = [file for file in (*found.layers, *found.others) if file not in shared]
+    outside = replace(found, others=tuple(files[len(found.layers) :])).outside([source]) or next(
         (file for file in files if not file.is_relative_to(source)), None
     )
     if outside is not None:
         raise AssetError(
             f"the asset points to {outside}",
             where=str(interface),
-            expected="an asset whose files lie in its own folder",
+            expected=f"an asset whose files lie in its folder, its pictures there or in {SHARED}/",
             try_="copy that file beside the asset, and refer to it there",
         )
     beside = [source / name for name in also if (source / name).is_file()]
-    return {file.relative_to(source): file for file in sorted({*files, *beside})}
+    return Package(
+        {file.relative_to(source): file for file in sorted({*files, *beside})},
+        tuple(sorted(shared)),
+    )
+
+
+def _is_shared(file: Path, source: Path) -> bool:
+    """Whether it is a picture that lies, and not only seems to, in the folder beside a package."""
+    folder = source.parent / SHARED
+    real = Path(os.path.realpath(source.parent)) / SHARED
+    return (
+        file.parent == folder
+        and file.suffix.lower() in _PICTURES
+        and Path(os.path.realpath(file)) == real / file.name
+    )
 
 
 def free_package(
@@ -87,6 +140,7 @@ def free_package(
         candidate
         for candidate in candidates
         if candidate not in taken
+        and candidate.lower() != SHARED.lower()
         and all(_is_free_or_same(final / candidate, files) for final in finals)
     )
 

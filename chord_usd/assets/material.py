@@ -1,0 +1,225 @@
+"""Materials of components: UsdPreviewSurface networks, and how a colourway overrides them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.assets.finishes import Finish
+from chord_usd.assets.surface_maps import (
+    MAP_PX,
+    MAPS_FOLDER,
+    ROUGHNESS_RANGE,
+    MapFiles,
+    has_maps,
+    map_files,
+)
+
+if TYPE_CHECKING:
+    from pxr import Usd, UsdShade
+
+TEXTURES = "textures"
+"""Folder of the pictures of a component."""
+
+_INPUTS = ("diffuseColor", "roughness", "metallic", "opacity", "emissiveColor")
+
+_MAPS = (
+    ("BaseColor", "diffuseColor", "rgb", "sRGB"),
+    ("Roughness", "roughness", "r", "raw"),
+    ("Normal", "normal", "rgb", "raw"),
+)
+"""Shader of a map, the input of the surface that it feeds, its output, its colour space."""
+
+
+_PICTURE, _CONNECT = "Texture", "connect"
+
+Values = dict[str, tuple[str, Any]]
+"""Property of a shader ("Surface.inputs:roughness") to its USD type and value; of type "connect"
+("Surface.inputs:roughness.connect"), the output it reads, or None for none."""
+
+
+@dataclass(frozen=True)
+class MapShelf:
+    """Where the maps of finishes lie, and how large they are."""
+
+    folder: Path
+    px: int = MAP_PX
+
+    def files(self, finish: Finish) -> MapFiles | None:
+        """The maps of a finish, drawn if need be; None where it has none. Raises OSError."""
+        return map_files(finish, self.folder, self.px) if has_maps(finish) else None
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """The finishes that a slot wears, one for each colourway, and what is drawn of them."""
+
+    finishes: Sequence[Finish]
+    maps: Sequence[MapFiles | None]
+    pictures: Sequence[str]
+    """Names of picture files in TEXTURES; empty where a finish has none."""
+    inputs: Sequence[Values] = field(init=False)
+    """For each colourway."""
+
+    def __post_init__(self) -> None:
+        found = zip(self.finishes, self.maps, self.pictures, strict=True)
+        object.__setattr__(self, "inputs", [_inputs(*one) for one in found])
+
+    def overrides(self, index: int) -> Values:
+        """What a colourway says: all in which colourways differ. What is missing in one of them
+        (the maps of a plain finish) is left as it is, since nothing reads it."""
+        varying = {
+            name for one in self.inputs for name, value in one.items()
+            if any(other.get(name, value) != value for other in self.inputs)
+        }  # fmt: skip
+        return {name: value for name, value in self.inputs[index].items() if name in varying}
+
+    def whole(self) -> Values:
+        """What the first colourway says and, where it is silent, others do: files for all."""
+        whole: Values = {}
+        for one in reversed(self.inputs):
+            whole |= one
+        return whole
+
+
+def slot_looks(slot: str, finishes: Sequence[Finish], shelf: MapShelf) -> Looks:
+    """What a slot wears, its maps drawn. Raises OSError."""
+    pictures: dict[int, str] = {}
+    for finish in finishes:
+        if finish.texture is not None:
+            number = f"_{len(pictures) + 1}" if pictures else ""
+            pictures.setdefault(id(finish.texture), f"{slot}{number}.jpg")
+    names = [pictures.get(id(finish.texture), "") for finish in finishes]
+    return Looks(finishes, [shelf.files(finish) for finish in finishes], names)
+
+
+def save_pictures(looks: Looks, folder: Path) -> None:
+    """Write the pictures of a slot into folder."""
+    for name, finish in zip(looks.pictures, looks.finishes, strict=True):
+        if finish.texture is not None and not (folder / name).exists():
+            folder.mkdir(exist_ok=True)
+            finish.texture.save(folder / name, quality=88)
+
+
+def define_material(stage: Usd.Stage, path: str, looks: Looks) -> None:
+    """A UsdPreviewSurface as the first colourway has it; with maps where any has them.
+
+    Blender does not follow inputs of the material itself, so all values are the shaders' own.
+    Constants stay under the maps: they are the mean, for what reads no pictures.
+    """
+    from pxr import Sdf, UsdShade
+
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, f"{path}/Surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.5)
+    if any(looks.maps) or any(looks.pictures):
+        uv = _coordinates(stage, path)
+        if any(looks.maps):
+            _define_maps(stage, path, uv)
+        if any(looks.pictures):
+            _texture(stage, f"{path}/{_PICTURE}", "sRGB", uv, "rgb")
+    _author(stage, path, looks.whole())
+    surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+    material.CreateSurfaceOutput().ConnectToSource(surface)
+
+
+def override_material(stage: Usd.Stage, path: str, looks: Looks, index: int) -> None:
+    """Say in the stage's edit target what a colourway changes of a material."""
+    _author(stage, path, looks.overrides(index))
+
+
+def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
+    from pxr import Gf, Sdf
+
+    colour = Gf.Vec3f(*finish.linear_rgb())
+    values = (
+        ("Color3f", colour),
+        ("Float", finish.roughness),
+        ("Float", finish.metallic),
+        ("Float", finish.opacity),
+        ("Color3f", colour * finish.glow),
+    )
+    named = dict(zip(_INPUTS, values, strict=True))
+    found: Values = {f"Surface.inputs:{k}": v for k, v in named.items()}
+    for shader, fed, output, _ in _MAPS:
+        source = f"{shader}.outputs:{output}" if maps else None
+        found[f"Surface.inputs:{fed}.connect"] = (_CONNECT, source)
+    if picture:
+        found["Surface.inputs:diffuseColor.connect"] = (_CONNECT, f"{_PICTURE}.outputs:rgb")
+        found[f"{_PICTURE}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{picture}"))
+    if maps is None:
+        return found
+    for (shader, *_), name in zip(_MAPS, (maps.colour, maps.roughness, maps.normal), strict=True):
+        found[f"{shader}.inputs:file"] = ("Asset", Sdf.AssetPath(f"../{MAPS_FOLDER}/{name}"))
+    found["Roughness.inputs:scale"] = ("Float4", Gf.Vec4f(ROUGHNESS_RANGE * finish.roughness))
+    repeats = Gf.Vec2f(1.0 / maps.tile_m[0], 1.0 / maps.tile_m[1])
+    found["Place.inputs:scale"] = ("Float2", repeats)
+    return found
+
+
+def _define_maps(stage: Usd.Stage, path: str, coordinates: UsdShade.Output) -> None:
+    """The shaders of the maps, which all lie the same way over metres."""
+    from pxr import Gf, Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    place = UsdShade.Shader.Define(stage, f"{path}/Place")
+    place.CreateIdAttr("UsdTransform2d")
+    place.CreateInput("in", types.Float2).ConnectToSource(coordinates)
+    uv = place.CreateOutput("result", types.Float2)
+    for name, _, output, space in _MAPS:
+        shader = _texture(stage, f"{path}/{name}", space, uv, output)
+        if name == "Normal":
+            shader.CreateInput("scale", types.Float4).Set(Gf.Vec4f(2.0, 2.0, 2.0, 1.0))
+            shader.CreateInput("bias", types.Float4).Set(Gf.Vec4f(-1.0, -1.0, -1.0, 0.0))
+
+
+def _coordinates(stage: Usd.Stage, path: str) -> UsdShade.Output:
+    from pxr import Sdf, UsdShade
+
+    reader = UsdShade.Shader.Define(stage, f"{path}/Uv")
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
+    return reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+
+
+def _texture(
+    stage: Usd.Stage, path: str, space: str, uv: UsdShade.Output, output: str
+) -> UsdShade.Shader:
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    texture = UsdShade.Shader.Define(stage, path)
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", types.Asset)
+    texture.CreateInput("sourceColorSpace", types.Token).Set(space)
+    for side in ("wrapS", "wrapT"):
+        texture.CreateInput(side, types.Token).Set("repeat")
+    texture.CreateInput("st", types.Float2).ConnectToSource(uv)
+    texture.CreateOutput(output, types.Float if output == "r" else types.Float3)
+    return texture
+
+
+def _author(stage: Usd.Stage, path: str, values: Values) -> None:
+    """Set values, and connections between the shaders of one material."""
+    from pxr import Sdf
+
+    for name, (type_name, value) in values.items():
+        shader, _, property_ = name.partition(".")
+        prim = stage.OverridePrim(f"{path}/{shader}")
+        if type_name == _CONNECT:
+            attribute = _connected(prim, property_.removesuffix(".connect"))
+            attribute.SetConnections([Sdf.Path(f"{path}/{value}")] if value else [])
+        else:
+            kind = getattr(Sdf.ValueTypeNames, type_name)
+            prim.CreateAttribute(property_, kind, custom=False).Set(value)
+
+
+def _connected(prim: Usd.Prim, name: str) -> Usd.Attribute:
+    from pxr import Sdf
+
+    types = Sdf.ValueTypeNames
+    kinds = {"diffuseColor": types.Color3f, "roughness": types.Float, "normal": types.Normal3f}
+    return prim.CreateAttribute(name, kinds[name.removeprefix("inputs:")], custom=False)
