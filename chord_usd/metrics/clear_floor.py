@@ -11,7 +11,7 @@ import shapely
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon
-from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.palette import CATEGORIES, Level, Mount
 from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
 MAX_CLEARANCE_M = 0.9
@@ -22,6 +22,8 @@ WINDOW_CLEARANCE_M = 0.5
 
 TOUCH_M = 0.01
 """Clearances are smaller by this on every side: standing flush beside a door is fine."""
+
+_BEFORE_WINDOWS = (Mount.WINDOW, Mount.BOARD, Mount.PIECE)
 
 PROBE_M = 0.1
 """How far beyond the wall's face one looks for the room on that side."""
@@ -113,25 +115,35 @@ def enters_height(base_m: float, top_m: float, opening: Opening) -> bool:
 
 
 def is_high_enough(item: Item, opening: Opening) -> bool:
-    """Whether an item on the clear floor of an opening is in its way, not below it or underfoot."""
+    """Whether an item on the clear floor of an opening is in its way, not below it or underfoot.
+
+    Curtains are made to hang before windows, and sills and furniture there carry small things.
+    """
     base_m, height_m = item.box.center_m[2], item.box.size_m[2]
-    return not is_underfoot(item) and enters_height(base_m, base_m + height_m, opening)
+    if is_underfoot(item) or not enters_height(base_m, base_m + height_m, opening):
+        return False
+    row = CATEGORIES.get(item.category)
+    if row is None or row.level is not Level.DRESSING or opening.kind != "window":
+        return True
+    return row.mount not in _BEFORE_WINDOWS
 
 
 def blocked_openings(graph: SceneGraph) -> list[Blocked]:
     """Openings with an item in the box in front of them, on either side (SceneEval).
 
     The box is as wide as the opening and clearance_depth_m deep, clipped to the room it lies in.
-    Items below the sill, above the lintel or underfoot do not block. One entry for each pair.
+    Items below the sill, above the lintel or underfoot do not block. Dressing counts as items do
+    (is_high_enough). One entry for each pair.
     """
-    if not graph.items:
+    things = (*graph.items, *graph.dressing)
+    if not things:
         return []
-    prints = footprints_of(graph.items)
+    prints = footprints_of(things)
     tree = shapely.STRtree(prints.polygons)
     found: dict[Blocked, None] = {}
     for opening, clearance in clearances(graph.rooms, graph.openings):
         for index in sorted(tree.query(clearance, predicate="intersects")):
-            item = graph.items[index]
+            item = things[index]
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
             if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
                 found[Blocked(opening=opening.id, item=item.id)] = None

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import shapely
 
 from chord_usd.metrics.footprints import GRID_M, footprints_of
-from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.palette import CATEGORIES
-from chord_usd.scene.types import Item, Room, RoomKind, SceneGraph
+from chord_usd.scene.types import Item, Opening, Room, RoomKind, SceneGraph
 
 MAX_SHARE_OUTSIDE = 0.01
 """An item is out of its room when more than this share of its footprint is (PhyScene's R_out)."""
+
+DRESSING_SLACK_M = 0.005
+"""As much as contact of meshes (stage.check_contact.MIN_DEPTH_M)."""
 
 FURNISHED_KINDS: frozenset[RoomKind] = frozenset(
     ("living", "dining", "bedroom", "kitchen", "bathroom", "study")
@@ -27,17 +30,33 @@ def out_of_room(graph: SceneGraph) -> list[str]:
     """Ids of items with more than MAX_SHARE_OUTSIDE of their footprint outside their room.
 
     An item whose room_id names no room is out. Tabletop items are not looked at: they belong to
-    what carries them.
+    what carries them. Dressing is thin: it may reach DRESSING_SLACK_M into walls, and in windows.
     """
-    if not graph.items:
+    things = (*graph.items, *graph.dressing)
+    if not things:
         return []
     nowhere = shapely.Polygon()
     floors = {room.id: room_polygon(room) for room in graph.rooms}
-    prints = footprints_of(graph.items)
+    wider = _with_windows(floors, graph.openings) if graph.dressing else {}
     homes = [floors.get(item.room_id, nowhere) for item in graph.items]
+    homes += [wider.get(item.room_id, nowhere) for item in graph.dressing]
+    prints = footprints_of(things)
     outside_m2 = shapely.area(shapely.difference(prints.polygons, homes, grid_size=GRID_M))
     share = outside_m2 / prints.areas_m2
-    return [item.id for item, s in zip(graph.items, share, strict=True) if s > MAX_SHARE_OUTSIDE]
+    return [item.id for item, s in zip(things, share, strict=True) if s > MAX_SHARE_OUTSIDE]
+
+
+def _with_windows(
+    floors: Mapping[str, shapely.Polygon], openings: Iterable[Opening]
+) -> dict[str, shapely.Geometry]:
+    """The floors by room id, grown into the walls a little and by the windows beside them."""
+    windows = [footprint_polygon(one.box) for one in openings if one.kind == "window"]
+    return {
+        room_id: shapely.union_all(
+            [floor, *(window for window in windows if window.distance(floor) < DRESSING_SLACK_M)]
+        ).buffer(DRESSING_SLACK_M, join_style="mitre")
+        for room_id, floor in floors.items()
+    }
 
 
 def is_to_furnish(room: Room) -> bool:

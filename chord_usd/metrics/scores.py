@@ -65,6 +65,7 @@ def part_of(graph: SceneGraph, room_ids: Collection[str]) -> SceneGraph:
         rooms=rooms,
         openings=tuple(opening for opening, sides in beside if any(sides)),
         items=tuple(item for item in graph.items if item.room_id in room_ids),
+        dressing=tuple(item for item in graph.dressing if item.room_id in room_ids),
     )
 
 

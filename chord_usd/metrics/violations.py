@@ -58,12 +58,13 @@ def violations(
     overlap: Overlap | None = None,
     homely: Sequence[Homely] | None = None,
 ) -> list[Violation]:
-    """What is wrong in a house: overlaps that are not natural, pieces beyond their room's floor or
-    before openings, then what each room has wrong and lacks.
+    """What is wrong in a house: overlaps that are not natural, pieces and dressing beyond their
+    room's floor or before openings, then what each room has wrong and lacks.
 
     overlap, homely: of the same house, where they are known.
     """
-    room_of = {item.id: room_id for item, room_id in _standing(graph.items)}
+    things = (*graph.items, *graph.dressing)
+    room_of = {item.id: room_id for item, room_id in _standing(things)}
     pairs = (overlap or scene_overlap(graph)).overlapping
     found = [
         Violation("overlap", room_of[pair.a], pair.a, pair.b, pair.area_m2)
@@ -92,7 +93,7 @@ def _standing(items: Iterable[Item], room_id: str = "") -> Iterator[tuple[Item, 
 def _beyond(graph: SceneGraph) -> Iterator[Violation]:
     floors = {room.id: room_polygon(room) for room in graph.rooms}
     out = set(out_of_room(graph))
-    for item in graph.items:
+    for item in (*graph.items, *graph.dressing):
         if item.id in out:
             floor = floors.get(item.room_id, shapely.Polygon())
             outside = shapely.difference(footprint_polygon(item.box), floor).area

@@ -15,11 +15,15 @@ import shapely
 from chord_usd.metrics.clear_floor import rooms_beside
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
-from chord_usd.scene.types import WALL_THICKNESS_M, Opening, RoomKind, SceneGraph
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import WALL_THICKNESS_M, Item, Opening, RoomKind, SceneGraph
 
 WALKER_RADIUS_M = 0.2
 HEAD_ROOM_M = 1.8
 """Items whose underside is above this are walked under."""
+
+PASSED_BY_M = 0.05
+"""What hangs on a wall and is no deeper than this takes up no floor."""
 
 REACHED_M2 = 1.0
 """A room is reached when a walker from the entrance covers this much of its floor."""
@@ -62,15 +66,22 @@ def free_floor(graph: SceneGraph) -> shapely.Geometry:
     rooms = [room_polygon(room).buffer(SEAM_M, join_style="mitre") for room in graph.rooms]
     doorways = [_doorway(opening) for opening in graph.openings if opening.kind != "window"]
     floor = shapely.union_all([*rooms, *doorways])
+    things = (*graph.items, *filter(_is_in_the_way, graph.dressing))
     standing = [
-        item
-        for item in graph.items
-        if item.box.center_m[2] < HEAD_ROOM_M and not is_underfoot(item)
+        item for item in things if item.box.center_m[2] < HEAD_ROOM_M and not is_underfoot(item)
     ]
     if not standing:
         return floor
     stood_on = shapely.union_all(footprints_of(standing).polygons)
     return floor.difference(stood_on, grid_size=GRID_M)
+
+
+def _is_in_the_way(item: Item) -> bool:
+    """Whether dressing takes up floor: it stands or hangs, and is no picture that one passes by."""
+    row = CATEGORIES.get(item.category)
+    if row is None or row.mount is Mount.WALL:
+        return row is None or item.box.size_m[1] > PASSED_BY_M
+    return row.mount in (Mount.FLOOR, Mount.CEILING)
 
 
 def _doorway(opening: Opening) -> shapely.Polygon:

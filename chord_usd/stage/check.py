@@ -11,25 +11,17 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import shapely
 from pxr import Usd
 
 from chord_usd.metrics import SceneScores, score_scene
 from chord_usd.metrics.complete import Misplaced
 from chord_usd.runtime.stages import open_known, open_stage, reading
-from chord_usd.scene.geometry import footprint, room_polygon
-from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import Item
-from chord_usd.stage.check_contact import Body, Collision, collisions, unsupported
+from chord_usd.stage.check_contact import Collision, collisions, unsupported
+from chord_usd.stage.check_dressing import Dressing, Objects, count_objects, measure_dressing
+from chord_usd.stage.check_held import Held, underfoot
 from chord_usd.stage.check_rules import Finding, broken_rules
-from chord_usd.stage.check_scene import StageScene, read_scene
-
-WALL_GAP_M = 0.01
-"""What has its back no further than this from the wall can hang on it."""
-
-PLUMBED = frozenset(("toilet", "washbasin"))
-"""Floor categories whose designs may be hung on the wall they are plumbed to."""
+from chord_usd.stage.check_scene import read_scene
 
 
 @dataclass(frozen=True)
@@ -73,6 +65,8 @@ class Report:
     """The same share, of rooms in which nothing stands wrongly, too."""
     missing: tuple[Missing, ...]
     misplaced: tuple[Misplaced, ...]
+    objects: Objects
+    dressing: Dressing
 
     @property
     def valid(self) -> bool:
@@ -113,10 +107,10 @@ def _reported(stage: Usd.Stage) -> Report:
     scores = score_scene(scene.graph)
     return Report(
         errors=tuple(errors),
-        collisions=tuple(collisions(scene.items, scene.walls)),
+        collisions=tuple(collisions(scene.items, scene.walls, underfoot(scene.graph.dressing))),
         out_of_room=scores.out_of_room,
         blocked_openings=scores.blocked_openings,
-        unsupported=tuple(unsupported(scene.items, scene.ground, _Hangs(scene))),
+        unsupported=tuple(unsupported(scene.items, scene.ground, Held(scene))),
         empty_rooms=scores.empty_rooms,
         walkable=scores.walk.walkable,
         reachable_rooms=scores.walk.reachable_rooms,
@@ -125,6 +119,8 @@ def _reported(stage: Usd.Stage) -> Report:
         pairs=scores.overlap.pairs,
         ood=_outliers(scene.graph.items),
         **_advice(scores),
+        objects=count_objects(scene.graph),
+        dressing=measure_dressing(stage, scene),
     )
 
 
@@ -153,25 +149,3 @@ def certificate(report: Report) -> dict[str, Any]:
             key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()
         },
     }
-
-
-class _Hangs:
-    """Whether a body is of a kind that hangs on walls, and its back is at one."""
-
-    def __init__(self, scene: StageScene) -> None:
-        self._items: dict[str, Item] = {item.id: item for item in scene.graph.items}
-        self._floors = {room.id: room_polygon(room) for room in scene.graph.rooms}
-
-    def __call__(self, body: Body) -> bool:
-        item = self._items.get(body.path)
-        if item is None or item.room_id not in self._floors:
-            return False
-        row = CATEGORIES.get(item.category)
-        if row is None or not (row.mount is Mount.WALL or row.name in PLUMBED):
-            return False
-        floor = self._floors[item.room_id]
-        corners = footprint(item.box)
-        back = shapely.points(corners[[0, 3]])
-        return bool(
-            np.all((shapely.distance(floor.exterior, back) <= WALL_GAP_M) | ~floor.contains(back))
-        )

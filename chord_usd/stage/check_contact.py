@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -110,14 +110,20 @@ class Collision:
     depth_m: float
 
 
-def collisions(items: Sequence[Body], walls: Sequence[Body]) -> list[Collision]:
+def collisions(
+    items: Sequence[Body], walls: Sequence[Body], underfoot: Collection[str] = ()
+) -> list[Collision]:
     """Items that run into each other or into a wall by more than MIN_DEPTH_M.
 
-    An item and what it stands on are not compared: resting is contact.
+    An item and what it stands on are not compared: resting is contact. underfoot: paths of items
+    that others stand on, compared with walls only.
     """
     found = []
+    items_at = {item.path for item in items}
     for a, b in _near_pairs(items, walls):
         if a.path == b.parent or b.path == a.parent:
+            continue
+        if b.path in items_at and (a.path in underfoot or b.path in underfoot):
             continue
         depth_m = _depth_m(a, b)
         if depth_m > MIN_DEPTH_M:

@@ -32,7 +32,7 @@ def dressed_graph(staged_graph: SceneGraph, block: Asset) -> SceneGraph:
                     Box((*room.polygon_m.mean(axis=0), 0.0), (0.3, 0.3, 1.0), 0.0), room.id,
                 ),
             ]  # fmt: skip
-    return replace(staged_graph, dressing=tuple(dressing), style="modern")
+    return replace(staged_graph, dressing=tuple(dressing))
 
 
 @pytest.fixture(scope="module")

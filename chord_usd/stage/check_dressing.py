@@ -1,0 +1,115 @@
+"""How full rooms are, and how they are dressed: figures of the report that are no faults."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from statistics import median
+
+import shapely
+from pxr import Usd
+
+from chord_usd.metrics.clear_floor import rooms_beside
+from chord_usd.metrics.rooms import rooms_to_furnish
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.palette import CATEGORIES, Mount
+from chord_usd.scene.types import Item, Opening, Room, RoomKind, SceneGraph
+from chord_usd.stage.check_held import WINDOW_GAP_M
+from chord_usd.stage.check_scene import StageScene
+from chord_usd.stage.textures import bound_material, coordinates_read
+
+
+@dataclass(frozen=True)
+class Objects:
+    """Furniture, tabletop items and dressing; median, least and by_kind are a room, of the rooms
+    that nobody leaves empty."""
+
+    total: int
+    """Of the whole house."""
+    median: float
+    least: int
+    by_kind: dict[RoomKind, float]
+    """Medians."""
+
+
+@dataclass(frozen=True)
+class Dressing:
+    """How a house is dressed. Shares of nothing are 0."""
+
+    items: int
+    windows_dressed: float
+    """Share of the windows of rooms that nobody leaves empty that have a curtain or blind."""
+    wet_rooms_with_mirror: float
+    """Share of bathrooms."""
+    textured_area: float
+    """Share of the surface of furniture and dressing whose material has a texture."""
+
+
+def count_objects(graph: SceneGraph) -> Objects:
+    """How many objects the rooms of a house hold."""
+    rooms = rooms_to_furnish(graph.rooms)
+    counts = [(room.kind, _count(_things(graph, room))) for room in rooms]
+    kinds = dict.fromkeys(kind for kind, _ in counts)
+    return Objects(
+        total=_count((*graph.items, *graph.dressing)),
+        median=median([count for _, count in counts] or [0]),
+        least=min((count for _, count in counts), default=0),
+        by_kind={kind: median([n for one, n in counts if one == kind]) for kind in kinds},
+    )
+
+
+def measure_dressing(stage: Usd.Stage, scene: StageScene) -> Dressing:
+    """Figures of the dressing of a house. Payloads must be loaded."""
+    graph = scene.graph
+    hung = [footprint_polygon(one.box) for one in graph.dressing if _is_at_window(one)]
+    windows = [footprint_polygon(one.box) for one in _windows(graph)]
+    dressed = sum(bool((shapely.distance(hung, one) <= WINDOW_GAP_M).any()) for one in windows)
+    mirrored = {one.room_id for one in graph.dressing if one.category == "mirror"}
+    wet = [room.id for room in graph.rooms if room.kind == "bathroom"]
+    return Dressing(
+        items=len(graph.dressing),
+        windows_dressed=_share(dressed, len(windows)),
+        wet_rooms_with_mirror=_share(sum(room in mirrored for room in wet), len(wet)),
+        textured_area=_textured_area(stage, scene),
+    )
+
+
+def _things(graph: SceneGraph, room: Room) -> list[Item]:
+    return [*graph.items_of(room.id), *graph.dressing_of(room.id)]
+
+
+def _count(items: Iterable[Item]) -> int:
+    return sum(1 + _count(item.children) for item in items)
+
+
+def _windows(graph: SceneGraph) -> list[Opening]:
+    lived_in = {room.id for room in rooms_to_furnish(graph.rooms)}
+    windows = [one for one in graph.openings if one.kind == "window"]
+    beside = zip(windows, rooms_beside(windows, graph.rooms), strict=True)
+    return [one for one, sides in beside if any(side and side.id in lived_in for side in sides)]
+
+
+def _is_at_window(item: Item) -> bool:
+    row = CATEGORIES.get(item.category)
+    return row is not None and row.mount is Mount.WINDOW
+
+
+def _textured_area(stage: Usd.Stage, scene: StageScene) -> float:
+    """Instances of one mesh are looked at once."""
+    known: dict[str, bool] = {}
+    textured_m2 = all_m2 = 0.0
+    for solid in (solid for body in scene.items for solid in body.solids):
+        mesh = stage.GetPrimAtPath(solid.path)
+        own = mesh.GetPrimInPrototype() if mesh.IsInstanceProxy() else mesh
+        key = str(own.GetPath())
+        if key not in known:
+            material = bound_material(own)
+            surface = material.ComputeSurfaceSource()[0] if material else None
+            known[key] = bool(surface and coordinates_read(surface))
+        all_m2 += solid.mesh.area
+        textured_m2 += solid.mesh.area * known[key]
+    return _share(textured_m2, all_m2)
+
+
+def _share(part: float, whole: float) -> float:
+    return part / whole if whole else 0.0
