@@ -127,9 +127,7 @@ def editions(
             style = styles[(column + row) % len(styles)]
             name = f"{style.name}_{100 * length:.0f}x{100 * width:.0f}"
             size_m = (length, width, style.height_m)
-            yield Design(
-                name, category, size_m, style.draw, style.colourways, styles=style.styles
-            )
+            yield Design(name, category, size_m, style.draw, style.colourways, styles=style.styles)
 
 
 def steps(first: float, last: float, step: float = 0.1) -> tuple[float, ...]:

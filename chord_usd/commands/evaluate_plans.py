@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> Outcome:
     if options.real is not None:
         return _run_real(options)
     from chord_usd.data.drawn.page_looks import KINDS
-    from chord_usd.data.drawn.styles import FAMILIES
+    from chord_usd.data.drawn.page_styles import FAMILIES
     from chord_usd.evaluation.plans import as_markdown, clean, crowded, measure_reading, summaries
     from chord_usd.evaluation.plans_records import Records
 

@@ -59,6 +59,14 @@ def add_what(parser: Parser) -> None:
         "--walkthrough", type=whole_number(1, 10_000), default=0, metavar="N",
         help="instead of the stage's cameras, N views along a walk through the doors",
     )  # fmt: skip
+    group.add_argument(
+        "--turntable", default="", metavar="ROOM",
+        help="instead of the stage's cameras, views around a room that stands alone and open",
+    )  # fmt: skip
+    group.add_argument(
+        "--frames", type=whole_number(1, 10_000), default=36, metavar="N",
+        help="views of a turntable (36)",
+    )  # fmt: skip
     add_look(group)
 
 
@@ -142,6 +150,8 @@ def render_options(options: argparse.Namespace) -> RenderOptions:
         cameras=tuple(options.camera),
         rooms=tuple(options.room),
         walkthrough=options.walkthrough,
+        turntable=options.turntable,
+        frames=options.frames,
         seed=options.seed,
         engine=options.engine,
         device=options.device,
@@ -162,6 +172,8 @@ def words_of(options: argparse.Namespace) -> list[str]:
         "--device": options.device,
         "--lighting": options.lighting,
         "--walkthrough": options.walkthrough or None,
+        "--turntable": options.turntable,
+        "--frames": options.frames if options.turntable else None,
     }
     return [str(word) for pair in words.items() for word in pair if pair[1] not in (None, "")]
 

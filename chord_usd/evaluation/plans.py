@@ -11,8 +11,8 @@ import numpy as np
 
 from chord_usd.data.drawn.crowded import draw_page
 from chord_usd.data.drawn.page_looks import random_look
+from chord_usd.data.drawn.page_styles import random_style
 from chord_usd.data.drawn.styled_plans import Drawing, draw_in_style
-from chord_usd.data.drawn.styles import random_style
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED

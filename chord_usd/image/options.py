@@ -28,6 +28,10 @@ class RenderOptions:
     """Only cameras that stand in these rooms; empty for all."""
     walkthrough: int = 0
     """Instead of the stage's cameras, this many along a walk through the doors; 0 for none."""
+    turntable: str = ""
+    """Instead of the stage's cameras, views around this room, which stands alone."""
+    frames: int = 36
+    """Views of a turntable."""
     resolution_px: tuple[int, int] = (1280, 720)
     """Width and height."""
     quality: Quality = QUALITIES["good"]
@@ -103,6 +107,10 @@ def _check_numbers(options: RenderOptions) -> None:
         raise RenderError(f"{samples} samples", where="--samples", expected="1 to 65536")
     if not 0 <= options.seed < 2**31:
         raise RenderError(f"seed {options.seed}", where="--seed", expected="0 to 2147483647")
+    if not 1 <= options.frames <= 10000:
+        raise RenderError(f"{options.frames} frames", where="--frames", expected="1 to 10000")
+    if options.turntable and options.walkthrough:
+        raise RenderError("a walk and a turntable at once", expected="--walkthrough or --turntable")
     if not 0 <= options.walkthrough <= 10000:
         raise RenderError(
             f"a walk of {options.walkthrough} pictures",

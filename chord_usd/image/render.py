@@ -239,6 +239,10 @@ def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -
         from chord_usd.image.walkthrough import walk_cameras
 
         there: Sequence[StageCamera] = walk_cameras(lit, options.walkthrough)
+    elif options.turntable:
+        from chord_usd.image.turntable import turn_cameras
+
+        there = turn_cameras(lit, options.turntable, options.frames)
     else:
         there = views.cameras
     if not there:

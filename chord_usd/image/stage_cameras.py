@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 TENTHS = 0.1
 """USD gives focal lengths and apertures in tenths of a scene unit."""
 
+CUT_NOTE = "chord:cut_m"
+"""Attribute of cameras that see the house with its walls cut at a height."""
+
 DEFAULT_CAMERA = "Default"
 _CORNER = (-0.6, -0.7, 0.45)
 _FAR_RADII = 5.0
@@ -43,6 +46,10 @@ class StageCamera:
     f_stop: float
     from_above: bool
     """Stands higher than the house, so that ceilings are in its way."""
+    cut_m: float = 0.0
+    """Height at which the walls are cut for it; 0 for whole walls."""
+    is_alone: bool = False
+    """Shows its room alone, without the walls between."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +153,13 @@ def _read_camera(prim: Usd.Prim, name: str, rooms: list[str], top_m: float) -> S
         focus_m=camera.focusDistance * m_per_unit,
         f_stop=camera.fStop,
         from_above=matrix[2][3] > top_m,
+        cut_m=_cut_m(prim),
     )
+
+
+def _cut_m(prim: Usd.Prim) -> float:
+    noted = prim.GetAttribute(CUT_NOTE).Get() if prim.HasAttribute(CUT_NOTE) else None
+    return max(float(noted), 0.0) if isinstance(noted, int | float) else 0.0
 
 
 def rigid(transform: Gf.Matrix4d, stage: Usd.Stage) -> Matrix:

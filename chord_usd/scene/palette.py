@@ -192,7 +192,8 @@ def _hung(height_m: float) -> dict:
 
 
 # name, label, colour, length, width (depth), height, rooms, further fields
-_DRESSING_ROWS: tuple[tuple[str, str, str, _Span, _Span, _Span, tuple[RoomKind, ...], dict], ...] = (
+_Row = tuple[str, str, str, _Span, _Span, _Span, tuple[RoomKind, ...], dict]
+_DRESSING_ROWS: tuple[_Row, ...] = (
     ("curtain", "Curtain", "B5651D", (0.2, 3.0), (0.06, 0.16), (0.6, 2.6), _LIVED, _WINDOW),
     ("curtain_rail", "Curtain Rail", "7A4A1E", (0.6, 5.0), (0.06, 0.14), (0.02, 0.08), _LIVED,
      _WINDOW),
@@ -318,8 +319,12 @@ DRESSING_CATEGORIES: tuple[Category, ...] = tuple(_dressing_categories())
 PLAN_CATEGORIES: tuple[Category, ...] = tuple(_plan_categories())
 
 CATEGORIES: dict[str, Category] = {
-    row.name: row for row in (
-        *HOUSE_CATEGORIES, *TABLE_CATEGORIES, *DRESSING_CATEGORIES, *PLAN_CATEGORIES,
+    row.name: row
+    for row in (
+        *HOUSE_CATEGORIES,
+        *TABLE_CATEGORIES,
+        *DRESSING_CATEGORIES,
+        *PLAN_CATEGORIES,
     )
 }
 """Every row by name; names are unique over all levels."""

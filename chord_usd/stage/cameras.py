@@ -1,40 +1,93 @@
-"""The cameras of a house: one per room and one above it all (viewpoints.py chooses where)."""
+"""The cameras of a house: one per room (viewpoints.py chooses where), one straight above it, and
+one that sees all of it cut open, as a model on a table."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from pxr import Gf, Sdf
+from shapely.geometry import LineString, Polygon
 
+from chord_usd.scene.geometry import footprint_polygon
+from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Item
+from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.names import NamedRoom
-from chord_usd.stage.prims import Types, attribute, define, set_op_order
-from chord_usd.stage.viewpoints import EYE_M, SENSOR_MM, choose_view
-from chord_usd.scene.types import ROOM_HEIGHT_M
+from chord_usd.stage.prims import Types, attribute, define, note, set_op_order
+from chord_usd.stage.viewpoints import EYE_M, NEAR_M, SENSOR_MM, View, choose_view
 from chord_usd.stage.walls import Walls
 
 TENTHS_PER_MM = 0.01
 """Lenses and sensors are written in tenths of a scene unit, which is a metre here."""
 
+TENTHS_PER_M = 10.0
+
 TOP_CAMERA = "Top"
+ISOMETRIC_CAMERA = "Isometric"
+
+_CLEAR_M = 0.1
+"""A camera moves when a piece that is in its way comes nearer than this."""
+
 _TOP_LENS_MM = 50.0
-_TOP_MARGIN = 1.06
+_MARGIN = 1.06
+
+_ELEVATION_DEG = math.degrees(math.asin(math.tan(math.radians(30.0))))
+"""Of an isometric view, 35.26: all three axes are shortened alike."""
+
+_TALLEST_M = 1.6
+"""What stands higher may reach into the margin."""
+
+_CUT_AT_M = 1.2
+"""Where an isometric view cuts the walls."""
 
 
 def set_cameras(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> None:
-    """Write /House/Cameras: one per room under the room's name, and Top."""
+    """Write /House/Cameras: one per room under the room's name, Top and Isometric."""
     define(layer, "/House/Cameras", "Scope")
     for room in rooms:
-        doors = [
-            np.array(tunnel.opening.box.center_m[:2])
-            for tunnel in walls.tunnels_of(room.room.id)
-            if tunnel.opening.kind != "window"
-        ]
-        view = choose_view(walls.floors_m[room.index], [named.item for named in room.items], doors)
-        position = Gf.Vec3d(*view.position_m, EYE_M)
-        turn = Gf.Vec3f(90.0, 0.0, view.yaw_deg - 90.0)
-        _write(layer, room.name, position, turn, view.lens_mm, view.shift_mm)
-    _write(layer, TOP_CAMERA, _above(walls), Gf.Vec3f(0.0, 0.0, 0.0), _TOP_LENS_MM, 0.0)
+        _set_room_camera(layer, room, walls)
+    above = _camera(layer, TOP_CAMERA, _above(walls), Gf.Vec3f(0.0, 0.0, 0.0))
+    _set_lens(above, _TOP_LENS_MM, 0.0, NEAR_M)
+    _set_isometric(layer, rooms, walls)
+
+
+def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> None:
+    doors = [
+        np.array(tunnel.opening.box.center_m[:2])
+        for tunnel in walls.tunnels_of(room.room.id)
+        if tunnel.opening.kind != "window"
+    ]
+    view = choose_view(walls.floors_m[room.index], [named.item for named in room.items], doors)
+    _write_view(layer, room.name, view)
+
+
+def clear_camera(layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequence[Item]) -> None:
+    """Find a room's camera another place where new furniture stands in its way."""
+    camera = layer.GetPrimAtPath(f"/House/Cameras/{room_name}")
+    if not camera or "xformOp:translate" not in camera.attributes:
+        return
+    eye = np.array(camera.attributes["xformOp:translate"].default[:2])
+    yaw_deg = camera.attributes["xformOp:rotateXYZ"].default[2] + 90.0
+    near_m = camera.attributes["clippingRange"].default[0]
+    lens_mm = camera.attributes["focalLength"].default / TENTHS_PER_MM
+    ahead, beside = rotation_2d(yaw_deg).T
+    half = near_m * SENSOR_MM[0] / 2 / lens_mm * beside
+    # What the picture begins with: the lens, or the clipping plane of a view through a wall.
+    first = LineString([eye + near_m * ahead - half, eye + near_m * ahead + half])
+    in_way = [
+        item
+        for item in items
+        if near_m > NEAR_M or item.box.center_m[2] + item.box.size_m[2] > EYE_M
+    ]
+    if any(footprint_polygon(item.box).distance(first) < _CLEAR_M for item in in_way):
+        _write_view(layer, room_name, choose_view(floor, items))
+
+
+def _write_view(layer: Sdf.Layer, name: str, view: View) -> None:
+    turn = Gf.Vec3f(90.0, 0.0, view.yaw_deg - 90.0)
+    camera = _camera(layer, name, Gf.Vec3d(*view.position_m, EYE_M), turn)
+    _set_lens(camera, view.lens_mm, view.shift_mm, view.near_m)
 
 
 def _above(walls: Walls) -> Gf.Vec3d:
@@ -42,25 +95,62 @@ def _above(walls: Walls) -> Gf.Vec3d:
     low_x, low_y, high_x, high_y = walls.solid_m.bounds
     reach_x = (high_x - low_x) * _TOP_LENS_MM / SENSOR_MM[0]
     reach_y = (high_y - low_y) * _TOP_LENS_MM / SENSOR_MM[1]
-    height = ROOM_HEIGHT_M + _TOP_MARGIN * max(reach_x, reach_y)
+    height = ROOM_HEIGHT_M + _MARGIN * max(reach_x, reach_y)
     return Gf.Vec3d((low_x + high_x) / 2, (low_y + high_y) / 2, height)
 
 
-def _write(
-    layer: Sdf.Layer,
-    name: str,
-    position: Gf.Vec3d,
-    turn_deg: Gf.Vec3f,
-    lens_mm: float,
-    shift_mm: float,
-) -> None:
+def _set_isometric(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> None:
+    """An orthographic view from above a corner; `chord:cut_m` says where walls are cut for it."""
+    yaw_deg = _facing_deg(rooms)
+    low_x, low_y, high_x, high_y = walls.solid_m.bounds
+    middle = np.array([(low_x + high_x) / 2, (low_y + high_y) / 2, _CUT_AT_M / 2])
+    rise = math.radians(_ELEVATION_DEG)
+    towards = np.array([*rotation_2d(yaw_deg)[:, 0] * math.cos(rise), math.sin(rise)])
+    corners = np.array(
+        [[x, y, z] for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, _TALLEST_M)]
+    )
+    right = np.append(rotation_2d(yaw_deg)[:, 1], 0.0)
+    up = np.cross(towards, right)
+    width_m = 2 * np.abs((corners - middle) @ right).max()
+    height_m = 2 * np.abs((corners - middle) @ up).max()
+    width_m = _MARGIN * max(width_m, height_m * SENSOR_MM[0] / SENSOR_MM[1])
+    eye = middle + towards * (2.0 * width_m + 10.0)
+    turn = Gf.Vec3f(90.0 - _ELEVATION_DEG, 0.0, yaw_deg + 90.0)
+    camera = _camera(layer, ISOMETRIC_CAMERA, Gf.Vec3d(*eye.tolist()), turn)
+    attribute(camera, "projection", Types.Token, "orthographic", uniform=True)
+    attribute(camera, "clippingRange", Types.Float2, Gf.Vec2f(NEAR_M, 1000.0))
+    height_m = width_m * SENSOR_MM[1] / SENSOR_MM[0]
+    attribute(camera, "horizontalAperture", Types.Float, width_m * TENTHS_PER_M)
+    attribute(camera, "verticalAperture", Types.Float, height_m * TENTHS_PER_M)
+    note(camera, cut_m=_CUT_AT_M)
+
+
+def _facing_deg(rooms: Sequence[NamedRoom]) -> float:
+    """The diagonal, counter-clockwise from +x, from which most large pieces show their fronts."""
+    diagonals = np.arange(45.0, 360.0, 90.0)
+    worth = np.zeros(len(diagonals))
+    for room in rooms:
+        for named in room.items:
+            box = named.item.box
+            front: FloatArray = -rotation_2d(box.yaw_deg)[:, 1]
+            volume_m3 = float(np.prod(box.size_m))
+            for at, diagonal in enumerate(diagonals):
+                worth[at] += volume_m3 * float(front @ rotation_2d(float(diagonal))[:, 0])
+    return float(diagonals[int(np.argmax(worth.round(6)))])
+
+
+def _camera(layer: Sdf.Layer, name: str, position: Gf.Vec3d, turn_deg: Gf.Vec3f) -> Sdf.PrimSpec:
     camera = define(layer, f"/House/Cameras/{name}", "Camera")
+    attribute(camera, "xformOp:translate", Types.Double3, position)
+    attribute(camera, "xformOp:rotateXYZ", Types.Float3, turn_deg)
+    set_op_order(camera, ["xformOp:translate", "xformOp:rotateXYZ"])
+    return camera
+
+
+def _set_lens(camera: Sdf.PrimSpec, lens_mm: float, shift_mm: float, near_m: float) -> None:
     width, height = SENSOR_MM
-    attribute(camera, "clippingRange", Types.Float2, Gf.Vec2f(0.05, 1000.0))
+    attribute(camera, "clippingRange", Types.Float2, Gf.Vec2f(near_m, 1000.0))
     attribute(camera, "focalLength", Types.Float, lens_mm * TENTHS_PER_MM)
     attribute(camera, "horizontalAperture", Types.Float, width * TENTHS_PER_MM)
     attribute(camera, "verticalAperture", Types.Float, height * TENTHS_PER_MM)
     attribute(camera, "verticalApertureOffset", Types.Float, shift_mm * TENTHS_PER_MM)
-    attribute(camera, "xformOp:translate", Types.Double3, position)
-    attribute(camera, "xformOp:rotateXYZ", Types.Float3, turn_deg)
-    set_op_order(camera, ["xformOp:translate", "xformOp:rotateXYZ"])

@@ -65,9 +65,13 @@ def attribute(
     uniform: bool = False,
     custom: bool = False,
 ) -> Sdf.AttributeSpec:
-    """An attribute with a value."""
+    """An attribute with a value, in place of the one that it has."""
     variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
-    spec = Sdf.AttributeSpec(prim, name, type_, variability, custom)
+    spec = (
+        prim.attributes[name]
+        if name in prim.attributes
+        else Sdf.AttributeSpec(prim, name, type_, variability, custom)
+    )
     spec.default = value
     return spec
 

@@ -16,19 +16,18 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-import shapely
-from pxr import Gf, Sdf, Usd, UsdUtils
+from pxr import Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
-from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.styles import style_named
 from chord_usd.scene.types import Asset, Item, Opening, Provenance, Room, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
-from chord_usd.stage.cameras import EYE_M, choose_view
+from chord_usd.stage.cameras import clear_camera
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.check_scene import CATEGORY, read_scene
 from chord_usd.stage.furniture import DRESSING, place_dressing, place_furniture
@@ -41,9 +40,6 @@ SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
 
 CHECKPOINT = "chord:checkpoint_hash"
-
-_ROOM_FOR_CAMERA_M = 0.1
-"""A camera moves when a piece that reaches its height comes nearer than this."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -340,7 +336,7 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
         if dressing:
             place_dressing(layer, named, packages, Path(scratch), wardrobe)
     _note_making(furniture, new.made)
-    _clear_camera(layer, new)
+    clear_camera(layer, new.room_name, room_polygon(new.room), new.items)
     layer.Save()
     return layer
 
@@ -354,18 +350,3 @@ def _note_making(furniture: Sdf.PrimSpec, made: Provenance) -> None:
             furniture.attributes[name].default = value
         else:
             attribute(furniture, name, type_, value, custom=True)
-
-
-def _clear_camera(layer: Sdf.Layer, new: NewFurniture) -> None:
-    """Find the room's camera another place where new furniture stands in its way."""
-    camera = layer.GetPrimAtPath(f"/House/Cameras/{new.room_name}")
-    if not camera or "xformOp:translate" not in camera.attributes:
-        return
-    x_m, y_m, _ = camera.attributes["xformOp:translate"].default
-    tall = [item for item in new.items if item.box.center_m[2] + item.box.size_m[2] > EYE_M]
-    eye = shapely.Point(x_m, y_m)
-    if all(footprint_polygon(item.box).distance(eye) > _ROOM_FOR_CAMERA_M for item in tall):
-        return
-    view = choose_view(room_polygon(new.room), new.items)
-    camera.attributes["xformOp:translate"].default = Gf.Vec3d(*view.position_m, EYE_M)
-    camera.attributes["xformOp:rotateXYZ"].default = Gf.Vec3f(90.0, 0.0, view.yaw_deg - 90.0)

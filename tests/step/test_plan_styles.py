@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from chord_usd.data.drawn.inscriptions import write
+from chord_usd.data.drawn.page_styles import FAMILIES, random_style
 from chord_usd.data.drawn.styled_plans import Drawing, draw_in_style
-from chord_usd.data.drawn.styles import FAMILIES, random_style
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.evaluation.plans import (

@@ -171,7 +171,15 @@ _FACE = ((0.3, 0.95), (0.36, 0.8), (0.27, 0.72), (0.24, 0.55), (0.3, 0.34), (0.5
          (0.72, 0.42), (0.75, 0.47), (0.71, 0.53), (0.79, 0.6), (0.73, 0.635), (0.74, 0.67),
          (0.77, 0.69), (0.725, 0.71), (0.76, 0.74), (0.715, 0.765), (0.72, 0.81), (0.66, 0.85),
          (0.53, 0.83), (0.55, 0.97))  # fmt: skip
-_HAIR = ((0.71, 0.36), (0.6, 0.16), (0.36, 0.18), (0.2, 0.34), (0.16, 0.56), (0.2, 0.7), (0.14, 0.83))
+_HAIR = (
+    (0.71, 0.36),
+    (0.6, 0.16),
+    (0.36, 0.18),
+    (0.2, 0.34),
+    (0.16, 0.56),
+    (0.2, 0.7),
+    (0.14, 0.83),
+)
 _EYE = ((0.57, 0.51), (0.62, 0.475), (0.68, 0.5), (0.62, 0.52), (0.57, 0.51))
 _EAR = ((0.4, 0.52), (0.36, 0.49), (0.345, 0.56), (0.385, 0.62), (0.41, 0.58))
 _BROW = ((0.54, 0.45), (0.61, 0.415), (0.7, 0.43))
@@ -262,23 +270,37 @@ def gears(rng: Rng, size: SizePx, palette: Palette = DEEP) -> Image.Image:
         teeth = int(share * 130)
         turn = np.linspace(0, 2 * math.pi, teeth * 8, endpoint=False)
         rim = r * (1.0 + 0.035 * np.sign(np.sin(teeth * turn)))
-        outline = list(zip((x + rim * np.cos(turn)).tolist(), (y + rim * np.sin(turn)).tolist(), strict=True))
+        outline = list(
+            zip((x + rim * np.cos(turn)).tolist(), (y + rim * np.sin(turn)).tolist(), strict=True)
+        )
         pen.line([*outline, outline[0]], fill=chalk, width=3)
         for part in (0.86, 0.3, 0.16):
-            pen.ellipse((x - r * part, y - r * part, x + r * part, y + r * part), outline=chalk, width=3)
+            pen.ellipse(
+                (x - r * part, y - r * part, x + r * part, y + r * part), outline=chalk, width=3
+            )
         for spoke in range(6):
             a = spoke * math.pi / 3 + share
-            pen.line([(x + r * 0.3 * math.cos(a), y + r * 0.3 * math.sin(a)),
-                      (x + r * 0.86 * math.cos(a), y + r * 0.86 * math.sin(a))], fill=chalk, width=5)
+            pen.line(
+                [
+                    (x + r * 0.3 * math.cos(a), y + r * 0.3 * math.sin(a)),
+                    (x + r * 0.86 * math.cos(a), y + r * 0.86 * math.sin(a)),
+                ],
+                fill=chalk,
+                width=5,
+            )
         for a in (0.0, math.pi / 2):
             dx, dy = 1.25 * r * math.cos(a), 1.25 * r * math.sin(a)
             pen.line([(x - dx, y - dy), (x + dx, y + dy)], fill=(120, 146, 168), width=2)
     edge = side * 0.04
     pen.rectangle((edge, edge, width - edge, height - edge), outline=chalk, width=3)
-    pen.rectangle((width * 0.66, height - edge * 3.4, width - edge, height - edge), outline=chalk, width=3)
+    pen.rectangle(
+        (width * 0.66, height - edge * 3.4, width - edge, height - edge), outline=chalk, width=3
+    )
     for row in range(3):
         y = height - edge * (2.9 - 0.7 * row)
-        pen.line([(width * 0.69, y), (width * (0.82 + 0.04 * rng.random()), y)], fill=chalk, width=3)
+        pen.line(
+            [(width * 0.69, y), (width * (0.82 + 0.04 * rng.random()), y)], fill=chalk, width=3
+        )
     return textured(image.resize(size, Image.Resampling.LANCZOS), rng, 6.0, 0.0)
 
 
@@ -298,7 +320,9 @@ def city(rng: Rng, size: SizePx, palette: Palette = DEEP) -> Image.Image:
             column = x + step_x * 0.25
             while column < x + wide - step_x * 0.3:
                 lit = tone + (45 if rng.random() < 0.2 else -26)
-                pen.rectangle((column, y, column + step_x * 0.5, y + step_y * 0.55), fill=(lit, lit, lit))
+                pen.rectangle(
+                    (column, y, column + step_x * 0.5, y + step_y * 0.55), fill=(lit, lit, lit)
+                )
                 column += step_x
             y += step_y
         shade = max(tone - 34, 8)

@@ -39,7 +39,10 @@ def mountains(rng: Rng, size: SizePx, palette: Palette = PALE) -> Image.Image:
     """Ranges that fade into the distance under a pale sun."""
     width, height = size
     x, y = grid(size)
-    sky = np.array(palette[3], float) + (np.array(palette[0], float) - palette[3]) * y[..., None] * 1.6
+    sky = (
+        np.array(palette[3], float)
+        + (np.array(palette[0], float) - palette[3]) * y[..., None] * 1.6
+    )
     image = Image.fromarray(np.clip(sky, 0, 255).astype(np.uint8))
     at = (float(rng.uniform(0.3, 0.7)), 0.26)
     disc = np.hypot(x - at[0], (y - at[1]) * height / width)
@@ -65,7 +68,9 @@ def ink_hills(rng: Rng, size: SizePx) -> Image.Image:
         share = index / 3
         line = 0.3 + 0.15 * index + (0.16 - 0.06 * share) * _ridge(rng, width, 0.48)
         below = y - line[None, :]
-        wash = np.clip(below * height / 2, 0, 1) * np.exp(-np.clip(below, 0, 1) * (9.0 - 3.5 * share))
+        wash = np.clip(below * height / 2, 0, 1) * np.exp(
+            -np.clip(below, 0, 1) * (9.0 - 3.5 * share)
+        )
         wash *= (0.3 + 0.5 * share) * (1.0 + 0.22 * noise(rng, size, 7, 4))
         image = masked(image, INK, wash)
     image = image.filter(ImageFilter.GaussianBlur(0.8))
@@ -82,7 +87,11 @@ def ink_hills(rng: Rng, size: SizePx) -> Image.Image:
     seal = max(8, width // 22)
     left, top = int(width * 0.86), int(height * 0.84)
     pen.rectangle((left, top, left + seal, top + seal), fill=(170, 50, 38))
-    pen.line([(left + seal * 0.3, top + 2), (left + seal * 0.3, top + seal - 2)], fill=(238, 226, 208), width=1)
+    pen.line(
+        [(left + seal * 0.3, top + 2), (left + seal * 0.3, top + seal - 2)],
+        fill=(238, 226, 208),
+        width=1,
+    )
     pen.line([(left + seal * 0.55, top + seal * 0.4), (left + seal - 2, top + seal * 0.4)],
              fill=(238, 226, 208), width=1)  # fmt: skip
     return textured(image, rng, 5.0, 0.0)
@@ -114,7 +123,9 @@ def _leaf(pen: ImageDraw.ImageDraw, at: FloatArray, angle: float, long: float, w
     along = np.array([math.cos(angle), math.sin(angle)])
     across = np.array([-along[1], along[0]])
     spine = at + share[:, None] * long * along
-    outline = np.concatenate([spine + half[:, None] * across, (spine - half[:, None] * across)[::-1]])
+    outline = np.concatenate(
+        [spine + half[:, None] * across, (spine - half[:, None] * across)[::-1]]
+    )
     pen.polygon([tuple(p) for p in outline.tolist()], fill=fill)
     pen.line([tuple(spine[0].tolist()), tuple(spine[-1].tolist())], fill=vein, width=2)
 
@@ -130,7 +141,11 @@ def botanical(rng: Rng, size: SizePx, tone: Rgb = (74, 100, 72)) -> Image.Image:
     count = 9
     top = height * 0.78
     stem = [foot + np.array([bend * side * (t**2), -top * t]) for t in np.linspace(0, 1, 30)]
-    pen.line([tuple(p.tolist()) for p in stem], fill=tuple(int(c * 0.7) for c in tone), width=max(4, side // 160))
+    pen.line(
+        [tuple(p.tolist()) for p in stem],
+        fill=tuple(int(c * 0.7) for c in tone),
+        width=max(4, side // 160),
+    )
     for index in range(count):
         share = 0.16 + 0.84 * index / (count - 1)
         at = stem[min(int(share * 29), 29)]
@@ -180,10 +195,16 @@ def bamboo(rng: Rng, size: SizePx) -> Image.Image:
             step = height * float(rng.uniform(0.12, 0.18))
             nx = x + lean * step
             pen.line([(x, y - 5), (nx, y - step + 5)], fill=(grey, grey, grey), width=int(thick))
-            pen.line([(nx - thick * 0.7, y - step), (nx + thick * 0.7, y - step)], fill=INK, width=4)
+            pen.line(
+                [(nx - thick * 0.7, y - step), (nx + thick * 0.7, y - step)], fill=INK, width=4
+            )
             if rng.random() < 0.75:
                 for _ in range(4):
-                    angle = float(rng.uniform(0.1, 1.3)) if rng.random() < 0.6 else float(rng.uniform(1.9, 3.0))
+                    angle = (
+                        float(rng.uniform(0.1, 1.3))
+                        if rng.random() < 0.6
+                        else float(rng.uniform(1.9, 3.0))
+                    )
                     long = side * float(rng.uniform(0.13, 0.22))
                     tone = int(rng.integers(30, 110))
                     _leaf(pen, np.array([nx, y - step]), angle, long, long * 0.17,
@@ -224,15 +245,23 @@ def old_landscape(rng: Rng, size: SizePx) -> Image.Image:
         shade = np.array(tone, float) + 16.0 * noise(rng, size, 14, 4)[..., None]
         image = masked(image, shade, np.clip((y - line[None, :]) * height / 2, 0, 1))
     bank = 0.5 + 0.16 * np.sin(4.2 * (y - 0.62)) - 0.1
-    river = np.clip((0.03 + 0.5 * np.clip(y - 0.62, 0, 1) - np.abs(x - bank)) / 0.012, 0, 1) * (y > 0.62)
-    image = masked(image, np.array((176, 166, 138), float) + 14 * noise(rng, size, 20, 2)[..., None], river)
+    river = np.clip((0.03 + 0.5 * np.clip(y - 0.62, 0, 1) - np.abs(x - bank)) / 0.012, 0, 1) * (
+        y > 0.62
+    )
+    image = masked(
+        image, np.array((176, 166, 138), float) + 14 * noise(rng, size, 20, 2)[..., None], river
+    )
     for at, foot, tall in ((0.16, 0.86, 0.6), (0.3, 0.78, 0.36), (0.86, 0.82, 0.5)):
         crown = np.hypot((x - at) / (0.36 * tall), (y - foot + 0.64 * tall) / (0.42 * tall))
         crown = crown + 0.22 * noise(rng, size, 9, 4)
-        trunk = (np.abs(x - at - 0.02 * np.sin(9 * y)) < 0.012) & (y < foot) & (y > foot - 0.6 * tall)
+        trunk = (
+            (np.abs(x - at - 0.02 * np.sin(9 * y)) < 0.012) & (y < foot) & (y > foot - 0.6 * tall)
+        )
         image = masked(image, (48, 36, 24), trunk.astype(float))
         light = np.clip(0.5 + (at - x) * 2.4 + (foot - 0.7 * tall - y) * 2, 0, 1)[..., None]
-        leaves = np.array((46, 50, 28), float) + 46.0 * light + 22.0 * noise(rng, size, 26, 3)[..., None]
+        leaves = (
+            np.array((46, 50, 28), float) + 46.0 * light + 22.0 * noise(rng, size, 26, 3)[..., None]
+        )
         image = masked(image, leaves, np.clip((0.95 - crown) * 7, 0, 1))
     edge = np.clip(np.hypot(x - 0.5, y - 0.5) * 1.5 - 0.45, 0, 0.5)
     image = masked(image, (40, 28, 16), edge)
@@ -266,7 +295,10 @@ def still_life(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:
         image = masked(image, shade, mask)
     for at, tone in ((0.41, (206, 150, 62)), (0.6, (176, 72, 50)), (0.66, (196, 92, 58))):
         r = np.hypot((x - at) * width, (y - 0.79) * height) / side
-        shade = np.array(tone, float) * (1.15 - 3.2 * np.clip((x - at) * width / side + 0.04, 0, 0.2))[..., None]
+        shade = (
+            np.array(tone, float)
+            * (1.15 - 3.2 * np.clip((x - at) * width / side + 0.04, 0, 0.2))[..., None]
+        )
         image = masked(image, shade, np.clip((0.047 - r) * side / 1.5, 0, 1))
     return textured(image, rng, 6.0, 5.0)
 
@@ -282,7 +314,11 @@ def branch(rng: Rng, size: SizePx) -> Image.Image:
         for step in range(6):
             angle += float(rng.uniform(-0.22, 0.2))
             end = at + long / 6 * np.array([math.cos(angle), math.sin(angle)])
-            pen.line([tuple(at.tolist()), tuple(end.tolist())], fill=(56, 46, 42), width=max(2, int(thick)))
+            pen.line(
+                [tuple(at.tolist()), tuple(end.tolist())],
+                fill=(56, 46, 42),
+                width=max(2, int(thick)),
+            )
             at, thick = end, thick * 0.9
             if depth and step in (1, 3, 4):
                 side_angle = angle + (0.8 if step == 3 else -0.75)
@@ -293,7 +329,10 @@ def branch(rng: Rng, size: SizePx) -> Image.Image:
                 for petal in range(5):
                     a = petal * 2 * math.pi / 5 + r
                     px, py = spot[0] + r * math.cos(a), spot[1] + r * math.sin(a)
-                    pen.ellipse((px - r * 0.8, py - r * 0.8, px + r * 0.8, py + r * 0.8), fill=(206, 108, 104))
+                    pen.ellipse(
+                        (px - r * 0.8, py - r * 0.8, px + r * 0.8, py + r * 0.8),
+                        fill=(206, 108, 104),
+                    )
                 pen.ellipse((spot[0] - r * 0.4, spot[1] - r * 0.4, spot[0] + r * 0.4, spot[1] + r * 0.4),
                             fill=(244, 222, 190))  # fmt: skip
 

@@ -14,13 +14,12 @@ from chord_usd.assets.dressing.forms import (
     MODERN,
     SCANDINAVIAN,
     arc,
-    cup,
     hollow,
     outward,
     sphere_profile,
 )
 from chord_usd.assets.model import Design, Light, Part
-from chord_usd.assets.solids import Size, Solid, block, cylinder, joined, lathe, rounded_slab, tube
+from chord_usd.assets.solids import Size, block, cylinder, joined, lathe, rounded_slab, tube
 
 
 def disc(size_m: Size) -> tuple[Part, ...]:

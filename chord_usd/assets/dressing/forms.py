@@ -89,9 +89,7 @@ def ball(radius_m: float, steps: int = 12, sides: int = 24) -> Solid:
     return lathe(sphere_profile(radius_m, steps=steps), sides)
 
 
-def frame_rails(
-    length_m: float, height_m: float, section_m: npt.ArrayLike
-) -> Solid:
+def frame_rails(length_m: float, height_m: float, section_m: npt.ArrayLike) -> Solid:
     """Four mitred rails around an upright rectangle that stands on z = 0 in the plane y = 0.
 
     section_m: (K, 2) outline of a rail, (inwards from the outer edge, y), in order.
@@ -135,9 +133,7 @@ def stretched(parts: Iterable[Part], size_m: Size) -> tuple[Part, ...]:
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
     factor = np.array(size_m) / (high - low)
     base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    return tuple(
-        replace(part, solid=part.solid.moved(*(-base)).scaled(*factor)) for part in kept
-    )
+    return tuple(replace(part, solid=part.solid.moved(*(-base)).scaled(*factor)) for part in kept)
 
 
 def face_uvs(solid: Solid, low_m: Sequence[float], high_m: Sequence[float]) -> FloatArray:

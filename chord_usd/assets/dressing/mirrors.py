@@ -141,7 +141,9 @@ def sunburst(size_m: Size) -> tuple[Part, ...]:
         rays.append(ray.turned("z", 9.0 * index))
     hoop = outward(lathe([(inner, 0.0), (inner, 0.016), (inner - 0.008, width), (inner - 0.022, width),
                           (inner - 0.024, 0.0)], 48, loop=True))  # fmt: skip
-    glass = outward(lathe([(inner - 0.018, 0.0), (inner - 0.018, width * 0.6), (0, width * 0.6)], 48))
+    glass = outward(
+        lathe([(inner - 0.018, 0.0), (inner - 0.018, width * 0.6), (0, width * 0.6)], 48)
+    )
     at = {"y": width / 2, "z": height / 2}
     star = joined(rays).turned("x", 90).moved(y=-0.004)
     return (
@@ -173,7 +175,15 @@ def _designs(
     name: str, sizes_m: tuple[Size, ...], draw: Draw, looks: dict, styles: tuple[str, ...]
 ) -> tuple[Design, ...]:
     return tuple(
-        Design(f"Mirror_{name}_{100 * s[0]:.0f}x{100 * s[2]:.0f}", "mirror", s, draw, looks, DRY, styles)
+        Design(
+            f"Mirror_{name}_{100 * s[0]:.0f}x{100 * s[2]:.0f}",
+            "mirror",
+            s,
+            draw,
+            looks,
+            DRY,
+            styles,
+        )
         for s in sizes_m
     )
 

@@ -21,7 +21,6 @@ from chord_usd.assets.dressing.forms import (
 )
 from chord_usd.assets.model import Design, Light, Part
 from chord_usd.assets.solids import Size, Solid, bent_path, block, cylinder, joined, lathe, tube
-from chord_usd.scene.types import FloatArray
 
 
 def _bulb(radius_m: float = 0.03) -> Solid:

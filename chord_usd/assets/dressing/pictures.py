@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cache, partial
 
 from PIL import Image
 
@@ -63,7 +63,7 @@ _DRAWINGS: dict[str, art.Draw] = {
 ART_SLOTS = ("art", "art_b")
 
 
-@lru_cache(maxsize=None)
+@cache
 def drawn(name: str, drawing: str, aspect: float) -> Image.Image:
     """The picture of this design; aspect is width over height. The same name, the same picture."""
     longest = LONGEST_PX
@@ -123,8 +123,12 @@ def _frame(
     back = back.moved(x, front / 2 + width / 4 + 0.001, rail - 0.004)
     parts = [Part(f"Frame{end}", frame, "frame", None), Part(f"Back{end}", back, "back", None)]
     if mount > 0.0:
-        board = frame_rails(inner_l + 0.006, inner_h + 0.006, flat_rail(mount + 0.003, 0.0022, 0.001))
-        parts.append(Part(f"Mount{end}", board.moved(x, front + 0.0006, rail - 0.003), "mount", None))
+        board = frame_rails(
+            inner_l + 0.006, inner_h + 0.006, flat_rail(mount + 0.003, 0.0022, 0.001)
+        )
+        parts.append(
+            Part(f"Mount{end}", board.moved(x, front + 0.0006, rail - 0.003), "mount", None)
+        )
     seen_l, seen_h = inner_l - 2 * mount + 0.004, inner_h - 2 * mount + 0.004
     y = front + 0.0002 if mount > 0.0 else front - 0.0012
     parts.append(_art(f"Art{end}", slot, seen_l, seen_h, y, rail + mount - 0.002, 0.0015, x))
@@ -237,7 +241,13 @@ _KINDS: dict[str, tuple[Callable[[Size], tuple[Part, ...]], float, float, dict]]
     "Scroll": (scroll, 0.028, 0.0, _SCROLL),
 }
 
-_MS, _SJ, _C, _I, _J = (MODERN, SCANDINAVIAN), (SCANDINAVIAN, JAPANESE), (CLASSIC,), (INDUSTRIAL,), (JAPANESE,)
+_MS, _SJ, _C, _I, _J = (
+    (MODERN, SCANDINAVIAN),
+    (SCANDINAVIAN, JAPANESE),
+    (CLASSIC,),
+    (INDUSTRIAL,),
+    (JAPANESE,),
+)
 _MI = (MODERN, INDUSTRIAL)
 
 _ROWS = (

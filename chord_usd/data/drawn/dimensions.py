@@ -11,8 +11,8 @@ from shapely.geometry import Polygon
 from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry
 from chord_usd.data.drawn.page_looks import Look
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.data.drawn.page_words import SIZE_STYLES, ink_of, room_name, room_size
-from chord_usd.data.drawn.styles import RGB
 from chord_usd.raster.page_labels import WRITING
 from chord_usd.scene.types import FloatArray
 

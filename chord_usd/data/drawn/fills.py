@@ -14,7 +14,7 @@ from shapely.ops import nearest_points
 from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry
 from chord_usd.data.drawn.page_looks import Look, WallFill
-from chord_usd.data.drawn.styles import RGB
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.raster.page_labels import FLOOR, WALL
 from chord_usd.runtime.locations import materials_folder
 from chord_usd.scene.geometry import polygons_of

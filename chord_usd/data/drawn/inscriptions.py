@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from PIL import Image, ImageDraw, ImageFont
 
-from chord_usd.data.drawn.styles import RGB, Style
+from chord_usd.data.drawn.page_styles import RGB, Style
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import ByteArray, FloatArray, PixelFrame, Plan, Room, RoomKind
 from chord_usd.scene.units import px_from_m

@@ -9,7 +9,7 @@ import numpy as np
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.data.drawn.styles import RGB
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.raster.page_labels import LAID_SHIFT
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import BoolArray, ByteArray, FloatArray

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 
 from chord_usd.data.drawn.page_looks import Look, random_look
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.data.drawn.page_words import ink_of, room_name, title
-from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.drawn.wear import Picture, worn
 from chord_usd.data.houses import random_plan

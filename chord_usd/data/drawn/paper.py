@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from chord_usd.data.drawn.styles import Style
+from chord_usd.data.drawn.page_styles import Style
 from chord_usd.scene.types import ByteArray, FloatArray, frozen_array
 
 _TABLE_RGB = (112, 84, 60)

@@ -15,8 +15,8 @@ from shapely.geometry.polygon import orient
 
 from chord_usd.data.drawn.fixtures import SYMBOLS
 from chord_usd.data.drawn.inscriptions import draw_dimensions, middle_of, write_names
+from chord_usd.data.drawn.page_styles import RGB, Style
 from chord_usd.data.drawn.paper import soil
-from chord_usd.data.drawn.styles import RGB, Style
 from chord_usd.scene.geometry import (
     footprint,
     footprint_polygon,

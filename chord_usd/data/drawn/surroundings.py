@@ -14,8 +14,8 @@ from chord_usd.data.drawn.fills import fill_wall, tiles
 from chord_usd.data.drawn.labelled_canvas import Canvas, rectangle
 from chord_usd.data.drawn.masonry import Masonry
 from chord_usd.data.drawn.page_looks import Look
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.data.drawn.page_words import room_name, title
-from chord_usd.data.drawn.styles import RGB
 from chord_usd.data.drawn.symbols import plant
 from chord_usd.raster.page_labels import WRITING
 from chord_usd.scene.types import FloatArray

@@ -16,7 +16,7 @@ from chord_usd.data.drawn.fills import tiles
 from chord_usd.data.drawn.from_above import draw_from_above
 from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.page_looks import Look
-from chord_usd.data.drawn.styles import RGB
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.raster.page_labels import PIECE
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.types import Item

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.data.drawn.page_looks import Look
-from chord_usd.data.drawn.styles import RGB
+from chord_usd.data.drawn.page_styles import RGB
 from chord_usd.raster.page_labels import LAID_SHIFT, WRITING
 from chord_usd.scene.types import ByteArray, FloatArray
 

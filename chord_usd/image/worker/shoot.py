@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from collections.abc import Callable
@@ -13,6 +14,7 @@ import bpy
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
 from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.worker.bounces import make_bounces_matte
+from chord_usd.image.worker.cutaway import cut_open, show_alone
 from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor
 from chord_usd.image.worker.lamps import aim_at_lamps, switch_lamps
@@ -36,9 +38,16 @@ def shoot(job: Job, report: Report) -> None:
     aim_at_lamps(scene, job)
     if job.quality.matte_bounces:
         make_bounces_matte()
-    for view in job.cameras:
+    cut_m, alone = 0.0, any(view.is_alone for view in job.cameras)
+    # A cut is for good: whole views first, then lower and lower ones.
+    for view in sorted(job.cameras, key=lambda view: -(view.cut_m or math.inf)):
         started = time.process_time()
         aim(scene.camera, view)
+        if view.cut_m and view.cut_m != cut_m:
+            cut_m = view.cut_m
+            cut_open(cut_m)
+        if alone:
+            show_alone(view, job.rooms)
         open_roof(scene, view.from_above)
         switch_lamps(scene, job, view.room)
         exposure_ev = _take_light(scene, job, view, report) if job.colour else 0.0
