@@ -4,7 +4,7 @@ one that sees all of it cut open, as a model on a table."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from pxr import Gf, Sdf
@@ -28,6 +28,10 @@ ISOMETRIC_CAMERA = "Isometric"
 
 _CLEAR_M = 0.1
 """A camera moves when a piece that is in its way comes nearer than this."""
+
+_LOW_M, _FLAT_M, _HIGH_M = 1.0, 0.05, 2.0
+"""Pieces lower than the first are leant over, flatter than the second stood on, and what hangs
+higher than the third is in nobody's way."""
 
 _TOP_LENS_MM = 50.0
 _MARGIN = 1.06
@@ -58,30 +62,52 @@ def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> None:
         for tunnel in walls.tunnels_of(room.room.id)
         if tunnel.opening.kind != "window"
     ]
-    view = choose_view(walls.floors_m[room.index], [named.item for named in room.items], doors)
+    floor, items = walls.floors_m[room.index], [named.item for named in room.items]
+    view = choose_view(floor, items, doors)
+    dressing = _standing(named.item for named in room.dressing)
+    if _is_in_way(view, dressing):
+        view = choose_view(floor, [*items, *dressing], doors)
     _write_view(layer, room.name, view)
 
 
 def clear_camera(layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequence[Item]) -> None:
-    """Find a room's camera another place where new furniture stands in its way."""
+    """Find a room's camera another place where new furniture or dressing stands in its way."""
     camera = layer.GetPrimAtPath(f"/House/Cameras/{room_name}")
     if not camera or "xformOp:translate" not in camera.attributes:
         return
-    eye = np.array(camera.attributes["xformOp:translate"].default[:2])
-    yaw_deg = camera.attributes["xformOp:rotateXYZ"].default[2] + 90.0
-    near_m = camera.attributes["clippingRange"].default[0]
-    lens_mm = camera.attributes["focalLength"].default / TENTHS_PER_MM
-    ahead, beside = rotation_2d(yaw_deg).T
-    half = near_m * SENSOR_MM[0] / 2 / lens_mm * beside
-    # What the picture begins with: the lens, or the clipping plane of a view through a wall.
-    first = LineString([eye + near_m * ahead - half, eye + near_m * ahead + half])
-    in_way = [
-        item
-        for item in items
-        if near_m > NEAR_M or item.box.center_m[2] + item.box.size_m[2] > EYE_M
+    values = {name: spec.default for name, spec in camera.attributes.items()}
+    view = View(
+        position_m=tuple(values["xformOp:translate"][:2]),
+        yaw_deg=values["xformOp:rotateXYZ"][2] + 90.0,
+        lens_mm=values["focalLength"] / TENTHS_PER_MM,
+        shift_mm=0.0,
+        near_m=values["clippingRange"][0],
+    )
+    standing = _standing(items)
+    if _is_in_way(view, standing):
+        _write_view(layer, room_name, choose_view(floor, standing))
+
+
+def _standing(items: Iterable[Item]) -> list[Item]:
+    """What one could stand on or walk into: not what lies flat, nor what hangs high."""
+    return [
+        item for item in items if item.box.center_m[2] < _HIGH_M and item.box.size_m[2] > _FLAT_M
     ]
-    if any(footprint_polygon(item.box).distance(first) < _CLEAR_M for item in in_way):
-        _write_view(layer, room_name, choose_view(floor, items))
+
+
+def _is_in_way(view: View, items: Iterable[Item]) -> bool:
+    """Whether something stands where the picture begins: at the lens, or, for a view through a
+    wall, at the clipping plane."""
+    ahead, beside = rotation_2d(view.yaw_deg).T
+    half = view.near_m * SENSOR_MM[0] / 2 / view.lens_mm * beside
+    middle = np.array(view.position_m) + view.near_m * ahead
+    first = LineString([middle - half, middle + half])
+    through_wall = view.near_m > NEAR_M + 1e-6
+    return any(
+        footprint_polygon(item.box).distance(first) < _CLEAR_M
+        for item in items
+        if through_wall or item.box.center_m[2] + item.box.size_m[2] > _LOW_M
+    )
 
 
 def _write_view(layer: Sdf.Layer, name: str, view: View) -> None:

@@ -336,7 +336,7 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
         if dressing:
             place_dressing(layer, named, packages, Path(scratch), wardrobe)
     _note_making(furniture, new.made)
-    clear_camera(layer, new.room_name, room_polygon(new.room), new.items)
+    clear_camera(layer, new.room_name, room_polygon(new.room), [*new.items, *new.dressing])
     layer.Save()
     return layer
 

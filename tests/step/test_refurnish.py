@@ -6,11 +6,13 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
 from chord_usd.scene.types import Asset, Item, Provenance, SceneGraph
+from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.attribution import attribution_file
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
@@ -165,17 +167,20 @@ def test_a_camera_steps_out_of_new_furniture(folder: Path) -> None:
     path = folder / "house.usda"
     name = room_with_items(path)
 
-    def camera() -> tuple[float, float]:
+    def camera() -> np.ndarray:
+        """Where its picture begins: at the lens, or at the clipping plane before it."""
         layer = Sdf.Layer.OpenAsAnonymous(str(path))
-        place = layer.GetAttributeAtPath(f"/House/Cameras/{name}.xformOp:translate")
-        return tuple(place.default[:2])
+        found = layer.GetPrimAtPath(f"/House/Cameras/{name}").attributes
+        yaw_deg = found["xformOp:rotateXYZ"].default[2] + 90.0
+        ahead = rotation_2d(yaw_deg)[:, 0] * found["clippingRange"].default[0]
+        return np.array(found["xformOp:translate"].default[:2]) + ahead
 
     new = new_furniture(path, name)
     x_m, y_m = camera()
     tall = Item("tall", "cabinet", replace(new.items[0].box, center_m=(x_m, y_m, 0.0),
                 size_m=(0.3, 0.3, 2.2)), new.room.id)  # fmt: skip
     refurnish(path, path, replace(new, items=[tall]))
-    assert camera() != (x_m, y_m)
+    assert np.hypot(*(camera() - (x_m, y_m))) > 0.2
 
 
 def test_a_wrong_room_suggests_the_right_one(staged_house: Path) -> None:

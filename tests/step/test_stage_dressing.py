@@ -59,6 +59,8 @@ def test_without_its_groups_it_is_the_undressed_house(
     kept = [name for name in schemas if name != "CollectionAPI:dressing"]
     house.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=kept))
     undressed = Sdf.Layer.OpenAsAnonymous(str(staged_house))
+    for one in (layer, undressed):  # a camera makes room for a plant
+        del one.GetPrimAtPath("/House").nameChildren["Cameras"]
     assert layer.ExportToString() == undressed.ExportToString()
     for file in (staged_house.parent / "house_architecture").iterdir():
         assert (dressed_house.parent / "house_architecture" / file.name).read_bytes() == (
