@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from chord_usd.assets.dressing import (
+    books,
     ceiling_lamps,
     mirrors,
     pendants,
     pictures,
     plants,
     shelves,
+    standing_lamps,
+    wall_fittings,
+    wall_lamps,
 )
 
-_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures, plants)
+_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures, plants, wall_fittings, books, standing_lamps, wall_lamps)
 
 DESIGNS = tuple(design for module in _MODULES for design in module.DESIGNS)
