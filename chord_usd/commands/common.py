@@ -158,6 +158,22 @@ def add_redraws(parser: Options, count: int = 2) -> None:
     )  # fmt: skip
 
 
+def add_sky(parser: Options) -> None:
+    """The option --sky."""
+    parser.add_argument(
+        "--sky", default="", metavar="NAME",
+        help="morning, noon, overcast, evening or night, or an HDRI of yours, .hdr or .exr (noon)",
+    )  # fmt: skip
+
+
+def refuse_sky(name: str) -> None:
+    """Raises ChordError for an unknown sky and a file that is no HDRI, before anything is loaded."""
+    from chord_usd.raster.hdri import require_picture
+    from chord_usd.scene.skies import sky_named
+
+    require_picture(sky_named(name))
+
+
 def add_device(parser: Options) -> None:
     """The option --device."""
     parser.add_argument(

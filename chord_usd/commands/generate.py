@@ -20,9 +20,11 @@ from chord_usd.commands.common import (
     add_redraws,
     add_rooms,
     add_seed,
+    add_sky,
     add_steps,
     add_style,
     add_verb,
+    refuse_sky,
     scale,
     stopwatch,
 )
@@ -62,6 +64,7 @@ def add(verbs: Verbs) -> None:
         "--no-tabletop", action="store_true", help="leave tables, desks and worktops bare"
     )
     add_dressing(parser)
+    add_sky(parser)
     add_assets(parser)
     add_device(parser)
     parser.add_argument(
@@ -90,8 +93,10 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.pipeline import Settings, generate, require_lists
     from chord_usd.plan.corrections import read_rooms
 
+    refuse_sky(options.sky)
     settings = Settings(
         seed=options.seed,
+        sky=options.sky,
         steps=options.steps,
         m_per_px=options.scale,
         part=options.part,

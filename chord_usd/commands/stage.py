@@ -12,9 +12,11 @@ from chord_usd.commands.common import (
     add_assets,
     add_output,
     add_seed,
+    add_sky,
     add_style,
     add_verb,
     existing_file,
+    refuse_sky,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -28,6 +30,7 @@ def add(verbs: Verbs) -> None:
     add_seed(parser)
     add_style(parser, "the scene's own")
     add_arrange(parser)
+    add_sky(parser)
     add_assets(parser)
 
 
@@ -36,8 +39,10 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.arrange.rules import edits_told
     from chord_usd.pipeline import Settings, read_scene_file, settle, write_stage
 
+    refuse_sky(options.sky)
     settings = Settings(
         seed=options.seed,
+        sky=options.sky,
         asset_folders=tuple(options.assets),
         arrange=not options.no_arrange,
         style=options.style or "",

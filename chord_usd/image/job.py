@@ -42,6 +42,10 @@ class Quality:
     """In houses, send shadow rays to screens and an even sky, too. Few arrive."""
     matte_bounces: bool = True
     """Take surfaces for matte and plain where scattered light meets them."""
+    clear_glass: bool = True
+    """In houses, let shadow rays and scattered light pass through windows as if they stood open."""
+    portals: bool = True
+    """In houses, send shadow rays to the sky through the windows' holes."""
     guiding: bool = False
     """Learn where light comes from while rendering."""
     clamp: bool = True

@@ -335,7 +335,7 @@ def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> Stag
     """SceneGraph -> StageFile."""
     from chord_usd.stage.author import author_stage
 
-    return author_stage(graph, stage_path, seed=settings.seed)
+    return author_stage(graph, stage_path, seed=settings.seed, sky=settings.sky)
 
 
 def in_style(graph: SceneGraph, style: HomeStyle) -> SceneGraph:

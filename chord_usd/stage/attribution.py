@@ -1,8 +1,8 @@
-"""Who made the pieces of a house: many licences ask for the name beside the work.
+"""Who made the pieces and skies of a house: many licences ask for the name beside the work.
 
-Components keep the licence and the author that their library told. What is drawn here asks for
-nothing, so only a house with pieces by others has a text file `NAME_attribution.txt` beside it;
-beside an archive too, which may hold nothing but what USD reads.
+Components and skies keep the licence and the author that their library told. What is drawn here
+asks for nothing, so only a house with work by others has a text file `NAME_attribution.txt` beside
+it; beside an archive too, which may hold nothing but what USD reads.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ def write_attribution(layer: Sdf.Layer, folders: Sequence[Path], staged: Path, f
     folders: where the packages that the layer refers to are. staged: the stage being written.
     final: what it becomes; names that stand beside it already are written anew.
     """
-    made = sorted(_made_by_others(layer, folders))
-    if made or attribution_file(final).exists():
+    made, skies = sorted(_made_by_others(layer, folders)), sorted(_skies(layer))
+    if made or skies or attribution_file(final).exists():
         lines = made or ["All pieces were drawn by this program and are free to use."]
-        text = "\n".join([f"Furniture in {final.name}", "", *lines, ""])
+        told = ["", f"Skies over {final.name}", "", *skies] if skies else []
+        text = "\n".join([f"Furniture in {final.name}", "", *lines, *told, ""])
         attribution_file(staged).write_text(text, encoding="utf-8")
 
 
@@ -46,6 +47,22 @@ def _made_by_others(layer: Sdf.Layer, folders: Sequence[Path]) -> Iterator[str]:
         if root and told and told.get("author") != AUTHOR:
             author, licence = (told.get(key) or _UNKNOWN for key in ("author", "licence"))
             yield f"{told.get('label') or root.name} ({path}): author {author}, licence {licence}"
+
+
+def _skies(layer: Sdf.Layer) -> set[str]:
+    """A line for each picture of a sky, in any choice of the house's lighting."""
+    lines: set[str] = set()
+
+    def visit(path: Sdf.Path) -> None:
+        prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
+        if prim and prim.typeName == "DomeLight" and "chord" in prim.customData:
+            told = prim.customData["chord"]
+            author, licence = (told.get(key) or _UNKNOWN for key in ("author", "licence"))
+            file = prim.attributes["inputs:texture:file"].default.path.removeprefix("./")
+            lines.add(f"{told.get('label')} ({file}): author {author}, licence {licence}")
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    return lines
 
 
 def _holds(folder: Path, path: str) -> bool:

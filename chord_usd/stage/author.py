@@ -15,9 +15,11 @@ from pxr import Gf, Sdf, UsdUtils
 
 from chord_usd import __version__
 from chord_usd.errors import OutputError
+from chord_usd.raster.hdri import require_picture
 from chord_usd.runtime.files import deliver, destination
 from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.looks import Look, load_looks
+from chord_usd.scene.skies import Sky, sky_named
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
@@ -30,7 +32,7 @@ from chord_usd.stage.furniture import (
     place_furniture,
 )
 from chord_usd.stage.lighting import set_lighting
-from chord_usd.stage.lights import hang_light
+from chord_usd.stage.lights import hang_lamps, hang_light
 from chord_usd.stage.look_variants import wear_looks
 from chord_usd.stage.names import NamedRoom, name_rooms
 from chord_usd.stage.packages import Packages
@@ -70,6 +72,7 @@ def author_stage(
     seed: int = 0,
     looks: Sequence[Look] | None = None,
     style: str = "",
+    sky: str = "",
 ) -> StageFile:
     """Write a house as a USD stage, with everything it points to beside it.
 
@@ -79,10 +82,10 @@ def author_stage(
 
     seed chooses the looks of walls and floors. looks: the library; by default the shipped one, and
     an empty one gives plain surfaces. style: name of a style; by default that of the graph, and
-    where that has none, one by the seed.
+    where that has none, one by the seed. sky: name of one (scene.skies), or an HDRI's file.
 
-    Raises SceneError for a graph without rooms or with an unknown category, AssetError for a
-    missing mesh, OutputError for a target that cannot be written.
+    Raises ChordError for an unknown sky, SceneError for a graph without rooms or with an unknown
+    category, AssetError for a missing mesh, OutputError for a target that cannot be written.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
@@ -97,7 +100,9 @@ def author_stage(
         seed,
         load_looks() if looks is None else tuple(looks),
         style_named(style or graph.style or MIXED, seed),
+        sky_named(sky),
     )
+    require_picture(house.sky)
     with deliver() as delivery:
         target = delivery.place(path)
         final = destination(path.parent)
@@ -120,6 +125,7 @@ class _House:
     seed: int
     looks: tuple[Look, ...]
     style: HomeStyle
+    sky: Sky
 
 
 def _write_house(house: _House, target: Path, final: Path) -> str:
@@ -142,8 +148,9 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
             if house.graph.dressing:
                 place_dressing(layer, room, assets, Path(scratch), wardrobe)
             lamps.append(hang_light(layer, room, walls))
+            lamps += hang_lamps(layer, room.name, (target.parent, final))
             wear_looks(layer, room, floor, house.looks, materials, house.seed)
-    set_lighting(layer, lamps, walls, architecture)
+    set_lighting(layer, lamps, walls, architecture, house.sky)
     _order_prims(layer, house.rooms)
     set_cameras(layer, house.rooms, walls)
     _set_render(layer, house.rooms)
@@ -162,6 +169,7 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
             {
                 "seed": house.seed,
                 "style": house.style.name,
+                "sky": house.sky.name,
                 "generator": f"chord-usd {__version__}",
                 "schema": SCHEMA,
                 "provenance": {
@@ -200,7 +208,7 @@ def _order_prims(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
         prim.nameChildrenOrder = ["Architecture", "Furniture", "Lights"]
     house = layer.GetPrimAtPath("/House")
     house.nameChildrenOrder = [
-        "PhysicsScene", "Rooms", "Exterior", "Lighting", "Cameras", "Render"
+        "PhysicsScene", "Rooms", "Exterior", "Ground", "Lighting", "Cameras", "Render"
     ]  # fmt: skip
 
 

@@ -54,7 +54,8 @@ def scene_of(stage: Usd.Stage) -> trimesh.Scene:
 def _is_rendered(prim: Usd.Prim) -> bool:
     shape = UsdGeom.Imageable(prim)
     shown = shape.ComputeVisibility() != UsdGeom.Tokens.invisible
-    return shown and shape.ComputePurpose() != UsdGeom.Tokens.guide
+    aside = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)  # colliders, and the ground outside
+    return shown and shape.ComputePurpose() not in aside
 
 
 class _Reader:

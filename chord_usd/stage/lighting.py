@@ -1,11 +1,11 @@
-"""The house's variant set `lighting`: a day with sky and sun, an evening by the lamps.
+"""The house's variant set `lighting`: a day with sky and sun, an evening and a night by the lamps.
 
 Only brightness and colour vary; where the lamps hang is said once, in their rooms.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,14 +14,16 @@ from PIL import Image
 from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
+from chord_usd.raster.hdri import developed
+from chord_usd.scene.skies import SKIES, TIMES, Rgb, Sky, Sun, Time, dome_turn_deg, skies_with
 from chord_usd.scene.types import ByteArray, FloatArray
 from chord_usd.scene.units import rotation_2d
+from chord_usd.stage.ground import lay_ground
 from chord_usd.stage.lights import Lamp
-from chord_usd.stage.prims import Types, add_variants, attribute, define, over, set_op_order
+from chord_usd.stage.prims import Types, add_variants, attribute, define, note, over, set_op_order
 from chord_usd.stage.walls import Tunnel, Walls
 
 SCOPE = "/House/Lighting"
-_SUN_HEIGHT_DEG = 38.0
 _SUN_BESIDE_DEG = 25.0
 """The sun stands this far beside the direction most windows look to: light falls in slantwise."""
 
@@ -29,78 +31,89 @@ _SUN_ANGLE_DEG = 1.2
 """A little larger than the real sun, as on a hazy day: soft edges cost fewer samples."""
 
 _SKY_PX = (64, 64)
-"""Width and height of a sky's picture; it only varies with height."""
+"""Width and height of a drawn sky's picture; it only varies with height."""
 
-Stops = tuple[tuple[float, tuple[float, float, float]], ...]
+_CREDIT = {"author": "Greg Zaal, Poly Haven", "licence": "CC0"}
+"""Of the HDRIs of Blender's wheel, as told beside them; our carrying them without their sun is a
+change that CC0 allows."""
+
+Stops = Sequence[tuple[float, Rgb]]
 
 
 @dataclass(frozen=True)
 class Mood:
-    """How bright everything is in one choice of the variant set."""
+    """How lamps shine in one choice of the variant set, as shares of their full brightness."""
 
-    name: str
-    lamps: tuple[float, float]
-    """Share of their full brightness of lamps in rooms with windows, and without."""
-    lamps_k: float
-    """Colour temperature."""
-    sky: float
-    """Radiance of the brightest part of the sky; a lit wall has about one."""
-    sky_stops: Stops
-    """(height from -1 below to 1 above, sRGB in [0, 1])."""
-    sun: float
-    """Irradiance of a surface that faces the sun; 0 for none."""
-    sun_k: float = 5500.0
+    panels: tuple[float, float]
+    """The area lights of rooms with windows, and without."""
+    panels_k: float
+    """Colour temperature of the area lights."""
+    lamps: float
+    """All others: floor, table, wall, ceiling and pendant lamps."""
 
 
-DAY = Mood(
-    name="day",
-    lamps=(0.35, 1.0),
-    lamps_k=5200.0,
-    sky=6.0,
-    sky_stops=(
-        (-1.0, (0.58, 0.56, 0.54)),
-        (-0.01, (0.68, 0.66, 0.64)),
-        (0.01, (0.98, 0.99, 1.0)),
-        (0.4, (0.81, 0.90, 1.0)),
-        (1.0, (0.66, 0.80, 1.0)),
-    ),
-    sun=16.0,
-)
-EVENING = Mood(
-    name="evening",
-    lamps=(1.0, 1.0),
-    lamps_k=4300.0,
-    sky=0.35,
-    sky_stops=(
-        (-1.0, (0.10, 0.10, 0.13)),
-        (-0.01, (0.22, 0.20, 0.24)),
-        (0.01, (0.98, 0.66, 0.48)),
-        (0.25, (0.45, 0.47, 0.68)),
-        (1.0, (0.16, 0.22, 0.45)),
-    ),
-    sun=0.0,
-)
-MOODS = (DAY, EVENING)
-"""Choices of the variant set; the first one is selected."""
+MOODS: dict[Time, Mood] = {
+    "day": Mood((0.25, 1.0), 5200.0, 0.0),
+    "evening": Mood((0.22, 0.4), 3600.0, 1.0),
+    "night": Mood((0.10, 0.22), 3200.0, 1.0),
+}
+"""The first is selected where no sky of another time was chosen."""
+
+LAMPS_K = 2800.0
+"""Colour temperature of lamps that are pieces of furniture or dressing."""
 
 
-def set_lighting(layer: Sdf.Layer, lamps: Sequence[Lamp], walls: Walls, folder: Path) -> None:
-    """Write the variant set and what it lights the house with.
+def set_lighting(
+    layer: Sdf.Layer, lamps: Sequence[Lamp], walls: Walls, folder: Path, sky: Sky = SKIES[0]
+) -> None:
+    """Write the variant set, what it lights the house with, and the ground around.
 
-    folder: beside the layer's file, for the pictures of the skies.
+    folder: beside the layer's file, for the pictures of sky and ground. sky: what is seen at its
+    time, which is selected; the others see the usual ones. Raises ChordError for a sky whose file
+    is no HDRI.
     """
     define(layer, SCOPE, "Scope")
     house = layer.GetPrimAtPath("/House")
-    variants = add_variants(house, "lighting", [mood.name for mood in MOODS])
-    for mood, variant in zip(MOODS, variants, strict=True):
-        for lamp in lamps:
-            spec = over(variant, *str(lamp.path).split("/")[2:])
-            share = mood.lamps[0] if lamp.by_window else mood.lamps[1]
-            attribute(spec, "inputs:intensity", Types.Float, share * lamp.radiance)
-            attribute(spec, "inputs:colorTemperature", Types.Float, mood.lamps_k)
-        _hang_sky(variant, mood, folder)
-        if mood.sun:
-            _hang_sun(variant, mood, sun_yaw_deg(walls))
+    yaw_deg = sun_yaw_deg(walls)
+    note(layer.GetPrimAtPath(SCOPE), sun_yaw_deg=yaw_deg)
+    variants = dict(zip(TIMES, add_variants(house, "lighting", TIMES), strict=True))
+    house.variantSelections["lighting"] = sky.time
+    skies = skies_with(sky)
+    for time, variant in variants.items():
+        shine(variant, lamps, MOODS[time])
+        seen = _hang_sky(variant, skies[time], yaw_deg, folder)
+        if seen.sun:
+            _hang_sun(variant, seen.sun, yaw_deg)
+    floors = np.vstack([np.asarray(floor.exterior.coords) for floor in walls.floors_m])
+    middle = (floors.min(axis=0) + floors.max(axis=0)) / 2
+    lay_ground(layer, middle[:2], "paving" if skies["day"].name == "overcast" else "lawn", folder)
+
+
+def shine(variant: Sdf.PrimSpec, lamps: Iterable[Lamp], mood: Mood) -> None:
+    """Say in a variant of the house how bright lamps are."""
+    for lamp in lamps:
+        spec = over(variant, *str(lamp.path).split("/")[2:])
+        share = mood.panels[0 if lamp.by_window else 1] if lamp.is_panel else mood.lamps
+        attribute(spec, "inputs:intensity", Types.Float, share * lamp.intensity)
+        if lamp.is_panel:
+            attribute(spec, "inputs:colorTemperature", Types.Float, mood.panels_k)
+
+
+def forget(house: Sdf.PrimSpec, lamps: Iterable[Sdf.Path]) -> None:
+    """Take what the variants say of lamps out again."""
+    for variant in house.variantSets["lighting"].variants.values():
+        for path in lamps:
+            spec = variant.primSpec
+            for name in str(path.GetParentPath()).split("/")[2:]:
+                spec = spec and spec.nameChildren.get(name)
+            if spec and path.name in spec.nameChildren:
+                del spec.nameChildren[path.name]
+
+
+def variants_of(house: Sdf.PrimSpec) -> Mapping[Time, Sdf.PrimSpec]:
+    """What each choice of `lighting` says, in a house that was written before."""
+    found = house.variantSets["lighting"].variants if "lighting" in house.variantSets else {}
+    return {time: found[time].primSpec for time in TIMES if time in found}
 
 
 def sun_yaw_deg(walls: Walls) -> float:
@@ -138,29 +151,41 @@ def _outward(tunnel: Tunnel, floor: Polygon) -> FloatArray:
     return area
 
 
-def _hang_sun(variant: Sdf.PrimSpec, mood: Mood, yaw_deg: float) -> None:
+def _hang_sun(variant: Sdf.PrimSpec, shining: Sun, yaw_deg: float) -> None:
     sun = _light(variant, "Sun", "DistantLight")
     attribute(sun, "inputs:angle", Types.Float, _SUN_ANGLE_DEG)
-    attribute(sun, "inputs:intensity", Types.Float, mood.sun)
+    attribute(sun, "inputs:intensity", Types.Float, shining.irradiance)
     # Else the intensity would be a radiance of the disc, and a larger sun a brighter one.
     attribute(sun, "inputs:normalize", Types.Bool, True)
     attribute(sun, "inputs:enableColorTemperature", Types.Bool, True)
-    attribute(sun, "inputs:colorTemperature", Types.Float, mood.sun_k)
-    turn = Gf.Vec3f(90.0 - _SUN_HEIGHT_DEG, 0.0, yaw_deg + 90.0)
+    attribute(sun, "inputs:colorTemperature", Types.Float, shining.kelvin)
+    turn = Gf.Vec3f(90.0 - shining.height_deg, 0.0, yaw_deg + 90.0)
     attribute(sun, "xformOp:rotateXYZ", Types.Float3, turn)
     set_op_order(sun, ["xformOp:rotateXYZ"])
 
 
-def _hang_sky(variant: Sdf.PrimSpec, mood: Mood, folder: Path) -> None:
-    file = folder / f"sky_{mood.name}.png"
-    Image.fromarray(sky_rgb(mood.sky_stops)).save(file)
-    sky = _light(variant, "Sky", "DomeLight")
-    attribute(sky, "inputs:intensity", Types.Float, mood.sky)
+def _hang_sky(variant: Sdf.PrimSpec, wanted: Sky, yaw_deg: float, folder: Path) -> Sky:
+    """Write a DomeLight; returns the sky with the sun that its picture had."""
+    picture = developed(wanted)
+    dome = _light(variant, "Sky", "DomeLight")
+    attribute(dome, "inputs:intensity", Types.Float, wanted.radiance)
+    if picture is None:
+        file = folder / f"sky_{wanted.name}.png"
+        Image.fromarray(sky_rgb(wanted.stops)).save(file)
+        turn_deg = 0.0
+    else:
+        file = folder / f"sky_{wanted.time if wanted.file else wanted.name}.exr"
+        file.write_bytes(picture.exr)
+        wanted = picture.sky
+        turn_deg = dome_turn_deg(wanted.sun_at_deg, yaw_deg)
+        dome.customData = {"chord": {"label": wanted.title, **({} if wanted.file else _CREDIT)}}
     path = Sdf.AssetPath(f"./{folder.name}/{file.name}")
-    attribute(sky, "inputs:texture:file", Types.Asset, path)
-    attribute(sky, "inputs:texture:format", Types.Token, "latlong")
-    attribute(sky, "xformOp:rotateX", Types.Double, 90.0)  # a dome's top is +Y
-    set_op_order(sky, ["xformOp:rotateX"])
+    attribute(dome, "inputs:texture:file", Types.Asset, path)
+    attribute(dome, "inputs:texture:format", Types.Token, "latlong")
+    attribute(dome, "xformOp:rotateX", Types.Double, 90.0)  # a dome's top is +Y
+    attribute(dome, "xformOp:rotateZ", Types.Double, turn_deg)
+    set_op_order(dome, ["xformOp:rotateZ", "xformOp:rotateX"])
+    return wanted
 
 
 def _light(variant: Sdf.PrimSpec, name: str, type_name: str) -> Sdf.PrimSpec:

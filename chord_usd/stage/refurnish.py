@@ -31,6 +31,8 @@ from chord_usd.stage.cameras import clear_camera
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.check_scene import CATEGORY, read_scene
 from chord_usd.stage.furniture import DRESSING, place_dressing, place_furniture
+from chord_usd.stage.lighting import MOODS, forget, shine, variants_of
+from chord_usd.stage.lights import hang_lamps
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
@@ -335,10 +337,26 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
         if dressing:
             place_dressing(layer, named, packages, Path(scratch), wardrobe)
+    _light_lamps(layer, new.room_name, finals)
     _note_making(furniture, new.made)
     clear_camera(layer, new.room_name, room_polygon(new.room), [*new.items, *new.dressing])
     layer.Save()
     return layer
+
+
+def _light_lamps(layer: Sdf.Layer, room_name: str, folders: Sequence[Path]) -> None:
+    """Let the lamps that the room has now shine, and no others."""
+    house, scope = (layer.GetPrimAtPath(p) for p in ("/House", f"/House/Rooms/{room_name}/Lights"))
+    variants = variants_of(house)
+    if not scope or not variants:
+        return
+    gone = [one.path for one in scope.nameChildren if one.typeName == "SphereLight"]
+    forget(house, gone)
+    for path in gone:
+        del scope.nameChildren[path.name]
+    lamps = hang_lamps(layer, room_name, folders)
+    for time, variant in variants.items():
+        shine(variant, lamps, MOODS[time])
 
 
 def _note_making(furniture: Sdf.PrimSpec, made: Provenance) -> None:

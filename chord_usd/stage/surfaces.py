@@ -25,7 +25,7 @@ PLAIN_SURFACES: dict[str, Surface] = {
     "Trim": Surface((240, 239, 235), 0.35),
     "WindowFrame": Surface((226, 226, 224), 0.3),
     "Metal": Surface((176, 174, 170), 0.28, metallic=1.0),
-    "Glass": Surface((244, 250, 249), 0.02, opacity=0.12),
+    "Glass": Surface((24, 28, 27), 0.0, opacity=0.08),  # a pale one would be a veil in the sun
     "Facade": Surface((222, 217, 208), 0.9),
     "WallTop": Surface((58, 58, 60), 0.9),
     "PlainFloor": Surface((182, 152, 118), 0.5),

@@ -107,9 +107,10 @@ def _take_out(stage: Usd.Stage, path: Sdf.Path) -> None:
 
 
 def _is_unseen(prim: Usd.Prim) -> bool:
-    """Colliders, hinges, skies and render settings, and the scopes of colliders."""
-    guide = UsdGeom.Imageable(prim).GetPurposeAttr().Get() == UsdGeom.Tokens.guide
-    return prim.GetTypeName() in _UNSEEN or prim.GetName() == "Colliders" or guide
+    """Colliders, hinges, skies, ground and render settings, and the scopes of colliders."""
+    purpose = UsdGeom.Imageable(prim).GetPurposeAttr().Get()
+    aside = purpose in (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)
+    return prim.GetTypeName() in _UNSEEN or prim.GetName() == "Colliders" or aside
 
 
 def _drop_inactive(layer: Sdf.Layer) -> None:

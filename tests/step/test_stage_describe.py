@@ -30,7 +30,7 @@ def test_every_piece_is_told_where_it_is(staged_house: Path, staged_graph: Scene
 
 def test_choices_can_be_made(staged_house: Path) -> None:
     contents = describe_stage(staged_house)
-    assert contents.looks["lighting"].offered == ("day", "evening")
+    assert contents.looks["lighting"].offered == ("day", "evening", "night")
     stage = Usd.Stage.Open(str(staged_house))
     for room in contents.rooms:
         for name, choice in room.looks.items():

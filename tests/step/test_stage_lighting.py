@@ -1,18 +1,23 @@
-"""The variant set `lighting`: what shines by day and in the evening."""
+"""The variant set `lighting`: what shines by day, in the evening and at night; skies."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
-from chord_usd.errors import RenderError
+from chord_usd.errors import ChordError, RenderError
+from chord_usd.image.exr import write_exr
 from chord_usd.image.picture_layers import lit_stage
 from chord_usd.image.stage_cameras import read_views
-from chord_usd.scene.types import Box, Opening, Plan, Room, SceneGraph
-from chord_usd.stage.lighting import DAY, EVENING, sky_rgb, sun_yaw_deg
+from chord_usd.scene.skies import SKIES, sky_named
+from chord_usd.scene.types import Asset, Box, Item, Opening, Plan, Room, SceneGraph
+from chord_usd.stage.attribution import attribution_file
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.lighting import MOODS, sky_rgb, sun_yaw_deg
 from chord_usd.stage.walls import build_walls
 
 SQUARE = Room("r", "living", np.array([(0, 0), (4, 0), (4, 3), (0, 3)], float))
@@ -50,9 +55,9 @@ def test_by_day_there_are_sun_and_sky_and_lamps_where_no_window_is(
     for room, prim in zip(
         staged_graph.rooms, stage.GetPrimAtPath("/House/Rooms").GetChildren(), strict=True
     ):
-        share = DAY.lamps[0] if room.id in lit else DAY.lamps[1]
+        at = 0 if room.id in lit else 1
+        share = MOODS["day"].panels[at] / MOODS["evening"].panels[at]
         assert day[prim.GetName()] == pytest.approx(share * evening[prim.GetName()])
-    assert EVENING.lamps == (1.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -78,10 +83,11 @@ def test_the_sun_shines_down_from_where_it_stands(
 
 
 def test_the_sky_is_above() -> None:
-    rgb = sky_rgb(DAY.sky_stops).astype(int)
+    day, dusk = sky_named("noon"), sky_named("evening")
+    rgb = sky_rgb(day.stops).astype(int)
     assert rgb[0, 0, 2] > rgb[0, 0, 0] + 50  # blue overhead
     assert abs(rgb[-1, 0, 2] - rgb[-1, 0, 0]) < 20  # grey below
-    assert sky_rgb(EVENING.sky_stops).mean() < rgb.mean() / 2
+    assert sky_rgb(dusk.stops).mean() < rgb.mean() / 2
 
 
 def test_the_top_of_the_dome_is_up(stage: Usd.Stage) -> None:
@@ -100,7 +106,114 @@ def test_a_picture_may_choose_its_lighting(staged_house: Path) -> None:
     assert not lit.exists()
     assert staged_house.read_bytes() == before
     with (
-        pytest.raises(RenderError, match="one of day, evening"),
+        pytest.raises(RenderError, match="one of day, evening, night"),
         lit_stage(staged_house, "noon"),
     ):
         pass
+
+
+@pytest.fixture
+def lamp(block: Asset, tmp_path: Path) -> Asset:
+    """The block, which shines from half a metre above its middle."""
+    folder = tmp_path / "lamps" / "Lamp"
+    folder.mkdir(parents=True)
+    layer = Sdf.Layer.CreateNew(str(folder / "Lamp.usda"))
+    layer.TransferContent(Sdf.Layer.FindOrOpen(str(block.usd_path)))
+    light = {"at_m": Gf.Vec3d(0.1, 0, 0.5), "radius_m": 0.03, "lumens": 800.0}
+    layer.GetPrimAtPath("/Block").customData = {"chord": {"light": light}}
+    layer.Save()
+    (folder / "payload.usda").write_bytes(block.usd_path.with_name("payload.usda").read_bytes())
+    return Asset("Lamp", "table_lamp", block.size_m, folder / "Lamp.usda")
+
+
+def test_lamps_shine_where_they_stand_but_not_by_day(
+    staged_graph: SceneGraph, lamp: Asset, tmp_path: Path
+) -> None:
+    at = next(n for n, item in enumerate(staged_graph.items) if item.children)
+    carrier, items = staged_graph.items[at], list(staged_graph.items)
+    size_m = tuple(2.0 * side for side in lamp.size_m)
+    child = Item("lamp", "table_lamp", Box((0.2, 0.0, 0.4), size_m, 90.0), asset=lamp)
+    items[at] = replace(carrier, children=(child,))
+    path = author_stage(replace(staged_graph, items=tuple(items)), tmp_path / "h.usda").path
+    stage = Usd.Stage.Open(str(path))
+    (light,) = [prim for prim in stage.Traverse() if prim.IsA(UsdLux.SphereLight)]
+    assert light.GetParent().GetName() == "Lights"
+    assert light.GetName().endswith("TableLamp_0")
+    intensity = UsdLux.SphereLight(light).GetIntensityAttr()
+    assert intensity.Get() == 0.0
+    for time in ("evening", "night"):
+        choose(stage, time)
+        assert intensity.Get() > 0.1
+    there = UsdGeom.Xformable(light).ComputeLocalToWorldTransform(0).ExtractTranslation()
+    turn = np.radians(carrier.box.yaw_deg)
+    along = np.array([np.cos(turn), np.sin(turn)])
+    across = np.array([-along[1], along[0]])
+    wanted = np.array(carrier.box.center_m[:2]) + 0.2 * along + 0.2 * across
+    assert np.allclose(there[:2], wanted, atol=1e-3)
+    assert there[2] == pytest.approx(carrier.box.center_m[2] + 0.4 + 1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", [sky.name for sky in SKIES])
+def test_a_house_stands_under_the_sky_that_was_chosen(
+    name: str, staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    houses = [
+        author_stage(staged_graph, tmp_path / folder / "h.usda", looks=(), sky=name)
+        for folder in "ab"
+    ]
+    assert houses[0].content_hash == houses[1].content_hash
+    stage = Usd.Stage.Open(str(houses[0].path))
+    sky = sky_named(name)
+    assert stage.GetDefaultPrim().GetVariantSet("lighting").GetVariantSelection() == sky.time
+    dome = UsdLux.DomeLight(stage.GetPrimAtPath("/House/Lighting/Sky"))
+    file = dome.GetTextureFileAttr().Get().path
+    assert file == f"./h_architecture/sky_{name}.exr"
+    credit = attribution_file(houses[0].path).read_text()
+    assert sky.title in credit
+    assert "CC0" in credit
+    assert bool(stage.GetPrimAtPath("/House/Lighting/Sun")) == (sky.sun is not None)
+
+
+def test_the_sun_of_a_picture_is_turned_to_the_windows(
+    staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    light = np.full((64, 128, 3), 0.5, np.float32)
+    light[16:18, 20:22] = (9000.0, 8000.0, 6000.0)
+    file = tmp_path / "mine.exr"
+    write_exr(file, {name: light[..., at] for at, name in enumerate("RGB")})
+    path = author_stage(staged_graph, tmp_path / "h.usda", looks=(), sky=str(file)).path
+    stage = Usd.Stage.Open(str(path))
+    sun = UsdGeom.Xformable(stage.GetPrimAtPath("/House/Lighting/Sun"))
+    away = sun.ComputeLocalToWorldTransform(0).TransformDir(Gf.Vec3d(0, 0, 1))
+    assert np.degrees(np.arcsin(away[2])) == pytest.approx(42.0, abs=3.0)
+    dome = UsdGeom.Xformable(stage.GetPrimAtPath("/House/Lighting/Sky"))
+    longitude = np.radians(21.0 / 128.0 * 360.0)
+    # A picture's middle lies towards a dome's +z, its left half towards +x (seen in Blender).
+    own = Gf.Vec3d(np.sin(longitude), 0.0, -np.cos(longitude))
+    world = dome.ComputeLocalToWorldTransform(0).TransformDir(own)
+    assert np.dot(world[:2], away[:2]) / np.hypot(*away[:2]) > 0.99
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("mornin", "Try: --sky morning"),
+        ("gone.hdr", "no such file"),
+        ("text.hdr", "is no HDRI"),
+        ("text.exr", "is no HDRI"),
+        ("square.exr", "64x64 pixels"),
+        ("black.exr", "black all over"),
+        ("house.png", "there is no sky"),
+    ],
+)
+def test_what_is_no_sky_is_refused(
+    name: str, told: str, staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    for suffix in ("hdr", "exr"):
+        (tmp_path / f"text.{suffix}").write_text("no picture")
+    for file, size in (("square", (64, 64)), ("black", (32, 64))):
+        write_exr(tmp_path / f"{file}.exr", {one: np.zeros(size, np.float32) for one in "RGB"})
+    sky = name if name == "mornin" else str(tmp_path / name)
+    with pytest.raises(ChordError, match=told):
+        author_stage(staged_graph, tmp_path / "out" / "h.usda", looks=(), sky=sky)
+    assert not (tmp_path / "out").exists()

@@ -10,11 +10,13 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix, Vector
 
 from chord_usd.image.job import Job
 from chord_usd.image.joined import lit_with
+from chord_usd.image.worker.outside import panes
 
-EVEN_SKY = 8.0
+EVEN_SKY = 16.0
 """A sky whose brightest point is at most this many times its mean needs no shadow rays."""
 
 _POWER = "chord_usd_power"
@@ -30,7 +32,7 @@ def switch_lamps(scene: Any, job: Job, room: str) -> None:
     lit = lit_with(room, job.joined) if room and job.quality.own_lamps else set(job.rooms)
     shining = 0
     for thing in bpy.data.objects:
-        if thing.type == "LIGHT":
+        if thing.type == "LIGHT" and not thing.data.cycles.is_portal:
             owner, lamp = _room_of(thing, job.rooms), thing.data
             if _POWER not in lamp:
                 lamp[_POWER] = lamp.energy
@@ -58,8 +60,54 @@ def aim_at_lamps(scene: Any, job: Job) -> None:
         return
     for material in bpy.data.materials:
         material.cycles.emission_sampling = "NONE"
-    if _is_even(scene.world):
+    if not hang_portals(scene, job) and _is_even(scene.world):
         scene.world.cycles.sampling_method = "NONE"
+
+
+def hang_portals(scene: Any, job: Job) -> int:
+    """Tell Cycles through which holes the sky is seen; returns how many there are."""
+    if not job.quality.portals or not job.has_dome:
+        return 0
+    count = 0
+    for pane in panes():
+        matrix = _portal_matrix(scene, pane)
+        if matrix is None:
+            continue
+        turn, width, height = matrix
+        lamp = bpy.data.lights.new("Portal", "AREA")
+        lamp.shape, lamp.size, lamp.size_y = "RECTANGLE", width, height
+        lamp.cycles.is_portal = True
+        portal = bpy.data.objects.new("Portal", lamp)
+        portal.matrix_world = turn
+        scene.collection.objects.link(portal)
+        count += 1
+    return count
+
+
+def _portal_matrix(scene: Any, pane: Any) -> tuple[Any, float, float] | None:
+    """Where a portal stands, on the room's side of a pane, and its size; None for glass indoors."""
+    corners = np.array([pane.matrix_world @ Vector(corner) for corner in pane.bound_box])
+    turn = pane.matrix_world.to_3x3().normalized()
+    along, across = np.array(turn.col[0]), np.array(turn.col[1])
+    middle = corners.mean(axis=0)
+    widths = [float(np.ptp(corners @ axis)) for axis in (along, across)]
+    if widths[0] < widths[1]:
+        along, across, widths = across, along, widths[::-1]
+    height = float(np.ptp(corners[:, 2]))
+    graph = bpy.context.evaluated_depsgraph_get()
+    indoors = []
+    for side in (1.0, -1.0):
+        probe = middle + side * across * 0.45
+        hit, _, _, _, found, _ = scene.ray_cast(graph, Vector(probe), Vector((0.0, 0.0, 1.0)))
+        indoors.append(hit and found.name.startswith("Ceiling"))
+    if indoors[0] == indoors[1]:
+        return None
+    inwards = across if indoors[0] else -across
+    # A portal looks along its own -z.
+    up = np.array([0.0, 0.0, 1.0])
+    axes = np.column_stack([np.cross(up, -inwards), up, -inwards])
+    matrix = Matrix([[*axes[row], middle[row]] for row in range(3)] + [[0.0, 0.0, 0.0, 1.0]])
+    return matrix, widths[0], height
 
 
 def _is_even(world: Any) -> bool:

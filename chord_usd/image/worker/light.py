@@ -18,6 +18,9 @@ KEY_FROM_ABOVE = 0.2
 """Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale.
 From above one sees their floors instead, which are darker."""
 
+_ROOM_ALPHA = 0.6
+"""Pixels that show less than this of anything but sky are a view through a window."""
+
 EXPOSURE_RANGE_EV = (-12.0, 12.0)
 
 FIREFLY_WHITE = 10.0
@@ -83,9 +86,10 @@ def expose(scene: Any, exposure_ev: float, clamp: bool) -> None:
 
 
 def metered_exposure_ev(scene: Any, job: Job, from_above: bool) -> float:
-    """Stops that bring the picture's log-average luminance to its key.
+    """Stops that bring the room's log-average luminance to its key.
 
     Metered on a tiny noisy rendering of the whole view, so every part of a picture gets the same.
+    What is seen of the sky does not count.
     """
     render, cycles = scene.render, scene.cycles
     denoised = cycles.use_denoising
@@ -96,13 +100,17 @@ def metered_exposure_ev(scene: Any, job: Job, from_above: bool) -> float:
     render.use_border = False
     picture = render.image_settings
     picture.media_type, picture.file_format = "IMAGE", "OPEN_EXR"
+    picture.color_mode = "RGBA"
+    has_sky, render.film_transparent = not render.film_transparent, True
     render.filepath = str(Path(job.folder) / "meter.exr")
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(render.filepath)
     rgba = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
     image.pixels.foreach_get(rgba)
-    rgb = rgba.reshape(-1, image.channels)[:, :3].astype(np.float64)
+    pixels = rgba.reshape(-1, image.channels).astype(np.float64)
+    rgb = pixels[pixels[:, 3] > _ROOM_ALPHA, :3] if has_sky else pixels[:, :3]
     bpy.data.images.remove(image)
+    render.film_transparent = not has_sky
     render.resolution_percentage, cycles.use_denoising = 100, denoised
     set_samples(scene, job.quality.samples, job.part)
     key = KEY_FROM_ABOVE if from_above else KEY

@@ -19,6 +19,7 @@ from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor
 from chord_usd.image.worker.lamps import aim_at_lamps, switch_lamps
 from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
+from chord_usd.image.worker.outside import Outside
 from chord_usd.image.worker.scene import aim, import_stage, open_roof
 
 Report = Callable[[dict[str, Any]], None]
@@ -35,6 +36,7 @@ def shoot(job: Job, report: Report) -> None:
     set_quality(scene, job)
     # Made when all objects are in place: a copy of a scene lists those it had.
     data = data_scene(scene, job) if job.data else None
+    outside = Outside(scene, job)
     aim_at_lamps(scene, job)
     if job.quality.matte_bounces:
         make_bounces_matte()
@@ -49,8 +51,9 @@ def shoot(job: Job, report: Report) -> None:
         if alone:
             show_alone(view, job.rooms)
         open_roof(scene, view.from_above)
+        outside.show_ground(False)
         switch_lamps(scene, job, view.room)
-        exposure_ev = _take_light(scene, job, view, report) if job.colour else 0.0
+        exposure_ev = _take_light(scene, job, view, outside, report) if job.colour else 0.0
         if data is not None:
             _frame_part(data, job)
             render_data(data, Path(job.folder) / DATA_FILE.format(view.name))
@@ -58,11 +61,13 @@ def shoot(job: Job, report: Report) -> None:
         report({"taken": view.name, "exposure_ev": exposure_ev, "cpu_s": cpu_s})
 
 
-def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> float:
+def _take_light(scene: Any, job: Job, view: StageCamera, outside: Outside, report: Report) -> float:
     """Render one view as a picture and as linear light; returns its exposure in stops."""
     fixed = job.exposure_ev
     exposure_ev = metered_exposure_ev(scene, job, view.from_above) if fixed is None else fixed
     expose(scene, exposure_ev, job.quality.clamp)
+    outside.show_ground(not view.from_above)
+    outside.hold(scene.camera, exposure_ev)
     _frame_part(scene, job)
 
     # Cycles prints no samples on standard output; this is where it tells them.

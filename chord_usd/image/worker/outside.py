@@ -1,0 +1,186 @@
+"""What lies outside a house's windows: sky, ground and glass, and how bright a picture shows it.
+
+By day the view is ten times as bright as the room. A photographer of interiors takes two pictures,
+one exposed for the room and one for the view, and puts the second into the windows of the first.
+So here: light comes in as it is, and only what the camera itself sees of sky and ground is held
+down to what film can show.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+import numpy as np
+
+from chord_usd.image.job import Job
+
+GROUND = "Ground"
+"""Name of the prim above the ground."""
+
+GLASS = "Glass"
+"""Names of panes start so."""
+
+VIEW_WHITE = 1.25
+"""Scene-linear luminance, after exposure, of the brighter part of the view: AgX still tells it
+from white."""
+
+_BRIGHTER = 70.0
+"""Percentile that is held there."""
+
+_LEAST = 0.04
+"""Nothing is held down further than to this share."""
+
+_BAND_DEG = (-4.0, 24.0)
+"""Heights that windows show."""
+
+_FADES_M = (25.0, 70.0)
+"""Where the ground begins to give way to the picture of the sky, and where it has."""
+
+_SAMPLED_PX = (128, 64)
+
+
+class Outside:
+    """The view of one house."""
+
+    def __init__(self, scene: Any, job: Job) -> None:
+        self.grounds = [thing for thing in _meshes() if _is_below(thing, GROUND)]
+        self._world = scene.world
+        self._light = _sky_light(scene.world) if job.rooms and job.has_dome else None
+        self._holds: list[Any] = []
+        if self._light is None:
+            return
+        self._holds.append(_dim_for_camera(scene.world))
+        for ground in self.grounds:
+            # The picture's own ground lights the rooms; this one is to be looked at.
+            ground.visible_diffuse = ground.visible_shadow = False
+            self._holds += _dim_and_fade(ground)
+        if job.quality.clear_glass:
+            for pane in panes():
+                pane.visible_shadow = pane.visible_diffuse = False
+
+    def hold(self, camera: Any, exposure_ev: float) -> None:
+        """Bring the view to what film can show beside a room of this exposure."""
+        share = 1.0
+        if self._light is not None:
+            seen = self._luminance(camera) * 2.0**exposure_ev
+            share = min(1.0, max(_LEAST, VIEW_WHITE / max(seen, 1e-9)))
+        for value in self._holds:
+            value.outputs[0].default_value = share
+
+    def show_ground(self, shown: bool) -> None:
+        """To the camera."""
+        for ground in self.grounds:
+            ground.visible_camera = shown
+
+    def _luminance(self, camera: Any) -> float:
+        """Of the brighter part of what lies before a camera."""
+        light = self._light
+        assert light is not None
+        height, width = light.shape
+        forward = camera.matrix_world.to_3x3() @ _vector(0.0, 0.0, -1.0)
+        yaw_deg = math.degrees(math.atan2(forward.y, forward.x))
+        half_deg = math.degrees(camera.data.angle) / 2
+        mapping = next(n for n in self._world.node_tree.nodes if n.type == "MAPPING")
+        turn_deg = math.degrees(mapping.inputs["Rotation"].default_value[2])
+        # Longitude 0 is the left edge; checked on a picture with three marks.
+        middle_deg = 180.0 - turn_deg - yaw_deg
+        columns = (np.arange(width) + 0.5) / width * 360.0
+        near = np.abs((columns - middle_deg + 180.0) % 360.0 - 180.0) <= max(half_deg, 10.0)
+        heights = 90.0 - (np.arange(height) + 0.5) / height * 180.0
+        band = (heights >= _BAND_DEG[0]) & (heights <= _BAND_DEG[1])
+        return float(np.percentile(light[np.ix_(band, near)], _BRIGHTER))
+
+
+def panes() -> Iterator[Any]:
+    """The glass of windows and doors."""
+    return (
+        thing
+        for thing in _meshes()
+        if thing.name.startswith(GLASS) and _is_below(thing, "Architecture")
+    )
+
+
+def _meshes() -> list[Any]:
+    return [thing for thing in bpy.data.objects if thing.type == "MESH"]
+
+
+def _is_below(thing: Any, name: str) -> bool:
+    above = thing.parent
+    while above is not None:
+        if above.name.split(".")[0] == name:
+            return True
+        above = above.parent
+    return False
+
+
+def _vector(x: float, y: float, z: float) -> Any:
+    from mathutils import Vector
+
+    return Vector((x, y, z))
+
+
+def _sky_light(world: Any) -> np.ndarray | None:
+    """(H, W) luminance of the sky's picture, the top row first, made small; None without one."""
+    nodes = world.node_tree.nodes
+    sky = next((n.image for n in nodes if n.type == "TEX_ENVIRONMENT"), None)
+    if sky is None or not sky.size[0] or not any(n.type == "MAPPING" for n in nodes):
+        return None
+    background = next(n for n in nodes if n.type == "BACKGROUND")
+    rgba = np.empty(sky.size[0] * sky.size[1] * sky.channels, dtype=np.float32)
+    sky.pixels.foreach_get(rgba)
+    light = rgba.reshape(sky.size[1], sky.size[0], -1)[::-1, :, :3] @ (0.2126, 0.7152, 0.0722)
+    if sky.colorspace_settings.name == "sRGB":
+        light = light**2.2
+    step = max(1, sky.size[0] // _SAMPLED_PX[0])
+    small: np.ndarray = light[step // 2 :: step, step // 2 :: step]
+    return small * float(background.inputs["Strength"].default_value)
+
+
+def _dim_for_camera(world: Any) -> Any:
+    """Let the camera see the sky at a share of its strength; returns the node of the share."""
+    tree = world.node_tree
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    ray = tree.nodes.new("ShaderNodeLightPath")
+    share = tree.nodes.new("ShaderNodeValue")
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.inputs["A"].default_value = 1.0
+    strength = tree.nodes.new("ShaderNodeMath")
+    strength.operation = "MULTIPLY"
+    strength.inputs[1].default_value = background.inputs["Strength"].default_value
+    tree.links.new(ray.outputs["Is Camera Ray"], mix.inputs["Factor"])
+    tree.links.new(share.outputs[0], mix.inputs["B"])
+    tree.links.new(mix.outputs["Result"], strength.inputs[0])
+    tree.links.new(strength.outputs[0], background.inputs["Strength"])
+    return share
+
+
+def _dim_and_fade(ground: Any) -> Iterator[Any]:
+    """The same for the ground, which far away gives way to the sky's own."""
+    for slot in ground.material_slots:
+        tree = slot.material.node_tree
+        surface = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None)
+        output = next((n for n in tree.nodes if n.type == "OUTPUT_MATERIAL"), None)
+        if surface is None or output is None or not surface.inputs["Base Color"].is_linked:
+            continue
+        colour = surface.inputs["Base Color"].links[0].from_socket
+        share = tree.nodes.new("ShaderNodeValue")
+        dim = tree.nodes.new("ShaderNodeVectorMath")
+        dim.operation = "SCALE"
+        matte = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        tree.links.new(colour, dim.inputs[0])
+        tree.links.new(share.outputs[0], dim.inputs["Scale"])
+        tree.links.new(dim.outputs[0], matte.inputs["Color"])
+        far = tree.nodes.new("ShaderNodeMapRange")
+        far.inputs["From Min"].default_value, far.inputs["From Max"].default_value = _FADES_M
+        eye = tree.nodes.new("ShaderNodeCameraData")
+        tree.links.new(eye.outputs["View Distance"], far.inputs["Value"])
+        clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+        fade = tree.nodes.new("ShaderNodeMixShader")
+        tree.links.new(far.outputs["Result"], fade.inputs[0])
+        tree.links.new(matte.outputs[0], fade.inputs[1])
+        tree.links.new(clear.outputs[0], fade.inputs[2])
+        tree.links.new(fade.outputs[0], output.inputs["Surface"])
+        yield share
