@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 
 if TYPE_CHECKING:
-    from chord_usd.stage.describe import Looks, RoomContents
+    from chord_usd.stage.describe import Looks, Piece, RoomContents
 
 
 def add(verbs: Verbs) -> None:
@@ -32,8 +32,14 @@ def run(options: argparse.Namespace) -> Outcome:
 
 
 def _room_lines(room: RoomContents) -> list[str]:
-    pieces = [f"    {p.path.split('/')[-1]:<24} {p.asset}{_told(p.looks)}" for p in room.furniture]
-    return [f"  {room.name}{_told(room.looks)}", *pieces]
+    lines = [f"  {room.name}{_told(room.looks)}"]
+    lines += [_piece_line(piece) for piece in room.furniture]
+    return lines + [_piece_line(piece, "  ") for piece in room.dressing]
+
+
+def _piece_line(piece: Piece, indent: str = "") -> str:
+    name = piece.path.split("/")[-1]
+    return f"    {indent}{name:<24} {piece.asset}{_told(piece.looks)}"
 
 
 def _told(looks: Looks) -> str:

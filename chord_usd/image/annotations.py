@@ -10,15 +10,18 @@ import numpy.typing as npt
 
 from chord_usd.image.marks import Thing
 from chord_usd.image.stage_cameras import StageCamera
-from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.palette import CATEGORIES, DRESSING_CATEGORIES
 
 MaskArray = npt.NDArray[np.uint16]
 
 BUILDING = ("floor", "ceiling", "passage", "skirting", "facade", "walltop")
 """Labels of a house's parts that the paper has no colour for."""
 
-_KNOWN = tuple(dict.fromkeys((*CATEGORIES, *BUILDING)))
-"""Their place from 1 on is their category id, the same in every house."""
+_DRESSING = [row.name for row in DRESSING_CATEGORIES]
+_KNOWN = tuple(
+    dict.fromkeys((*(name for name in CATEGORIES if name not in _DRESSING), *BUILDING, *_DRESSING))
+)
+"""Their place from 1 on is their category id, the same in every house; new ones go to the end."""
 
 _CV_FROM_USD = np.diag([1.0, -1.0, -1.0, 1.0])
 """OpenCV's cameras have y down and look along z."""

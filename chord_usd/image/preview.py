@@ -84,8 +84,11 @@ def preview_rgb(graph: SceneGraph) -> np.ndarray:
     """The picture that draw_preview writes: (H, W, 3) uint8, the longer side PICTURE_PX."""
     sheet = Sheet.around(graph)
     _draw_shell(sheet, graph)
-    for item in sorted(graph.items, key=lambda one: one.box.center_m[2]):
-        _draw_item(sheet, item)
+    drawn = [(one, _draw_dressing) for one in graph.dressing]
+    drawn += [(one, _draw_item) for one in graph.items]
+    # Of what is equally high the dressing comes first: rugs lie under furniture.
+    for one, draw_one in sorted(drawn, key=lambda pair: pair[0].box.center_m[2]):
+        draw_one(sheet, one)
     picture = sheet.finished()
     draw = ImageDraw.Draw(picture)
     _label_items(sheet, draw, graph.items)
@@ -216,6 +219,13 @@ def _draw_item(sheet: Sheet, item: Item) -> None:
     for child in item.children:
         corners_m = to_world(item.box, footprint(child.box))
         sheet.line(corners_m, edge, 1.0, closed=True)
+
+
+def _draw_dressing(sheet: Sheet, item: Item) -> None:
+    """Lightly and without a name: it is much, small, and above or below the furniture."""
+    rgb = _color(item)
+    sheet.fill(footprint_polygon(item.box), rgb, 0.25)
+    sheet.line(footprint(item.box), _darker(rgb), 0.6, closed=True)
 
 
 def _draw_front(sheet: Sheet, box: Box, rgb: Rgb) -> None:

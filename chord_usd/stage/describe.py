@@ -6,7 +6,7 @@ models they wear, and every variant set with what it offers.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from chord_usd.runtime.stages import open_stage, reading
 from chord_usd.stage.summary import LOADED_OR_NOT
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
+_RESTS_ON = "chord:rests_on"
+_GROUPS = ("Furniture", "Dressing")
 
 
 @dataclass(frozen=True)
@@ -46,18 +48,21 @@ class Piece:
     """Name of the model, empty where there is none."""
     looks: Looks
     carries: tuple[str, ...]
-    """Paths of the pieces that stand on it."""
+    """Paths of the tabletop items that stand on it."""
+    rests_on: str = ""
+    """Of dressing: path of the piece that carries it, empty where none does."""
 
 
 @dataclass(frozen=True)
 class RoomContents:
-    """A room and its furniture."""
+    """A room, its furniture and its dressing."""
 
     name: str
     path: str
     kind: str
     looks: Looks
     furniture: tuple[Piece, ...]
+    dressing: tuple[Piece, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -89,24 +94,38 @@ def _described(stage: Usd.Stage, path: Path) -> HouseContents:
             try_=f"chord-usd check {path.name}",
         )
     cameras = house.GetChild("Cameras")
+    paths = {node: path for room in rooms.GetChildren() for node, path in _placed(room)}
     return HouseContents(
         looks=_looks(house),
-        rooms=tuple(_room(prim) for prim in rooms.GetChildren()),
+        rooms=tuple(_room(prim, paths) for prim in rooms.GetChildren()),
         cameras=tuple(prim.GetName() for prim in (cameras.GetChildren() if cameras else ())),
     )
 
 
-def _room(prim: Usd.Prim) -> RoomContents:
+def _room(prim: Usd.Prim, paths: Mapping[str, str]) -> RoomContents:
+    """paths: of pieces, by node id."""
     kind = prim.GetAttribute(_KIND).Get() if prim.HasAttribute(_KIND) else "unknown"
-    furniture = tuple(_pieces(prim.GetChild("Furniture")))
-    return RoomContents(prim.GetName(), str(prim.GetPath()), kind, _looks(prim), furniture)
+    furniture, dressing = (tuple(_pieces(prim.GetChild(group), paths)) for group in _GROUPS)
+    path = str(prim.GetPath())
+    return RoomContents(prim.GetName(), path, kind, _looks(prim), furniture, dressing)
 
 
-def _pieces(group: Usd.Prim) -> Iterator[Piece]:
+def _components(group: Usd.Prim) -> Iterator[tuple[Usd.Prim, Usd.Prim]]:
+    """What is placed in a group, and of each the prim that refers to the model."""
     for prim in group.GetFilteredChildren(LOADED_OR_NOT) if group else ():
         own = prim if prim.HasAttribute(_NODE) else _component_in(prim)
-        if own is None:
-            continue
+        if own is not None:
+            yield prim, own
+
+
+def _placed(room: Usd.Prim) -> Iterator[tuple[str, str]]:
+    for group in _GROUPS:
+        for prim, own in _components(room.GetChild(group)):
+            yield str(own.GetAttribute(_NODE).Get()), str(prim.GetPath())
+
+
+def _pieces(group: Usd.Prim, paths: Mapping[str, str]) -> Iterator[Piece]:
+    for prim, own in _components(group):
         items = prim.GetChild("Items")
         size = own.GetAttribute(_SIZE).Get() or (0.0, 0.0, 0.0)
         yield Piece(
@@ -117,6 +136,7 @@ def _pieces(group: Usd.Prim) -> Iterator[Piece]:
             asset=_asset(own),
             looks=_looks(own),
             carries=_paths_in(items),
+            rests_on=paths.get(str(own.GetAttribute(_RESTS_ON).Get() or ""), ""),
         )
 
 

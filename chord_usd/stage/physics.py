@@ -1,6 +1,6 @@
 """What can move and how heavy it is; doors on their hinges.
 
-Furniture brings its colliders. A piece that people move becomes a rigid body; what is built in or
+Furniture and dressing bring their colliders. A piece that people move becomes a rigid body; what is built in or
 too heavy to push stays a collider without a body. Walls and floors are sheets, which no solver
 takes for a collider (MuJoCo makes hulls of meshes, and closes the doors with them): unseen boxes
 behind them do that.
@@ -42,6 +42,30 @@ KG_PER_M3: dict[str, float] = {
     "food": 250.0,
     "dinner_set": 120.0,
     "drinks": 450.0,
+    "floor_plant": 60.0,
+    "basket": 40.0,
+    "bin": 40.0,
+    "umbrella_stand": 60.0,
+    "book_row": 450.0,
+    "vase": 300.0,
+    "sculpture": 500.0,
+    "candle": 400.0,
+    "storage_box": 120.0,
+    "trailing_plant": 150.0,
+    "kettle": 200.0,
+    "toaster": 250.0,
+    "coffee_machine": 250.0,
+    "pot": 250.0,
+    "knife_block": 450.0,
+    "utensil_jar": 300.0,
+    "jar": 400.0,
+    "bottle": 450.0,
+    "bowl": 250.0,
+    "plate_stack": 600.0,
+    "soap_dispenser": 500.0,
+    "toothbrush_cup": 200.0,
+    "towel_stack": 120.0,
+    "toilet_brush": 150.0,
 }
 """Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
 that are not in the table stay where they are."""

@@ -22,6 +22,8 @@ class StageSummary:
     """Pieces that stand in a room."""
     items: int
     """Furniture and all that stands on it."""
+    dressing: int
+    """What hangs, lies and stands in the rooms besides."""
     openings: int
     """Doors, windows and passages."""
     lights: int
@@ -43,12 +45,15 @@ def _counted(stage: Usd.Stage) -> StageSummary:
         stage.Load(room.GetPath().AppendChild("Architecture"))
     prims = [prim for room in rooms for prim in Usd.PrimRange(room, LOADED_OR_NOT)]
     nodes = [prim for prim in prims if prim.HasAttribute("chord:category")]
-    pieces = [prim for prim in nodes if _is_component(prim)]
+    components = [prim for prim in nodes if _is_component(prim)]
+    dressing = [prim for prim in components if prim.GetParent().GetName() == "Dressing"]
+    pieces = [prim for prim in components if prim not in dressing]
     return StageSummary(
         rooms=len(rooms),
         furniture=sum("Items" not in prim.GetPath().pathString.split("/") for prim in pieces),
         items=len(pieces),
-        openings=len(nodes) - len(pieces),
+        dressing=len(dressing),
+        openings=len(nodes) - len(components),
         lights=sum(prim.GetTypeName() == "RectLight" for prim in prims),
         cameras=sum(prim.GetTypeName() == "Camera" for prim in stage.Traverse()),
     )

@@ -144,6 +144,7 @@ def test_summary_counts_what_the_graph_holds(staged_house: Path, staged_graph: S
         rooms=len(staged_graph.rooms),
         furniture=len(staged_graph.items),
         items=len(staged_graph.items) + children,
+        dressing=0,
         openings=len(staged_graph.openings),
         lights=len(staged_graph.rooms),
         cameras=len(staged_graph.rooms) + 1,

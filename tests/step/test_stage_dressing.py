@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom
 
+from chord_usd.image.annotations import category_ids
+from chord_usd.image.marks import read_marks
 from chord_usd.scene.types import Asset, Box, Facts, Item, Provenance, SceneGraph
 from chord_usd.stage.author import author_stage
+from chord_usd.stage.describe import describe_stage
+from chord_usd.stage.diff import diff_stages
 from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
+from chord_usd.stage.summary import summary
 
 
 @pytest.fixture(scope="module")
@@ -148,3 +153,40 @@ def test_a_room_is_dressed_anew_and_the_others_stay(
         return layer.ExportToString()
 
     assert others(target) == others(dressed_house)
+
+
+def test_it_is_described_beside_the_furniture(
+    dressed_house: Path, dressed_graph: SceneGraph
+) -> None:
+    rooms = describe_stage(dressed_house).rooms
+    pieces = [piece for room in rooms for piece in room.dressing]
+    assert len(pieces) == len(dressed_graph.dressing) == summary(dressed_house).dressing
+    furniture = {piece.path for room in rooms for piece in room.furniture}
+    for piece in pieces:
+        assert (piece.rests_on in furniture) == (piece.category == "bowl")
+
+
+def test_what_changed_names_dressing(
+    dressed_house: Path, staged_house: Path, dressed_graph: SceneGraph, tmp_path: Path
+) -> None:
+    groups_gone = {change.path for change in diff_stages(dressed_house, staged_house)}
+    assert all(path.endswith("/Dressing") or path == "/House" for path in groups_gone), groups_gone
+    first, *others = dressed_graph.dressing
+    x, y, z = first.box.center_m
+    moved = replace(first, box=replace(first.box, center_m=(x + 0.1, y, z)))
+    other = author_stage(
+        replace(dressed_graph, dressing=(moved, *others)), tmp_path / "house.usda", seed=3
+    ).path
+    (change,) = diff_stages(dressed_house, other)
+    assert (change.path.split("/")[-2:], change.text) == (
+        ["Dressing", "Bowl_0"], "moved 0.10 m to the east",
+    )  # fmt: skip
+
+
+def test_masks_name_it(dressed_house: Path) -> None:
+    things = read_marks(dressed_house).things
+    named = {thing.label: thing for thing in things if "/Dressing/" in thing.path}
+    assert set(named) == {"bowl", "floor_plant"}
+    ids = category_ids([*named, "sofa", "floor"])
+    assert ids == category_ids(["floor", "sofa", *named])
+    assert min(ids["bowl"], ids["floor_plant"]) > max(ids["sofa"], ids["floor"])
