@@ -5,7 +5,9 @@ from __future__ import annotations
 from chord_usd.assets.dressing import (
     books,
     ceiling_lamps,
+    containers,
     mirrors,
+    ornaments,
     pendants,
     pictures,
     plants,
@@ -15,6 +17,6 @@ from chord_usd.assets.dressing import (
     wall_lamps,
 )
 
-_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures, plants, wall_fittings, books, standing_lamps, wall_lamps)
+_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures, plants, wall_fittings, books, standing_lamps, wall_lamps, containers, ornaments)
 
 DESIGNS = tuple(design for module in _MODULES for design in module.DESIGNS)

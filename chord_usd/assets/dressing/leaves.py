@@ -239,7 +239,7 @@ def woven_skin(
     turn = np.linspace(0, 2 * math.pi, strands, endpoint=False)
     over = np.where(np.arange(strands) % 2 == 0, 1.0, -1.0)
     for row, (low, high) in enumerate(zip(levels[:-1], levels[1:], strict=True)):
-        for share, push in ((0.08, -0.6), (0.5, 1.0), (0.92, -0.6)):
+        for share, push in ((0.04, -0.7), (0.5, 1.0)):
             z = low + share * (high - low)
             weave = over * (1 if row % 2 == 0 else -1) if push > 0 else 0.0
             radius = np.interp(z, heights, radii) + depth_m * (push * 0.4 + 0.8 * weave) - depth_m

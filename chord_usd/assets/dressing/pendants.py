@@ -26,7 +26,7 @@ from chord_usd.assets.solids import Size, Solid, bent_path, block, cylinder, joi
 def _bulb(radius_m: float = 0.03) -> Solid:
     """A bulb, its tip at z = 0, its neck 2.4 radii higher."""
     neck = [(0.45 * radius_m, 2.1 * radius_m), (0.42 * radius_m, 2.4 * radius_m)]
-    return outward(lathe([*sphere_profile(radius_m, -1.0, 0.7, 9, radius_m), *neck], 18))
+    return outward(lathe([*sphere_profile(radius_m, -1.0, 0.7, 7, radius_m), *neck], 14))
 
 
 def _cord(low_m: float, high_m: float, x_m: float = 0.0, y_m: float = 0.0) -> Solid:
@@ -56,14 +56,14 @@ def dome(size_m: Size) -> tuple[Part, ...]:
     """A metal dome, pale inside."""
     radius, height = size_m[0] / 2, size_m[2]
     tall = radius * 1.05
-    out = [*arc((radius, 0.0), (radius * 0.98, tall * 0.72), (radius * 0.36, tall * 0.84), 9),
-           *arc((radius * 0.3, tall * 0.86), (radius * 0.15, tall * 0.9), (0.022, tall), 4)]  # fmt: skip
+    out = [*arc((radius, 0.0), (radius * 0.98, tall * 0.72), (radius * 0.36, tall * 0.84), 7),
+           *arc((radius * 0.3, tall * 0.86), (radius * 0.15, tall * 0.9), (0.022, tall), 3)]  # fmt: skip
     rim = [(radius + 0.002, 0.0), (radius + 0.002, 0.012)]
-    inner = [(r - 0.0045, z - 0.002) for r, z in out[:10]]
+    inner = [(r - 0.0045, z - 0.002) for r, z in out[:8]]
     shade = (
-        Part("Shade", hollow(out, 0.003, 40), "metal", None),
-        Part("Inside", hollow(inner, 0.0015, 40), "lining", None),
-        Part("Rim", hollow(rim, 0.006, 40), "trim", None),
+        Part("Shade", hollow(out, 0.003, 32), "metal", None),
+        Part("Inside", hollow(inner, 0.0015, 32), "lining", None),
+        Part("Rim", hollow(rim, 0.006, 32), "trim", None),
         Part("Bulb", _bulb(0.035).moved(z=tall * 0.35), "bulb", None),
     )
     return _hung(shade, tall, height)
@@ -77,8 +77,8 @@ def factory(size_m: Size) -> tuple[Part, ...]:
            (0.07, tall * 0.6), 7), (0.055, tall * 0.66), (0.055, tall * 0.95), (0.03, tall)]  # fmt: skip
     inner = [(r - 0.0045, z - 0.002) for r, z in out[1:9]]
     shade = (
-        Part("Shade", hollow(out, 0.003, 40), "metal", None),
-        Part("Inside", hollow(inner, 0.0015, 40), "lining", None),
+        Part("Shade", hollow(out, 0.003, 32), "metal", None),
+        Part("Inside", hollow(inner, 0.0015, 32), "lining", None),
         Part("Bulb", _bulb(0.04).moved(z=tall * 0.2), "bulb", None),
     )
     return _hung(shade, tall, height, "trim")
@@ -103,8 +103,8 @@ def woven(size_m: Size) -> tuple[Part, ...]:
     bell = [*arc((radius * 0.9, 0.0), (radius * 1.12, tall * 0.36), (radius * 0.78, tall * 0.62), 6),
             *arc((radius * 0.7, tall * 0.69), (radius * 0.4, tall * 0.94), (0.03, tall), 4)]  # fmt: skip
     path = np.array([[r, 0.0, z] for r, z in bell])
-    ribs = [tube(path, 0.003, 4).turned("z", 360.0 * i / 44) for i in range(44)]
-    rings = [hollow([(r + 0.006, z - 0.005), (r + 0.006, z + 0.005)], 0.012, 36)
+    ribs = [tube(path[::2], 0.003, 4).turned("z", 360.0 * i / 36) for i in range(36)]
+    rings = [hollow([(r + 0.006, z - 0.005), (r + 0.006, z + 0.005)], 0.012, 28)
              for r, z in (bell[0], bell[3], bell[6], bell[9])]  # fmt: skip
     shade = (
         Part("Ribs", joined(ribs), "weave", None),
@@ -117,7 +117,7 @@ def woven(size_m: Size) -> tuple[Part, ...]:
 def paper(size_m: Size) -> tuple[Part, ...]:
     """A paper lantern, ribbed, a little flattened."""
     radius, height = size_m[0] / 2, size_m[2]
-    ribs, tall = 17, radius * 1.8
+    ribs, tall = 9, radius * 1.8
     out = []
     for index in range(2 * ribs + 1):
         angle = math.asin(-0.97 + 1.94 * index / (2 * ribs))
@@ -127,7 +127,7 @@ def paper(size_m: Size) -> tuple[Part, ...]:
              for z in (0.0, tall - 0.006)]  # fmt: skip
     bow = [[-radius * 0.24, 0, tall - 0.004], [0, 0, tall + 0.03], [radius * 0.24, 0, tall - 0.004]]
     shade = (
-        Part("Paper", hollow(out, 0.002, 40), "paper", None),
+        Part("Paper", hollow(out, 0.002, 30), "paper", None),
         Part("Wire", joined([*rings, tube(bow, 0.002, 6)]), "cord", None),
         Part("Bulb", _bulb(0.05).moved(z=tall * 0.42), "bulb", None),
     )
@@ -142,8 +142,8 @@ def layers(size_m: Size) -> tuple[Part, ...]:
     for low, high, wide, narrow in ((0.0, 0.42, 0.52, 0.3), (0.28, 0.6, 0.78, 0.36),
                                     (0.5, 0.9, 1.0, 0.3)):  # fmt: skip
         bow = arc((wide * radius, low * tall), (wide * radius * 0.9, high * tall * 0.9),
-                  (narrow * radius, high * tall), 7)  # fmt: skip
-        tiers.append(hollow(bow, 0.003, 40))
+                  (narrow * radius, high * tall), 5)  # fmt: skip
+        tiers.append(hollow(bow, 0.003, 36))
     struts = [
         tube(np.array([[0.3 * radius, 0, 0.41 * tall], [0.34 * radius, 0, 0.6 * tall],
                        [0.31 * radius, 0, 0.9 * tall]]), 0.003, 6).turned("z", turn)
@@ -171,15 +171,15 @@ def chandelier(size_m: Size) -> tuple[Part, ...]:
     arms, pans, candles, shades = [], [], [], []
     for turn in range(0, 360, 60):
         bow = arc((0.03, 0.09), (reach * 0.55, -0.06), (reach, 0.1), 9)
-        arms.append(tube(np.array([[x, 0.0, z] for x, z in bow]), 0.0055, 7).turned("z", turn))
-        pan = lathe([(0.008, 0.0), (0.03, 0.01), (0.032, 0.013)], 16).moved(reach, z=0.098)
+        arms.append(tube(np.array([[x, 0.0, z] for x, z in bow]), 0.0055, 6).turned("z", turn))
+        pan = lathe([(0.008, 0.0), (0.03, 0.01), (0.032, 0.013)], 10).moved(reach, z=0.098)
         pans.append(pan.turned("z", turn))
-        candles.append(cylinder(0.01, 0.07, 0.0, 12).moved(reach, z=0.11).turned("z", turn))
-        cone = hollow([(shade_r, 0.0), (shade_r * 0.55, shade_r * 1.35)], 0.002, 24)
+        candles.append(cylinder(0.01, 0.07, 0.0, 8).moved(reach, z=0.11).turned("z", turn))
+        cone = hollow([(shade_r, 0.0), (shade_r * 0.55, shade_r * 1.35)], 0.002, 16)
         shades.append(cone.moved(reach, z=0.16).turned("z", turn))
     links = [
         tube(np.array([[0.011 * math.cos(a), 0.0, 0.02 * math.sin(a)]
-                       for a in np.linspace(0, 2 * math.pi * 0.97, 9)]), 0.0025, 5)
+                       for a in np.linspace(0, 2 * math.pi * 0.97, 7)]), 0.0025, 4)
         .turned("z", 90.0 * i).moved(z=0.375 + 0.036 * i)
         for i in range(max(1, int((height - 0.03 - 0.375) / 0.036)))
     ]  # fmt: skip
@@ -220,8 +220,8 @@ def cluster(size_m: Size) -> tuple[Part, ...]:
                             for a in np.radians((20, 110, 200, 290))]  # fmt: skip
     for index, (x, y) in enumerate(spots):
         z = (0.0, 0.26, 0.09, 0.34, 0.18)[index] * height * 0.8
-        skin = sphere_profile(ball_r, -0.98, 0.94, 12, ball_r)
-        glasses.append(hollow(skin, 0.002, 24).moved(x, y, z))
+        skin = sphere_profile(ball_r, -0.98, 0.94, 7, ball_r)
+        glasses.append(hollow(skin, 0.002, 14).moved(x, y, z))
         bulbs.append(_bulb(0.022).moved(x, y, z + ball_r * 0.9))
         caps.append(lathe([(0.018, 0.0), (0.028, 0.004), (0.024, 0.05), (0.006, 0.06)], 16)
                     .moved(x, y, z + 1.9 * ball_r))  # fmt: skip
@@ -240,7 +240,7 @@ def cluster(size_m: Size) -> tuple[Part, ...]:
 def slatted(size_m: Size) -> tuple[Part, ...]:
     """A drum of upright wooden slats around paper."""
     radius, height = size_m[0] / 2, size_m[2]
-    tall, count = radius * 1.25, 36
+    tall, count = radius * 1.25, 30
     slat = block((0.008, 0.006, tall), 0.0015).moved(x=radius - 0.006)
     fins = [slat.turned("z", 360.0 * i / count) for i in range(count)]
     hoops = [hollow([(radius - 0.01, z), (radius - 0.01, z + 0.012)], 0.008, 40)
@@ -305,7 +305,7 @@ DESIGNS = (
     _design("Pendant_Paper_Small", (0.42, 0.42, 0.9), paper, _PAPER, (JAPANESE, SCANDINAVIAN),
             0.19),
     _design("Pendant_Layers", (0.48, 0.48, 0.95), layers, _PAINTED, (SCANDINAVIAN, MODERN), 0.1),
-    _design("Pendant_Chandelier", (0.7, 0.7, 0.95), chandelier, _CANDLES, (CLASSIC,), 0.2, 1400),
+    _design("Pendant_Chandelier", (0.72, 0.64, 0.95), chandelier, _CANDLES, (CLASSIC,), 0.2, 1400),
     _design("Pendant_Beam", (1.2, 0.15, 0.95), beam, _GLASS, (MODERN, INDUSTRIAL), 0.006, 2000),
     _design("Pendant_Cluster", (0.42, 0.42, 1.1), cluster, _AMBER, (INDUSTRIAL, MODERN), 0.3, 1000),
     _design("Pendant_Slats", (0.38, 0.38, 0.95), slatted, _WOOD, (JAPANESE, SCANDINAVIAN), 0.2),

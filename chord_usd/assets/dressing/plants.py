@@ -142,18 +142,18 @@ def _palm(size_m: Size, vessel, *, fronds: int = 13) -> list:
         path = bow((0.012 * math.cos(index), 0.012 * math.sin(index), foot - 0.01), yaw,
                    size_m[0] * (0.2 + 0.34 * share), (height - foot) * (0.98 - 0.46 * share), 0.3, 10)
         stalks.append(tapered(path, 0.006, 0.002, 5))
-        for step in range(16):
-            t = 0.36 + 0.64 * step / 15
+        for step in range(14):
+            t = 0.36 + 0.64 * step / 13
             at = _along(path, t)
             long = 0.2 * (0.55 + 0.6 * math.sin(math.pi * (t - 0.3) / 0.75)) * (0.6 + 0.3 * height)
             for side in (-1, 1):
-                grid = leaf(long, 0.02, LANCE, pitch_deg=14, droop_deg=58, fold=0.3, rows=4, columns=3)
+                grid = leaf(long, 0.02, LANCE, pitch_deg=14, droop_deg=58, rows=4, columns=2)
                 grids.append(turned(grid, yaw + side * (62 - 34 * t), at))
     return [("Stalks", joined(stalks), "stem", False), ("Leaves", foliage(grids), "leaf", True)]
 
 
-def _olive(size_m: Size, vessel, *, twigs: int = 40, leaves: int = 9, long: float = 0.055,
-           wide: float = 0.014, outline=LANCE, crown: float = 0.45, seed: str = "olive") -> list:  # fmt: skip
+def _olive(size_m: Size, vessel, *, twigs: int = 44, leaves: int = 10, long: float = 0.07,
+           wide: float = 0.02, outline=LANCE, crown: float = 0.5, seed: str = "olive") -> list:  # fmt: skip
     """A slim trunk, forked branches, small leaves in pairs along the twigs."""
     rng = rng_of(f"{seed}/{size_m}")
     foot, height = vessel.soil_m, size_m[2]
@@ -177,7 +177,7 @@ def _olive(size_m: Size, vessel, *, twigs: int = 40, leaves: int = 9, long: floa
             at = _along(path, 0.34 + 0.66 * step / (leaves - 1))
             size = float(rng.uniform(0.8, 1.15))
             grid = leaf(long * size, wide * size, outline, pitch_deg=float(rng.uniform(-20, 60)), droop_deg=25,
-                        rows=3, columns=3, fold=0.25)  # fmt: skip
+                        rows=4, columns=2)  # fmt: skip
             grids.append(turned(grid, math.degrees(yaw) + (step % 2 * 2 - 1) * 62 + float(rng.uniform(-25, 25)), at))
     return [("Wood", joined(wood), "bark", False), ("Leaves", foliage(grids), "leaf", True)]
 
@@ -200,7 +200,7 @@ def _bamboo(size_m: Size, vessel, *, canes: int = 7) -> list:
                 turn = yaw + 120 * spray + 47 * joint + float(rng.uniform(-20, 20))
                 for blade in range(4):
                     long = float(rng.uniform(0.11, 0.17))
-                    grid = leaf(long, 0.017, LANCE, pitch_deg=20 + 16 * blade, droop_deg=78, fold=0.3, rows=4)
+                    grid = leaf(long, 0.017, LANCE, pitch_deg=20 + 16 * blade, droop_deg=78, rows=4, columns=2)
                     grid[..., 0] += 0.04 + 0.02 * blade
                     grid[..., 2] += 0.02 * blade
                     grids.append(turned(grid, turn + (blade - 1.5) * 20, at))
@@ -252,7 +252,7 @@ def _design(name: str, size_m: Size, draw: Callable, kind: PotKind, radius_m: fl
 
 _RUBBER = partial(_tree, outline=OVAL, leaves=42, long=0.2, wide=0.1, stems=3, bare=0.2, seed="rubber")
 _STRELITZIA = partial(_monstera, leaves=11, slits=0, outline=PADDLE, long=0.42, wide=0.17, seed="strelitzia")
-_FICUS = partial(_olive, twigs=64, leaves=9, long=0.05, wide=0.026, outline=OVAL, crown=0.4, seed="ficus")
+_FICUS = partial(_olive, twigs=60, leaves=10, long=0.075, wide=0.045, outline=OVAL, crown=0.4, seed="ficus")
 
 DESIGNS = (
     _design("Plant_Fiddle_Leaf", (0.7, 0.7, 1.6), partial(_tree, seed="fiddle"), "basket", 0.19, 0.32,
@@ -289,7 +289,7 @@ DESIGNS = (
             _looks("leaf_fresh", *_GLAZE), (JAPANESE, MODERN)),
     _design("Plant_Bamboo_Small", (0.45, 0.45, 1.05), partial(_bamboo, canes=5), "belly", 0.15, 0.22,
             _looks("leaf_fresh", *_GLAZE), (JAPANESE,)),
-    _design("Plant_Maple", (0.75, 0.75, 1.2), partial(_olive, twigs=36, leaves=9, long=0.06, wide=0.04,
+    _design("Plant_Maple", (0.75, 0.75, 1.2), partial(_olive, twigs=40, leaves=10, long=0.075, wide=0.065,
             outline=(0.2, 1.0, 0.4, 0.7, 0.0), crown=0.62, seed="maple"), "belly", 0.18, 0.24,
             _looks("leaf_wine", *_GLAZE), (JAPANESE,)),
     _design("Plant_Cactus", (0.28, 0.28, 0.95), _cactus, "rim", 0.14, 0.22, _looks("leaf_dusty", *_CLAY),

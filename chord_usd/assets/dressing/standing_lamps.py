@@ -116,7 +116,7 @@ def tripod(size_m: Size) -> tuple[Part, ...]:
     return (
         Part("Legs", joined(legs), "wood", felt=tuple(felt)),
         Part("Hub", hub.moved(z=low - 0.055), "metal", None),
-        *_shade(low, height, radius * 0.9, radius * 0.8),
+        *_shade(low, height, radius, radius * 0.84),
         Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
     )
 
@@ -131,13 +131,13 @@ def bow_lamp(size_m: Size) -> tuple[Part, ...]:
     low = height - 0.3
     path = bent_path([[foot_x, 0, 0.03], [foot_x, 0, height - 0.008], [head_x, 0, height - 0.008],
                       [head_x, 0, low + 0.19]], 0.28, 9)  # fmt: skip
-    out = arc((dome_r, 0.0), (dome_r, dome_r * 0.95), (0.02, dome_r * 0.98), 9)
+    out = arc((dome_r, 0.0), (dome_r, dome_r * 0.95), (0.02, dome_r * 0.98), 7)
     inner = [(r - 0.004, z - 0.002) for r, z in out[:-1]]
     at = {"x": head_x, "z": low + 0.19 - dome_r * 0.98}
     felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.8)).moved(foot_x))
     return (
         Part("Post", foot + tube(path, 0.0085, 10), "metal", felt=felt),
-        Part("Dome", hollow(out, 0.0025, 36).moved(**at), "metal", None),
+        Part("Dome", hollow(out, 0.0025, 30).moved(**at), "metal", None),
         Part("Inside", hollow(inner, 0.0012, 36).moved(**at), "lining", None),
         Part("Bulb", bulb(0.03).turned("x", 180).moved(head_x, z=low + 0.16), "bulb", None),
     )
@@ -202,7 +202,7 @@ def column(size_m: Size) -> tuple[Part, ...]:
 def lantern(size_m: Size) -> tuple[Part, ...]:
     """A tall crumpled paper lantern on three wire feet."""
     radius, height = size_m[0] / 2, size_m[2]
-    ribs, low = 16, 0.1
+    ribs, low = 11, 0.1
     out = []
     for index in range(2 * ribs + 1):
         share = index / (2 * ribs)
@@ -213,7 +213,7 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
     feet = [tube([[out[0][0] * 0.9, 0, 0.004], [out[0][0] * 0.9, 0, low + 0.02]], 0.004, 8).turned("z", a) for a in (30, 150, 270)]
     ring_ = hollow([(out[0][0] * 0.93, 0.0), (out[0][0] * 0.93, 0.008)], 0.008, 32)
     return (
-        Part("Paper", hollow(out, 0.002, 36), "paper", None),
+        Part("Paper", hollow(out, 0.002, 28), "paper", None),
         Part("Feet", joined([*feet, ring_]), "metal", felt=(cylinder(radius * 0.9, height),)),
         Part("Bulb", bulb(0.05).moved(z=height * 0.45), "bulb", None),
     )
@@ -265,7 +265,7 @@ def _design(name: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str,
 DESIGNS = (
     _design("Floor_Lamp_Drum", (0.42, 0.42, 1.55), drum, _CLOTH, (MODERN, SCANDINAVIAN), (0.0, 0.0, 1.41)),
     _design("Floor_Lamp_Column", (0.42, 0.42, 1.6), classic, _CLASSIC, (CLASSIC,), (0.0, 0.0, 1.46)),
-    _design("Floor_Lamp_Tripod", (0.47, 0.5, 1.5), tripod, _WOOD, (SCANDINAVIAN, JAPANESE, MODERN), (0.0, 0.0, 1.37)),
+    _design("Floor_Lamp_Tripod", (0.46, 0.46, 1.5), tripod, _WOOD, (SCANDINAVIAN, JAPANESE, MODERN), (0.0, 0.0, 1.37)),
     _design("Floor_Lamp_Bow", (0.6, 0.28, 1.55), bow_lamp, _METAL, (MODERN, SCANDINAVIAN), (-0.16, 0.0, 1.35)),
     _design("Floor_Lamp_Reader", (0.6, 0.3, 1.5), reader, _RAW, (INDUSTRIAL,), (-0.14, 0.0, 1.18), 600.0),
     _design("Floor_Lamp_Paper", (0.3, 0.3, 1.25), column, _WOOD, (JAPANESE,), (0.0, 0.0, 0.62)),

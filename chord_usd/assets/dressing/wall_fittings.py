@@ -150,14 +150,14 @@ def panel_radiator(size_m: Size) -> tuple[Part, ...]:
     front_y = -width / 2
     panel = rounded_slab((wide - 0.012, height - 0.02, 0.012), 0.01, 0.004, 3).turned("x", 90)
     panel = panel.moved(x0, front_y + 0.0175, (height - 0.02) / 2 + 0.004)
-    count = max(6, round((wide - 0.08) / 0.034))
+    count = max(6, round((wide - 0.08) / 0.05))
     step = (wide - 0.06) / count
-    rib = block((step * 0.6, 0.007, height - 0.1), 0.003)
+    rib = block((step * 0.62, 0.007, height - 0.1), 0.003)
     ribs = [rib.moved(x0 - (wide - 0.06) / 2 + step * (i + 0.5), front_y + 0.0035, 0.05) for i in range(count)]
     back = box((wide - 0.03, depth - 0.026, height - 0.05)).moved(x0, front_y + 0.016 + (depth - 0.026) / 2, 0.02)
     sides = [block((0.006, depth, height - 0.012), 0.002).moved(x0 + s * (wide - 0.006) / 2, front_y + 0.004 + depth / 2, 0.004)
              for s in (-1, 1)]  # fmt: skip
-    fins = max(10, round(wide / 0.022))
+    fins = max(10, round(wide / 0.03))
     top = [block((wide, depth, 0.004), 0.001).moved(x0, front_y + 0.004 + depth / 2, height - 0.012)]
     slot = [box((0.005, depth - 0.03, 0.0025)).moved(x0 - wide / 2 + 0.02 + (wide - 0.04) * (i + 0.5) / fins,
             front_y + 0.004 + depth / 2, height - 0.0085) for i in range(fins)]  # fmt: skip
@@ -184,14 +184,14 @@ def column_radiator(size_m: Size) -> tuple[Part, ...]:
     """Cast columns side by side, three tubes deep, on a feed with a wheel valve."""
     length, width, height = size_m
     wide = length - 0.05
-    count = max(5, round(wide / 0.048))
+    count = max(5, round(wide / 0.06))
     step = wide / count
     deep = width - 0.03
     columns = []
     r = 0.0135
     for index in range(count):
         x = -length / 2 + step * (index + 0.5)
-        outline = ring(deep, height, deep * 0.42, 0.0, 4)[:, :2]
+        outline = ring(deep, height, deep * 0.42, 0.0, 3)[:, :2]
         loop = np.column_stack([np.zeros(len(outline)), outline[:, 0], outline[:, 1] + height / 2])
         hoop_in = 1.0 - 2 * r / np.ptp(loop[:, 1:], axis=0)
         middle = loop.mean(axis=0)[1:]
@@ -204,7 +204,7 @@ def column_radiator(size_m: Size) -> tuple[Part, ...]:
             scaled[:, 1] -= 0.015
             rings.append(scaled)
         columns.append(lofted(rings, loop=True))
-        columns.append(block((step * 0.66, 2 * r * 0.9, height - 2 * r), 0.006).moved(x, -0.015, r))
+        columns.append(box((step * 0.66, 2 * r * 0.9, height - 2 * r)).moved(x, -0.015, r))
     hubs = [tube([[-length / 2 + 0.004, 0.0, z], [length / 2 - 0.052, 0.0, z]], 0.016, 12) for z in (0.05, height - 0.05)]
     brackets = [cylinder(0.008, width / 2, 0.0, 10).turned("x", -90).moved(s * wide * 0.3, 0.0, height - 0.09)
                 for s in (-1, 1)]  # fmt: skip

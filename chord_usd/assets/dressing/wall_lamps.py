@@ -15,6 +15,7 @@ from chord_usd.assets.dressing.forms import (
     SCANDINAVIAN,
     arc,
     hollow,
+    lofted,
     outward,
     sphere_profile,
 )
@@ -147,7 +148,7 @@ def candles(size_m: Size) -> tuple[Part, ...]:
     backplate = lathe([(0.03, 0.0), (0.034, 0.006), (0.024, 0.016), (0.0, 0.02)], 24).scaled(1.0, 2.0, 1.0)
     arms, cups_, wax, shades, bulbs = [], [], [], [], []
     for s in (-1, 1):
-        bend = [(0.0, width / 2 - 0.012, 0.075), (s * spread * 0.5, 0.0, 0.0), (s * spread, at_y, 0.02), (s * spread, at_y, low - 0.07)]
+        bend = [(0.0, width / 2 - 0.012, 0.055), (s * spread * 0.5, 0.0, -0.02), (s * spread, at_y, 0.0), (s * spread, at_y, low - 0.07)]
         t = np.linspace(0, 1, 12)[:, None]
         p = np.array(bend)
         path = (1 - t) ** 3 * p[0] + 3 * t * (1 - t) ** 2 * p[1] + 3 * t**2 * (1 - t) * p[2] + t**3 * p[3]
@@ -157,7 +158,7 @@ def candles(size_m: Size) -> tuple[Part, ...]:
         shades.append(hollow([(r, low), (r * 0.6, height)], 0.0022, 28).moved(s * spread, at_y))
         bulbs.append(bulb(0.016).moved(s * spread, at_y, low + 0.008))
     return (
-        Part("Plate", backplate.turned("x", 90).moved(y=width / 2, z=0.09), "metal", None),
+        Part("Plate", backplate.turned("x", 90).moved(y=width / 2, z=0.07), "metal", None),
         Part("Arms", joined([*arms, *cups_]), "metal", None),
         Part("Candles", joined(wax), "wax", None),
         Part("Shades", joined(shades), "shade", None),
@@ -176,8 +177,6 @@ def dish(size_m: Size) -> tuple[Part, ...]:
         x, y = radius * np.cos(turn), radius * np.sin(turn) * (width / (length / 2))
         ring_ = np.stack([x, y + width / 2 - 0.0, np.full_like(x, min(z, height))], -1)
         rings.append(ring_)
-    from chord_usd.assets.dressing.forms import lofted
-
     bowl = lofted(rings)
     glow = block((length * 0.5, width * 0.36, 0.008), 0.002).moved(y=width / 2 - width * 0.3, z=height * 0.72)
     back = block((length * 0.6, 0.01, height * 0.8), 0.003).moved(y=width / 2 - 0.0055, z=height * 0.16)
@@ -209,8 +208,8 @@ DESIGNS = (
     _design("Wall_Lamp_Globe", (0.14, 0.18, 0.22), opal, _METAL, (MODERN, CLASSIC, SCANDINAVIAN), (0.0, -0.02, 0.15)),
     _design("Wall_Lamp_Up_Down", (0.1, 0.09, 0.2), up_down, _METAL, (MODERN, INDUSTRIAL), (0.0, -0.005, 0.19), 500.0),
     _design("Wall_Lamp_Swing", (0.16, 0.28, 0.3), swing, _RAW, (INDUSTRIAL,), (0.0, -0.06, 0.05)),
-    _design("Wall_Lamp_Bar", (0.5, 0.09, 0.06), bar, _METAL, (MODERN, SCANDINAVIAN, INDUSTRIAL), (0.0, -0.025, 0.03), 700.0),
-    _design("Wall_Lamp_Bar_Short", (0.35, 0.09, 0.06), bar, _METAL, (MODERN, SCANDINAVIAN, INDUSTRIAL), (0.0, -0.025, 0.03), 500.0),
+    _design("Wall_Lamp_Bar", (0.5, 0.09, 0.08), bar, _METAL, (MODERN, SCANDINAVIAN, INDUSTRIAL), (0.0, -0.025, 0.04), 700.0),
+    _design("Wall_Lamp_Bar_Short", (0.35, 0.09, 0.08), bar, _METAL, (MODERN, SCANDINAVIAN, INDUSTRIAL), (0.0, -0.025, 0.04), 500.0),
     _design("Wall_Lamp_Washi", (0.2, 0.09, 0.34), washi, _WOOD, (JAPANESE,), (0.0, 0.0, 0.17)),
     _design("Wall_Lamp_Candles", (0.34, 0.18, 0.26), candles, _CLASSIC, (CLASSIC,), (0.0, -0.02, 0.24), 450.0),
     _design("Wall_Lamp_Dish", (0.3, 0.14, 0.12), dish, _PLASTER, (MODERN, JAPANESE, SCANDINAVIAN), (0.0, 0.02, 0.1), 500.0),
