@@ -34,7 +34,7 @@ from chord_usd.dressing.room_frame import (
 from chord_usd.dressing.stock import Stock
 from chord_usd.dressing.taken_space import TakenSpace
 from chord_usd.dressing.tastes import taste_of
-from chord_usd.dressing.walkways import Walkways
+from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.wall_faces import faces_of
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.walk import entrance, free_floor

@@ -14,7 +14,7 @@ from chord_usd.dressing.draws import Draws
 from chord_usd.dressing.stock import Stock
 from chord_usd.dressing.taken_space import Reason, TakenSpace
 from chord_usd.dressing.tastes import Taste
-from chord_usd.dressing.walkways import Walkways
+from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.wall_faces import Hole, WallFace
 from chord_usd.metrics.clear_floor import clearance_boxes
 from chord_usd.raster.relief import Relief
