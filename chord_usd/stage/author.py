@@ -141,7 +141,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
         extent = draw_shell(layer, house.rooms, walls, architecture)
         lamps = []
         agreed = house.style.agreed(house.seed)
-        wardrobe = Wardrobe(house.seed, house.graph.openings, house.style, agreed)
+        wardrobe = Wardrobe(house.seed, house.style, agreed)
         for room in house.rooms:
             floor = walls.floors_m[room.index]
             place_furniture(layer, room, assets, Path(scratch), wardrobe)

@@ -45,7 +45,8 @@ class Held:
         self._items: dict[str, Item] = {item.id: item for item in (*graph.items, *graph.dressing)}
         self._bodies = {body.path: body for body in scene.items}
         self._floors = {room.id: room_polygon(room) for room in graph.rooms}
-        windows = [footprint_polygon(one.box) for one in graph.openings if one.kind == "window"]
+        # Curtains hang beside glass doors, too.
+        windows = [footprint_polygon(one.box) for one in graph.openings if one.kind != "passage"]
         self._windows = shapely.union_all(windows)
 
     def __call__(self, body: Body) -> bool:

@@ -61,7 +61,7 @@ class StageScene:
     """One per item, tabletop items and dressing included; path is the item's id."""
     walls: tuple[Body, ...]
     ground: tuple[Body, ...]
-    """Floors and thresholds."""
+    """Floors, thresholds and window boards."""
 
 
 def read_scene(stage: Usd.Stage) -> StageScene:
@@ -146,8 +146,7 @@ class _Reader:
                 box=Box(_place_m(matrix), (size[0], size[1], size[2]), _yaw_deg(matrix)),
             )
         )
-        if kind != "window":
-            self.ground.append(self._body(prim))
+        self.ground.append(self._body(prim))
 
     def _read_item(self, prim: Usd.Prim, room: str, carrier: Body | None) -> Item | None:
         """An item and, where its prim is a group, what stands on it. None for other prims."""

@@ -332,7 +332,7 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
         style = style_named(new.style, new.home_seed) if new.style else None
         home = style.agreed(new.home_seed) if style else None
-        wardrobe = Wardrobe(new.made.seed, new.openings, style, home)
+        wardrobe = Wardrobe(new.made.seed, style, home)
         packages = Packages(path.parent, finals, "assets")
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
         if dressing:
