@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from chord_usd.assets.finishes import FINISHES as COMMON
 from chord_usd.assets.finishes import Finish
 from chord_usd.assets.furniture.kitchen_fronts import FrontForm
-from chord_usd.assets.furniture.kitchen_units import LOOKS
+from chord_usd.assets.furniture.kitchen_looks import LOOKS
 
 FINISHES: Mapping[str, Finish] = {
     **COMMON,
@@ -53,7 +53,7 @@ FINISHES: Mapping[str, Finish] = {
 
 KITCHENS: Mapping[str, Mapping[str, str]] = {
     name: {**slots, "glass": "clear_glass", "ware": "ceramic", "metal": slots["appliance"],
-           "filter": "grey", "channel": "graphite"}
+           "filter": "grey", "glow": "lamp_shade"}
     for name, slots in LOOKS.items()
 }  # fmt: skip
 """The colourways of floor cabinets, for what hangs over them."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth, shifted
-from chord_usd.assets.furniture.kitchen_units import sink_bowl, swan_neck
+from chord_usd.assets.furniture.sinks import sink_bowl
+from chord_usd.assets.furniture.taps import sink_tap
 from chord_usd.assets.model import Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
@@ -141,7 +142,7 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float) -> list[Part]:
     plate = extruded(outline, top, [hole]).moved(z=height - top)
     base_part = plinth((case_l, width, height), base, inset_m=0.09)
     bowl = sink_bowl(bowl_l, bowl_w, 0.2).moved(x, -0.02, height)
-    tap = swan_neck().scaled(0.9, 0.9, 0.9).moved(x, -0.02 + bowl_w / 2 + 0.05, height - 0.002)
+    tap = sink_tap().scaled(0.9, 0.9, 0.9).moved(x, -0.02 + bowl_w / 2 + 0.05, height - 0.002)
     return [
         Part("Plinth", base_part.solid.moved(x=x), "plinth"),
         Part("Sink_Body", case, "body"),
