@@ -35,10 +35,6 @@ if TYPE_CHECKING:
 
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
-WALL_VARIANT_SET = "wallUnit"
-WALL_VARIANTS = ("none", "hung")
-"""Whether what hangs on the wall over a piece is there; the first one is the default."""
-
 
 @dataclass(frozen=True)
 class ComponentInfo:
@@ -223,12 +219,8 @@ def _write_interface(
     stage.CreateClassPrim("/__class__")
     inherited = stage.CreateClassPrim(f"/__class__/{design.id}")
     root.GetInherits().AddInherit(inherited.GetPath())
-    on_wall = [part for part in parts if part.on_wall]
     UsdGeom.ModelAPI.Apply(root)
-    if on_wall:
-        _add_wall_unit(stage, design, parts)
-    else:
-        _hint(root, parts)
+    _hint(root, parts)
     _add_colourways(stage, design, worn)
     layer = _detached(stage)
     spec = layer.GetPrimAtPath(f"/{design.id}")
@@ -269,24 +261,6 @@ def _hint(root: Usd.Prim, parts: Iterable[Part]) -> None:
     low, high = _bounds(parts)
     hint = Vt.Vec3fArray([tuple(low.tolist()), tuple(high.tolist())])
     UsdGeom.ModelAPI(root).SetExtentsHint(hint)
-
-
-def _add_wall_unit(stage: Usd.Stage, design: Design, parts: tuple[Part, ...]) -> None:
-    """The variant set that leaves out, or shows, what hangs on the wall."""
-    root = stage.GetDefaultPrim()
-    variants = root.GetVariantSets().AddVariantSet(WALL_VARIANT_SET)
-    for variant in WALL_VARIANTS:
-        hung = variant == WALL_VARIANTS[1]
-        variants.AddVariant(variant)
-        variants.SetVariantSelection(variant)
-        with variants.GetVariantEditContext():
-            _hint(root, [part for part in parts if hung or not part.on_wall])
-            for part in parts:
-                if part.on_wall and not hung:
-                    stage.OverridePrim(f"/{design.id}/Geometry/{part.name}").SetActive(False)
-                    for name in part.felt_boxes_m():
-                        stage.OverridePrim(f"/{design.id}/Colliders/{name}").SetActive(False)
-    variants.SetVariantSelection(WALL_VARIANTS[0])
 
 
 def _bounds(parts: Iterable[Part]) -> tuple[np.ndarray, np.ndarray]:

@@ -43,13 +43,11 @@ class Part:
     """(3 T, 2) texture coordinates of the corners; None projects them in metres."""
     two_sided: bool = False
     """Its surface may be open: both sides are seen."""
-    on_wall: bool = False
-    """Hangs on the wall over the piece, and only where its place says so (a kitchen wall unit)."""
 
     @property
     def is_body(self) -> bool:
         """Whether the part counts for the nominal size."""
-        return not (self.above or self.on_wall)
+        return not self.above
 
     def felt_boxes_m(self) -> dict[str, FloatArray]:
         """Bounds, (2, 3), of the boxes it is felt as, by the names of their prims."""

@@ -178,7 +178,6 @@ def write_regenerated(made: Regenerated, target: Path) -> StageFile:
         items=made.new_items,
         dressing=made.new_dressing,
         made=made.graph.provenance,
-        openings=made.graph.openings,
         kept=made.kept,
         style=made.style,
         home_seed=made.home_seed,

@@ -24,7 +24,7 @@ from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.styles import style_named
-from chord_usd.scene.types import Asset, Item, Opening, Provenance, Room, SceneGraph, StageFile
+from chord_usd.scene.types import Asset, Item, Provenance, Room, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import clear_camera
@@ -190,8 +190,6 @@ class NewFurniture:
     made: Provenance
     dressing: Sequence[Item] = ()
     """Of a house that is dressed; others stay undressed."""
-    openings: Sequence[Opening] = ()
-    """Of the house; nothing is hung over them."""
     kept: Sequence[str] = ()
     """Names of the room's prims that stay as they are."""
     style: str = ""

@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from chord_usd.runtime.stages import open_layer
-from chord_usd.scene.palette import category
+from chord_usd.scene.palette import Level, category
 from chord_usd.scene.style_finishes import suitability
 from chord_usd.scene.styles import Agreed, HomeStyle
 from chord_usd.scene.types import Item, Room
 
 COLOUR = "colour"
+
+_OVER_RUNS = ("wall_cabinet", "cooker_hood")
 
 _AS_GOOD = 0.05
 """Colourways that suit a home by so little less than the best are as good."""
@@ -68,6 +70,11 @@ class Wardrobe:
     def _colourway(self, offered: _Offer, item: Item, room: Room) -> str:
         """One of those that suit the home best; which of them, the room and the kind decide."""
         names = offered.variants[COLOUR]
+        if _is_fitted(item) and self.home is not None:
+            # By the name alone: cabinets over the worktop wear less than those below it.
+            fronts = [name for name in (self.home.lacquer, self.home.wood) if name in names]
+            if fronts:
+                return fronts[self._draw(f"{room.id}/kitchen", len(fronts))]
         if self.style is not None and self.home is not None:
             suits = {
                 name: suitability(
@@ -85,5 +92,6 @@ class Wardrobe:
 
 
 def _is_fitted(item: Item) -> bool:
-    """Whether the item is part of a kitchen run."""
-    return category(item.category).rooms == ("kitchen",)
+    """Whether the item is part of a kitchen run, or hangs over one."""
+    row = category(item.category)
+    return row.rooms == ("kitchen",) and (row.level is Level.HOUSE or row.name in _OVER_RUNS)

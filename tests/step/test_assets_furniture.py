@@ -22,7 +22,7 @@ from chord_usd.errors import AssetError
 from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
 
 ALL = designs()
-LEAST_TRIANGLES = 500
+LEAST_TRIANGLES = 150
 MOST_TRIANGLES = 8000
 
 

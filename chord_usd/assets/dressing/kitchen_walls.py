@@ -439,7 +439,7 @@ def _cabinets() -> Iterator[Design]:
                 styles,
             )
         for length in (0.6, 0.9):
-            size = (length, 0.35, 0.7)
+            size = (length, 0.35, 0.54)
             yield _design(
                 _sized(f"Hood_Built_In_{form.capitalize()}", size),
                 "cooker_hood",
@@ -458,7 +458,7 @@ def _cabinets() -> Iterator[Design]:
 _HOODS = {
     "steel": {"metal": "steel", "filter": "grey", "glow": "lamp_shade", "dark_glass": "black_glass"},
     "black_metal": {"metal": "black_metal", "filter": "graphite", "glow": "lamp_shade", "dark_glass": "black_glass"},
-    "white": {"metal": "white", "filter": "steel", "glow": "lamp_shade", "dark_glass": "black_glass"},
+    "enamel": {"metal": "white", "filter": "steel", "glow": "lamp_shade", "dark_glass": "black_glass"},
 }  # fmt: skip
 _MANTELS = {
     "white": {"plaster": "warm_white", "front": "oak", "filter": "steel", "glow": "lamp_shade"},
@@ -469,7 +469,7 @@ _MANTELS = {
 
 def _hoods() -> Iterator[Design]:
     for length in (0.6, 0.75, 0.9):
-        size = (length, 0.48, 0.85)
+        size = (length, 0.48, 0.92)
         yield _design(
             _sized("Hood_Chimney", size),
             "cooker_hood",
@@ -478,7 +478,7 @@ def _hoods() -> Iterator[Design]:
             _HOODS,
             ("industrial", "classic", "scandinavian", "modern"),
         )
-        size = (length, 0.4, 0.85)
+        size = (length, 0.4, 0.92)
         yield _design(
             _sized("Hood_Slanted", size),
             "cooker_hood",
@@ -487,7 +487,7 @@ def _hoods() -> Iterator[Design]:
             _HOODS,
             ("modern", "japanese"),
         )
-        size = (length, 0.5, 0.85)
+        size = (length, 0.5, 0.92)
         yield _design(
             _sized("Hood_Mantel", size),
             "cooker_hood",

@@ -19,13 +19,19 @@ def _kitchen(
 
 LOOKS: Mapping[str, Mapping[str, str]] = {
     "white": _kitchen("white", "oak", "steel", "steel", plinth="light_grey"),
-    "warm_white": _kitchen("warm_white", "pale_oak", "black_metal", "steel"),
+    "warm_white": _kitchen("warm_white", "marble", "brass", "steel"),
+    "light_grey": _kitchen("light_grey", "quartz", "black_metal", "black"),
+    "sand": _kitchen("sand", "dark_stone", "black_metal", "black"),
     "graphite": _kitchen("graphite", "quartz", "black_metal", "black"),
+    "grey": _kitchen("grey", "concrete", "black_metal", "steel"),
+    "black": _kitchen("black", "dark_walnut", "steel", "steel"),
     "sage": _kitchen("sage", "birch", "brass", "steel"),
     "navy": _kitchen("navy", "marble", "brass", "steel"),
+    "forest": _kitchen("forest", "marble", "brass", "black"),
     "oak": _kitchen("oak", "dark_stone", "black_metal", "black", plinth="graphite"),
+    "pale_oak": _kitchen("pale_oak", "quartz", "black_metal", "steel", plinth="light_grey"),
     "walnut": _kitchen("walnut", "quartz", "black_metal", "black", plinth="graphite"),
-    "black": _kitchen("black", "concrete", "steel", "steel"),
+    "dark_walnut": _kitchen("dark_walnut", "concrete", "black_metal", "steel", plinth="black"),
 }
 """Slot to finish, by colourway."""
 

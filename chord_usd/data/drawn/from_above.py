@@ -86,8 +86,6 @@ def _triangles(design: Design, colourway: str) -> tuple[FloatArray, ByteArray]:
     """(T, 3, 3) corners of all that looks up, and (T, 3) colours."""
     corners, colors = [], []
     for part in design.parts():
-        if part.on_wall:
-            continue
         own = part.solid.points_m[part.solid.faces]
         normals = np.cross(own[:, 1] - own[:, 0], own[:, 2] - own[:, 0])
         level = normals[:, 2] / np.maximum(np.linalg.norm(normals, axis=1), 1e-12)
