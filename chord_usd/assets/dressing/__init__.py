@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chord_usd.assets.dressing import (
+    appliances,
     bath_things,
     dry_rooms,
     kitchen_walls,
@@ -15,6 +16,6 @@ from chord_usd.assets.model import Design
 
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
-    served = (kitchen_walls, worktop_things, vessels, bath_things)
+    served = (kitchen_walls, worktop_things, appliances, vessels, bath_things)
     modules = (dry_rooms, *served, soft_things)
     return tuple(design for module in modules for design in module.DESIGNS)

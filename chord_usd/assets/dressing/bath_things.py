@@ -266,9 +266,9 @@ def _design(
 
 _HOLDERS = {
     "chrome": {"metal": "chrome", "paper": "paper", "board": "chrome"},
-    "black_metal": {"metal": "black_metal", "paper": "paper", "board": "walnut"},
+    "walnut": {"metal": "black_metal", "paper": "paper", "board": "walnut"},
     "brass": {"metal": "brass", "paper": "paper", "board": "marble"},
-    "oak": {"metal": "black_metal", "paper": "paper", "board": "oak"},
+    "oak": {"metal": "steel", "paper": "paper", "board": "oak"},
 }
 _SCREENS = {
     "chrome": {"glass": "glass", "metal": "chrome"},

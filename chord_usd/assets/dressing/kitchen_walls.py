@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from chord_usd.assets.dressing.kitchen_finishes import FINISHES, KITCHENS, kitchen_slots
+from chord_usd.assets.dressing.utensils import whisk_head
 from chord_usd.assets.furniture.joinery import FRONT_M, Cell, cells
 from chord_usd.assets.furniture.kitchen_fronts import (
     FORM_STYLES,
@@ -163,8 +164,8 @@ def chimney_hood(size_m: Size) -> tuple[Part, ...]:
     back = depth / 2
     levels = ((length, depth, 0.0), (length, depth, 0.05), (0.3, 0.26, 0.2), (0.296, 0.256, 0.21))
     canopy = loft([_shifted_ring(long, far, back, z) for long, far, z in levels])
-    chimney = block((0.27, 0.23, height - 0.2), 0.002).moved(y=back - 0.115, z=0.2)
-    sleeve = block((0.278, 0.238, height * 0.4), 0.002).moved(y=back - 0.119, z=0.2)
+    chimney = block((0.27, 0.23, height - 0.2), 0.002).moved(y=back - 0.116, z=0.2)
+    sleeve = block((0.278, 0.238, height * 0.4), 0.002).moved(y=back - 0.121, z=0.198)
     return (
         Part("Canopy", canopy, "metal"),
         Part("Chimney", chimney + sleeve, "metal"),
@@ -254,7 +255,7 @@ def mantel_hood(size_m: Size) -> tuple[Part, ...]:
         (length - 0.04, depth - 0.025, 0.055), (length - 0.012, depth - 0.012, 0.07),
         (length, depth, 0.076), (length, depth, 0.098), (length - 0.006, depth - 0.004, 0.102),
     ]  # fmt: skip
-    hood = loft([_shifted_ring(a, b, back, z) for a, b, z in levels])
+    hood = loft([_shifted_ring(a, b, back - 0.001, z) for a, b, z in levels])
     return (
         Part("Mantel", hood, "plaster"),
         Part("Shelf", loft([_shifted_ring(a, b, back, z) for a, b, z in shelf]), "front"),
@@ -335,7 +336,7 @@ def utensil_rail(size_m: Size) -> tuple[Part, ...]:
         + cylinder(0.014, 0.004, 0.001, 14).turned("x", 90).moved(s * (length / 2 - 0.05), back, z)
         for s in (-1, 1)
     ]
-    count = max(3, round((length - 0.14) / 0.085))
+    count = max(3, round((length - 0.14) / 0.095))
     spread = np.linspace(-(length - 0.16) / 2, (length - 0.16) / 2, count)
     hooks, tools, grips = [], [], []
     for index, x in enumerate(spread):
@@ -385,19 +386,10 @@ def _tool(kind: int, top: float) -> tuple[Solid, Solid]:
         )
         head = bowl.moved(y=-0.03, z=low + 0.001)
     else:
-        head = _whisk(low, 0.11)
+        head = whisk_head(low, 0.11)
     stem_low = {0: low + 0.04, 1: low + 0.08, 2: low + 0.026, 3: low + 0.1}[kind]
     stem = cylinder(0.0035, eye - stem_low + 0.01, 0.0, 8).moved(z=stem_low)
     return head + stem, grip
-
-
-def _whisk(low: float, tall: float) -> Solid:
-    wires = []
-    for turn in (0.0, 61.7, 123.1):
-        arc = [[0.026 * np.sin(a) * (1 - 0.3 * np.cos(a)), 0.0, low + tall / 2 - tall / 2 * np.cos(a)]
-               for a in np.linspace(np.pi * 0.97, -np.pi * 0.97, 13)]  # fmt: skip
-        wires.append(tube(arc, 0.0012, 5).turned("z", turn))
-    return joined(wires)
 
 
 def _design(

@@ -18,6 +18,7 @@ from chord_usd.assets.furniture import (
     sideboards,
     tables,
     tableware,
+    washbasins,
 )
 from chord_usd.assets.model import Design
 
@@ -26,7 +27,7 @@ from chord_usd.assets.model import Design
 def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seats, tables, cabinets, sideboards, panels)
-    wet = (kitchen_units, sanitaryware, showers, laundry)
+    wet = (kitchen_units, sanitaryware, washbasins, showers, laundry)
     found = [design for module in (*living, *wet, desktop, tableware) for design in module.DESIGNS]
     found += dressing.designs()
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))

@@ -45,7 +45,10 @@ def oven(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
     knob_z = panel_z + _PANEL_M / 2
     places = [length * share for share in (-0.38, -0.25, 0.25, 0.38)]
     rail = pull_bar(length * 0.84).moved(y=face, z=z + door_h - 0.042)
-    figures = [box((0.007, 0.001, 0.015)).moved(0.012 * n, face - 0.0033, panel_z + 0.043) for n in (-2, -1, 1, 2)]
+    figures = [
+        box((0.007, 0.001, 0.015)).moved(0.012 * n, face - 0.0033, panel_z + 0.043)
+        for n in (-2, -1, 1, 2)
+    ]
     return (
         Part("Oven_Door", frame, "appliance"),
         Part("Oven_Panel", panel, "appliance"),
@@ -94,13 +97,19 @@ def hob(length: float, width: float, height: float, *, gas: bool) -> tuple[Part,
 
 def _glass_marks(long: float, deep: float, top: float) -> tuple[Part, ...]:
     marks = []
-    for (sx, sy), radius in zip(((-1, 1), (1, 1), (-1, -1), (1, -1)), (0.088, 0.1, 0.1, 0.075), strict=True):
+    for (sx, sy), radius in zip(
+        ((-1, 1), (1, 1), (-1, -1), (1, -1)), (0.088, 0.1, 0.1, 0.075), strict=True
+    ):
         x, y = sx * long * 0.245, sy * deep * 0.225 + 0.025
         for size in (radius, radius * 0.62):
             line = [(size, 0), (size, 0.0006), (size - 0.0016, 0.0006), (size - 0.0016, 0)]
             marks.append(lathe(line, 36, loop=True).moved(x, y, top - 0.0002))
     for n in range(-4, 5):
-        marks.append(cylinder(0.004 if n % 2 else 0.0022, 0.0006, 0.0, 12).moved(0.028 * n, -deep / 2 + 0.028, top - 0.0002))
+        marks.append(
+            cylinder(0.004 if n % 2 else 0.0022, 0.0006, 0.0, 12).moved(
+                0.028 * n, -deep / 2 + 0.028, top - 0.0002
+            )
+        )
     return (Part("Hob_Marks", joined(marks), "mark", collider=None, above=True),)
 
 
@@ -110,12 +119,26 @@ def _gas_burners(long: float, deep: float, top: float) -> tuple[Part, ...]:
     for sx in (-1, 1):
         for sy, radius in ((1, 0.045 if sx > 0 else 0.036), (-1, 0.036 if sx > 0 else 0.052)):
             x, y = sx * long * 0.25, y_mid + sy * deep * 0.215
-            base = lathe([(radius * 1.25, 0), (radius * 1.2, 0.005), (radius * 0.95, 0.009), (radius * 0.95, 0.016), (0, 0.016)], 24)
-            cap = lathe([(radius, 0.0165), (radius * 1.02, 0.019), (radius * 0.9, 0.024), (0, 0.0255)], 24)
+            base = lathe(
+                [
+                    (radius * 1.25, 0),
+                    (radius * 1.2, 0.005),
+                    (radius * 0.95, 0.009),
+                    (radius * 0.95, 0.016),
+                    (0, 0.016),
+                ],
+                24,
+            )
+            cap = lathe(
+                [(radius, 0.0165), (radius * 1.02, 0.019), (radius * 0.9, 0.024), (0, 0.0255)], 24
+            )
             burners.append((base + cap).moved(x, y, top - 0.0005))
             grates += _fingers(x, y, radius, top + 0.032, long * 0.235, deep * 0.2)
         grates += _grate_frame(sx * long * 0.25, y_mid, long * 0.47, deep * 0.84, top)
-    knobs = [cylinder(0.017, 0.022, 0.004, 18).moved((n - 1.5) * 0.062, -deep / 2 + 0.03, top - 0.0005) for n in range(4)]
+    knobs = [
+        cylinder(0.017, 0.022, 0.004, 18).moved((n - 1.5) * 0.062, -deep / 2 + 0.03, top - 0.0005)
+        for n in range(4)
+    ]
     return (
         Part("Burners", joined(burners), "burner", collider=None, above=True),
         Part("Grates", joined(grates), "grate", collider=None, above=True),
@@ -123,13 +146,19 @@ def _gas_burners(long: float, deep: float, top: float) -> tuple[Part, ...]:
     )
 
 
-def _fingers(x: float, y: float, radius: float, z: float, half_x: float, half_y: float) -> list[Solid]:
+def _fingers(
+    x: float, y: float, radius: float, z: float, half_x: float, half_y: float
+) -> list[Solid]:
     """Four bars towards a burner, from the frame of its grate."""
     inner = radius * 0.45
     bars = []
     for sign in (-1, 1):
         for half, turn in ((half_x, 0.0), (half_y, 90.0)):
-            bar = block((half - inner, 0.009, 0.012), 0.002).moved(sign * (half + inner) / 2).turned("z", turn)
+            bar = (
+                block((half - inner, 0.009, 0.012), 0.002)
+                .moved(sign * (half + inner) / 2)
+                .turned("z", turn)
+            )
             bars.append(bar.moved(x, y, z + 1e-4 * (turn > 0)))
     return bars
 
@@ -140,7 +169,9 @@ def _grate_frame(x: float, y: float, long: float, deep: float, top: float) -> li
     lying = block((long, thick, 0.0125), 0.002)
     upright = block((thick, deep - thick, 0.0122), 0.002)
     pieces = [lying.moved(x, y + at, z) for at in (-deep / 2, 0.0, deep / 2)]
-    pieces += [upright.moved(x + at, y, z + 0.0001) for at in (-long / 2 + thick / 2, long / 2 - thick / 2)]
+    pieces += [
+        upright.moved(x + at, y, z + 0.0001) for at in (-long / 2 + thick / 2, long / 2 - thick / 2)
+    ]
     foot = block((thick, thick, 0.034), 0.001)
     pieces += [
         foot.moved(x + sx * (long / 2 - 0.02), y + sy * (deep / 2 - 0.0002), top - 0.001)
@@ -158,7 +189,9 @@ def refrigerator(size_m: Size, *, kind: FridgeKind = "single") -> tuple[Part, ..
     out, door, base, seal = 0.045, 0.06, 0.045, 0.008
     y = -width / 2 + out
     depth = width - out - door - seal
-    case = block((length, depth, height - base - 0.006), 0.008).moved(y=width / 2 - depth / 2, z=base)
+    case = block((length, depth, height - base - 0.006), 0.008).moved(
+        y=width / 2 - depth / 2, z=base
+    )
     feet = block((length - 0.04, depth - 0.04, base + 0.002)).moved(y=width / 2 - depth / 2)
     rows = (0.62, 1.0) if kind == "single" else (0.5, 1.0)
     face = list(cells(length + 0.002, height - base, 1 if kind == "single" else 2, rows, base))
@@ -183,7 +216,9 @@ def refrigerator(size_m: Size, *, kind: FridgeKind = "single") -> tuple[Part, ..
         parts += _dispenser(cell.x_m - 0.03, y, cell.z_m + 0.12)
     else:
         top = face[-1]
-        plate = block((0.09, 0.004, 0.026), 0.001).moved(top.x_m, y - 0.0012, top.z_m + top.height_m - 0.09)
+        plate = block((0.09, 0.004, 0.026), 0.001).moved(
+            top.x_m, y - 0.0012, top.z_m + top.height_m - 0.09
+        )
         parts.append(Part("Display", plate, "dark_glass", collider=None))
     return tuple(parts)
 
@@ -209,7 +244,12 @@ def _dispenser(x: float, y: float, z: float) -> list[Part]:
     frame = block((wide, 0.006, tall), 0.002).moved(x, y - 0.002, z)
     lip = block((wide - 0.03, 0.022, 0.008), 0.002).moved(x, y - 0.014, z + 0.012)
     spout = cylinder(0.012, 0.03, 0.002, 14).moved(x, y - 0.014, z + tall - 0.12)
-    marks = [cylinder(0.006, 0.001, 0.0, 12).turned("x", 90).moved(x + 0.04 * n, y - 0.0048, z + tall - 0.045) for n in (-1, 0, 1)]
+    marks = [
+        cylinder(0.006, 0.001, 0.0, 12)
+        .turned("x", 90)
+        .moved(x + 0.04 * n, y - 0.0048, z + tall - 0.045)
+        for n in (-1, 0, 1)
+    ]
     return [
         Part("Dispenser", frame, "dark_glass", collider=None),
         Part("Dispenser_Lip", lip + spout, "handle", collider=None),
@@ -230,8 +270,16 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
     def shell(front: float, deep: float, low: float, high: float, bulge: float) -> Solid:
         """An upright rounded plate, drawn lying and stood up."""
         rings = []
-        for inset, at in ((0.004, 0.0), (0.0, 0.006), (0.0, deep - bulge), (0.012, deep - bulge * 0.35), (0.035, deep)):
-            rings.append(ring(length - 2 * inset, high - low - 2 * inset, 0.075 - inset * 0.5, at, 6))
+        for inset, at in (
+            (0.004, 0.0),
+            (0.0, 0.006),
+            (0.0, deep - bulge),
+            (0.012, deep - bulge * 0.35),
+            (0.035, deep),
+        ):
+            rings.append(
+                ring(length - 2 * inset, high - low - 2 * inset, 0.075 - inset * 0.5, at, 6)
+            )
         return loft(rings).turned("x", 90).moved(0.0, front + deep, (low + high) / 2)
 
     depth = width - out - door - seal
@@ -241,10 +289,25 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
     upper = shell(y, door, split + 0.004, height - 0.003, 0.05)
     seals = [box((length - 0.12, seal + 0.02, high - low - 0.12)).moved(y=y + door + seal / 2, z=low + 0.06)
              for low, high in ((base + 0.004, split - 0.004), (split + 0.004, height - 0.003))]  # fmt: skip
-    feet = [cylinder(0.022, base + 0.02, 0.002, 14).moved(sx * (length / 2 - 0.1), sy * (width / 2 - 0.14) + 0.03) for sx in (-1, 1) for sy in (-1, 1)]
+    feet = [
+        cylinder(0.022, base + 0.02, 0.002, 14).moved(
+            sx * (length / 2 - 0.1), sy * (width / 2 - 0.14) + 0.03
+        )
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
     grips = []
     for z in (split - 0.11, split + 0.13):
-        bow = bent_path([[0, 0.004, -0.07], [0, -out + 0.008, -0.055], [0, -out + 0.008, 0.055], [0, 0.004, 0.07]], 0.02, 4)
+        bow = bent_path(
+            [
+                [0, 0.004, -0.07],
+                [0, -out + 0.008, -0.055],
+                [0, -out + 0.008, 0.055],
+                [0, 0.004, 0.07],
+            ],
+            0.02,
+            4,
+        )
         grips.append(tube(bow, 0.0078, 10).moved(length / 2 - 0.075, y, z))
     badge = block((0.13, 0.004, 0.022), 0.0015).moved(-length * 0.18, y - 0.001, height - 0.2)
     return (

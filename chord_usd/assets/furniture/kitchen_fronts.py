@@ -61,7 +61,7 @@ def kitchen_fronts(
     parts = [Part(name, joined([_front(cell, y_m, form) for cell in leaves]), "front")]
     if channelled:
         strips = [
-            box((cell.length_m, 0.003, cell.height_m - 0.006)).moved(
+            box((cell.length_m - 0.004, 0.003, cell.height_m - 0.006)).moved(
                 cell.x_m, y_m - 0.0012, cell.z_m + 0.003
             )
             for cell in face

@@ -136,7 +136,7 @@ def sink_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
     length, width, height = size_m
     y, tall = form.face_y(width), form.fronts_height(size_m)
     face = list(cells(length, tall, 2, z_m=PLINTH_M + 0.002))
-    at_y, bowl_w = -0.035, min(0.4, width - 0.17)
+    at_y, bowl_w = -0.035, min(0.4, width - 0.18)
     if length >= _DRAINER_FROM_M and form.fronts == "bar":
         bowl_l = length * 0.42
         sheet_l, sheet_w = length - 0.05, bowl_w + 0.05
@@ -252,6 +252,7 @@ _DEPTHS_M = (0.55, 0.6)
 def _cabinets() -> Iterator[Design]:
     """Every cabinet in every form, all forms in the same sizes."""
     for name, form in _FORMS.items():
+
         def style(kind: str, draw: Draw, height_m: float = HEIGHT_M) -> Style:
             title = f"Kitchen_{name}_{kind}"  # noqa: B023 - called in this round of the loop only
             return Style(title, draw, LOOKS, height_m, FORM_STYLES[form.fronts])  # noqa: B023
@@ -278,13 +279,27 @@ def _cabinets() -> Iterator[Design]:
         yield from editions("single_door_floor_cabinet", single, (0.32, 0.4, 0.48, 0.55), _DEPTHS_M)
         yield from editions("double_door_floor_cabinet", double, steps(0.6, 1.1), _DEPTHS_M)
         yield from editions("cooker_cabinet", cookers, (0.61, 0.7, 0.8, 0.9), _DEPTHS_M)
-        yield from editions("sink_cabinet", (style("Sink", drawn(sink_cabinet)),), steps(0.6, 1.1), _DEPTHS_M)
+        yield from editions(
+            "sink_cabinet", (style("Sink", drawn(sink_cabinet)),), steps(0.6, 1.1), _DEPTHS_M
+        )
         yield from editions("electrical_floor_cabinet", ovens, (0.6, 0.66), _DEPTHS_M)
 
 
 _FRIDGE = Style("Refrigerator", refrigerator, FRIDGE_LOOKS, 1.85)
-_DOUBLE = Style("Refrigerator_Double", partial(refrigerator, kind="double"), FRIDGE_LOOKS, 1.8, ("modern", "industrial", "classic"))
-_RETRO = Style("Refrigerator_Retro", partial(refrigerator, kind="retro"), FRIDGE_LOOKS, 1.6, ("scandinavian", "classic"))
+_DOUBLE = Style(
+    "Refrigerator_Double",
+    partial(refrigerator, kind="double"),
+    FRIDGE_LOOKS,
+    1.8,
+    ("modern", "industrial", "classic"),
+)
+_RETRO = Style(
+    "Refrigerator_Retro",
+    partial(refrigerator, kind="retro"),
+    FRIDGE_LOOKS,
+    1.6,
+    ("scandinavian", "classic"),
+)
 
 DESIGNS = (
     *_cabinets(),

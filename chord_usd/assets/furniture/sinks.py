@@ -66,13 +66,8 @@ def drainer_sink(length: float, width: float, bowl_l: float, bowl_w: float, deep
         for y in [0.042 * n for n in range(-4, 5)]
         if abs(y) < width / 2 - 0.04
     ]
-    edge = ring(length, width, 0.03, 0.0, 4)
-    rim = loft(
-        [edge * [1, 1, 1] + [0, 0, z] for z in ()]
-        or [ring(length - 2 * i, width - 2 * i, 0.03, z, 4) for i, z in (
-            (0.0, 0.0038), (0.0, 0.0062), (0.006, 0.0066), (0.009, 0.0042))],
-        loop=True,
-    )  # fmt: skip
+    profile = ((-0.0006, 0.001), (-0.0006, 0.0062), (0.006, 0.0066), (0.009, 0.0035))
+    rim = loft([ring(length - 2 * i, width - 2 * i, 0.03, z, 4) for i, z in profile], loop=True)
     return joined([plate, loft(rings), _drain(deep).moved(x), *ribs, rim])
 
 
