@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import io
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
-from zipfile import BadZipFile
 
 import cv2
 import numpy as np
 
-from chord_usd.errors import AssetError, ChordError, StageError
+from chord_usd.assets.kept_arrays import Arrays, kept
+from chord_usd.errors import AssetError, StageError
 from chord_usd.raster.relief import LEAST_HEIGHT, Relief
-from chord_usd.runtime.files import write_atomic
-from chord_usd.runtime.locations import cache_folder
 from chord_usd.runtime.stages import open_asset
 from chord_usd.scene.types import Asset, FloatArray
 
@@ -42,51 +37,13 @@ def relief_of(asset: Asset) -> Relief:
 
 @lru_cache(maxsize=256)
 def _read(path: Path, size_m: tuple[float, float, float]) -> Relief:
-    kept = _kept_at(path)
-    relief = _load(kept, size_m) if kept else None
-    if relief is None:
-        seen_m, felt_m = _triangles_m(path)
-        felt = _from_above(felt_m, size_m) if len(felt_m) else None
-        relief = Relief(_from_above(seen_m, size_m), size_m, felt)
-        if kept:
-            _keep(kept, relief)
-    return relief
+    def measure() -> Arrays:
+        seen, felt = triangles_m(path)
+        arrays = {"seen": _from_above(seen, size_m)}
+        return {**arrays, "felt": _from_above(felt, size_m)} if len(felt) else arrays
 
-
-def _kept_at(path: Path) -> Path | None:
-    """Where the relief of an embedded asset is kept, which never changes; None for others."""
-    folder = path.parent.parent
-    if folder.parent != cache_folder():
-        return None
-    return folder.with_name(f"{folder.name}-reliefs-{_source_hash()}") / f"{path.stem}.npz"
-
-
-@lru_cache(maxsize=1)
-def _source_hash() -> str:
-    return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
-
-
-def _load(file: Path, size_m: tuple[float, float, float]) -> Relief | None:
-    """A relief that was kept; None where there is none, or not a whole one."""
-    try:
-        with np.load(file) as arrays:
-            seen = arrays["seen"].astype(np.float64)
-            felt = arrays["felt"].astype(np.float64) if "felt" in arrays else None
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
-        return None
-    return Relief(seen, size_m, felt)
-
-
-def _keep(file: Path, relief: Relief) -> None:
-    """Without complaint where the cache cannot be written: it only saves time."""
-    arrays = {"seen": relief.heights_m.astype(np.float32)}
-    if relief.felt_m is not None:
-        arrays["felt"] = relief.felt_m.astype(np.float32)
-    packed = io.BytesIO()
-    np.savez_compressed(packed, **arrays)
-    with contextlib.suppress(OSError, ChordError):
-        file.parent.mkdir(parents=True, exist_ok=True)
-        write_atomic(file, packed.getvalue())
+    arrays = kept(path, "reliefs", Path(__file__), measure)
+    return Relief(arrays["seen"], size_m, arrays.get("felt"))
 
 
 def _from_above(triangles_m: FloatArray, size_m: tuple[float, float, float]) -> FloatArray:
@@ -109,7 +66,7 @@ def _from_above(triangles_m: FloatArray, size_m: tuple[float, float, float]) -> 
     return heights.astype(np.float64)
 
 
-def _triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
+def triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
     """(N, 3, 3) corners of all triangles that are shown, and of all that collide.
 
     Both in the frame of the asset. Of a cube that collides, its upper side.

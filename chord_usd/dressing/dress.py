@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import shapely
 
-from chord_usd.assets.asset_relief import relief_of
 from chord_usd.assets.database import AssetDatabase
 from chord_usd.dressing.draws import Draws
 from chord_usd.dressing.dress_art import dress_art
@@ -23,6 +22,7 @@ from chord_usd.dressing.dress_kitchens import dress_kitchen
 from chord_usd.dressing.dress_pieces import dress_pieces
 from chord_usd.dressing.dress_walls import dress_fittings
 from chord_usd.dressing.dress_windows import dress_windows
+from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.room_frame import (
     ReliefsOf,
     RoomFrame,
@@ -34,7 +34,6 @@ from chord_usd.dressing.room_frame import (
 from chord_usd.dressing.stock import Stock
 from chord_usd.dressing.taken_space import TakenSpace
 from chord_usd.dressing.tastes import taste_of
-from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.wall_faces import faces_of
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.walk import entrance, free_floor
@@ -89,7 +88,7 @@ class _House:
         self._floors = Floors(graph.rooms)
         self._free = free_floor(graph)
         self._door = entrance(graph)
-        self._reliefs = ReliefsOf(relief_of)
+        self._reliefs = ReliefsOf()
         self._holes = shapely.STRtree([footprint_polygon(one.box) for one in graph.openings])
         balconies = [room for room in graph.rooms if room.kind == "balcony"]
         near = {

@@ -298,12 +298,13 @@ def _shelves(frame: RoomFrame) -> None:
         for asset in sorted(
             within(family, (spot.width_m, 0.35, 1.0)), key=lambda a: (-a.size_m[0], a.id)
         ):
-            base_m = max(1.35, spot.base_m + 0.1)
+            base_m = max(min(1.35, 1.9 - asset.size_m[2]), spot.base_m + 0.1)
             box = spot.face.box(spot.middle_m, base_m, asset.size_m)
             if frame.put_where_free(asset, box):
                 return
     for asset in sorted(family, key=lambda a: (-a.size_m[0], a.id)):
-        if _on_bare_wall(frame, asset, 1.4, from_floor=frame.kind in ("store", "living")):
+        base_m = 1.4 if asset.size_m[2] < 0.5 else 1.0
+        if _on_bare_wall(frame, asset, base_m, from_floor=frame.kind in ("store", "living")):
             return
 
 

@@ -64,6 +64,8 @@ class Board:
     """A sill lies in the wall."""
     host: Item | None = None
     """The piece whose relief says where it is level."""
+    within: tuple[str, ...] = ()
+    """Id of the piece that it is inside of."""
 
 
 def dress_boards(frame: RoomFrame) -> None:
@@ -74,7 +76,10 @@ def dress_boards(frame: RoomFrame) -> None:
 
 
 def _boards(frame: RoomFrame) -> list[Board]:
-    boards = [_on_shelf(frame, item) for item in frame.dressed("wall_shelf")]
+    boards = []
+    for item in (*frame.dressed("wall_shelf", "wall_cabinet"), *frame.pieces):
+        if item.category in _OPEN:
+            boards += _inside(frame, item)
     for item in frame.pieces:
         board = _on_piece(frame, item)
         if board is not None:
@@ -89,14 +94,32 @@ def _count(frame: RoomFrame, length_m: float, each_m: float, most: int) -> int:
     return max(1, min(most, round(frame.taste.boards * 2.0 * length_m / each_m)))
 
 
-def _on_shelf(frame: RoomFrame, shelf: Item) -> Board:
-    length, depth, height = shelf.box.size_m
+_OPEN = ("wall_shelf", "wall_cabinet", "cabinet", "dining_cabinet", "tv_cabinet", "bedside_table",
+         "shoe_cabinet")  # fmt: skip
+"""Categories that may have open boards."""
+
+_MOST_INSIDE = 14
+
+
+def _inside(frame: RoomFrame, item: Item) -> list[Board]:
+    """The open boards of a shelf or cabinet."""
     wishes = {"bathroom": _BATH_SHELF, "kitchen": _COOK_SHELF, "store": _HIGH}.get(
         frame.kind, _SHELF
     )
-    top = Box((0.0, 0.0, height), (length - 0.04, depth, 0.4), 0.0)
-    return Board(in_world(top, shelf.box), shelf.id, wishes,
-                 _count(frame, length, 0.22, 6), 1 + (length > 0.7))  # fmt: skip
+    found = []
+    size_m = item.asset.size_m if item.asset else item.box.size_m
+    share = np.tile(np.divide(item.box.size_m, size_m), 2)
+    for low_x, front, low_z, high_x, back, high_z in frame.boards(item) * share:
+        own = Box(
+            ((low_x + high_x) / 2, (front + back) / 2, low_z),
+            (high_x - low_x - 0.02, back - front, high_z - low_z - 0.01), 0.0,
+        )  # fmt: skip
+        most = _count(frame, high_x - low_x, 0.22, 6)
+        groups = 1 + (high_x - low_x > 0.7)
+        found.append(
+            Board(in_world(own, item.box), item.id, wishes, most, groups, within=(item.id,))
+        )
+    return found[:_MOST_INSIDE]
 
 
 def _top_of(item: Item, clear_m: float) -> Box:
@@ -252,13 +275,14 @@ def _stand(
         return False
     is_flat = asset.category in ("cutting_board", "book_row", "toaster")
     jitter = 0.0 if is_flat else float(rng.uniform(-0.3, 0.3))
-    share = (0.85 if is_flat else 0.35 + 0.4 * jitter) if board.at_back else 0.4 * jitter
+    share = (1.0 if is_flat else 0.35 + 0.4 * jitter) if board.at_back else 0.4 * jitter
     for part in (share, 0.9, 0.0, -0.5):
         y = room * part
         box = in_world(Box((x, y, _STANDS_M), asset.size_m, 0.0), board.box)
         if not _carries(frame, board, box, x, y, asset):
             continue
-        free = not frame.taken.hits(box, ("rug", "pane") if board.may_leave_room else ("rug",))
+        ignoring = ("rug", "pane") if board.may_leave_room else ("rug",)
+        free = not frame.taken.hits(box, ignoring, board.within)
         if free and (board.may_leave_room or frame.is_inside(box)):
             frame.put(asset, box, rests_on=board.rests_on)
             return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -10,17 +11,20 @@ from functools import cached_property
 import numpy as np
 import shapely
 
+from chord_usd.assets.asset_boards import boards_of
+from chord_usd.assets.asset_relief import relief_of
 from chord_usd.dressing.draws import Draws
+from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.stock import Stock
 from chord_usd.dressing.taken_space import Reason, TakenSpace
 from chord_usd.dressing.tastes import Taste
-from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.wall_faces import Hole, WallFace
+from chord_usd.errors import AssetError
 from chord_usd.metrics.clear_floor import clearance_boxes
 from chord_usd.raster.relief import Relief
 from chord_usd.scene.geometry import footprint_polygon, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Mount
-from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item, Opening, Room
+from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Opening, Room
 
 IN_ROOM_M = 0.002
 """What reaches farther beyond the floor of its room is not in it."""
@@ -135,27 +139,33 @@ class RoomFrame:
             return None
         return self.put(asset, box, rests_on=rests_on)
 
+    def boards(self, item: Item) -> FloatArray:
+        """Open boards of a piece (assets.asset_boards); none of one without a mesh."""
+        return self.reliefs.boards(item)
+
     def relief(self, item: Item) -> Relief:
         """How high a piece is, seen from above; a box for one without a mesh."""
         return self.reliefs(item)
 
 
 class ReliefsOf:
-    """Reliefs of placed pieces; those without a mesh are boxes."""
-
-    def __init__(self, read: object) -> None:
-        self._read = read
+    """What is measured on the meshes of placed pieces; those without a mesh are boxes."""
 
     def __call__(self, item: Item) -> Relief:
-        """At the size of the piece."""
-        from chord_usd.errors import ChordError
-
+        """How high it is, at the size of the piece."""
         if item.asset is not None and item.asset.usd_path.is_file():
-            try:
-                return self._read(item.asset).scaled(item.box.size_m)  # type: ignore[operator]
-            except ChordError:
-                pass
+            with contextlib.suppress(AssetError):
+                return relief_of(item.asset).scaled(item.box.size_m)
         return Relief(np.full((8, 8), item.box.size_m[2]), item.box.size_m)
+
+    def boards(self, item: Item) -> FloatArray:
+        """(N, 6) open boards in the frame and at the size of the asset."""
+        if item.asset is not None and item.asset.usd_path.is_file():
+            with contextlib.suppress(AssetError):
+                return boards_of(item.asset)
+        length, depth, height = item.box.size_m
+        top = [-length / 2, -depth / 2, height, length / 2, depth / 2, height + 0.4]
+        return np.array([top] if item.category == "wall_shelf" else []).reshape(-1, 6)
 
 
 def rounded(box: Box) -> Box:

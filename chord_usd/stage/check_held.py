@@ -32,6 +32,10 @@ PLUMBED = frozenset(("toilet", "washbasin"))
 """Floor categories whose designs may be hung on the wall they are plumbed to."""
 
 
+LEANING = frozenset(("cutting_board",))
+"""Categories that stand on a board and lean against the wall behind it."""
+
+
 def underfoot(dressing: Iterable[Item]) -> frozenset[str]:
     """Ids of rugs and mats, which furniture stands on and doors sweep over."""
     return frozenset(item.id for item in dressing if is_underfoot(item))
@@ -57,7 +61,7 @@ class Held:
         if row.level is not Level.DRESSING:
             hangs = row.mount is Mount.WALL or row.name in PLUMBED
             return hangs and self._has_back_at_wall(item, WALL_GAP_M)
-        if row.mount is Mount.WALL:
+        if row.mount is Mount.WALL or row.name in LEANING:
             return self._has_back_at_wall(item, DRESSING_WALL_GAP_M)
         if row.mount is Mount.CEILING:
             return bool(abs(body.bounds_m[1, 2] - ROOM_HEIGHT_M) <= CEILING_GAP_M)
