@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
-from chord_usd.dressing.room_frame import RoomFrame
-from chord_usd.dressing.stock import stretched, within
+from chord_usd.dressing.room_frame import RoomFrame, in_world
+from chord_usd.dressing.stock import within
 from chord_usd.dressing.wall_faces import WallFace
 from chord_usd.scene.geometry import to_own, to_world
 from chord_usd.scene.types import Asset, Box, Item
@@ -24,7 +25,28 @@ def dress_bathroom(frame: RoomFrame) -> None:
     for toilet in frame.of("toilet"):
         _paper(frame, toilet)
         _beside_toilet(frame, toilet)
+    for tub in frame.of("bathtub"):
+        _screen(frame, tub)
     _towels(frame)
+
+
+def _screen(frame: RoomFrame, tub: Item) -> None:
+    """On the rim along the open side, at the end that is at a wall."""
+    screens = frame.stock.family(frame.stock.offered("shower_screen"), "shower_screen")
+    length, depth, _ = tub.box.size_m
+    relief = frame.relief(tub)
+    for asset in screens:
+        for side in (1, -1):
+            x = side * (length - asset.size_m[0]) / 2
+            end = to_world(tub.box, (side * (length / 2 + 0.08), 0.0))
+            if frame.floor.covers(shapely.Point(end)):
+                continue
+            y = -depth / 2 + asset.size_m[1] / 2 + 0.01
+            own = Box((x, y, 0.0), asset.size_m, 0.0)
+            base_m = relief.highest_m(own)
+            box = in_world(Box((x, y, base_m), asset.size_m, 0.0), tub.box)
+            if base_m > 0.4 and frame.put_where_free(asset, box, rests_on=tub.id, but=(tub.id,)):
+                return
 
 
 def back_face(frame: RoomFrame, item: Item, within_m: float = 0.15) -> WallFace | None:
@@ -156,8 +178,3 @@ def _towels(frame: RoomFrame) -> None:
 
 def _far(box: Box, at_m: tuple[float, float]) -> float:
     return float(np.hypot(*to_own(box, at_m)))
-
-
-def stretched_to(asset: Asset, length_m: float) -> float:
-    """The asset's length as near to this as it may be."""
-    return stretched(asset.size_m[0], length_m)

@@ -205,7 +205,7 @@ def _chosen(
             break
         if rng.random() > frame.taste.little + 0.15:
             continue
-        names = [name for name in wish if frame.stock.offered(name)]
+        names = [name for name in wish if _offered(frame, name)]
         if not names:
             continue
         name = names[int(rng.integers(0, len(names)))]
@@ -213,7 +213,7 @@ def _chosen(
             2 if name in ("jar", "bottle") else 1
         ):
             continue
-        fitting = within(frame.stock.offered(name), most_m)
+        fitting = within(_offered(frame, name), most_m)
         least = min((used.get(a.id, 0) for a in fitting), default=0)
         fresh = [a for a in fitting if used.get(a.id, 0) == least]
         for asset in frame.stock.some(fresh, rng, 1):
@@ -221,6 +221,14 @@ def _chosen(
             used[asset.id] = used.get(asset.id, 0) + 1
             used[name] = used.get(name, 0) + 1
     return found
+
+
+def _offered(frame: RoomFrame, name: str) -> Sequence[Asset]:
+    """What there is of a category; bottles are those of the room's kind."""
+    if name == "bottle":
+        word = "Bath" if frame.kind == "bathroom" else "Kitchen"
+        return frame.stock.offered(name, word) or frame.stock.offered(name)
+    return frame.stock.offered(name)
 
 
 def _grouped(things: list[Asset], count: int) -> list[list[Asset]]:

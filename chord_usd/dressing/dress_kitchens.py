@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from chord_usd.dressing.room_frame import RoomFrame
-from chord_usd.dressing.stock import nearest_length, stretched
+from collections.abc import Sequence
+
+from chord_usd.dressing.room_frame import RoomFrame, in_world
+from chord_usd.dressing.stock import family_of, nearest_length, stretched
 from chord_usd.dressing.wall_faces import WallFace
-from chord_usd.scene.types import ROOM_HEIGHT_M, Item
+from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 
 WORKTOP = (
     "single_door_floor_cabinet", "double_door_floor_cabinet", "cooker_cabinet", "sink_cabinet",
@@ -13,11 +15,20 @@ WORKTOP = (
 )  # fmt: skip
 """Categories of a run with a worktop."""
 
-_CABINET_BASE_M = 1.42
-_HOOD_BASE_M = 1.58
-_RAIL_BASE_M = 1.22
-_LEAST_HEAD_M = 0.45
-"""Between a worktop and what hangs over it."""
+_PLAIN = ("single_door_floor_cabinet", "double_door_floor_cabinet")
+_CABINET_BASE_M = 1.44
+_HOOD_BASE_M = 1.62
+_CHIMNEY_FROM_M = 0.75
+"""Higher hoods have a chimney, which reaches the ceiling."""
+
+_GLAZED = 0.15
+"""Share of wall cabinets with glass doors."""
+
+_SPLASH_M = 0.014
+"""From the wall to the face of a splashback, and a little."""
+
+_HOB_M = 0.06
+"""What one cooks on is no farther from the height of the worktop."""
 
 _RUN_GAP_M = 0.06
 _LEAST_SPLASH_M = 0.3
@@ -34,12 +45,15 @@ def dress_kitchen(frame: RoomFrame) -> None:
         units = _units_at(frame, face)
         for item, low, high in units:
             if item.category == "cooker_cabinet":
-                _hood(frame, face, item, low, high)
+                _hood(frame, face, low, high)
         for item, low, high in units:
-            if item.category not in ("cooker_cabinet",):
+            if item.category != "cooker_cabinet":
                 _over(frame, face, item, low, high)
         for run in _runs(units):
             _splashback(frame, face, run)
+        _rail(frame, face, units)
+    for cooker in frame.of("cooker_cabinet"):
+        _pots(frame, cooker)
 
 
 def _units_at(frame: RoomFrame, face: WallFace) -> list[Placed]:
@@ -63,8 +77,8 @@ def _runs(units: list[Placed]) -> list[list[Placed]]:
     return runs
 
 
-def _hood(frame: RoomFrame, face: WallFace, cooker: Item, low: float, high: float) -> None:
-    """Over the cooker, as long as it is."""
+def _hood(frame: RoomFrame, face: WallFace, low: float, high: float) -> None:
+    """Over the cooker, no wider than it."""
     offered = [
         hood
         for hood in frame.stock.offered("cooker_hood")
@@ -73,31 +87,70 @@ def _hood(frame: RoomFrame, face: WallFace, cooker: Item, low: float, high: floa
     hood = nearest_length(frame.stock.family(offered, "cooker_hood"), high - low)
     if hood is None:
         return
-    # A chimney hood reaches the ceiling: it is as high as the room lets it be.
-    height = hood.size_m[2]
-    if height > 0.75:
-        height = stretched(height, ROOM_HEIGHT_M - 0.002 - _HOOD_BASE_M)
-    size_m = (hood.size_m[0], hood.size_m[1], height)
-    frame.put_where_free(hood, face.box((low + high) / 2, _HOOD_BASE_M, size_m), rests_on=None)
+    length, depth, height = hood.size_m
+    base_m = _CABINET_BASE_M
+    if height > _CHIMNEY_FROM_M:
+        base_m = _HOOD_BASE_M
+        height = stretched(height, ROOM_HEIGHT_M - 0.002 - base_m, 0.4)
+    length = stretched(length, high - low, 0.06)
+    frame.put_where_free(hood, face.box((low + high) / 2, base_m, (length, depth, height)))
 
 
 def _over(frame: RoomFrame, face: WallFace, unit: Item, low: float, high: float) -> None:
     """A wall cabinet over a unit and as long as it, where the wall is free."""
-    cabinets = frame.stock.family(frame.stock.offered("wall_cabinet"), "wall_cabinet")
-    if not cabinets:
-        return
-    heights = sorted({asset.size_m[2] for asset in cabinets if asset.size_m[2] >= 0.5})
-    if not heights:
-        return
-    tall = heights[int(len(heights) * frame.house.share("wall_cabinet_height"))]
-    row = [asset for asset in cabinets if asset.size_m[2] == tall]
-    for spans in (_split(low, high, row),):
-        for asset, start, end in spans:
-            box = face.box((start + end) / 2, _CABINET_BASE_M, (end - start, *asset.size_m[1:]))
-            frame.put_where_free(asset, box)
+    for asset, start, end in _split(low, high, _cabinets(frame, unit)):
+        box = face.box((start + end) / 2, _CABINET_BASE_M, (end - start, *asset.size_m[1:]))
+        frame.put_where_free(asset, box)
 
 
-def _split(low: float, high: float, row: list) -> list:
+def _cabinets(frame: RoomFrame, unit: Item) -> Sequence[Asset]:
+    """Those of the house, here and there glazed or open."""
+    offered = frame.stock.offered("wall_cabinet")
+    is_open = frame.draws.chance(f"open/{unit.id}", frame.taste.open_kitchen)
+    is_glazed = frame.draws.chance(f"glazed/{unit.id}", _GLAZED)
+    plain = [a for a in offered if not {"Open", "Glazed"} & set(a.id.split("_"))]
+    family = frame.stock.family(plain or offered, "wall_cabinet")
+    if is_open and frame.stock.offered("wall_cabinet", "Open"):
+        return frame.stock.offered("wall_cabinet", "Open")
+    if is_glazed and family:
+        start = f"{family_of(family[0])}_Glazed"
+        return [a for a in offered if a.id.startswith(start)] or family
+    return family
+
+
+def _rail(frame: RoomFrame, face: WallFace, units: Sequence[Placed]) -> None:
+    """Ladles on the wall beside the cooker."""
+    if not frame.draws.chance("utensil_rail", frame.taste.little * 0.7):
+        return
+    rails = frame.stock.family(frame.stock.offered("utensil_rail"), "utensil_rail")
+    at = [(low + high) / 2 for item, low, high in units if item.category == "cooker_cabinet"]
+    beside = [one for one in units if one[0].category in _PLAIN]
+    for _, low, high in sorted(beside, key=lambda one: abs((one[1] + one[2]) / 2 - (at or [0])[0])):
+        for asset in sorted(rails, key=lambda a: (-a.size_m[0], a.id)):
+            base_m = _CABINET_BASE_M - 0.05 - asset.size_m[2]
+            box = face.box((low + high) / 2, base_m, asset.size_m, _SPLASH_M)
+            if asset.size_m[0] < high - low and frame.put_where_free(asset, box):
+                return
+
+
+def _pots(frame: RoomFrame, cooker: Item) -> None:
+    """One or two on the hob."""
+    relief = frame.relief(cooker)
+    rng = frame.draws.rng(f"pots/{cooker.id}")
+    length, depth, height = cooker.box.size_m
+    count = 1 + int(rng.random() < 0.4)
+    pots = frame.stock.some(frame.stock.offered("pot"), rng, count)
+    for asset, side in zip(pots, (-1, 1), strict=False):
+        x = side * max(0.0, min(0.24 * length, (length - asset.size_m[0]) / 2 - 0.01))
+        y = side * -0.1 * depth
+        own = Box((x, y, 0.0), asset.size_m, 0.0)
+        top_m = relief.highest_m(own)
+        if abs(top_m - height) < _HOB_M:
+            box = in_world(Box((x, y, top_m), asset.size_m, 0.0), cooker.box)
+            frame.put_where_free(asset, box, rests_on=cooker.id, but=(cooker.id,))
+
+
+def _split(low: float, high: float, row: Sequence[Asset]) -> list[tuple[Asset, float, float]]:
     """Cabinets that fill a stretch, one or several alike."""
     for count in range(1, 5):
         length = (high - low) / count

@@ -134,11 +134,10 @@ def _hung(frame: RoomFrame, place: _Place, rail: Box, *, drawn: bool) -> list[tu
 
 def _of_kind(frame: RoomFrame, *, drawn: bool) -> tuple[Asset, ...]:
     """Curtains of the house's family, open or drawn."""
-    word = "Drawn" if drawn else "Open"
-    offered = frame.stock.offered("curtain", word)
+    offered = frame.stock.offered("curtain", "Drawn" if drawn else "Open")
     sheer = tuple(a for a in offered if "Sheer" in a.id.split("_"))
     thick = tuple(asset for asset in offered if asset not in sheer)
-    return (sheer if drawn else thick) or offered
+    return frame.stock.family((sheer if drawn else thick) or offered, "curtain")
 
 
 def _pair(
