@@ -1,260 +1,238 @@
-"""The looks that ship in materials/: what each is made of, and how it is written.
+"""Draws wall and floor looks on demand, into the user's cache: a family and its parameters, once.
 
-OakPlank/look.json        what scene/looks.py reads
-OakPlank/OakPlank.usda    material package
-OakPlank/maps/{base_color, roughness, normal}.jpg
+Planks_1f3a9c/look.json          what scene/looks.py reads
+Planks_1f3a9c/Planks_1f3a9c.usda material package
+Planks_1f3a9c/maps/{base_color, roughness, normal}.jpg
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chord_usd.assets import look_maps as draw
-from chord_usd.assets.look_maps import Boards, Maps
-from chord_usd.assets.look_noise import Shape, normal_map
+from chord_usd.assets import look_coats, look_tiles, look_wood
+from chord_usd.assets.look_noise import normal_map
+from chord_usd.assets.look_wood import Maps
+from chord_usd.errors import AssetError, OutputError
+from chord_usd.runtime.locations import CACHE_VARIABLE, cache_folder
+from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.scene.credits import AUTHOR, LICENCE
-from chord_usd.scene.looks import LOOK_FILE, Surface
-from chord_usd.scene.types import FloatArray, RoomKind
+from chord_usd.scene.look_families import Family, Setting, family_named
+from chord_usd.scene.looks import LOOK_FILE, Look, look_of, looks_in, read_entry
+from chord_usd.scene.style_rooms import Part, looks_for
+from chord_usd.scene.styles import HomeStyle
+from chord_usd.scene.types import ROOM_KINDS, FloatArray, Room
 
 BASE_PX = 1024
-RELIEF_PX = 512
-"""Roughness and normals vary slowly enough for half the resolution."""
+"""Side of the colour map unless asked otherwise; roughness and normals have half of it."""
 
+DRAWINGS: dict[str, Callable[..., Maps]] = {
+    "planks": look_wood.planks,
+    "herringbone": look_wood.laid_herringbone,
+    "chevron": look_wood.laid_chevron,
+    "parquet": look_wood.parquet,
+    "laminate": look_wood.laminate,
+    "panelling": look_wood.panelling,
+    "wainscot": look_wood.wainscot,
+    "stone_tile": look_tiles.stone_tile,
+    "mosaic": look_tiles.mosaic,
+    "glazed": look_tiles.glazed,
+    "marble": look_tiles.marble,
+    "terrazzo": look_tiles.terrazzo,
+    "brick": look_tiles.brick,
+    "plaster": look_coats.plaster,
+    "limewash": look_coats.limewash,
+    "concrete": look_coats.concrete,
+    "carpet": look_coats.carpet,
+    "tatami": look_coats.tatami,
+    "wallpaper": look_coats.wallpaper,
+}
+"""Functions (rng, px, **parameters) by the name that families have them under."""
 
-@dataclass(frozen=True)
-class Recipe:
-    """One look: what it is for and the function that draws it."""
-
-    name: str
-    label: str
-    surface: Surface
-    kinds: tuple[RoomKind, ...]
-    tile_m: tuple[float, float]
-    draw: Callable[[np.random.Generator, Shape, tuple[float, float]], Maps]
-    rotation_deg: float = 0.0
-    """How the pattern is usually laid."""
-
-
-_DRY: tuple[RoomKind, ...] = (
-    "living", "dining", "bedroom", "corridor", "study", "store", "unknown",
+_GENERATOR = (
+    "look_boards.py", "look_coats.py", "look_colours.py", "look_ground.py", "look_library.py",
+    "look_noise.py", "look_package.py", "look_tiles.py", "look_wood.py",
 )  # fmt: skip
-_REST: tuple[RoomKind, ...] = ("bedroom", "study", "living")
-_WET: tuple[RoomKind, ...] = ("bathroom", "kitchen")
-_ALL: tuple[RoomKind, ...] = (*_DRY, "kitchen")
 
 
-def write_look(recipe: Recipe, folder: Path) -> Path:
+def draw_look(family: Family, settings: Mapping[str, object], px: int = BASE_PX) -> Maps:
+    """The maps of a look. Raises AssetError for broken parameters."""
+    chosen = family.settings(settings)
+    if family.drawing not in DRAWINGS:
+        raise AssetError(
+            f"the family {family.name} has the drawing '{family.drawing}'",
+            expected=f"one of {', '.join(DRAWINGS)}",
+        )
+    # The same grain whatever the size of the maps.
+    seed = int.from_bytes(hashlib.sha256(_key(family, chosen)).digest()[:8], "big")
+    maps = DRAWINGS[family.drawing](np.random.default_rng(seed), px, **chosen)
+    height = np.ascontiguousarray(maps.height_m, dtype=np.float32)
+    rough = np.clip(maps.roughness, 0.04, 1.0).astype(np.float32)
+    return replace(maps, rgb=np.clip(maps.rgb, 0.0, 255.0), roughness=rough, height_m=height)
+
+
+def look_name(family: Family, settings: Mapping[str, object], px: int = BASE_PX) -> str:
+    """Name of a look by what it is: Planks_1f3a9c."""
+    key = _key(family, family.settings(settings)) + (f"/{px}".encode() if px != BASE_PX else b"")
+    words = "".join(word.capitalize() for word in family.name.split("_"))
+    return f"{words}_{hashlib.sha256(key).hexdigest()[:6]}"
+
+
+def _key(family: Family, chosen: Mapping[str, Setting]) -> bytes:
+    return json.dumps([family.drawing, sorted(chosen.items())]).encode()
+
+
+def drawn_look(
+    family: Family,
+    settings: Mapping[str, object],
+    px: int = BASE_PX,
+    kinds: Sequence[str] = ROOM_KINDS,
+) -> Look:
+    """A look in the cache, drawn where it is not there yet.
+
+    Raises AssetError for broken parameters, OutputError when the cache cannot be written.
+    """
+    folder = drawn_folder()
+    name = look_name(family, settings, px)
+    if not (folder / name / LOOK_FILE).is_file():
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with scratch_folder(folder) as hidden:
+                write_look(name, family, settings, px, kinds, hidden)
+                _move(hidden / name, folder / name)
+        except OSError as error:
+            raise OutputError(
+                f"looks of walls and floors cannot be kept ({error.strerror or error})",
+                where=str(folder),
+                expected="a writable cache folder with 20 MB of space",
+                try_=f"set {CACHE_VARIABLE} to another folder",
+            ) from None
+    return look_of(folder / name)
+
+
+def _move(made: Path, place: Path) -> None:
+    try:
+        made.rename(place)
+    except OSError:
+        # Another process was faster; what it made is the same.
+        if not (place / LOOK_FILE).is_file():
+            raise
+
+
+def write_look(
+    name: str,
+    family: Family,
+    settings: Mapping[str, object],
+    px: int,
+    kinds: Sequence[str],
+    folder: Path,
+) -> Path:
     """Write one look package; the same bytes every time with the same Pillow."""
     from chord_usd.assets.look_package import write_material
 
-    package = folder / recipe.name
+    maps = draw_look(family, settings, px)
+    package = folder / name
     (package / "maps").mkdir(parents=True, exist_ok=True)
-    # A seed of its own, so that adding a look leaves the others as they are.
-    seed = int.from_bytes(hashlib.sha256(recipe.name.encode()).digest()[:8], "big")
-    maps = recipe.draw(np.random.default_rng(seed), (BASE_PX, BASE_PX), recipe.tile_m)
-    _save_maps(maps, recipe.tile_m, package / "maps")
+    _save_maps(maps, package / "maps")
+    tile_m = (round(maps.ground.tile_m[0], 6), round(maps.ground.tile_m[1], 6))
     entry = {
-        "name": recipe.name,
-        "label": recipe.label,
-        "surface": recipe.surface,
-        "kinds": list(recipe.kinds),
-        "tile_m": list(recipe.tile_m),
+        "name": name,
+        "label": family.label,
+        "surface": family.surface,
+        "kinds": list(kinds),
+        "tile_m": list(tile_m),
+        "standing": maps.standing,
         "licence": LICENCE,
         "author": AUTHOR,
+        "family": family.name,
+        "parameters": family.settings(settings),
     }
-    text = json.dumps(entry, indent=1) + "\n"
-    (package / LOOK_FILE).write_text(text, encoding="utf-8")
-    write_material(
-        package / f"{recipe.name}.usda",
-        recipe.tile_m,
-        recipe.rotation_deg,
-        {"label": recipe.label, "licence": LICENCE, "author": AUTHOR},
-    )
+    about = {"label": family.label, "licence": LICENCE, "author": AUTHOR}
+    write_material(package / f"{name}.usda", tile_m, 0.0, about)
+    (package / LOOK_FILE).write_text(json.dumps(entry, indent=1) + "\n", encoding="utf-8")
     return package
 
 
-def _save_maps(maps: Maps, tile_m: tuple[float, float], folder: Path) -> None:
-    rough = _halved(maps.roughness) * 255.0
-    normals = normal_map(_halved(maps.height_m), tile_m) * 255.0
-    _save(maps.rgb, folder / "base_color.jpg", quality=84)
-    _save(rough, folder / "roughness.jpg", quality=80)
+def _save_maps(maps: Maps, folder: Path) -> None:
+    _save(maps.rgb, folder / "base_color.jpg", quality=86)
+    _save(_halved(maps.roughness) * 255.0, folder / "roughness.jpg", quality=80)
     # Full chroma: the three channels of a normal are one vector, not a colour.
+    normals = normal_map(_halved(maps.height_m), maps.ground.tile_m) * 255.0
     _save(normals, folder / "normal.jpg", quality=88, subsampling=0)
 
 
 def _halved(field: FloatArray) -> FloatArray:
-    factor = BASE_PX // RELIEF_PX
-    return field.reshape(RELIEF_PX, factor, RELIEF_PX, factor).mean(axis=(1, 3))
+    side = field.shape[0] // 2
+    half: FloatArray = field.reshape(side, 2, side, 2).mean(axis=(1, 3))
+    return half
 
 
 def _save(values: FloatArray, path: Path, **options: Any) -> None:
     from PIL import Image
 
-    pixels = np.clip(np.round(values), 0, 255).astype(np.uint8)
+    pixels = (np.clip(values, 0.0, 255.0) + 0.5).astype(np.uint8)
     Image.fromarray(pixels).save(path, **options)
 
 
-# --- recipes -----------------------------------------------------------------------------------
+def drawn_folder() -> Path:
+    """Where this version's drawn looks are kept."""
+    return cache_folder() / f"looks-{_generator_hash()}"
 
 
-def _planks(
-    dark: draw.Rgb, light: draw.Rgb, *, rows: int = 12, per_row: int = 2, **more: float
-) -> Callable[..., Maps]:
-    def make(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-        boards = draw.running_boards(rng, shape, tile_m, rows, per_row)
-        return draw.wood_floor(rng, boards, dark, light, **more)
-
-    return make
-
-
-def _herringbone(
-    dark: draw.Rgb, light: draw.Rgb, *, ratio: int = 5, periods: int = 2
-) -> Callable[..., Maps]:
-    def make(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-        boards = draw.herringbone(shape, tile_m, ratio, periods)
-        return draw.wood_floor(rng, boards, dark, light, variation=0.075, gap_m=0.0012)
-
-    return make
+@lru_cache(maxsize=1)
+def _generator_hash() -> str:
+    """Twelve hexadecimal digits that change with any source that draws or writes looks."""
+    digest = hashlib.sha256()
+    for name in _GENERATOR:
+        digest.update(name.encode() + b"\0" + (Path(__file__).parent / name).read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
 
 
-def _grid(
-    rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float], rows: int, columns: int,
-    offset: float = 0.0,
-) -> Boards:  # fmt: skip
-    return draw.running_boards(rng, shape, tile_m, rows, columns, offset=offset)
+@dataclass(frozen=True)
+class StyleLooks:
+    """The looks of a home: a user's own that suit a room before those that its style draws."""
+
+    style: HomeStyle
+    seed: int
+    px: int = BASE_PX
+    own: tuple[Look, ...] = ()
+
+    def choices(self, part: Part, room: Room, count: int) -> list[Look]:
+        """As scene.looks.LookSource."""
+        own = [
+            look for look in self.own if look.surface in (part, "both") and room.kind in look.kinds
+        ][:count]
+        wanted = looks_for(self.style, self.seed, part, room, count - len(own))
+        drawn = [drawn_look(family_named(w.family), w.settings, self.px) for w in wanted]
+        return [*own, *drawn]
 
 
-def _stone(
-    dark: draw.Rgb, light: draw.Rgb, grout: draw.Rgb, *, count: int = 3, contrast: float = 0.16,
-    roughness: float = 0.35,
-) -> Callable[..., Maps]:  # fmt: skip
-    def make(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-        boards = _grid(rng, shape, tile_m, count, count)
-        face = draw.stone_face(rng, boards, dark, light, contrast)
-        return draw.laid_tile(rng, boards, face, grout=grout, grout_m=0.003, roughness=roughness)
+def style_looks(
+    style: HomeStyle, seed: int, px: int = BASE_PX, folder: Path | None = None
+) -> StyleLooks:
+    """The looks of a home. folder: of looks that go before; by default the materials folder.
 
-    return make
+    Raises AssetError for a damaged look.
+    """
+    return StyleLooks(style, seed, px, own_looks(folder))
 
 
-def _marble(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-    boards = _grid(rng, shape, tile_m, 2, 2)
-    face = draw.marble_face(rng, boards, (128, 128, 132), (240, 238, 234))
-    return draw.laid_tile(
-        rng, boards, face, grout=(206, 203, 198), grout_m=0.0015, roughness=0.14,
-        variation=0.006, cushion_m=0.0004,
-    )  # fmt: skip
-
-
-def _glazed(
-    tone: draw.Rgb, grout: draw.Rgb, *, rows: int, columns: int, offset: float, variation: float,
-    waviness_m: float, roughness: float = 0.12,
-) -> Callable[..., Maps]:  # fmt: skip
-    def make(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-        boards = _grid(rng, shape, tile_m, rows, columns, offset)
-        face = np.broadcast_to(np.array(tone, dtype=np.float64), (*shape, 3))
-        return draw.laid_tile(
-            rng, boards, face, grout=grout, grout_m=0.002, roughness=roughness,
-            variation=variation, waviness_m=waviness_m,
-        )  # fmt: skip
-
-    return make
-
-
-def _brick(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-    boards = _grid(rng, shape, tile_m, 16, 5, 0.5)
-    return draw.brickwork(rng, boards, (122, 62, 46), (176, 102, 74), (196, 187, 174))
-
-
-def _concrete(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-    boards = _grid(rng, shape, tile_m, 2, 2)
-    return draw.concrete(rng, boards, (138, 137, 133), (186, 185, 180))
-
-
-def _panel(dark: draw.Rgb, light: draw.Rgb) -> Callable[..., Maps]:
-    def make(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-        lying = draw.running_boards(rng, shape, (tile_m[1], tile_m[0]), 10, 1)
-        return draw.wood_floor(
-            rng, draw.stood_up(lying), dark, light, variation=0.05, gap_m=0.004, bevel_m=0.003,
-            roughness=0.5,
-        )  # fmt: skip
-
-    return make
-
-
-def _plaster(tone: draw.Rgb) -> Callable[..., Maps]:
-    return lambda rng, shape, tile_m: draw.plaster(rng, shape, tone)
-
-
-def _carpet(dark: draw.Rgb, light: draw.Rgb) -> Callable[..., Maps]:
-    return lambda rng, shape, tile_m: draw.carpet(rng, shape, dark, light)
-
-
-def _stripes(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-    return draw.striped_paper(rng, shape, (226, 224, 216), (198, 204, 202), (176, 160, 124), 6)
-
-
-def _leaves(rng: np.random.Generator, shape: Shape, tile_m: tuple[float, float]) -> Maps:
-    return draw.leafy_paper(rng, shape, (231, 227, 215), (150, 168, 142), (172, 170, 146))
-
-
-RECIPES: tuple[Recipe, ...] = (
-    Recipe("OakPlank", "Oak planks", "floor", _ALL, (2.0, 1.92),
-           _planks((150, 110, 70), (206, 168, 122))),
-    Recipe("WalnutPlank", "Walnut planks", "floor", _DRY, (2.0, 1.68),
-           _planks((70, 44, 30), (126, 86, 58), variation=0.11)),
-    Recipe("PalePlank", "Pale ash planks", "floor", _ALL, (2.2, 2.2),
-           _planks((190, 166, 134), (226, 208, 180), rows=11, variation=0.05)),
-    Recipe("GreyOakPlank", "Grey oak planks", "floor", _DRY, (2.0, 1.92),
-           _planks((128, 118, 106), (182, 172, 158), variation=0.07)),
-    Recipe("OakHerringbone", "Oak herringbone", "floor", _DRY, (1.8, 1.8),
-           _herringbone((146, 104, 64), (200, 158, 110)), rotation_deg=45.0),
-    Recipe("BeigeLaminate", "Beige three-strip laminate", "floor", _ALL, (1.8, 1.54),
-           _planks((176, 148, 112), (214, 190, 156), rows=22, per_row=3, variation=0.06,
-                   gap_m=0.0009, roughness=0.34)),
-    Recipe("DeckPlank", "Larch decking", "floor", ("balcony",), (2.0, 1.96),
-           _planks((122, 86, 58), (170, 128, 92), rows=14, per_row=1, variation=0.1, gap_m=0.004,
-                   roughness=0.7, bevel_m=0.003)),
-    Recipe("WhiteTile", "White stone tile", "floor", _WET, (1.8, 1.8),
-           _stone((214, 212, 208), (240, 239, 236), (188, 185, 180), contrast=0.11)),
-    Recipe("GreyTile", "Grey stone tile", "floor", (*_WET, "balcony", "corridor"), (1.8, 1.8),
-           _stone((118, 118, 118), (166, 165, 163), (104, 103, 102))),
-    Recipe("BeigeTile", "Beige stone tile", "floor", (*_WET, "balcony", "dining", "corridor"),
-           (1.8, 1.8), _stone((190, 172, 146), (226, 211, 188), (176, 164, 146))),
-    Recipe("Terrazzo", "Terrazzo", "floor", (*_WET, "corridor", "balcony", "dining"), (1.2, 1.2),
-           lambda rng, shape, tile_m: draw.terrazzo(rng, shape)),
-    Recipe("Marble", "White marble slabs", "both", ("bathroom",), (1.6, 1.6), _marble),
-    Recipe("GreyCarpet", "Grey loop carpet", "floor", ("bedroom", "study"), (0.8, 0.8),
-           _carpet((104, 106, 110), (158, 160, 163))),
-    Recipe("SandCarpet", "Sand loop carpet", "floor", ("bedroom",), (0.8, 0.8),
-           _carpet((158, 142, 120), (208, 194, 172))),
-    Recipe("WhitePlaster", "White plaster", "wall", (*_ALL, "balcony"), (1.5, 1.5),
-           _plaster((240, 239, 235))),
-    Recipe("WarmPlaster", "Warm plaster", "wall", _ALL, (1.5, 1.5), _plaster((236, 227, 211))),
-    Recipe("CoolPlaster", "Cool plaster", "wall", (*_REST, "corridor", "dining"), (1.5, 1.5),
-           _plaster((213, 221, 226))),
-    Recipe("SagePlaster", "Sage plaster", "wall", _REST, (1.5, 1.5), _plaster((199, 208, 190))),
-    Recipe("StripedPaper", "Striped wallpaper", "wall", ("bedroom", "dining", "living"),
-           (1.06, 1.06), _stripes),
-    Recipe("LeafPaper", "Leaf wallpaper", "wall", ("bedroom", "living"), (0.64, 0.64), _leaves),
-    Recipe("RedBrick", "Red brick", "wall", ("balcony", "living", "study"), (1.25, 1.2), _brick),
-    Recipe("Concrete", "Fair-faced concrete", "both", ("balcony", "corridor", "study", "store"),
-           (2.4, 2.4), _concrete),
-    Recipe("OakPanel", "Oak panelling", "wall", ("living", "study", "dining"), (1.5, 2.7),
-           _panel((158, 116, 74), (202, 162, 114))),
-    Recipe("MetroTile", "White metro tile", "wall", _WET, (1.2, 1.2),
-           _glazed((240, 240, 237), (172, 170, 166), rows=16, columns=8, offset=0.5,
-                   variation=0.012, waviness_m=0.00004)),
-    Recipe("GlazedTile", "Green glazed tile", "wall", _WET, (1.0, 1.0),
-           _glazed((172, 192, 180), (214, 211, 203), rows=10, columns=10, offset=0.0,
-                   variation=0.055, waviness_m=0.00009)),
-    Recipe("LargeWallTile", "Light grey wall tile", "wall", _WET, (1.8, 1.8),
-           _stone((206, 205, 201), (228, 227, 224), (196, 194, 190), contrast=0.08,
-                  roughness=0.28)),
-)  # fmt: skip
+def own_looks(folder: Path | None = None) -> tuple[Look, ...]:
+    """Looks of a folder: packages with their maps, and those that name a family to be drawn."""
+    found = []
+    for file in looks_in(folder):
+        entry = read_entry(file)
+        if "family" in entry and not (file.parent / f"{entry['name']}.usda").is_file():
+            family = family_named(str(entry["family"]))
+            settings = family.settings(dict(entry.get("parameters", {})), str(file))
+            found.append(drawn_look(family, settings, kinds=tuple(entry["kinds"])))
+        else:
+            found.append(look_of(file.parent))
+    return tuple(found)

@@ -333,9 +333,14 @@ def load_usd() -> None:
 
 def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> StageFile:
     """SceneGraph -> StageFile."""
+    from chord_usd.assets.look_library import style_looks
     from chord_usd.stage.author import author_stage
 
-    return author_stage(graph, stage_path, seed=settings.seed, sky=settings.sky)
+    style = style_named(graph.style or settings.style or MIXED, settings.seed)
+    looks = style_looks(style, settings.seed, settings.texture_px)
+    return author_stage(
+        graph, stage_path, seed=settings.seed, looks=looks, style=style.name, sky=settings.sky
+    )
 
 
 def in_style(graph: SceneGraph, style: HomeStyle) -> SceneGraph:

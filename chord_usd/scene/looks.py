@@ -1,21 +1,19 @@
-"""The material library: looks of walls and floors, and which room wears which.
+"""Looks of walls and floors: material packages, and where those that a room may wear come from.
 
-A look is a folder of materials/ with look.json, a USD material package and its maps.
+A look is a folder with look.json, a USD material package and its maps.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
-
-import numpy as np
+from typing import Any, Literal, Protocol
 
 from chord_usd.errors import AssetError
 from chord_usd.runtime.locations import materials_folder
-from chord_usd.scene.types import ROOM_KINDS, RoomKind
+from chord_usd.scene.types import ROOM_KINDS, Room, RoomKind
 
 LOOK_FILE = "look.json"
 
@@ -25,10 +23,10 @@ SURFACES: tuple[Surface, ...] = Surface.__args__  # type: ignore[attr-defined]
 
 @dataclass(frozen=True)
 class Look:
-    """One material of the library."""
+    """One material of floors or walls."""
 
     name: str
-    """Folder, layer and prim name: materials/OakPlank/OakPlank.usda</OakPlank>."""
+    """Folder, layer and prim name: Planks_1f3a9c/Planks_1f3a9c.usda</Planks_1f3a9c>."""
     label: str
     """For people."""
     surface: Surface
@@ -39,57 +37,50 @@ class Look:
     usd_path: Path
     licence: str
     author: str
+    standing: bool = False
+    """Whether it begins at the floor, such as panels with a rail."""
 
 
-def load_looks(folder: Path | None = None) -> tuple[Look, ...]:
-    """All looks of a material library, sorted by name; by default those that are shipped.
+class LookSource(Protocol):
+    """Where the looks of a house come from."""
 
-    Raises AssetError for a folder without looks and for a damaged look.json.
-    """
-    folder = materials_folder() if folder is None else folder
-    looks = tuple(_read(file) for file in sorted(folder.glob(f"*/{LOOK_FILE}")))
-    if not looks:
-        raise AssetError(
-            "there are no looks here",
-            where=str(folder),
-            expected=f"folders that each hold a {LOOK_FILE}",
-            try_="the materials folder of the package",
-        )
-    return looks
+    def choices(self, part: Literal["floor", "wall"], room: Room, count: int) -> Sequence[Look]:
+        """Looks that this room may wear, at most count different ones, the worn one first."""
 
 
-def sample_look(
-    looks: Iterable[Look],
-    surface: Literal["floor", "wall"],
-    kind: RoomKind,
-    rng: np.random.Generator,
-) -> Look:
-    """A look for this surface of a room of this kind, drawn evenly from those that suit it.
-
-    A kind that no look suits is served as a room of unknown kind, and then from all looks of the
-    surface. Raises AssetError where there is none of the surface at all.
-    """
-    usable = [look for look in looks if look.surface in (surface, "both")]
-    if not usable:
-        raise AssetError(
-            f"the material library has no look for a {surface}",
-            expected=f'a {LOOK_FILE} whose surface is "{surface}" or "both"',
-        )
-    fitting = [look for look in usable if kind in look.kinds]
-    neutral = [look for look in usable if "unknown" in look.kinds]
-    candidates = fitting or neutral or usable
-    return candidates[int(rng.integers(len(candidates)))]
+def looks_in(folder: Path | None = None) -> list[Path]:
+    """The look.json of each look in a folder, sorted by name; by default a user's own beside the
+    families that ship."""
+    return sorted((materials_folder() if folder is None else folder).glob(f"*/{LOOK_FILE}"))
 
 
-def _read(file: Path) -> Look:
+def look_of(folder: Path) -> Look:
+    """The look in a folder. Raises AssetError for a damaged look.json."""
+    file = folder / LOOK_FILE
+    data = read_entry(file)
     try:
-        return _look(json.loads(file.read_text(encoding="utf-8")), file.parent)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise AssetError(
-            f"the look cannot be read ({error})",
-            where=str(file),
-            expected='{"name", "label", "surface", "kinds", "tile_m", "licence", "author"}',
-        ) from None
+        return _look(data, folder)
+    except (ValueError, KeyError, TypeError) as error:
+        raise _unreadable(file, error) from None
+
+
+def read_entry(file: Path) -> dict[str, Any]:
+    """What a look.json holds. Raises AssetError."""
+    try:
+        entry = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(entry, dict):
+            raise TypeError("is no object")
+        return entry
+    except (OSError, ValueError, TypeError) as error:
+        raise _unreadable(file, error) from None
+
+
+def _unreadable(file: Path, error: Exception) -> AssetError:
+    return AssetError(
+        f"the look cannot be read ({error})",
+        where=str(file),
+        expected='{"name", "label", "surface", "kinds", "tile_m", "licence", "author"}',
+    )
 
 
 def _look(data: Mapping[str, Any], folder: Path) -> Look:
@@ -114,4 +105,5 @@ def _look(data: Mapping[str, Any], folder: Path) -> Look:
         usd_path=usd_path,
         licence=str(data["licence"]),
         author=str(data["author"]),
+        standing=bool(data.get("standing", False)),
     )

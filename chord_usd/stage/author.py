@@ -18,7 +18,7 @@ from chord_usd.errors import OutputError
 from chord_usd.raster.hdri import require_picture
 from chord_usd.runtime.files import deliver, destination
 from chord_usd.runtime.stages import open_layer
-from chord_usd.scene.looks import Look, load_looks
+from chord_usd.scene.looks import LookSource
 from chord_usd.scene.skies import Sky, sky_named
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
@@ -70,7 +70,7 @@ def author_stage(
     path: Path,
     *,
     seed: int = 0,
-    looks: Sequence[Look] | None = None,
+    looks: LookSource | None = None,
     style: str = "",
     sky: str = "",
 ) -> StageFile:
@@ -80,9 +80,9 @@ def author_stage(
     folder share the latter two. `.usdz` packs all of it into one file. Same graph, same seed: same
     bytes. Nothing is left behind on failure.
 
-    seed chooses the looks of walls and floors. looks: the library; by default the shipped one, and
-    an empty one gives plain surfaces. style: name of a style; by default that of the graph, and
-    where that has none, one by the seed. sky: name of one (scene.skies), or an HDRI's file.
+    looks: where those of walls and floors come from; without, surfaces are plain. style: name of
+    a style; by default that of the graph, and where that has none, one by the seed. sky: name of
+    one (scene.skies), or an HDRI's file.
 
     Raises ChordError for an unknown sky, SceneError for a graph without rooms or with an unknown
     category, AssetError for a missing mesh, OutputError for a target that cannot be written.
@@ -98,7 +98,7 @@ def author_stage(
         graph,
         name_rooms(graph),
         seed,
-        load_looks() if looks is None else tuple(looks),
+        looks,
         style_named(style or graph.style or MIXED, seed),
         sky_named(sky),
     )
@@ -123,7 +123,7 @@ class _House:
     graph: SceneGraph
     rooms: tuple[NamedRoom, ...]
     seed: int
-    looks: tuple[Look, ...]
+    looks: LookSource | None
     style: HomeStyle
     sky: Sky
 

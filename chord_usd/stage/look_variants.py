@@ -1,20 +1,19 @@
 """What floors and walls look like: variant sets on each room, sampled by kind (CHOrD, section 4).
 
-A sampled look is a reference to a material of the library plus a few inputs that say how it is
-laid, so the library is copied once and not per room.
+A look is a reference to a material package plus a few inputs that say how it is laid, so it is
+copied once and not per room.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
-from chord_usd.scene.looks import LOOK_FILE, Look, sample_look
+from chord_usd.scene.looks import LOOK_FILE, Look, LookSource
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.prims import Types, add_variants, attribute, label, over
@@ -24,12 +23,6 @@ from chord_usd.stage.surfaces import PLAIN_SURFACES, shade
 CHOICES = 3
 """Looks offered for each surface; the first one is worn."""
 
-_DRAWS = 12
-"""Draws to find different ones; a kind of room may have fewer than CHOICES."""
-
-_SCALE_RANGE = (0.92, 1.08)
-"""How much smaller or larger than life a pattern may be laid."""
-
 Part = Literal["floor", "wall"]
 
 
@@ -37,14 +30,13 @@ def wear_looks(
     layer: Sdf.Layer,
     room: NamedRoom,
     floor: Polygon,
-    looks: Sequence[Look],
+    looks: LookSource | None,
     materials: Packages,
     seed: int,
 ) -> None:
     """Write the variant sets floorMaterial and wallMaterial of a room.
 
-    The draw depends on seed and the room's id alone, so a room keeps its looks when others change.
-    Without looks, surfaces are plain.
+    How they are laid depends on seed and the room's id alone. Without looks, surfaces are plain.
     """
     prim = layer.GetPrimAtPath(f"/House/Rooms/{room.name}")
     parts: tuple[tuple[Part, str], ...] = (
@@ -53,7 +45,7 @@ def wear_looks(
     )
     for part, material in parts:
         rng = _generator(seed, room.room.id, part)
-        choices = _sample(looks, part, room, rng)
+        choices = looks.choices(part, room.room, CHOICES) if looks else ()
         variants = add_variants(
             prim, f"{part}Material", [look.name for look in choices] or ["Plain"]
         )
@@ -72,26 +64,14 @@ def _generator(seed: int, room_id: str, part: Part) -> np.random.Generator:
     return np.random.default_rng(int.from_bytes(digest[:8], "little"))
 
 
-def _sample(
-    looks: Sequence[Look], part: Part, room: NamedRoom, rng: np.random.Generator
-) -> list[Look]:
-    """Up to CHOICES different looks."""
-    chosen: dict[str, Look] = {}
-    for _ in range(_DRAWS if looks else 0):
-        look = sample_look(looks, part, room.room.kind, rng)
-        chosen.setdefault(look.name, look)
-        if len(chosen) == CHOICES:
-            break
-    return list(chosen.values())
-
-
 def _lay(material: Sdf.PrimSpec, look: Look, turned: bool, rng: np.random.Generator) -> None:
-    """How the pattern lies: where it starts, which way it runs, how large it is."""
-    size = rng.uniform(*_SCALE_RANGE)
-    across, along = (1.0 / (side * size) for side in look.tile_m)
+    """How the pattern lies, in its true size: where it starts and which way it runs."""
+    across, along = (1.0 / side for side in look.tile_m)
     # Coordinates are scaled before they are turned.
     scale = (along, across) if turned else (across, along)
     offset = rng.uniform(0.0, 1.0, size=2)
+    if look.standing:
+        offset[1] = 0.0
     attribute(material, "inputs:uvScale", Types.Float2, Gf.Vec2f(*np.round(scale, 4).tolist()))
     attribute(material, "inputs:uvRotation", Types.Float, 90.0 if turned else 0.0)
     attribute(material, "inputs:uvOffset", Types.Float2, Gf.Vec2f(*np.round(offset, 4).tolist()))

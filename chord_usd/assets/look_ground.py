@@ -1,0 +1,121 @@
+"""What wall and floor looks are drawn on, in metres: noise, shapes, lookups. All wrap around.
+
+Fields are (H, W) float32 arrays, row 0 at the top; one repeat of a look, edges meeting.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from chord_usd.scene.types import FloatArray
+
+Shape = tuple[int, int]
+Rgb = tuple[int, int, int]
+Points = Sequence[tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The raster of one repeat."""
+
+    px: int
+    """Rows and columns."""
+    tile_m: tuple[float, float]
+    """Size of the repeat, along x and y."""
+
+    @property
+    def shape(self) -> Shape:
+        """Rows and columns."""
+        return self.px, self.px
+
+    @property
+    def px_m(self) -> float:
+        """The longer side of a pixel."""
+        return max(self.tile_m) / self.px
+
+    @cached_property
+    def x_m(self) -> FloatArray:
+        """(W,) middles of the columns."""
+        return ((np.arange(self.px) + 0.5) / self.px * self.tile_m[0]).astype(np.float32)
+
+    @cached_property
+    def y_m(self) -> FloatArray:
+        """(H,) middles of the rows; y points up."""
+        return ((self.px - 0.5 - np.arange(self.px)) / self.px * self.tile_m[1]).astype(np.float32)
+
+    def turned(self) -> Ground:
+        """The same with x and y exchanged."""
+        return Ground(self.px, (self.tile_m[1], self.tile_m[0]))
+
+
+def noise(
+    rng: np.random.Generator,
+    ground: Ground,
+    slope: float = 1.5,
+    *,
+    longest_m: float = math.inf,
+    shortest_m: float = 0.0,
+    stretch: tuple[float, float] = (1.0, 1.0),
+) -> FloatArray:
+    """Gaussian noise whose amplitude falls as 1 / frequency ** slope; mean 0, deviation 1.
+
+    longest_m, shortest_m: wavelengths between which it has any content. stretch: how much longer
+    its features are along x and along y.
+    """
+    from scipy import fft
+
+    side = ground.px
+    most_x, most_y = (
+        min(side // 2 - 1, math.ceil(tile / max(shortest_m * long, 1e-9)))
+        for tile, long in zip(ground.tile_m, stretch, strict=True)
+    )
+    count_y = np.concatenate([np.arange(most_y + 1), np.arange(-most_y, 0)])
+    cycles = np.hypot(
+        (np.arange(most_x + 1) / ground.tile_m[0] * stretch[0])[None, :],
+        (count_y / ground.tile_m[1] * stretch[1])[:, None],
+    ).astype(np.float32)
+    passed = (cycles >= 1.0 / longest_m) & (cycles > 0.0)
+    if shortest_m > 0.0:
+        passed &= cycles <= 1.0 / shortest_m
+    gain = np.where(passed, np.maximum(cycles, 1e-6) ** -slope, 0.0).astype(np.float32)
+    waves = rng.standard_normal((*gain.shape, 2), dtype=np.float32).view(np.complex64)[..., 0]
+    spectrum = np.zeros((side, side // 2 + 1), dtype=np.complex64)
+    spectrum[count_y[:, None], np.arange(most_x + 1)[None, :]] = waves * gain
+    field: FloatArray = fft.irfft2(spectrum, s=ground.shape)
+    field -= field.mean()
+    field /= max(float(field.std()), 1e-12)
+    return field
+
+
+def looked_up(field: FloatArray, ground: Ground, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    """The field at other places, wrapping around; for warps and for boards' own grain."""
+    side = ground.px
+    column = (x_m * np.float32(side / ground.tile_m[0])).astype(np.int32) % side
+    row = (y_m * np.float32(-side / ground.tile_m[1])).astype(np.int32) % side
+    return field.reshape(-1)[row * side + column]
+
+
+def stamped(
+    ground: Ground, shapes: Iterable[tuple[Points, Rgb]], background: Rgb, times: int = 2
+) -> FloatArray:
+    """(H, W, 3) polygons over each other, in metres, with smooth edges; they wrap around."""
+    from PIL import Image, ImageDraw
+
+    side = ground.px * times
+    image = Image.new("RGB", (side, side), background)
+    pen = ImageDraw.Draw(image)
+    scale_x, scale_y = side / ground.tile_m[0], side / ground.tile_m[1]
+    for points, colour in shapes:
+        corners = np.array(points) * (scale_x, -scale_y)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        for shift_x in range(math.floor(low[0] / side), math.floor(high[0] / side) + 1):
+            for shift_y in range(math.floor(low[1] / side), math.floor(high[1] / side) + 1):
+                moved = corners - (shift_x * side, shift_y * side)
+                pen.polygon([*map(tuple, moved.tolist())], fill=colour)
+    small = image.resize((ground.px, ground.px), Image.Resampling.BOX)
+    return np.asarray(small, dtype=np.float32)
