@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.assets.look_ground import Ground
-from chord_usd.scene.types import FloatArray
+from chord_usd.assets.look_ground import Ground, Raster
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,10 +17,10 @@ class Boards:
     ground: Ground
     index: np.ndarray
     """Number of the board, from 0."""
-    along_m: FloatArray
+    along_m: Raster
     """Place on the board along its length, from its end."""
-    across_m: FloatArray
-    edge_m: FloatArray
+    across_m: Raster
+    edge_m: Raster
     """Distance to the board's nearest edge, the middle of the joint; below 0 where there is no
     board."""
 
@@ -30,19 +29,19 @@ class Boards:
         """How many boards there are."""
         return int(self.index.max()) + 1
 
-    def joint(self, width_m: float) -> FloatArray:
+    def joint(self, width_m: float) -> Raster:
         """Share of each place, 0 to 1, that joints of this width cover."""
-        px_m = np.float32(self.ground.px_m)
+        px_m = self.ground.px_m
         covered = (np.float32(width_m / 2) - self.edge_m) / px_m + np.float32(0.5)
         # A joint that is finer than a pixel covers a share of it.
         return np.clip(covered, 0.0, 1.0) if width_m > px_m else _thin(self.edge_m, width_m, px_m)
 
-    def each(self, values: FloatArray) -> FloatArray:
+    def each(self, values: Raster) -> Raster:
         """(H, W) or (H, W, n) one value of each board."""
         return values.astype(np.float32)[self.index]
 
 
-def _thin(edge_m: FloatArray, width_m: float, px_m: float) -> FloatArray:
+def _thin(edge_m: Raster, width_m: float, px_m: float) -> Raster:
     return np.clip(1.0 - edge_m / px_m, 0.0, 1.0) * np.float32(min(1.0, width_m / px_m))
 
 
@@ -159,7 +158,7 @@ def hexagons(ground: Ground, columns: int, rows: int, *, round_: bool = False) -
     """Six-cornered tiles, points up, or round ones in their places; rows: an even number."""
     wide, pitch = ground.tile_m[0] / columns, ground.tile_m[1] / rows
     x, y = ground.x_m[None, :], ground.y_m[:, None]
-    nearest: tuple[FloatArray, ...] | None = None
+    nearest: tuple[Raster, ...] | None = None
     for start in (0, 1):  # the even rows, then the odd ones
         j = np.round((y / pitch - start) / 2) * 2 + start
         i = np.round(x / wide - start / 2)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
 from chord_usd.assets.look_boards import running
 from chord_usd.assets.look_colours import lit, mixed, plain, rgb_of
-from chord_usd.assets.look_ground import Ground, Points, Rgb, noise, stamped
+from chord_usd.assets.look_ground import Ground, Points, Raster, Rgb, noise, stamped
 from chord_usd.assets.look_wood import Maps
-from chord_usd.scene.types import FloatArray
 
 _WALL_M = (2.0, 2.0)
 
@@ -87,7 +87,7 @@ def concrete(
     return Maps(ground, rgb, rough, height.astype(np.float32))
 
 
-def _ties(along_m: FloatArray, across_m: FloatArray, side_m: float) -> FloatArray:
+def _ties(along_m: Raster, across_m: Raster, side_m: float) -> Raster:
     """The round holes of formwork, four on a panel."""
     from_middle_x = np.abs(np.abs(along_m - side_m / 2) - side_m * 0.28)
     from_middle_y = np.abs(np.abs(across_m - side_m / 4) - side_m * 0.12)
@@ -168,7 +168,7 @@ def _shifted(points: Points, repeat_m: float, i: int, j: int) -> Points:
     return [((x + i) * repeat_m, (y + j) * repeat_m) for x, y in points]
 
 
-def _stripes(ground: Ground, repeat_m: float, body: Rgb, ink: Rgb, thin: Rgb) -> FloatArray:
+def _stripes(ground: Ground, repeat_m: float, body: Rgb, ink: Rgb, thin: Rgb) -> Raster:
     """Four broad stripes a repeat, each between two thin lines."""
     pitch = repeat_m / 4
     phase = ground.x_m / np.float32(pitch) % 1.0
@@ -184,7 +184,7 @@ def _leaf(x: float, y: float, angle: float, length: float, width: float) -> list
     t = np.linspace(0.0, 1.0, 9)
     half = width * length * np.sin(np.pi * t**0.8)
     cosine, sine = math.cos(angle), math.sin(angle)
-    halves = []
+    halves: list[Points] = []
     for side in (-1.0, 1.0):
         across = np.concatenate([side * half, side * 0.06 * half[::-1]])
         along = length * np.concatenate([t, t[::-1]])
@@ -227,7 +227,7 @@ def _lattice(
             x, y = n / 4, m / 4
             for sign in (1.0, -1.0):
                 ends = ((x, y), (x + sign / 8, y + 1 / 8), (x, y + 1 / 4))
-                for (ax, ay), (bx, by) in zip(ends, ends[1:], strict=False):
+                for (ax, ay), (bx, by) in pairwise(ends):
                     shapes.append(([(ax - w, ay), (ax + w, ay), (bx + w, by), (bx - w, by)], ink))
             middle = (x, y + 1 / 8)
             r = 0.026

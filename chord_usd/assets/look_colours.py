@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.assets.look_ground import Rgb
-from chord_usd.scene.types import FloatArray
+from chord_usd.assets.look_ground import Raster, Rgb
 
 WOODS: dict[str, tuple[Rgb, Rgb]] = {
     "white_oak": ((196, 180, 158), (226, 214, 196)),
@@ -48,14 +47,14 @@ def rgb_of(colour: str) -> Rgb:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
-def mixed(low: Rgb | FloatArray, high: Rgb | FloatArray, amount: FloatArray) -> FloatArray:
+def mixed(low: Rgb | Raster, high: Rgb | Raster, amount: Raster) -> Raster:
     """(H, W, 3) colours between low (0) and high (1); each a colour or (H, W, 3)."""
     start, end = np.asarray(low, dtype=np.float32), np.asarray(high, dtype=np.float32)
-    mix: FloatArray = start + (end - start) * np.clip(amount, 0.0, 1.0)[..., None]
+    mix: Raster = start + (end - start) * np.clip(amount, 0.0, 1.0)[..., None]
     return mix
 
 
-def lit(rgb: FloatArray, gain: FloatArray) -> FloatArray:
+def lit(rgb: Raster, gain: Raster) -> Raster:
     """Colours made lighter or darker by a factor per pixel."""
     return rgb * gain[..., None].astype(np.float32)
 
@@ -67,6 +66,6 @@ def toned(rgb: Rgb, tone: float) -> Rgb:
     return red, green, blue
 
 
-def plain(shape: tuple[int, int], rgb: Rgb) -> FloatArray:
+def plain(shape: tuple[int, int], rgb: Rgb) -> Raster:
     """(H, W, 3) of one colour."""
     return np.broadcast_to(np.array(rgb, dtype=np.float32), (*shape, 3))

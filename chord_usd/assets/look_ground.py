@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from chord_usd.scene.types import FloatArray
-
+Raster = np.ndarray
+"""(H, W) or (H, W, 3), single precision: twice as fast, and far finer than a map."""
 Shape = tuple[int, int]
 Rgb = tuple[int, int, int]
 Points = Sequence[tuple[float, float]]
@@ -39,12 +39,12 @@ class Ground:
         return max(self.tile_m) / self.px
 
     @cached_property
-    def x_m(self) -> FloatArray:
+    def x_m(self) -> Raster:
         """(W,) middles of the columns."""
         return ((np.arange(self.px) + 0.5) / self.px * self.tile_m[0]).astype(np.float32)
 
     @cached_property
-    def y_m(self) -> FloatArray:
+    def y_m(self) -> Raster:
         """(H,) middles of the rows; y points up."""
         return ((self.px - 0.5 - np.arange(self.px)) / self.px * self.tile_m[1]).astype(np.float32)
 
@@ -61,7 +61,7 @@ def noise(
     longest_m: float = math.inf,
     shortest_m: float = 0.0,
     stretch: tuple[float, float] = (1.0, 1.0),
-) -> FloatArray:
+) -> Raster:
     """Gaussian noise whose amplitude falls as 1 / frequency ** slope; mean 0, deviation 1.
 
     longest_m, shortest_m: wavelengths between which it has any content. stretch: how much longer
@@ -86,13 +86,13 @@ def noise(
     waves = rng.standard_normal((*gain.shape, 2), dtype=np.float32).view(np.complex64)[..., 0]
     spectrum = np.zeros((side, side // 2 + 1), dtype=np.complex64)
     spectrum[count_y[:, None], np.arange(most_x + 1)[None, :]] = waves * gain
-    field: FloatArray = fft.irfft2(spectrum, s=ground.shape)
+    field: Raster = fft.irfft2(spectrum, s=ground.shape)
     field -= field.mean()
     field /= max(float(field.std()), 1e-12)
     return field
 
 
-def looked_up(field: FloatArray, ground: Ground, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+def looked_up(field: Raster, ground: Ground, x_m: Raster, y_m: Raster) -> Raster:
     """The field at other places, wrapping around; for warps and for boards' own grain."""
     side = ground.px
     column = (x_m * np.float32(side / ground.tile_m[0])).astype(np.int32) % side
@@ -102,7 +102,7 @@ def looked_up(field: FloatArray, ground: Ground, x_m: FloatArray, y_m: FloatArra
 
 def stamped(
     ground: Ground, shapes: Iterable[tuple[Points, Rgb]], background: Rgb, times: int = 2
-) -> FloatArray:
+) -> Raster:
     """(H, W, 3) polygons over each other, in metres, with smooth edges; they wrap around."""
     from PIL import Image, ImageDraw
 

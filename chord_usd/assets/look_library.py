@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.assets import look_coats, look_tiles, look_wood
+from chord_usd.assets.look_ground import Raster
 from chord_usd.assets.look_noise import normal_map
 from chord_usd.assets.look_wood import Maps
 from chord_usd.errors import AssetError, OutputError
@@ -28,7 +29,7 @@ from chord_usd.scene.look_families import Family, Setting, family_named
 from chord_usd.scene.looks import LOOK_FILE, Look, look_of, looks_in, read_entry
 from chord_usd.scene.style_rooms import Part, looks_for
 from chord_usd.scene.styles import HomeStyle
-from chord_usd.scene.types import ROOM_KINDS, FloatArray, Room
+from chord_usd.scene.types import ROOM_KINDS, Room
 
 BASE_PX = 1024
 """Side of the colour map unless asked otherwise; roughness and normals have half of it."""
@@ -168,13 +169,13 @@ def _save_maps(maps: Maps, folder: Path) -> None:
     _save(normals, folder / "normal.jpg", quality=88, subsampling=0)
 
 
-def _halved(field: FloatArray) -> FloatArray:
+def _halved(field: Raster) -> Raster:
     side = field.shape[0] // 2
-    half: FloatArray = field.reshape(side, 2, side, 2).mean(axis=(1, 3))
+    half: Raster = field.reshape(side, 2, side, 2).mean(axis=(1, 3))
     return half
 
 
-def _save(values: FloatArray, path: Path, **options: Any) -> None:
+def _save(values: Raster, path: Path, **options: Any) -> None:
     from PIL import Image
 
     pixels = (np.clip(values, 0.0, 255.0) + 0.5).astype(np.uint8)

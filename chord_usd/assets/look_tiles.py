@@ -8,9 +8,8 @@ import numpy as np
 
 from chord_usd.assets.look_boards import Boards, hexagons, running, upright
 from chord_usd.assets.look_colours import CHIPS, MARBLES, lit, mixed, plain, rgb_of
-from chord_usd.assets.look_ground import Ground, Points, Rgb, looked_up, noise, stamped
+from chord_usd.assets.look_ground import Ground, Points, Raster, Rgb, looked_up, noise, stamped
 from chord_usd.assets.look_wood import Maps
-from chord_usd.scene.types import FloatArray
 
 OFFSETS = {"stack": 0.0, "half": 0.5, "third": 1.0 / 3.0}
 """Bonds of tiles: share of a tile by which each row is shifted."""
@@ -28,7 +27,7 @@ def bonded(px: int, size_m: float, aspect: float, bond: str, least_m: float) -> 
 
 
 def laid(
-    rng: np.random.Generator, boards: Boards, face: FloatArray, *, grout: str, joint_m: float,
+    rng: np.random.Generator, boards: Boards, face: Raster, *, grout: str, joint_m: float,
     sheen: float, variation: float = 0.012, cushion_m: float = 0.0012, waviness_m: float = 0.0,
 ) -> Maps:  # fmt: skip
     """Tiles with this face (H, W, 3) and grout between them; glazed ones may be a little wavy."""
@@ -69,7 +68,7 @@ def stone_tile(
     return laid(rng, boards, face, grout=grout, joint_m=joint_m, sheen=sheen)
 
 
-def _stone(rng: np.random.Generator, boards: Boards, mottle: float) -> FloatArray:
+def _stone(rng: np.random.Generator, boards: Boards, mottle: float) -> Raster:
     """Clouds and specks, another piece of them on every tile; about 0."""
     ground = Ground(boards.ground.px, (1.6, 1.6))
     cloud = noise(rng, ground, 1.7, longest_m=0.9)

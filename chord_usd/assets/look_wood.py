@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from chord_usd.assets.look_boards import (
     upright,
 )
 from chord_usd.assets.look_colours import WOODS, lit, mixed, plain, rgb_of, toned
-from chord_usd.assets.look_ground import Ground, looked_up, noise
-from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray
+from chord_usd.assets.look_ground import Ground, Raster, looked_up, noise
+from chord_usd.scene.types import ROOM_HEIGHT_M
 
 _RING_M = 0.0085
 """Mean width of a year; finer ones would be finer than the pixels."""
@@ -29,11 +29,11 @@ class Maps:
     """One repeat of a surface."""
 
     ground: Ground
-    rgb: FloatArray
+    rgb: Raster
     """(H, W, 3) sRGB, 0 to 255."""
-    roughness: FloatArray
+    roughness: Raster
     """(H, W), 0 to 1."""
-    height_m: FloatArray
+    height_m: Raster
     """(H, W) relief in metres."""
     standing: bool = False
     """Whether row 0 of the repeat belongs to the ceiling and the last one to the floor."""
@@ -117,7 +117,7 @@ def timber(
     share = 0.62 + 0.09 * fine - 0.42 * rings
     gain = 1.0 + boards.each(_tones(rng, boards.count, variation * (1.0 + 0.5 * wear)))
     joint = boards.joint(joint_m)
-    trodden = 0.0
+    trodden = np.zeros(1, dtype=np.float32)
     if wear > 0.05:
         trodden = noise(rng, ground, 1.2, longest_m=0.8, shortest_m=0.01) * np.float32(wear)
         gain = gain * (1.0 + 0.045 * trodden - 0.1 * wear * _near(boards, 0.006))
@@ -130,9 +130,7 @@ def timber(
     return Maps(ground, rgb, rough, height)
 
 
-def _years(
-    rng: np.random.Generator, boards: Boards, along: FloatArray, wander: FloatArray
-) -> FloatArray:
+def _years(rng: np.random.Generator, boards: Boards, along: Raster, wander: Raster) -> Raster:
     """How much late wood there is, 0 to 1: a cut through rings around the heart of a tree.
 
     Where the cut comes near the heart the rings lie open as flames, beside that as lines.
@@ -151,11 +149,11 @@ def _years(
     return phase * phase * np.clip((1.0 - phase) * 6.0, 0.0, 1.0)
 
 
-def _near(boards: Boards, reach_m: float) -> FloatArray:
+def _near(boards: Boards, reach_m: float) -> Raster:
     return np.clip(1.0 - boards.edge_m / np.float32(reach_m), 0.0, 1.0)
 
 
-def _tones(rng: np.random.Generator, count: int, deviation: float) -> FloatArray:
+def _tones(rng: np.random.Generator, count: int, deviation: float) -> Raster:
     """One number per board; no outliers, which would betray the repeat."""
     return deviation * np.clip(rng.standard_normal(count), -1.6, 1.6)
 
@@ -169,12 +167,14 @@ def panelling(
     lying = running(Ground(px, (ROOM_HEIGHT_M, count * board_m)), count, 1, offset=0.0)
     boards = upright(lying)
     if pattern == "boards":
-        return timber(rng, boards, wood, tone, joint_m, 0.0, sheen, bevel_m=0.003)
+        maps = timber(rng, boards, wood, tone, joint_m, 0.0, sheen, bevel_m=0.003)
+        return replace(maps, standing=True)
     gap_m = 0.38 * board_m
     maps = timber(rng, boards, wood, tone, 0.0, 0.0, sheen, bevel_m=0.0)
     deep = np.clip((gap_m / 2 - boards.edge_m) / boards.ground.px_m + 0.5, 0.0, 1.0)
     rgb = lit(maps.rgb, 1.0 - 0.8 * deep)
-    return Maps(maps.ground, rgb, maps.roughness + 0.3 * deep, maps.height_m - 0.006 * deep)
+    rough, height = maps.roughness + 0.3 * deep, maps.height_m - 0.006 * deep
+    return Maps(maps.ground, rgb, rough, height, standing=True)
 
 
 def wainscot(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from pxr import Gf, Kind, Usd, UsdGeom
 
+from chord_usd.assets.look_library import StyleLooks, style_looks
+from chord_usd.scene.styles import MIXED, style_named
 from chord_usd.scene.types import Asset, Box, Item, Provenance, SceneGraph
 from chord_usd.stage.author import author_stage
 
@@ -67,10 +70,21 @@ def staged_graph(furnished_house: SceneGraph, block: Asset) -> SceneGraph:
     return replace(furnished_house, items=tuple(items), provenance=made)
 
 
+LooksOf = Callable[[int], StyleLooks]
+
+
 @pytest.fixture(scope="session")
-def staged_house(staged_graph: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def looks_of() -> LooksOf:
+    """Small looks of the style of a seed."""
+    return lambda seed: style_looks(style_named(MIXED, seed), seed, 256)
+
+
+@pytest.fixture(scope="session")
+def staged_house(
+    staged_graph: SceneGraph, looks_of: LooksOf, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     path = tmp_path_factory.mktemp("stage") / "house.usda"
-    return author_stage(staged_graph, path, seed=3).path
+    return author_stage(staged_graph, path, seed=3, looks=looks_of(3)).path
 
 
 @pytest.fixture

@@ -99,13 +99,13 @@ def test_a_package_that_lies_there_is_never_changed(
     staged_graph: SceneGraph, tmp_path: Path
 ) -> None:
     """Another house's package of the name stays, ours gets a number, and one of ours is reused."""
-    author_stage(staged_graph, tmp_path / "one.usda", looks=())
+    author_stage(staged_graph, tmp_path / "one.usda")
     theirs = tmp_path / "assets" / "Block" / "payload.usda"
     theirs.write_text(theirs.read_text().replace("0.25", "0.26"))
     (tmp_path / "assets" / "Placeholder" / "notes.txt").write_text("mine")
     before = tree(tmp_path / "assets")
     for name in ("two.usda", "three.usda", "two.usda"):
-        author_stage(staged_graph, tmp_path / name, looks=())
+        author_stage(staged_graph, tmp_path / name)
         _, _, missing = UsdUtils.ComputeAllDependencies(str(tmp_path / name))
         assert missing == []
         after = tree(tmp_path / "assets")

@@ -250,7 +250,7 @@ def test_who_made_the_new_furniture_is_named(
     made = tmp_path / "Jo" / "Jo.usda"
     made.parent.mkdir()
     made.write_text(CHAIR_BY_JO)
-    house = author_stage(staged_graph, tmp_path / "house" / name, looks=()).path
+    house = author_stage(staged_graph, tmp_path / "house" / name).path
     assert "Jo" not in attribution_file(house).read_text()
     room = room_with_items(house)
     new = new_furniture(house, room)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from pxr import Usd, UsdGeom
 
+from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import StageError
 from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.stage.author import author_stage
@@ -17,7 +19,7 @@ from chord_usd.stage.diff import diff_stages
 
 @pytest.fixture
 def before(staged_graph: SceneGraph, tmp_path: Path) -> Path:
-    return author_stage(staged_graph, tmp_path / "before.usda", looks=(), seed=3).path
+    return author_stage(staged_graph, tmp_path / "before.usda", seed=3).path
 
 
 def changed(graph: SceneGraph, number: int, item: Item | None) -> SceneGraph:
@@ -28,7 +30,7 @@ def changed(graph: SceneGraph, number: int, item: Item | None) -> SceneGraph:
 
 
 def told(before: Path, graph: SceneGraph) -> list[str]:
-    after = author_stage(graph, before.with_name("after.usda"), looks=(), seed=3).path
+    after = author_stage(graph, before.with_name("after.usda"), seed=3).path
     return [
         f"{change.path.split('/')[-1]} {change.text}"
         for change in diff_stages(before, after)
@@ -56,7 +58,7 @@ def test_a_piece_that_goes_and_one_that_comes(before: Path, staged_graph: SceneG
     last = max(range(len(staged_graph.items)), key=lambda n: staged_graph.items[n].category)
     texts = told(before, changed(staged_graph, last, None))
     assert sum("is gone" in text for text in texts) == 1
-    same = author_stage(staged_graph, before.with_name("again.usda"), looks=(), seed=3).path
+    same = author_stage(staged_graph, before.with_name("again.usda"), seed=3).path
     back = diff_stages(before.with_name("after.usda"), same)
     assert sum("is new" in change.text for change in back) == 1
 
@@ -77,9 +79,11 @@ def test_an_artist_s_choices_are_told(before: Path, tmp_path: Path) -> None:
     assert any("inputs:width" in text and text.endswith("0.5") for text in texts)
 
 
-def test_other_looks_are_told_by_name(staged_graph: SceneGraph, tmp_path: Path) -> None:
-    first = author_stage(staged_graph, tmp_path / "a.usda", seed=1).path
-    second = author_stage(staged_graph, tmp_path / "b.usda", seed=2).path
+def test_other_looks_are_told_by_name(
+    staged_graph: SceneGraph, looks_of: Callable[[int], StyleLooks], tmp_path: Path
+) -> None:
+    first = author_stage(staged_graph, tmp_path / "a.usda", looks=looks_of(1)).path
+    second = author_stage(staged_graph, tmp_path / "b.usda", looks=looks_of(2)).path
     assert any("wears another wallMaterial" in c.text for c in diff_stages(first, second))
 
 

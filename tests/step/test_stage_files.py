@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from pxr import Sdf, Usd, UsdShade, UsdUtils, UsdValidation
 
+from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import AssetError, OutputError, SceneError
 from chord_usd.runtime.files import deliver
-from chord_usd.scene.looks import load_looks
 from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.summary import summary
+
+LooksOf = Callable[[int], StyleLooks]
 
 
 def files_below(folder: Path) -> dict[str, bytes]:
@@ -52,11 +54,13 @@ def test_the_folder_can_be_moved(staged_house: Path, tmp_path: Path) -> None:
 
 
 def test_same_graph_and_seed_give_the_same_bytes(
-    staged_graph: SceneGraph, staged_house: Path, tmp_path: Path
+    staged_graph: SceneGraph, staged_house: Path, looks_of: LooksOf, tmp_path: Path
 ) -> None:
-    again = author_stage(staged_graph, tmp_path / "a folder" / "house.usda", seed=3)
+    again = author_stage(
+        staged_graph, tmp_path / "a folder" / "house.usda", seed=3, looks=looks_of(3)
+    )
     assert files_below(again.path.parent) == files_below(staged_house.parent)
-    other = author_stage(staged_graph, tmp_path / "other" / "house.usda", seed=4)
+    other = author_stage(staged_graph, tmp_path / "other" / "house.usda", seed=4, looks=looks_of(4))
     assert other.content_hash != again.content_hash
     assert {
         name for name, data in files_below(other.path.parent).items() if "architecture" in name
@@ -67,27 +71,23 @@ def test_same_graph_and_seed_give_the_same_bytes(
 def test_an_open_stage_sees_the_house_that_replaces_it(
     staged_graph: SceneGraph, tmp_path: Path
 ) -> None:
-    path = author_stage(staged_graph, tmp_path / "house.usda", looks=()).path
+    path = author_stage(staged_graph, tmp_path / "house.usda").path
     opened = Usd.Stage.Open(str(path))
-    author_stage(
-        replace(staged_graph, rooms=staged_graph.rooms[:1], items=(), openings=()), path, looks=()
-    )
+    author_stage(replace(staged_graph, rooms=staged_graph.rooms[:1], items=(), openings=()), path)
     assert len(opened.GetPrimAtPath("/House/Rooms").GetChildren()) == 1
 
 
 def test_a_different_house_gives_different_bytes(staged_graph: SceneGraph, tmp_path: Path) -> None:
-    first = author_stage(staged_graph, tmp_path / "first.usda", looks=())
+    first = author_stage(staged_graph, tmp_path / "first.usda")
     fewer = replace(staged_graph, items=staged_graph.items[1:])
-    assert author_stage(fewer, tmp_path / "second.usda", looks=()).content_hash != (
-        first.content_hash
-    )
+    assert author_stage(fewer, tmp_path / "second.usda").content_hash != (first.content_hash)
 
 
 def test_houses_of_a_folder_share_their_packages(staged_graph: SceneGraph, tmp_path: Path) -> None:
-    author_stage(staged_graph, tmp_path / "one.usda", looks=())
+    author_stage(staged_graph, tmp_path / "one.usda")
     asset = tmp_path / "assets" / "Block" / "Block.usda"
     written_ns = asset.stat().st_mtime_ns
-    author_stage(staged_graph, tmp_path / "two.usda", looks=())
+    author_stage(staged_graph, tmp_path / "two.usda")
     assert asset.stat().st_mtime_ns == written_ns
     assert {path.name for path in (tmp_path / "assets").iterdir()} == {"Block", "Placeholder"}
     assert (tmp_path / "two_architecture").is_dir()
@@ -97,10 +97,10 @@ def test_a_second_house_of_a_folder_is_whole_before_it_is_delivered(
     staged_graph: SceneGraph, tmp_path: Path
 ) -> None:
     """Its certificate is made then: generate said that no mesh was there."""
-    author_stage(staged_graph, tmp_path / "one.usda", looks=())
+    author_stage(staged_graph, tmp_path / "one.usda")
     with deliver() as delivery:
         path = delivery.place(tmp_path / "two.usda")
-        author_stage(staged_graph, path, looks=())
+        author_stage(staged_graph, path)
         assert "CHORD008" not in {error.rule for error in check_stage(path, own=True).errors}
 
 
@@ -113,7 +113,7 @@ def test_two_packages_of_one_name_stay_apart(
         replace(staged_graph.items[0], asset=block),
         replace(staged_graph.items[1], asset=twin),
     )
-    path = author_stage(replace(staged_graph, items=items), tmp_path / "house.usda", looks=()).path
+    path = author_stage(replace(staged_graph, items=items), tmp_path / "house.usda").path
     assert (tmp_path / "assets" / "Block_2" / "Block.usda").is_file()
     assert UsdUtils.ComputeAllDependencies(str(path))[2] == []
 
@@ -132,7 +132,7 @@ def test_usdz_is_the_same_house_in_one_file(
 def test_binary_layers_hold_the_same_house(
     staged_graph: SceneGraph, suffix: str, tmp_path: Path, staged_house: Path
 ) -> None:
-    path = author_stage(staged_graph, tmp_path / f"house{suffix}", looks=()).path
+    path = author_stage(staged_graph, tmp_path / f"house{suffix}").path
     assert summary(path) == summary(staged_house)
 
 
@@ -161,24 +161,26 @@ def test_every_floor_and_wall_wears_a_look_in_every_variant(staged_house: Path) 
                 assert all(shader for _, shader in worn_shaders(stage))
 
 
-def test_looks_suit_the_kind_of_their_room(stage: Usd.Stage, staged_graph: SceneGraph) -> None:
-    library = {look.name: look for look in load_looks()}
+def test_rooms_wear_the_looks_of_their_style(
+    stage: Usd.Stage, staged_graph: SceneGraph, looks_of: LooksOf
+) -> None:
+    looks = looks_of(3)
     for room, prim in zip(
         staged_graph.rooms, stage.GetPrimAtPath("/House/Rooms").GetChildren(), strict=True
     ):
         for part in ("floor", "wall"):
-            worn = library[prim.GetVariantSet(f"{part}Material").GetVariantSelection()]
-            assert worn.surface in (part, "both")
-            assert room.kind in worn.kinds or "unknown" in worn.kinds
+            offered = prim.GetVariantSet(f"{part}Material")
+            expected = [look.name for look in looks.choices(part, room, 3)]  # type: ignore[arg-type]
+            assert offered.GetVariantSelection() == expected[0]
+            assert sorted(offered.GetVariantNames()) == sorted(expected)
 
 
 def test_materials_of_the_building_are_labelled(stage: Usd.Stage) -> None:
-    library = {look.name for look in load_looks()}
     for prim in stage.Traverse():
         if prim.IsA(UsdShade.Material) and "Architecture" in str(prim.GetPath()):
             (name,) = prim.GetAttribute("semantics:labels:material").Get()
             worn = prim.GetName().endswith(("_Floor", "_Wall"))
-            assert name in library if worn else name == prim.GetName()
+            assert re.fullmatch(r"[A-Za-z]+_[0-9a-f]{6}", name) if worn else name == prim.GetName()
 
 
 def test_material_names_are_unique_in_the_house(stage: Usd.Stage) -> None:
@@ -200,39 +202,39 @@ def test_a_target_that_cannot_be_written_leaves_nothing(
 ) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OutputError):
-        author_stage(staged_graph, tmp_path / "file" / "house.usda", looks=())
+        author_stage(staged_graph, tmp_path / "file" / "house.usda")
     (tmp_path / "house.usda").mkdir()
     with pytest.raises(OutputError):
-        author_stage(staged_graph, tmp_path / "house.usda", looks=())
+        author_stage(staged_graph, tmp_path / "house.usda")
     with pytest.raises(OutputError, match="blend"):
-        author_stage(staged_graph, tmp_path / "house.blend", looks=())
+        author_stage(staged_graph, tmp_path / "house.blend")
     assert sorted(files_below(tmp_path)) == ["file"]
 
 
 def test_a_failure_half_way_leaves_the_older_house_alone(
     staged_graph: SceneGraph, block: Asset, tmp_path: Path
 ) -> None:
-    author_stage(replace(staged_graph, items=()), tmp_path / "house.usda", looks=())
+    author_stage(replace(staged_graph, items=()), tmp_path / "house.usda")
     before = files_below(tmp_path)
     lost = replace(block, usd_path=tmp_path / "nowhere" / "Lost.usda")
     broken = replace(
         staged_graph, items=(*staged_graph.items[1:], replace(staged_graph.items[0], asset=lost))
     )
     with pytest.raises(AssetError, match="Lost"):
-        author_stage(broken, tmp_path / "house.usda", looks=())
+        author_stage(broken, tmp_path / "house.usda")
     assert files_below(tmp_path) == before
 
 
 def test_a_house_without_rooms_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match="room"):
-        author_stage(SceneGraph((), (), ()), tmp_path / "house.usda", looks=())
+        author_stage(SceneGraph((), (), ()), tmp_path / "house.usda")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_unknown_category_is_an_error(staged_graph: SceneGraph, tmp_path: Path) -> None:
     strange = replace(staged_graph.items[0], category="spaceship")
     with pytest.raises(SceneError, match="spaceship"):
-        author_stage(replace(staged_graph, items=(strange,)), tmp_path / "house.usda", looks=())
+        author_stage(replace(staged_graph, items=(strange,)), tmp_path / "house.usda")
 
 
 def test_references_are_relative(staged_house: Path) -> None:

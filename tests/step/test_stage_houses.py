@@ -18,5 +18,5 @@ from chord_usd.stage.check_rules import broken_rules
 def test_a_random_house_breaks_no_rule(seed: int, tmp_path: Path) -> None:
     plan = random_plan(np.random.default_rng(seed))
     bare = SceneGraph(plan.rooms, plan.openings, ())
-    path = author_stage(bare, tmp_path / "house.usda", looks=()).path
+    path = author_stage(bare, tmp_path / "house.usda").path
     assert broken_rules(Usd.Stage.Open(str(path))) == []

@@ -52,7 +52,7 @@ def test_other_rooms_have_no_railings() -> None:
 
 def test_a_stage_with_railings_keeps_every_rule(tmp_path: Path) -> None:
     graph = SceneGraph((LIVING, BALCONY), (DOOR,), ())
-    stage = Usd.Stage.Open(str(author_stage(graph, tmp_path / "house.usda", looks=()).path))
+    stage = Usd.Stage.Open(str(author_stage(graph, tmp_path / "house.usda").path))
     assert broken_rules(stage) == []
     bars = [prim for prim in stage.Traverse() if prim.GetName() == "Bars"]
     assert len(bars) == 3
