@@ -20,10 +20,12 @@ from chord_usd.commands.common import (
     folder_mode,
     size_m,
     stopwatch,
+    style_name,
     whole_number,
 )
 from chord_usd.commands.paths import output_file, output_place
 from chord_usd.runtime.files import deliver, output_folder
+from chord_usd.scene.styles import MIXED
 
 if TYPE_CHECKING:
     from chord_usd.assets.database import AssetDatabase
@@ -41,6 +43,9 @@ def add(verbs: Verbs) -> None:
     group = add_group(verbs, "assets", "the meshes that layouts are furnished with")
     listing = add_verb(group, "list", run_list, "list the meshes of the database")
     listing.add_argument("--category", metavar="NAME", help="only this category")
+    listing.add_argument(
+        "--style", type=style_name, metavar="NAME", help="only forms that suit this style"
+    )
     add_assets(listing)
     _add_sheet(listing, "also draw a picture of each")
     _add_nearest(group)
@@ -99,7 +104,12 @@ def run_list(options: argparse.Namespace) -> Outcome:
     if options.category:
         palette.category(options.category)
     database = load_database(options.assets)
-    assets = [a for a in database.assets if options.category in (None, a.category)]
+    assets = [
+        a
+        for a in database.assets
+        if options.category in (None, a.category)
+        and (options.style in (None, MIXED, *a.styles) or not a.styles)
+    ]
     if options.sheet:
         _draw_sheet(database, assets, options)
     lines = [f"{a.id:<32} {a.category:<28} {_size(a)}" for a in assets]
@@ -236,6 +246,7 @@ def _described(asset: Asset) -> dict[str, Any]:
         "usd": str(asset.usd_path),
         "licence": asset.licence,
         "author": asset.author,
+        "styles": list(asset.styles),
     }
 
 

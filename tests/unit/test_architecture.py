@@ -191,7 +191,7 @@ def test_every_palette_colour_is_written_once() -> None:
     assert [name_of(f) for f in others if colours & set(code.findall(f.read_text()))] == []
 
 
-VERBS_AND_THEIR_STEPS = {"check", "describe", "diff", "export", "render"}
+VERBS_AND_THEIR_STEPS = {"check", "describe", "diff", "export", "looks", "render"}
 """A verb is called as the step's module that does it."""
 
 
