@@ -158,7 +158,7 @@ def test_a_house_stands_under_the_sky_that_was_chosen(
     name: str, staged_graph: SceneGraph, tmp_path: Path
 ) -> None:
     houses = [
-        author_stage(staged_graph, tmp_path / folder / "h.usda", looks=(), sky=name)
+        author_stage(staged_graph, tmp_path / folder / "h.usda", sky=name)
         for folder in "ab"
     ]
     assert houses[0].content_hash == houses[1].content_hash
@@ -181,7 +181,7 @@ def test_the_sun_of_a_picture_is_turned_to_the_windows(
     light[16:18, 20:22] = (9000.0, 8000.0, 6000.0)
     file = tmp_path / "mine.exr"
     write_exr(file, {name: light[..., at] for at, name in enumerate("RGB")})
-    path = author_stage(staged_graph, tmp_path / "h.usda", looks=(), sky=str(file)).path
+    path = author_stage(staged_graph, tmp_path / "h.usda", sky=str(file)).path
     stage = Usd.Stage.Open(str(path))
     sun = UsdGeom.Xformable(stage.GetPrimAtPath("/House/Lighting/Sun"))
     away = sun.ComputeLocalToWorldTransform(0).TransformDir(Gf.Vec3d(0, 0, 1))
@@ -215,5 +215,5 @@ def test_what_is_no_sky_is_refused(
         write_exr(tmp_path / f"{file}.exr", {one: np.zeros(size, np.float32) for one in "RGB"})
     sky = name if name == "mornin" else str(tmp_path / name)
     with pytest.raises(ChordError, match=told):
-        author_stage(staged_graph, tmp_path / "out" / "h.usda", looks=(), sky=sky)
+        author_stage(staged_graph, tmp_path / "out" / "h.usda", sky=sky)
     assert not (tmp_path / "out").exists()
