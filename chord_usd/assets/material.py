@@ -33,7 +33,7 @@ _MAPS = (
 """Shader of a map, the input of the surface that it feeds, its output, its colour space."""
 
 
-_PICTURE, _CONNECT = "Texture", "connect"
+_PICTURE, _CONNECT, _WIRE = "Texture", "connect", ".connect"
 
 Values = dict[str, tuple[str, Any]]
 """Property of a shader ("Surface.inputs:roughness") to its USD type and value; of type "connect"
@@ -81,7 +81,14 @@ class Looks:
         whole: Values = {}
         for one in reversed(self.inputs):
             whole |= one
-        return whole
+        if self.is_drawn:
+            return whole
+        return {name: value for name, value in whole.items() if not name.endswith(_WIRE)}
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether any colourway has maps or a picture."""
+        return any(self.maps) or any(self.pictures)
 
 
 def slot_looks(slot: str, finishes: Sequence[Finish], shelf: MapShelf) -> Looks:
@@ -115,7 +122,7 @@ def define_material(stage: Usd.Stage, path: str, looks: Looks) -> None:
     shader = UsdShade.Shader.Define(stage, f"{path}/Surface")
     shader.CreateIdAttr("UsdPreviewSurface")
     shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.5)
-    if any(looks.maps) or any(looks.pictures):
+    if looks.is_drawn:
         uv = _coordinates(stage, path)
         if any(looks.maps):
             _define_maps(stage, path, uv)
@@ -146,9 +153,9 @@ def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
     found: Values = {f"Surface.inputs:{k}": v for k, v in named.items()}
     for shader, fed, output, _ in _MAPS:
         source = f"{shader}.outputs:{output}" if maps else None
-        found[f"Surface.inputs:{fed}.connect"] = (_CONNECT, source)
+        found[f"Surface.inputs:{fed}{_WIRE}"] = (_CONNECT, source)
     if picture:
-        found["Surface.inputs:diffuseColor.connect"] = (_CONNECT, f"{_PICTURE}.outputs:rgb")
+        found[f"Surface.inputs:diffuseColor{_WIRE}"] = (_CONNECT, f"{_PICTURE}.outputs:rgb")
         found[f"{_PICTURE}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{picture}"))
     if maps is None:
         return found
@@ -172,6 +179,9 @@ def _define_maps(stage: Usd.Stage, path: str, coordinates: UsdShade.Output) -> N
     for name, _, output, space in _MAPS:
         shader = _texture(stage, f"{path}/{name}", space, uv, output)
         if name == "Normal":
+            # For colourways without maps: Blender complains of an input without a value.
+            surface = UsdShade.Shader.Get(stage, f"{path}/Surface")
+            surface.CreateInput("normal", types.Normal3f).Set(Gf.Vec3f(0.0, 0.0, 1.0))
             shader.CreateInput("scale", types.Float4).Set(Gf.Vec4f(2.0, 2.0, 2.0, 1.0))
             shader.CreateInput("bias", types.Float4).Set(Gf.Vec4f(-1.0, -1.0, -1.0, 0.0))
 
@@ -210,7 +220,7 @@ def _author(stage: Usd.Stage, path: str, values: Values) -> None:
         shader, _, property_ = name.partition(".")
         prim = stage.OverridePrim(f"{path}/{shader}")
         if type_name == _CONNECT:
-            attribute = _connected(prim, property_.removesuffix(".connect"))
+            attribute = _connected(prim, property_.removesuffix(_WIRE))
             attribute.SetConnections([Sdf.Path(f"{path}/{value}")] if value else [])
         else:
             kind = getattr(Sdf.ValueTypeNames, type_name)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.assets.look_noise import blurred, cells, shifted_samples, spectral_noise
-from chord_usd.assets.surface_pattern import Pattern, centred, grid_m, smoothstep
+from chord_usd.assets.look_noise import blurred, shifted_samples, spectral_noise
+from chord_usd.assets.surface_pattern import Pattern, centred, grains, grid_m, smoothstep
 from chord_usd.scene.types import FloatArray
 
 
@@ -99,11 +99,11 @@ def boucle(rng: np.random.Generator, px: int) -> Pattern:
         field = shifted_samples(field, rows + reach * bend[0], columns + reach * bend[1])
         # A yarn is where a field passes zero: a line that closes on itself. Others lie over it.
         yarn = np.sqrt(np.clip(1.0 - (field / 0.62) ** 2, 0.0, 1.0))
-        level = 0.55 * spectral_noise(rng, shape, slope=0.5, lowest=8, highest=24)
+        level = 0.4 * spectral_noise(rng, shape, slope=0.2, lowest=16, highest=30)
         top = np.maximum(top, yarn - 0.35 * (1.0 + level))
     top = blurred(np.clip(top, -0.6, 1.0), px / 800)
     fuzz = spectral_noise(rng, shape, slope=0.2, lowest=px / 12)
-    depth = 0.42 * (1.0 - top) + 0.035 * fuzz
+    depth = 0.27 * (1.0 - top) + 0.03 * fuzz
     return Pattern(tile_m, centred(depth), 0.0017 * top + 0.0001 * fuzz, np.ones(shape), 0.3)
 
 
@@ -121,10 +121,10 @@ def velvet(rng: np.random.Generator, px: int) -> Pattern:
 def leather(rng: np.random.Generator, px: int) -> Pattern:
     """Pebbled hide: grains of 1.5 to 3 mm, creases, a little wear."""
     tile_m, shape = (0.3, 0.3), (px, px)
-    _, inside = cells(rng, shape, 15000)
-    grain = smoothstep(0.0, 0.0016, inside)
-    _, wide = cells(rng, shape, 2600)
-    folds = smoothstep(0.0, 0.0024, wide)
+    _, inside = grains(rng, px, 130)
+    grain = smoothstep(0.0, 0.22, inside)
+    _, wide = grains(rng, px, 46)
+    folds = smoothstep(0.0, 0.12, wide)
     presence = smoothstep(-0.6, 1.0, spectral_noise(rng, shape, slope=1.6, lowest=2, highest=24))
     worn = spectral_noise(rng, shape, slope=1.7, lowest=1, highest=20)
     fine = spectral_noise(rng, shape, slope=0.4, lowest=px / 10)

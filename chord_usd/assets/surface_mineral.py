@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.assets.look_noise import blurred, cells, shifted_samples, spectral_noise
-from chord_usd.assets.surface_pattern import Pattern, centred, smoothstep
+from chord_usd.assets.look_noise import blurred, shifted_samples, spectral_noise
+from chord_usd.assets.surface_pattern import Pattern, centred, grains, smoothstep
 
 
 def brushed(rng: np.random.Generator, px: int) -> Pattern:
@@ -57,22 +57,22 @@ def marble(rng: np.random.Generator, px: int) -> Pattern:
 def quartz(rng: np.random.Generator, px: int) -> Pattern:
     """Engineered stone: grains of quartz of a few millimetres, pale and dark."""
     tile_m, shape = (0.4, 0.4), (px, px)
-    number, inside = cells(rng, shape, 22000)
-    tone = np.clip(rng.standard_normal(22000), -2.0, 2.0)
-    dark = rng.random(22000) < 0.05
-    grains = tone[number] * smoothstep(0.0, 0.002, inside)
-    flecks = dark[number] * smoothstep(0.0006, 0.0016, inside)
-    depth = 0.028 * blurred(grains, px / 900) + 0.2 * blurred(flecks, px / 900)
-    return Pattern(tile_m, centred(depth, 6.0), np.zeros(shape), 1.0 + 0.05 * grains, 0.1)
+    number, inside = grains(rng, px, 150)
+    tone = np.clip(rng.standard_normal(150 * 150), -2.0, 2.0)
+    dark = rng.random(150 * 150) < 0.05
+    pale = tone[number] * smoothstep(0.0, 0.3, inside)
+    flecks = dark[number] * smoothstep(0.1, 0.25, inside)
+    depth = 0.028 * blurred(pale, px / 900) + 0.2 * blurred(flecks, px / 900)
+    return Pattern(tile_m, centred(depth, 6.0), np.zeros(shape), 1.0 + 0.05 * pale, 0.1)
 
 
 def ceramic(rng: np.random.Generator, px: int) -> Pattern:
     """Stoneware under glaze: it pools a little, and specks of iron show."""
     tile_m, shape = (0.25, 0.25), (px, px)
     pooled = spectral_noise(rng, shape, slope=1.7, lowest=2, highest=40)
-    _, inside = cells(rng, shape, 1600)
+    _, inside = grains(rng, px, 40)
     size = spectral_noise(rng, shape, slope=1.0, lowest=8)
-    specks = smoothstep(0.0, 0.003, inside - 0.0105 + 0.0011 * size)
+    specks = smoothstep(0.0, 0.1, inside - 0.5 + 0.05 * size)
     depth = 0.035 * pooled + 0.22 * specks
     height_m = 0.00007 * spectral_noise(rng, shape, slope=2.0, lowest=3, highest=24)
     return Pattern(tile_m, centred(depth, 5.0), height_m, 1.0 + 0.1 * pooled, 0.7)
@@ -83,9 +83,9 @@ def concrete(rng: np.random.Generator, px: int) -> Pattern:
     tile_m, shape = (1.0, 1.0), (px, px)
     cloud = spectral_noise(rng, shape, slope=1.7, lowest=1, highest=60)
     sand = spectral_noise(rng, shape, slope=0.3, lowest=px / 10)
-    _, inside = cells(rng, shape, 1500)
+    _, inside = grains(rng, px, 40)
     size = spectral_noise(rng, shape, slope=0.8, lowest=8)
-    holes = smoothstep(0.0, 0.002, inside - 0.0128 + 0.0011 * size)
+    holes = smoothstep(0.0, 0.08, inside - 0.54 + 0.045 * size)
     depth = 0.055 * cloud + 0.03 * sand + 0.28 * holes
     height_m = 0.00012 * sand + 0.0002 * cloud - 0.0015 * blurred(holes, 0.6)
     return Pattern(tile_m, centred(depth, 5.0), height_m, 1.0 + 0.05 * cloud, 0.4, 0.008 * cloud)

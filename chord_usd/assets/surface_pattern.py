@@ -48,3 +48,25 @@ def centred(field: FloatArray, most: float = 3.0) -> FloatArray:
     limit = most * float(field.std())
     clipped: FloatArray = np.clip(field, -limit, limit)
     return clipped - clipped.mean()
+
+
+def grains(rng: np.random.Generator, px: int, across: int) -> tuple[np.ndarray, FloatArray]:
+    """Cells around across ** 2 seeds that lie about evenly: (px, px) number of the cell, and
+    distance to the cell's border in widths of a cell, up to about a half. It wraps around."""
+    jitter = rng.uniform(0.08, 0.92, (2, across, across))
+    row, column = np.indices((px, px))
+    at = [(one + 0.5) * across / px for one in (row, column)]
+    home = [one.astype(np.int64) for one in at]
+    first, second = np.full((px, px), 9.0), np.full((px, px), 9.0)
+    number = np.zeros((px, px), dtype=np.int64)
+    for down in (-1, 0, 1):
+        for right in (-1, 0, 1):
+            y, x = home[0] + down, home[1] + right
+            index = (y % across) * across + x % across
+            away = np.hypot(
+                y + jitter[0].reshape(-1)[index] - at[0], x + jitter[1].reshape(-1)[index] - at[1]
+            )
+            second = np.minimum(second, np.maximum(first, away))
+            number = np.where(away < first, index, number)
+            first = np.minimum(first, away)
+    return number, (second - first) / 2

@@ -63,6 +63,7 @@ class _Reader:
 
     def __init__(self) -> None:
         self._materials: dict[str, tuple[PBRMaterial, FloatArray]] = {}
+        self._pictures = _Pictures()
 
     def mesh(self, prim: Usd.Prim) -> trimesh.Trimesh:
         """A mesh in its own frame, corners merged where point, normal and coordinate agree."""
@@ -93,7 +94,8 @@ class _Reader:
         bound = bound_material(prim)
         key = str(bound.GetPath()) if bound else ""
         if key not in self._materials:
-            self._materials[key] = _read_material(bound) if bound else (PBRMaterial(), as_it_is())
+            read = _read_material(bound, self._pictures) if bound else (PBRMaterial(), as_it_is())
+            self._materials[key] = read
         return self._materials[key]
 
 
@@ -105,28 +107,72 @@ def _per_corner(values: Any, interpolation: str, corners: np.ndarray) -> FloatAr
     return array if interpolation == UsdGeom.Tokens.faceVarying else array[corners]
 
 
-def _read_material(material: UsdShade.Material) -> tuple[PBRMaterial, FloatArray]:
+class _Pictures:
+    """The pictures of textures, each opened once, from a folder or out of a package."""
+
+    def __init__(self) -> None:
+        self._opened: dict[str, Image.Image] = {}
+        self._packed: dict[tuple[str, float], Image.Image] = {}
+
+    def of(self, texture: UsdShade.Shader) -> Image.Image:
+        """The picture of a texture as it is."""
+        path = texture.GetInput("file").Get().resolvedPath
+        if path not in self._opened:
+            asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+            self._opened[path] = _with_its_bytes(bytes(asset.GetBuffer()))
+        return self._opened[path]
+
+    def roughness(self, texture: UsdShade.Shader) -> Image.Image:
+        """A roughness map as glTF has it: in green, with blue left to the factor of metal.
+
+        Factors end at 1, so what a stage's scale has beyond that goes into the picture.
+        """
+        beyond = max(_scale_of(texture), 1.0)
+        key = texture.GetInput("file").Get().resolvedPath, round(beyond, 3)
+        if key not in self._packed:
+            green = np.array(self.of(texture).convert("L"), dtype=np.float64) * beyond
+            green = np.clip(np.round(green), 0, 255).astype(np.uint8)
+            white = np.full_like(green, 255)
+            buffer = io.BytesIO()
+            packed = Image.fromarray(np.stack([white, green, white], axis=-1))
+            packed.save(buffer, "JPEG", quality=85, subsampling=0)
+            self._packed[key] = _with_its_bytes(buffer.getvalue())
+        return self._packed[key]
+
+
+def _with_its_bytes(data: bytes) -> Image.Image:
+    """A picture that is exported as the file it was: trimesh would encode JPEGs anew, and worse."""
+    picture = Image.open(io.BytesIO(data))
+    picture.load()
+    if picture.format == "JPEG":
+        picture.save = lambda file, **_: file.write(data)  # type: ignore[method-assign]
+    return picture
+
+
+def _scale_of(texture: UsdShade.Shader) -> float:
+    return float(value_of(texture, "scale", (1.0,))[0])
+
+
+def _read_material(
+    material: UsdShade.Material, pictures: _Pictures
+) -> tuple[PBRMaterial, FloatArray]:
     shader = material.ComputeSurfaceSource()[0]
     if not shader:
         return PBRMaterial(), as_it_is()
     opacity = float(value_of(shader, "opacity", 1.0))
-    texture = source_of(shader, "diffuseColor")
+    texture, rough, normal = (
+        source_of(shader, name) for name in ("diffuseColor", "roughness", "normal")
+    )
     colour = (1.0, 1.0, 1.0) if texture else tuple(value_of(shader, "diffuseColor", (0.18,) * 3))
+    roughness = min(_scale_of(rough), 1.0) if rough else value_of(shader, "roughness", 0.5)
     pbr = PBRMaterial(
         name=str(material.GetPath()).strip("/").replace("/", "_"),
         baseColorFactor=[*map(float, colour), opacity],
-        baseColorTexture=_image(texture) if texture else None,
-        roughnessFactor=float(value_of(shader, "roughness", 0.5)),
+        baseColorTexture=pictures.of(texture) if texture else None,
+        metallicRoughnessTexture=pictures.roughness(rough) if rough else None,
+        normalTexture=pictures.of(normal) if normal else None,
+        roughnessFactor=float(roughness),
         metallicFactor=float(value_of(shader, "metallic", 0.0)),
         alphaMode="BLEND" if opacity < 1.0 else "OPAQUE",
     )
     return pbr, placement_of(texture) if texture else as_it_is()
-
-
-def _image(texture: UsdShade.Shader) -> Image.Image:
-    """A texture's picture, from a folder or out of a package."""
-    path = texture.GetInput("file").Get().resolvedPath
-    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
-    picture = Image.open(io.BytesIO(bytes(asset.GetBuffer())))
-    picture.load()
-    return picture

@@ -6,6 +6,7 @@ meets on its way; light that was scattered blurs them all.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -68,14 +69,32 @@ def _plain_colour(surface: Any, means: dict[str, Any]) -> tuple[float, float, fl
     if not colour.is_linked:
         red, green, blue = colour.default_value[:3]
         return red, green, blue
-    texture = colour.links[0].from_node
-    if texture.type != "TEX_IMAGE" or texture.image is None:
+    texture, scale, bias = _picture_of(colour.links[0].from_node)
+    if texture is None:
         return None
     name = texture.image.name
     if name not in means:
         means[name] = _mean(texture.image)
-    mean: tuple[float, float, float] | None = means[name]
-    return mean
+    if means[name] is None:
+        return None
+    red, green, blue = (
+        min(max(mean * factor + more, 0.0), 1.0)
+        for mean, factor, more in zip(means[name], scale, bias, strict=True)
+    )
+    return red, green, blue
+
+
+def _picture_of(node: Any) -> tuple[Any, Sequence[float], Sequence[float]]:
+    """The image texture behind a colour, and the scale and bias that the importer puts after it
+    where a stage says so; None for the texture of anything else."""
+    scale, bias = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+    if node.type == "VECT_MATH" and node.operation == "MULTIPLY_ADD" and node.inputs[0].is_linked:
+        if node.inputs[1].is_linked or node.inputs[2].is_linked:
+            return None, scale, bias
+        scale, bias = node.inputs[1].default_value[:], node.inputs[2].default_value[:]
+        node = node.inputs[0].links[0].from_node
+    is_picture = node.type == "TEX_IMAGE" and node.image is not None
+    return node if is_picture else None, scale, bias
 
 
 def _with_gloss(colour: tuple[float, float, float]) -> tuple[float, float, float]:
