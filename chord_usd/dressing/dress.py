@@ -132,7 +132,7 @@ class _House:
         return RoomFrame(
             room, faces, pieces, taken, walkways, self._stock, taste_of(self._style.name),
             Draws(self._seed, room.id), self._house, self._reliefs, self._balcony_doors,
-            door, list(kept),
+            door, (self._floors.index_of[room.id], len(self._graph.rooms)), list(kept),
         )  # fmt: skip
 
 

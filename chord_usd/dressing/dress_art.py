@@ -144,8 +144,9 @@ def _pictures(frame: RoomFrame) -> None:
 
 
 def _offer(frame: RoomFrame, used: set[str], most_m: tuple[float, float, float]) -> list[Asset]:
-    """Pictures that fit and do not hang in the room yet."""
-    return [a for a in within(frame.stock.offered("picture"), most_m) if a.id not in used]
+    """Pictures that fit and do not hang in the room yet, nor by right in another."""
+    fitting = [a for a in within(frame.stock.offered("picture"), most_m) if a.id not in used]
+    return [asset for asset in fitting if frame.is_own(asset)] or fitting
 
 
 def _centre_m(spot: Spot, height_m: float) -> float:
@@ -172,15 +173,10 @@ def _single(frame: RoomFrame, spot: Spot, rng: np.random.Generator, used: set[st
 def _group(frame: RoomFrame, spot: Spot, rng: np.random.Generator, used: set[str]) -> int:
     """Two or three of one format in a row, or pairs above each other where there is height."""
     most = (spot.width_m * 0.45, 0.2, _TOP_M - spot.base_m)
-    offered = _offer(frame, used, most)
-    formats: dict[tuple[float, float], list[Asset]] = {}
-    for asset in offered:
-        formats.setdefault((asset.size_m[0], asset.size_m[2]), []).append(asset)
-    rows = []
-    for (length, height), alike in sorted(formats.items()):
-        count = min(len(alike), 3, int((spot.width_m + _GAP_M) / (length + _GAP_M)))
-        if count >= 2:
-            rows.append((count * length * height, length, height, count, alike))
+    rows = _rows(_offer(frame, used, most), spot.width_m)
+    if not rows:
+        every = within(frame.stock.offered("picture"), most)
+        rows = _rows([asset for asset in every if asset.id not in used], spot.width_m)
     if not rows:
         return _single(frame, spot, rng, used)
     _, length, height, count, alike = max(rows, key=lambda row: row[0])
@@ -192,6 +188,21 @@ def _group(frame: RoomFrame, spot: Spot, rng: np.random.Generator, used: set[str
         for index, asset in enumerate(chosen)
     ]
     return _put_all(frame, chosen, boxes, used) or _single(frame, spot, rng, used)
+
+
+def _rows(
+    offered: Sequence[Asset], width_m: float
+) -> list[tuple[float, float, float, int, list[Asset]]]:
+    """Rows of pictures of one format that a width takes: area, length, height, how many, which."""
+    formats: dict[tuple[float, float], list[Asset]] = {}
+    for asset in offered:
+        formats.setdefault((asset.size_m[0], asset.size_m[2]), []).append(asset)
+    rows = []
+    for (length, height), alike in sorted(formats.items()):
+        count = min(len(alike), 3, int((width_m + _GAP_M) / (length + _GAP_M)))
+        if count >= 2:
+            rows.append((count * length * height, length, height, count, alike))
+    return rows
 
 
 def _put_all(

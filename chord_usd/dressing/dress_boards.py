@@ -18,6 +18,9 @@ _FROM_EDGE_M = 0.025
 _GAP_M = 0.018
 """Between the things of a group."""
 
+_STEP_M, _STEPS = 0.08, 6
+"""How a thing is moved along its board to where it is free."""
+
 Wish = tuple[str, ...]
 """Categories of which one is put."""
 
@@ -263,8 +266,8 @@ def _stand_group(
     x = start
     for asset in ordered:
         placed = None
-        for step in range(10):
-            middle = x + asset.size_m[0] / 2 + 0.05 * step
+        for step in range(_STEPS):
+            middle = x + asset.size_m[0] / 2 + _STEP_M * step
             if middle + asset.size_m[0] / 2 > half + 1e-6:
                 break
             placed = _stand(frame, board, asset, middle, rng)
@@ -284,7 +287,7 @@ def _stand(
     is_flat = asset.category in ("cutting_board", "book_row", "toaster")
     jitter = 0.0 if is_flat else float(rng.uniform(-0.3, 0.3))
     share = (1.0 if is_flat else 0.35 + 0.4 * jitter) if board.at_back else 0.4 * jitter
-    for part in (share, 0.9, 0.0, -0.5):
+    for part in (share, 0.9, 0.0):
         y = room * part
         box = in_world(Box((x, y, _STANDS_M), asset.size_m, 0.0), board.box)
         if not _carries(frame, board, box, x, y, asset):

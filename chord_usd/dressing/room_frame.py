@@ -61,6 +61,8 @@ class RoomFrame:
     """Ids of openings that lead to balconies."""
     entrance: tuple[WallFace, Hole] | None = None
     """The front door of the house, where it is one of this room's."""
+    place_in_house: tuple[int, int] = (0, 1)
+    """Which of how many rooms it is."""
     placed: list[Item] = field(default_factory=list)
     """Without ids yet, but for what stays."""
 
@@ -94,6 +96,11 @@ class RoomFrame:
             for hole in face.holes:
                 if hole.opening.kind in kinds:
                     yield face, hole
+
+    def is_own(self, asset: Asset) -> bool:
+        """Whether an asset is this room's rather than another's: no two show the same picture."""
+        index, count = self.place_in_house
+        return int(self.house.share(f"own/{asset.id}") * count) == index
 
     def is_inside(self, box: Box) -> bool:
         """Whether a box stands within the room's walls, below its ceiling and above its floor."""

@@ -26,6 +26,7 @@ class TakenSpace:
         self._bounds: list[tuple[float, float, float, float, float, float]] = []
         self._reasons: list[Reason] = []
         self._owners: list[str] = []
+        self._upright: list[bool] = []
         self._arrays: tuple[FloatArray, FloatArray] | None = None
 
     def add(self, box: Box, reason: Reason, owner: str = "") -> None:
@@ -37,6 +38,7 @@ class TakenSpace:
         self._bounds.append((x0, y0, base_m, x1, y1, base_m + box.size_m[2]))
         self._reasons.append(reason)
         self._owners.append(owner)
+        self._upright.append(_is_upright(box))
         self._arrays = None
 
     @property
@@ -76,12 +78,18 @@ class TakenSpace:
         meets &= (bounds[:, 1] < y1) & (bounds[:, 4] > y0)
         meets &= bounds[:, 2] < base_m + box.size_m[2] - TOUCH_M
         meets &= bounds[:, 5] > base_m + TOUCH_M
+        upright = _is_upright(box)
         return any(
             self._reasons[index] not in ignoring
             and self._owners[index] not in but
-            and _overlap(corners, self._corners[index])
+            and ((upright and self._upright[index]) or _overlap(corners, self._corners[index]))
             for index in np.flatnonzero(meets)
         )
+
+
+def _is_upright(box: Box) -> bool:
+    """Whether its sides run along the axes of the world, so that its bounds are itself."""
+    return abs(box.yaw_deg % 90.0) < 1e-6
 
 
 def _overlap(a: FloatArray, b: FloatArray) -> bool:
