@@ -52,6 +52,8 @@ BLENDER = Quality(
     own_lamps=False,
     sample_glow=True,
     matte_bounces=False,
+    clear_glass=False,
+    portals=False,
     keep_scene=False,
 )
 """Blender's own settings, its denoiser on; at the exposures of rooms its clamp is near ours."""
@@ -67,6 +69,8 @@ WAYS: dict[str, Quality] = {
     "ours, light tree": replace(OURS, light_tree_lamps=0),
     "ours, shadow rays to sky and screens": replace(OURS, sample_glow=True),
     "ours, bounces off whole materials": replace(OURS, matte_bounces=False),
+    "ours, no portals": replace(OURS, portals=False),
+    "ours, glass in the way of light": replace(OURS, clear_glass=False),
     "ours, 12 bounces": replace(OURS, bounces=12),
     "ours, 4 bounces": replace(OURS, bounces=4, diffuse_bounces=3),
     "ours, caustics": replace(OURS, caustics=True),
