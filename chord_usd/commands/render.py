@@ -85,6 +85,10 @@ def add_look(group: Options) -> None:
         help="day, evening or another lighting of the stage (the one it has selected)",
     )  # fmt: skip
     group.add_argument(
+        "--sky", default="", metavar="NAME",
+        help="another sky than the stage's: morning, noon, overcast, evening, night, or an HDRI",
+    )  # fmt: skip
+    group.add_argument(
         "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
     )
     group.add_argument(
@@ -103,6 +107,7 @@ def look_of(options: argparse.Namespace) -> dict[str, Any]:
         "samples": options.samples,
         "passes": options.passes,
         "lighting": options.lighting,
+        "sky": options.sky,
     }
 
 
@@ -171,6 +176,7 @@ def words_of(options: argparse.Namespace) -> list[str]:
         "--engine": options.engine,
         "--device": options.device,
         "--lighting": options.lighting,
+        "--sky": options.sky,
         "--walkthrough": options.walkthrough or None,
         "--turntable": options.turntable,
         "--frames": options.frames if options.turntable else None,

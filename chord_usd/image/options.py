@@ -55,6 +55,8 @@ class RenderOptions:
     """Exposure in stops for every picture; None meters each one."""
     lighting: str = ""
     """Choice of the stage's variant set `lighting`; empty for the one it has selected."""
+    sky: str = ""
+    """Name of a sky (scene.skies) or an HDRI's file, in place of the stage's own; empty for that."""
 
     def __post_init__(self) -> None:
         """Raises RenderError for a combination that cannot be rendered."""
@@ -84,6 +86,7 @@ class RenderOptions:
         return {
             "stage_sha256": stage_hash,
             "lighting": self.lighting,
+            "sky": self.sky,
             "width_px": self.resolution_px[0],
             "height_px": self.resolution_px[1],
             "passes": [name for name in PASSES if name in self.passes],

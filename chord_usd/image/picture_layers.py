@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
+from chord_usd.raster.hdri import developed, require_picture
 from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.runtime.stages import open_layer, open_stage
+from chord_usd.scene.skies import Sky, dome_turn_deg, sky_named
 
 if TYPE_CHECKING:
     from pxr import Sdf
@@ -22,23 +24,83 @@ _KEPT = ("defaultPrim", "upAxis", "metersPerUnit")
 
 
 @contextmanager
-def lit_stage(path: Path, lighting: str) -> Iterator[Path]:
-    """Yield a stage with this choice of its variant set `lighting`; "" yields the stage itself.
+def lit_stage(path: Path, lighting: str, sky: str = "") -> Iterator[Path]:
+    """Yield a stage with this choice of its variant set `lighting` and under this sky; "" for both
+    yields the stage itself.
 
-    It is a layer over the stage, thrown away afterwards. Raises StageError for a stage that cannot
-    be read, RenderError with the choices there are.
+    sky: as scene.skies.sky_named takes it; where lighting is "", it is that of the sky's time. It
+    is a layer over the stage, thrown away afterwards. Raises StageError for a stage that cannot be
+    read, ChordError for what is no sky, RenderError with the choices there are.
     """
     from pxr import Sdf
 
-    if not lighting:
+    if not lighting and not sky:
         yield path
         return
+    wanted = sky_named(sky) if sky else None
+    if wanted is not None:
+        require_picture(wanted)
+    lighting = lighting or (wanted.time if wanted else "")
     house = _check(path, lighting)
     with layer_over(path) as (layer, file):
         prim = Sdf.PrimSpec(layer, house, Sdf.SpecifierOver)
         prim.variantSelections[VARIANT_SET] = lighting
+        if wanted is not None:
+            _hang_sky(prim, wanted, _sun_yaw_deg(path), file.parent)
         layer.Save()
         yield file
+
+
+def _sun_yaw_deg(path: Path) -> float:
+    """Where the stage has its sun. Raises RenderError for one that is no house of ours."""
+    stage = open_stage(path, load=False)
+    place = stage.GetDefaultPrim().GetPath().AppendPath("Lighting.chord:sun_yaw_deg")
+    noted = stage.GetAttributeAtPath(place)
+    if not noted:
+        raise RenderError(
+            "has no sky that another could take the place of",
+            where=str(path),
+            expected="a house that chord-usd wrote",
+        )
+    return float(noted.Get())
+
+
+def _hang_sky(house: Sdf.PrimSpec, sky: Sky, yaw_deg: float, folder: Path) -> None:
+    """Write another sky over the house's own."""
+    from pxr import Gf, Sdf
+
+    picture = developed(sky)
+    if picture is None:
+        raise RenderError("the sky's HDRI is not on this machine", try_="pip install bpy")
+    file = folder / "sky.exr"
+    file.write_bytes(picture.exr)
+    sky, types = picture.sky, Sdf.ValueTypeNames
+    scope = Sdf.PrimSpec(house, "Lighting", Sdf.SpecifierOver)
+    dome = Sdf.PrimSpec(scope, "Sky", Sdf.SpecifierDef, "DomeLight")
+    turn_deg = dome_turn_deg(sky.sun_at_deg, yaw_deg)
+    _set(dome, "inputs:intensity", types.Float, sky.radiance)
+    _set(dome, "inputs:texture:file", types.Asset, Sdf.AssetPath(f"./{file.name}"))
+    _set(dome, "inputs:texture:format", types.Token, "latlong")
+    _set(dome, "xformOp:rotateX", types.Double, 90.0)
+    _set(dome, "xformOp:rotateZ", types.Double, turn_deg)
+    _set(dome, "xformOpOrder", types.TokenArray, ["xformOp:rotateZ", "xformOp:rotateX"])
+    sun = Sdf.PrimSpec(scope, "Sun", Sdf.SpecifierDef, "DistantLight")
+    shining = sky.sun
+    _set(sun, "inputs:intensity", types.Float, shining.irradiance if shining else 0.0)
+    if shining:
+        _set(sun, "inputs:angle", types.Float, 1.2)
+        _set(sun, "inputs:normalize", types.Bool, True)
+        _set(sun, "inputs:enableColorTemperature", types.Bool, True)
+        _set(sun, "inputs:colorTemperature", types.Float, shining.kelvin)
+        turn = Gf.Vec3f(90.0 - shining.height_deg, 0.0, yaw_deg + 90.0)
+        _set(sun, "xformOp:rotateXYZ", types.Float3, turn)
+        _set(sun, "xformOpOrder", types.TokenArray, ["xformOp:rotateXYZ"])
+
+
+def _set(prim: Sdf.PrimSpec, name: str, type_: Sdf.ValueTypeName, value: object) -> None:
+    from pxr import Sdf
+
+    Sdf.AttributeSpec(prim, name, type_).default = value
 
 
 @contextmanager

@@ -54,8 +54,8 @@ class Mood:
 
 MOODS: dict[Time, Mood] = {
     "day": Mood((0.25, 1.0), 5200.0, 0.0),
-    "evening": Mood((0.22, 0.4), 3600.0, 1.0),
-    "night": Mood((0.10, 0.22), 3200.0, 1.0),
+    "evening": Mood((0.12, 0.25), 3500.0, 1.0),
+    "night": Mood((0.05, 0.12), 3200.0, 1.0),
 }
 """The first is selected where no sky of another time was chosen."""
 

@@ -19,8 +19,31 @@ from chord_usd.image.worker.outside import panes
 EVEN_SKY = 16.0
 """A sky whose brightest point is at most this many times its mean needs no shadow rays."""
 
+FILM_K = 4300.0
+"""Colour temperature that pictures by lamplight are balanced for: still warm, but not orange."""
+
+_DAYLIGHT_K = 6500.0
+_BY_LAMPS_K = 4000.0
+"""Where area lights are warmer than this, lamps light the house."""
+
 _POWER = "chord_usd_power"
 """Property that keeps what a lamp gives when it shines."""
+
+
+def balance(scene: Any, job: Job) -> bool:
+    """Whether lamps light the rooms, as in the evening; film is then balanced for them.
+
+    Each lamp becomes colder by as many mired as lie between daylight and FILM_K; the sky stays.
+    """
+    lamps = [lamp for lamp in bpy.data.lights if lamp.type in ("AREA", "POINT")]
+    panels = [lamp for lamp in lamps if lamp.type == "AREA" and lamp.use_temperature]
+    if not job.rooms or not panels or min(lamp.temperature for lamp in panels) > _BY_LAMPS_K:
+        return False
+    shift = 1e6 / FILM_K - 1e6 / _DAYLIGHT_K
+    for lamp in lamps:
+        if lamp.use_temperature:
+            lamp.temperature = 1e6 / max(1e6 / lamp.temperature - shift, 1e6 / 15000.0)
+    return True
 
 
 def switch_lamps(scene: Any, job: Job, room: str) -> None:

@@ -14,9 +14,10 @@ from chord_usd.image.job import Job, Part
 METER_WIDTH_PX = 96
 METER_SAMPLES = 16
 KEY = 0.36
+KEY_BY_LAMPS = 0.2
 KEY_FROM_ABOVE = 0.2
 """Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale.
-From above one sees their floors instead, which are darker."""
+From above one sees their floors instead, which are darker; by lamplight corners stay dark."""
 
 _ROOM_ALPHA = 0.6
 """Pixels that show less than this of anything but sky are a view through a window."""
@@ -85,8 +86,8 @@ def expose(scene: Any, exposure_ev: float, clamp: bool) -> None:
     scene.cycles.sample_clamp_indirect = limit if clamp else 0.0
 
 
-def metered_exposure_ev(scene: Any, job: Job, from_above: bool) -> float:
-    """Stops that bring the room's log-average luminance to its key.
+def metered_exposure_ev(scene: Any, job: Job, key: float) -> float:
+    """Stops that bring the room's log-average luminance to a key.
 
     Metered on a tiny noisy rendering of the whole view, so every part of a picture gets the same.
     What is seen of the sky does not count.
@@ -113,7 +114,6 @@ def metered_exposure_ev(scene: Any, job: Job, from_above: bool) -> float:
     render.film_transparent = not has_sky
     render.resolution_percentage, cycles.use_denoising = 100, denoised
     set_samples(scene, job.quality.samples, job.part)
-    key = KEY_FROM_ABOVE if from_above else KEY
     return exposure_ev(rgb @ np.array([0.2126, 0.7152, 0.0722]), key)
 
 

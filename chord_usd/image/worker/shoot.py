@@ -17,10 +17,19 @@ from chord_usd.image.worker.bounces import make_bounces_matte
 from chord_usd.image.worker.cutaway import cut_open, show_alone
 from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor
-from chord_usd.image.worker.lamps import aim_at_lamps, switch_lamps
-from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
+from chord_usd.image.worker.lamps import aim_at_lamps, balance, switch_lamps
+from chord_usd.image.worker.light import (
+    KEY,
+    KEY_BY_LAMPS,
+    KEY_FROM_ABOVE,
+    expose,
+    metered_exposure_ev,
+    set_look,
+    set_quality,
+)
 from chord_usd.image.worker.outside import Outside
 from chord_usd.image.worker.scene import aim, import_stage, open_roof
+from chord_usd.image.worker.shades import Shades
 
 Report = Callable[[dict[str, Any]], None]
 
@@ -36,7 +45,8 @@ def shoot(job: Job, report: Report) -> None:
     set_quality(scene, job)
     # Made when all objects are in place: a copy of a scene lists those it had.
     data = data_scene(scene, job) if job.data else None
-    outside = Outside(scene, job)
+    outside, shades = Outside(scene, job), Shades(job)
+    by_lamps = balance(scene, job)
     aim_at_lamps(scene, job)
     if job.quality.matte_bounces:
         make_bounces_matte()
@@ -53,7 +63,16 @@ def shoot(job: Job, report: Report) -> None:
         open_roof(scene, view.from_above)
         outside.show_ground(False)
         switch_lamps(scene, job, view.room)
-        exposure_ev = _take_light(scene, job, view, outside, report) if job.colour else 0.0
+        key = KEY_FROM_ABOVE if view.from_above else KEY_BY_LAMPS if by_lamps else KEY
+        exposure_ev = 0.0
+        if job.colour:
+            fixed = job.exposure_ev
+            exposure_ev = metered_exposure_ev(scene, job, key) if fixed is None else fixed
+            expose(scene, exposure_ev, job.quality.clamp)
+            outside.show_ground(not (view.from_above or view.is_alone))
+            outside.hold(scene.camera, exposure_ev)
+            shades.glow(exposure_ev)
+            _take_light(scene, job, view, report)
         if data is not None:
             _frame_part(data, job)
             render_data(data, Path(job.folder) / DATA_FILE.format(view.name))
@@ -61,13 +80,8 @@ def shoot(job: Job, report: Report) -> None:
         report({"taken": view.name, "exposure_ev": exposure_ev, "cpu_s": cpu_s})
 
 
-def _take_light(scene: Any, job: Job, view: StageCamera, outside: Outside, report: Report) -> float:
-    """Render one view as a picture and as linear light; returns its exposure in stops."""
-    fixed = job.exposure_ev
-    exposure_ev = metered_exposure_ev(scene, job, view.from_above) if fixed is None else fixed
-    expose(scene, exposure_ev, job.quality.clamp)
-    outside.show_ground(not view.from_above)
-    outside.hold(scene.camera, exposure_ev)
+def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> None:
+    """Render one view as a picture and as linear light."""
     _frame_part(scene, job)
 
     # Cycles prints no samples on standard output; this is where it tells them.
@@ -87,7 +101,6 @@ def _take_light(scene: Any, job: Job, view: StageCamera, outside: Outside, repor
     if job.part is None:
         _write_png(scene, result, folder / PICTURE_FILE.format(view.name), view.from_above)
     _write_linear(scene, result, folder / COLOUR_FILE.format(view.name), view.from_above)
-    return exposure_ev
 
 
 def _frame_part(scene: Any, job: Job) -> None:
