@@ -23,7 +23,7 @@ from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORI
 
 ALL = designs()
 LEAST_TRIANGLES = 150
-MOST_TRIANGLES = 8000
+MOST_TRIANGLES = 12_000
 
 
 def _smallest_and_largest() -> list[Design]:

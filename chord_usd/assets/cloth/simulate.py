@@ -11,8 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from chord_usd.assets.cloth.bedding import Duvet, laid, over_rail, thrown
 from chord_usd.assets.cloth.hangings import Hanging, hung
 from chord_usd.assets.cloth.stored import save
+from chord_usd.assets.cloth.stuffed import Stuffed, filled
 from chord_usd.scene.types import FloatArray
 
 Made = tuple[FloatArray, np.ndarray, FloatArray]
@@ -32,16 +34,48 @@ _HANGINGS = {
 }
 
 
-def makers() -> dict[str, Callable[[], Made]]:
-    """How each stored cloth is made, by its name."""
-    return {name: lambda one=one: hung(one) for name, one in _HANGINGS.items()}
+_STUFFED = {
+    "pillow_full": Stuffed(0.74, 0.5, (44, 30), pressure=6.5, seed=1),
+    "pillow_slack": Stuffed(0.74, 0.5, (44, 30), pressure=4.5, bending=0.1, seed=2),
+    "cushion_square": Stuffed(0.5, 0.5, (36, 36), pressure=7.0, seed=3),
+    "cushion_slack": Stuffed(0.5, 0.5, (36, 36), pressure=5.0, bending=0.1, seed=4),
+    "cushion_lumbar": Stuffed(0.58, 0.36, (42, 26), pressure=7.0, seed=5),
+}
+
+_DUVETS = {
+    f"smooth_{100 * length:.0f}": Duvet(length, 1.42, 0.3, 3.0, 0.02, 0.04, seed, turned_m=0.36)
+    for length, seed in ((1.0, 1), (1.6, 2))
+} | {
+    f"rumpled_{100 * length:.0f}": Duvet(length, 1.5, 0.32, 0.5, 0.06, 0.034, seed)
+    for length, seed in ((1.0, 3), (1.6, 4))
+}  # fmt: skip
+
+
+def makers() -> dict[str, Callable[[], dict[str, Made]]]:
+    """How the stored cloths are made: some hang together and are made at once."""
+    found: dict[str, Callable[[], dict[str, Made]]] = {}
+    for name, hanging in _HANGINGS.items():
+        found[name] = lambda name=name, one=hanging: {name: hung(one)}
+    for name, stuffed in _STUFFED.items():
+        found[name] = lambda name=name, one=stuffed: {name: filled(one)}
+    for name, duvet in _DUVETS.items():
+        found[name] = lambda name=name, one=duvet: {
+            f"{part}_{name}": made for part, made in laid(one).items()
+        }
+    for length in (1.0, 1.6):
+        name = f"throw_bed_{100 * length:.0f}"
+        found[name] = lambda name=name, wide=length: {name: thrown(wide, 0.6, 0.3, 7)}
+    for name, length, drop in (("towel_long", 0.46, 0.5), ("towel_short", 0.3, 0.34)):
+        found[name] = lambda name=name, one=(length, drop): {name: over_rail(*one, seed=9)}
+    return found
 
 
 def main(names: list[str]) -> None:
     """Simulate these cloths, all of them by default, and store them."""
     every = makers()
     for name in names or list(every):
-        print(save(name, *every[name]()))  # noqa: T201
+        for stored_name, made in every[name]().items():
+            print(save(stored_name, *made))  # noqa: T201
 
 
 if __name__ == "__main__":

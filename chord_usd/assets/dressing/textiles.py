@@ -33,6 +33,7 @@ _COLOURS: dict[str, tuple[int, int, int]] = {
 
 _WEAVES: dict[str, tuple[Surface, float]] = {
     "linen": ("weave", 0.95),
+    "cloth": ("weave", 0.95),
     "cotton": ("weave", 0.92),
     "wool": ("knit", 0.97),
     "velvet": ("velvet", 0.7),

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
-from chord_usd.assets.model import Part, Style, editions, steps
+import numpy as np
+
+from chord_usd.assets.dressing.textiles import TEXTILES
+from chord_usd.assets.model import Design, Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -12,8 +18,9 @@ from chord_usd.assets.solids import (
     box,
     joined,
     lathe,
+    loft,
     mirrored_pair,
-    rounded_slab,
+    ring,
 )
 
 
@@ -25,14 +32,26 @@ def padded_panel(size_m: Size, *, rows: int = 1, pitch_m: float = 0.2) -> tuple[
     columns = max(2, round(length / pitch_m))
     wide, tall = length / columns, height / rows
     deep = width - 0.004
-    pad = rounded_slab((wide - 0.002, tall - 0.002, deep), 0.02, min(0.03, deep * 0.45), 2, 3)
-    pad = pad.turned("x", 90).moved(y=width / 2 - 0.004)
+    pad = _stuffed(wide - 0.001, tall - 0.001, deep).turned("x", 90).moved(y=width / 2 - 0.004)
     pads = [
         pad.moved(x=-length / 2 + wide * (c + 0.5), z=tall * (r + 0.5))
         for c in range(columns)
         for r in range(rows)
     ]
     return (Part("Board", board, "board"), Part("Pads", joined(pads), "cloth", collider=None))
+
+
+def _stuffed(length: float, width: float, height: float) -> Solid:
+    """A pad that swells from its seams: round along its short side, flat along its long one."""
+    seam = min(0.016, 0.4 * height)
+    flat = ring(length, width, 0.008, 0.0, 2)
+    rings = [flat, ring(length, width, 0.008, height - 2 * seam, 2)]
+    short = min(length, width)
+    for turn in np.radians((30.0, 55.0, 75.0, 90.0)):
+        inset = (1 - math.cos(turn)) * 0.42 * short
+        rise = height - 2 * seam + 2 * seam * math.sin(turn)
+        rings.append(ring(length - inset, width - inset, 0.008 + 0.2 * inset, rise, 2))
+    return loft(rings)
 
 
 def slatted_panel(size_m: Size, *, has_shelf: bool = False) -> tuple[Part, ...]:
@@ -134,14 +153,22 @@ def _prints(frame: str, ground: str, hill: str, sun: str) -> dict[str, str]:
     return {"wood": frame, "paper": "paper", "art_a": ground, "art_b": hill, "art_c": sun}
 
 
-_PADS = {
-    "grey": _padding("grey_cloth"),
-    "beige": _padding("beige_cloth"),
-    "green": _padding("green_cloth"),
-}
+def _padded(cloths: tuple[str, ...]) -> dict[str, dict[str, str]]:
+    return {cloth.rsplit("_", 1)[0]: _padding(cloth) for cloth in cloths}
+
+
+_PADS = _padded(("grey_cloth", "charcoal_cloth", "cream_boucle", "teal_velvet", "beige_cloth"))
+_RICH_PADS = _padded(("cream_cloth", "beige_cloth", "navy_velvet", "forest_velvet",
+                      "burgundy_velvet"))  # fmt: skip
+_SOFT_PADS = _padded(("linen", "grey_cloth", "beige_cloth", "sage_linen", "blush_linen"))
+_LEATHER_PADS = _padded(("tan_leather", "brown_leather", "charcoal_cloth", "black_leather"))
 _SLATS = {
     "oak": _slats("oak"),
+    "pale_oak": _slats("pale_oak"),
+    "birch": _slats("birch"),
     "walnut": _slats("walnut", "ceramic"),
+    "dark_walnut": _slats("dark_walnut", "ceramic"),
+    "black_stain": _slats("black_stain"),
     "white": _slats("warm_white"),
 }
 _PRINTS = {
@@ -150,17 +177,32 @@ _PRINTS = {
     "forest": _prints("walnut", "forest", "sage", "mustard_cloth"),
 }
 
-_HEADS = (
-    Style("Bed_Panel_Channels", padded_panel, _PADS, 1.0),
-    Style("Bed_Panel_Slats", slatted_panel, _SLATS, 1.2),
-    Style("Bed_Panel_Tiles", partial(padded_panel, rows=3, pitch_m=0.38), _PADS, 1.05),
-)
+_Form = tuple[Style, tuple[str, ...]]
+_TILES = partial(padded_panel, rows=3, pitch_m=0.38)
+_HEADS: tuple[_Form, ...] = (
+    (Style("Bed_Panel_Channels", padded_panel, _PADS, 1.0), ("modern",)),
+    (Style("Bed_Panel_Slats", slatted_panel, _SLATS, 1.2), ("japanese", "scandinavian")),
+    (Style("Bed_Panel_Soft", partial(padded_panel, pitch_m=0.5), _SOFT_PADS, 1.0),
+     ("scandinavian",)),
+    (Style("Bed_Panel_Tiles", _TILES, _RICH_PADS, 1.05), ("classic",)),
+    (Style("Bed_Panel_Leather", partial(padded_panel, rows=4, pitch_m=0.9), _LEATHER_PADS, 1.1),
+     ("industrial",)),
+)  # fmt: skip
 _PICTURES = Style("Sofa_Prints", pictures, _PRINTS, 0.85)
 _SLAT_WALL = Style("Sofa_Slats", slatted_panel, _SLATS, 1.2)
 _SLAT_LEDGE = Style("Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1)
 
+
+def _heads() -> Iterator[Design]:
+    for style, styles in _HEADS:
+        for design in editions(
+            "bed_background", (style,), (1.2, 1.35, 1.5, 1.8, 2.0, 2.4, 3.0), (0.06, 0.09)
+        ):
+            yield replace(design, finishes=TEXTILES, styles=styles)
+
+
 DESIGNS = (
-    *editions("bed_background", _HEADS, (1.2, 1.35, 1.5, 1.8, 2.0, 2.4, 3.0), (0.06, 0.09)),
+    *_heads(),
     *editions("sofa_background", (_PICTURES, _SLAT_WALL), steps(1.25, 3.55), (0.06,)),
     *editions("sofa_background", (_SLAT_LEDGE, _PICTURES), steps(1.25, 3.55, 0.2), (0.1,)),
 )

@@ -1,0 +1,137 @@
+"""Duvets with folds, their turned-back ends, throws over a bed's foot, towels over a rail.
+
+A bed's own frame here: the mattress' upper side at z = 0, its foot end at y = 0, its head at +y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from chord_usd.assets.cloth.blender_cloth import Fabric, draped
+from chord_usd.assets.cloth.cloth_grids import grid_faces, smoothed, thickened
+from chord_usd.assets.solids import Solid, box, cylinder, soft_block
+from chord_usd.scene.types import FloatArray
+
+MATTRESS_INSET_M = 0.08
+"""From the side of a bed to the side of its mattress: what hangs down needs it."""
+
+_CELL_M = 0.025
+
+
+@dataclass(frozen=True)
+class Duvet:
+    """A duvet on a bed."""
+
+    length_m: float
+    """Of the bed, across it."""
+    reach_m: float
+    """From the mattress' foot end to the duvet's upper end."""
+    hang_m: float
+    bending: float
+    slack: float
+    """Share by which it is larger than its place: it lies in folds."""
+    thick_m: float
+    seed: int
+    turned_m: float = 0.0
+    """How much of the upper end is turned back."""
+
+
+def laid(duvet: Duvet) -> dict[str, tuple[FloatArray, np.ndarray, FloatArray]]:
+    """Points, faces, cloth coordinates of the "duvet" and, where it is turned back, the "band"."""
+    half = duvet.length_m / 2 - MATTRESS_INSET_M
+    bed = [
+        soft_block((2 * half, 2.0, 0.24), 0.06, (8, 8, 1)).moved(y=1.0, z=-0.24),
+        box((2 * half + 0.05, 2.06, 0.2)).moved(y=0.99, z=-0.42),
+    ]
+    wide, deep = 2 * (half + duvet.hang_m), duvet.reach_m + duvet.hang_m
+    middle_y = (duvet.reach_m - duvet.hang_m) / 2
+    top = _dropped(wide, deep, (0.0, middle_y, 0.05), duvet, bed)
+    whole = _finished(*top, duvet.thick_m, (0.0, 0.6, -0.12))
+    found = {"duvet": whole}
+    if duvet.turned_m:
+        under = [*bed, Solid(whole[0], whole[1])]
+        y = duvet.reach_m - duvet.turned_m / 2 + 0.015
+        lift = float(whole[0][:, 2].max()) + 0.01
+        band = _dropped(wide - 0.04, duvet.turned_m, (0.0, y, lift), duvet, under)
+        found["band"] = _finished(*band, 0.6 * duvet.thick_m, (0.0, y, -0.1))
+    return found
+
+
+def _dropped(
+    wide: float, deep: float, at: tuple[float, float, float], duvet: Duvet, under: list[Solid]
+) -> tuple[FloatArray, FloatArray]:
+    """A sheet after its fall, every second line of it, and its cloth coordinates."""
+    rng = np.random.default_rng(duvet.seed)
+    columns, rows = (2 * round(side / _CELL_M / 2) + 1 for side in (wide, deep))
+    x, y = np.meshgrid(np.linspace(-wide / 2, wide / 2, columns),
+                       np.linspace(deep / 2, -deep / 2, rows))  # fmt: skip
+    rest = np.stack([x, y, np.zeros_like(x)], axis=-1)
+    start = rest * (1.0 - duvet.slack) + at
+    start[..., 2] += 0.03 * _bumps(x, y, rng, 26, 0.12)
+    fabric = Fabric(bending=duvet.bending, self_collision=False, gap_m=0.012, mass_kg=0.2)
+    found = draped(
+        start.reshape(-1, 3), grid_faces(rows, columns), fabric, 45, obstacles=under,
+        rest_m=rest.reshape(-1, 3),
+    ).reshape(rest.shape)  # fmt: skip
+    return smoothed(found, 1)[::2, ::2], rest[::2, ::2, :2]
+
+
+def _bumps(
+    x: FloatArray, y: FloatArray, rng: np.random.Generator, count: int, size_m: float
+) -> FloatArray:
+    total = np.zeros_like(x)
+    for _ in range(count):
+        cx, cy = rng.uniform(x.min(), x.max()), rng.uniform(y.min(), y.max())
+        turn = rng.uniform(0.0, np.pi)
+        u = (x - cx) * np.cos(turn) + (y - cy) * np.sin(turn)
+        v = (y - cy) * np.cos(turn) - (x - cx) * np.sin(turn)
+        total += rng.uniform(-1, 1) * np.exp(-((u / size_m) ** 2) - (v / (3 * size_m)) ** 2)
+    return total
+
+
+def _finished(
+    grid: FloatArray, flat: FloatArray, thick_m: float, core_m: tuple[float, float, float]
+) -> tuple[FloatArray, np.ndarray, FloatArray]:
+    points, faces, owner = thickened(grid, thick_m, core_m)
+    return points, faces, flat.reshape(-1, 2)[owner]
+
+
+def thrown(length_m: float, width_m: float, hang_m: float, seed: int) -> tuple:
+    """A throw across a made bed of this length; its hems hang down at both sides."""
+    body = soft_block((length_m, 1.4, 0.6), 0.075, (8, 6, 2)).moved(z=-0.6)
+    blanket = Duvet(length_m, 0.0, 0.0, 0.6, 0.035, 0.014, seed)
+    wide = length_m - 0.08 + 2 * hang_m
+    grid, flat = _dropped(wide, width_m, (0.0, 0.0, 0.06), blanket, [body])
+    return _finished(grid, flat, 0.014, (0.0, 0.0, -0.05))
+
+
+def over_rail(length_m: float, drop_m: float, seed: int) -> tuple:
+    """A towel over a rail along x at z = 0; it hangs a little longer in front."""
+    rng = np.random.default_rng(seed)
+    bar = cylinder(0.012, length_m + 0.4, 0.0, 16).moved(z=-length_m / 2 - 0.2).turned("y", 90)
+    columns, rows = (2 * round(side / 0.016 / 2) + 1 for side in (length_m, 1.9 * drop_m))
+    x, y = np.meshgrid(np.linspace(-length_m / 2, length_m / 2, columns),
+                       np.linspace(0.9 * drop_m, -drop_m, rows))  # fmt: skip
+    rest = np.stack([x, y, np.zeros_like(x)], axis=-1)
+    start = _folded_over(rest, 0.02)
+    start[..., 1] += 0.012 * _bumps(x, y, rng, 10, 0.1)
+    fabric = Fabric(bending=0.8, self_collision=False, gap_m=0.006, mass_kg=0.2)
+    found = draped(
+        start.reshape(-1, 3), grid_faces(rows, columns), fabric, 40, obstacles=[bar],
+        rest_m=rest.reshape(-1, 3),
+    ).reshape(rest.shape)  # fmt: skip
+    grid = smoothed(found, 1)[::2, ::2]
+    return _finished(grid, rest[::2, ::2, :2], 0.011, (0.0, 0.0, -0.05))
+
+
+def _folded_over(flat: FloatArray, radius_m: float) -> FloatArray:
+    """Bent over a bar of this radius at the origin's height."""
+    y = flat[..., 1]
+    turn = np.clip(y / radius_m, -np.pi / 2, np.pi / 2)
+    down = np.abs(y) - np.abs(turn) * radius_m
+    bent = flat.copy()
+    bent[..., 1] = radius_m * np.sin(turn)
+    bent[..., 2] = radius_m * np.cos(turn) - down
+    return bent
