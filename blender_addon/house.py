@@ -11,7 +11,7 @@ from mathutils import Matrix as WorldMatrix
 
 from .core.edits import Changes, Matrix, moves, placements_of_house, told, understood
 from .core.revisions import revision
-from .core.tree import CAMERAS, is_ceiling, is_light, is_piece, is_placed, room_of
+from .core.tree import CAMERAS, is_ceiling, is_light, is_piece, is_placed, piece_of, room_of
 from .properties import PART_KEY, chosen_room, fields
 
 LOCKED_KEY = "chord_usd_locked"
@@ -24,6 +24,7 @@ LEAST_LIGHT = 1e-3
 """Share of its brightness that a lamp keeps that was put out; an exposure has no zero."""
 
 CATEGORY_KEY, SIZE_KEY = "chord:category", "chord:size_m"
+NODE_KEY, RESTS_KEY = "chord:node_id", "chord:rests_on"
 EDITED_KEY, MOVED_KEY = "chord:edited_by", "chord:moved_m"
 """Custom properties that the importer gives pieces: attributes of the stage."""
 
@@ -61,9 +62,47 @@ def objects_at(context: bpy.types.Context, paths: Iterable[str]) -> list[bpy.typ
 
 
 def pieces_of(context: bpy.types.Context, room: str) -> Objects:
-    """The furniture of a room by USD path, in the order of their names."""
+    """Furniture and dressing of a room by USD path, in the order of their names."""
     found = own_objects(context)
     return {path: found[path] for path in sorted(found) if is_piece(path) and room_of(path) == room}
+
+
+def carriers(objects: Objects) -> dict[str, str]:
+    """By the path of dressing that rests on a piece, the path of that piece."""
+    nodes = {item[NODE_KEY]: piece_of(path) for path, item in objects.items() if NODE_KEY in item}
+    found = {
+        path: nodes.get(item.get(RESTS_KEY, ""), "")
+        for path, item in objects.items()
+        if is_piece(path)
+    }
+    return {path: piece for path, piece in found.items() if piece in objects and piece != path}
+
+
+def with_resting(objects: Objects, path: str) -> list[str]:
+    """The path of a piece, and those of what rests on it, and on that."""
+    found, rests_on = [path], carriers(objects)
+    for below in found:
+        found += [one for one, piece in rests_on.items() if piece == below and one not in found]
+    return found
+
+
+def with_carriers(objects: Objects, path: str) -> list[str]:
+    """The path of a piece, and those of what it rests on, and what that does."""
+    found, rests_on = [path], carriers(objects)
+    for above in found:
+        if (piece := rests_on.get(above, "")) and piece not in found:
+            found.append(piece)
+    return found
+
+
+def hang_on_carriers(objects: Objects) -> None:
+    """Let dressing go with what it rests on when that is moved; it stays where it is."""
+    for path, piece in carriers(objects).items():
+        item, carrier = objects[path], objects[piece]
+        world = item.matrix_world.copy()
+        item.parent = carrier
+        item.matrix_parent_inverse = carrier.matrix_world.inverted_safe()
+        item.matrix_basis = world
 
 
 def component(objects: Objects, piece: str) -> str:

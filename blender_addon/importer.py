@@ -12,6 +12,7 @@ from .core.tree import Branch, collection_tree, room_names, usd_paths
 from .house import (
     Objects,
     adopt,
+    hang_on_carriers,
     light_of,
     own_objects,
     remember,
@@ -38,6 +39,8 @@ def import_house(context: bpy.types.Context, house: Path) -> None:
     context.scene.collection.children.link(root)
     for item in objects.values():
         context.scene.collection.objects.unlink(item)
+    context.view_layer.update()
+    hang_on_carriers(objects)
     context.view_layer.update()
     remember(context, house, read_changes(house))
     _fill_rooms(context, room_names(objects))

@@ -12,7 +12,7 @@ from .core import commands
 from .core.edits import as_it_was
 from .core.errors import InputError
 from .core.layer import house_of
-from .core.program import WISHES_FROM
+from .core.program import WISHES_FROM, WITHOUT_DRESSING
 from .core.revisions import keep
 from .core.tree import is_piece, room_of
 from .jobs import (
@@ -182,7 +182,10 @@ class ChordDice(bpy.types.Operator):
 def _furnish_settings(context: bpy.types.Context, seed: int) -> commands.FurnishSettings:
     own = fields(context)
     assets = bpy.path.abspath(own.assets)
-    return commands.FurnishSettings(seed, own.steps, assets, own.tabletop)
+    program = session.known_program(preferences(context).program)
+    can_choose = program is not None and WITHOUT_DRESSING in program.abilities
+    dressing = own.dressing or not can_choose
+    return commands.FurnishSettings(seed, own.steps, assets, own.tabletop, dressing)
 
 
 def _output_folder(field: str) -> Path:

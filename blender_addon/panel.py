@@ -7,10 +7,10 @@ from pathlib import Path
 import bpy
 
 from .core import report, swaps
-from .core.program import WISHES_FROM
+from .core.program import WISHES_FROM, WITHOUT_DRESSING
 from .core.state import OFFERED_BY, panel_state, wrapped
-from .core.tree import piece_of
-from .house import LOCKED_KEY, arranged, own_objects, pieces_of
+from .core.tree import is_dressing, piece_of
+from .house import LOCKED_KEY, Objects, arranged, own_objects, pieces_of
 from .jobs import unsaved_folder
 from .preferences import preferences
 from .previews import icon
@@ -116,26 +116,28 @@ class ChordFurniturePanel(_HousePart, bpy.types.Panel):
     bl_label = "Furniture"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """A line for each piece; models to choose from below the one that is to be swapped."""
-        own = fields(context)
-        looks, models = report.looks(parsed(own.contents)), report.models(parsed(own.contents))
-        for path, item in pieces_of(context, chosen_room(context)).items():
-            row = self.layout.row(align=True)
-            name = report.spaced(path.split("/")[-1])
-            row.operator("chord.select_piece", text=name, icon="RESTRICT_SELECT_OFF").path = path
-            lock = "LOCKED" if item.get(LOCKED_KEY) else "UNLOCKED"
-            row.operator("chord.lock_piece", text="", icon=lock).path = path
-            start = _when_idle(row.row(align=True))
-            start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
-            row.operator("chord.delete_piece", text="", icon="TRASH").path = path
-            if piece_of(own.swap_path) == path:
-                if told := arranged(own_objects(context), path):
-                    _draw_text(self.layout, told, "INFO")
-                box = _when_idle(self.layout.box())
-                _draw_models(box, own, models.get(own.swap_path, ""))
-                for look in looks:
-                    if look.path == own.swap_path:
-                        _draw_look(box, look)
+        """A line for each piece."""
+        pieces = pieces_of(context, chosen_room(context))
+        _draw_pieces(self.layout, context, {p: i for p, i in pieces.items() if not is_dressing(p)})
+
+
+class ChordDressingPanel(_HousePart, bpy.types.Panel):
+    """What the chosen room is dressed with"""
+
+    bl_idname = "VIEW3D_PT_chord_dressing"
+    bl_label = "Dressing"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is any in the room."""
+        return super().poll(context) and any(
+            map(is_dressing, pieces_of(context, chosen_room(context)))
+        )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """A line for each thing, as of furniture."""
+        pieces = pieces_of(context, chosen_room(context))
+        _draw_pieces(self.layout, context, {p: i for p, i in pieces.items() if is_dressing(p)})
 
 
 class ChordCertificatePanel(_HousePart, bpy.types.Panel):
@@ -225,6 +227,8 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
         column.prop(own, "scale")
         column.prop(own, "part")
     column.prop(own, "tabletop")
+    if program and WITHOUT_DRESSING in program.abilities:
+        column.prop(own, "dressing")
     column.prop(own, "assets")
 
 
@@ -245,6 +249,29 @@ def _draw_made(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup) -> None
             _draw_text(box, line, "CHECKMARK")
         for line in own.warnings.splitlines():
             _draw_text(box, line, "ERROR")
+
+
+def _draw_pieces(layout: bpy.types.UILayout, context: bpy.types.Context, pieces: Objects) -> None:
+    """A line for each piece; models to choose from below the one that is to be swapped."""
+    own = fields(context)
+    looks, models = report.looks(parsed(own.contents)), report.models(parsed(own.contents))
+    for path, item in pieces.items():
+        row = layout.row(align=True)
+        name = report.spaced(path.split("/")[-1])
+        row.operator("chord.select_piece", text=name, icon="RESTRICT_SELECT_OFF").path = path
+        lock = "LOCKED" if item.get(LOCKED_KEY) else "UNLOCKED"
+        row.operator("chord.lock_piece", text="", icon=lock).path = path
+        start = _when_idle(row.row(align=True))
+        start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
+        row.operator("chord.delete_piece", text="", icon="TRASH").path = path
+        if piece_of(own.swap_path) == path:
+            if told := arranged(own_objects(context), path):
+                _draw_text(layout, told, "INFO")
+            box = _when_idle(layout.box())
+            _draw_models(box, own, models.get(own.swap_path, ""))
+            for look in looks:
+                if look.path == own.swap_path:
+                    _draw_look(box, look)
 
 
 def _draw_models(box: bpy.types.UILayout, own: bpy.types.PropertyGroup, worn: str) -> None:
@@ -279,6 +306,7 @@ PANELS = (
     ChordPanel,
     ChordRoomsPanel,
     ChordFurniturePanel,
+    ChordDressingPanel,
     ChordCertificatePanel,
     ChordRenderPanel,
     ChordLibraryPanel,

@@ -14,6 +14,7 @@ from .core import commands, report, swaps
 from .core.edits import Changes, Edit, Size, Swap, size_of, with_look
 from .core.errors import InputError
 from .core.layer import edits_file
+from .core.tree import piece_of
 from .house import (
     CATEGORY_KEY,
     LOCKED_KEY,
@@ -25,11 +26,16 @@ from .house import (
     own_objects,
     placement,
     select,
+    with_carriers,
+    with_resting,
 )
 from .jobs import JobOperator, rebuild, save_changes
 from .previews import pictures_folder
 from .properties import chosen_room, fields, parsed
 from .session import Finish
+
+ON_TOP_M = 0.02
+"""What rests no lower than this under the top of a piece rests on its top."""
 
 
 class ChordSaveEdits(bpy.types.Operator):
@@ -84,27 +90,30 @@ class ChordSelectPiece(_PieceOperator, bpy.types.Operator):
 
 
 class ChordLockPiece(_PieceOperator, bpy.types.Operator):
-    """Let the piece stay, or not, when its room is furnished anew"""
+    """Let the piece stay, or not, when its room is furnished anew, with what it rests on"""
 
     bl_idname = "chord.lock_piece"
     bl_label = "Lock"
     bl_options = {"UNDO"}
 
     def change(self, _context: bpy.types.Context, objects: Objects) -> None:
-        """Turns the lock."""
-        objects[self.path][LOCKED_KEY] = not objects[self.path].get(LOCKED_KEY)
+        """Turns the lock; what rests on nothing that stays cannot stay either."""
+        locked = not objects[self.path].get(LOCKED_KEY)
+        others = with_carriers if locked else with_resting
+        for path in others(objects, self.path):
+            objects[path][LOCKED_KEY] = locked
 
 
 class ChordDeletePiece(_PieceOperator, bpy.types.Operator):
-    """Take the piece out of the house, with what stands on it"""
+    """Take the piece out of the house, with what stands and lies on it"""
 
     bl_idname = "chord.delete_piece"
     bl_label = "Delete"
     bl_options = {"UNDO"}
 
-    def change(self, context: bpy.types.Context, _objects: Objects) -> None:
+    def change(self, context: bpy.types.Context, objects: Objects) -> None:
         """Removes its objects; saving the edits makes it last."""
-        for item in objects_at(context, [self.path]):
+        for item in objects_at(context, with_resting(objects, self.path)):
             bpy.data.objects.remove(item, do_unlink=True)
 
 
@@ -254,10 +263,16 @@ def _with_swap(context: bpy.types.Context, changes: Changes, swap: Swap, own_m: 
     stands = swaps.placed(here, changes.swaps.get(path), swap, own_m)
     pieces = {**changes.pieces, path: Edit(was[path], stands, swap)}
     carried = f"{path.rpartition('/')[0]}/Items"
+    own_height_m = float(objects[path][SIZE_KEY][2])
+    by_m = swap.size_m[2] - own_height_m
     if carried in objects:
-        by_m = swap.size_m[2] - float(objects[path][SIZE_KEY][2])
         raised = swaps.raised(placement(objects, carried), by_m)
         pieces[carried] = Edit(was[carried], raised)
+    top_m = placement(objects, piece_of(path))[2][3] + own_height_m
+    for one in with_resting(objects, piece_of(path))[1:]:
+        its = placement(objects, one)
+        if its[2][3] >= top_m - ON_TOP_M:
+            pieces[one] = Edit(was[one], swaps.raised(its, by_m))
     # Its own colour is told with the swap.
     looks = {key: chosen for key, chosen in changes.looks.items() if key != path}
     return replace(changes, pieces=pieces, looks=looks)

@@ -124,6 +124,11 @@ class ChordScene(bpy.types.PropertyGroup):
     tabletop: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Lay tables", description="Put things on tables, desks and worktops", default=True
     )
+    dressing: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Dress rooms",
+        description="Curtains, rugs, lamps, pictures, and things on shelves and worktops",
+        default=True,
+    )
     assets: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Assets", description="Folder with meshes of your own", subtype="DIR_PATH"
     )

@@ -11,6 +11,7 @@ from typing import Literal
 from .edits import Size
 from .errors import InputError
 from .layer import edits_file, opened_file
+from .program import WITHOUT_DRESSING
 from .swaps import size_text
 
 Source = Literal["PLAN", "TEXT", "OUTLINE"]
@@ -58,6 +59,8 @@ class FurnishSettings:
     """Folder of further meshes, or empty."""
     tabletop: bool = True
     """Whether tables, desks and worktops are laid."""
+    dressing: bool = True
+    """Whether rooms are dressed; programs that do not dress have no option against it."""
 
 
 @dataclass(frozen=True)
@@ -276,6 +279,7 @@ def _furnish(settings: FurnishSettings) -> list[str]:
         str(settings.seed),
         *(["--steps", str(steps)] if steps > 0 else []),
         *([] if settings.tabletop else ["--no-tabletop"]),
+        *([] if settings.dressing else [WITHOUT_DRESSING]),
         *_assets(settings.assets),
     ]
 

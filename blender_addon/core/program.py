@@ -24,11 +24,15 @@ OPTIONAL = {
     "--outline": "divide an open plan into rooms",
     "--part": "take another plan of a sheet, or another storey",
     "--furniture": "furnish with pieces that are asked for",
+    "--no-dressing": "leave rooms undressed",
 }
 """Options of `generate` that not every version has, and what each is there to do."""
 
 WISHES_FROM = "--furniture"
 """Versions with this option can be told what a room shall hold, and what not."""
+
+WITHOUT_DRESSING = "--no-dressing"
+"""Versions with this option dress rooms otherwise."""
 
 ANSWER_WITHIN_S = 20.0
 

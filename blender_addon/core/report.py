@@ -62,7 +62,9 @@ def headline(report: Mapping[str, Any]) -> str:
 def short(path: str) -> str:
     """Room and piece of a USD path: /House/Rooms/Bedroom_0/Furniture/Bed_0 is Bedroom_0/Bed_0."""
     parts = [part for part in path.split("/") if part]
-    kept = [part for part in parts[2:] if part not in ("Furniture", "Architecture", "Items")]
+    kept = [
+        part for part in parts[2:] if part not in ("Furniture", "Dressing", "Architecture", "Items")
+    ]
     return "/".join(kept) or path
 
 
@@ -99,7 +101,7 @@ def looks(contents: Mapping[str, Any]) -> list[Look]:
     found = _choices("/House", contents.get("looks", {}))
     for room in contents.get("rooms", ()):
         found += _choices(room["path"], room.get("looks", {}))
-        for piece in room.get("furniture", ()):
+        for piece in _pieces(room):
             found += _choices(piece["component"], piece.get("looks", {}))
     return found
 
@@ -109,8 +111,13 @@ def models(contents: Mapping[str, Any]) -> dict[str, str]:
     return {
         piece["component"]: piece["asset"]
         for room in contents.get("rooms", ())
-        for piece in room.get("furniture", ())
+        for piece in _pieces(room)
     }
+
+
+def _pieces(room: Mapping[str, Any]) -> list[Any]:
+    """Furniture and dressing; older programs tell of no dressing."""
+    return [*room.get("furniture", ()), *room.get("dressing", ())]
 
 
 def _choices(path: str, told: Mapping[str, Any]) -> list[Look]:

@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 _COPY_NUMBER = re.compile(r"\.\d{3,}$")
 """Blender numbers objects of one name; a prim's name holds no dot."""
 
-ROOMS, FURNITURE, ARCHITECTURE, LIGHTS, CAMERAS, ITEMS = (
+ROOMS, FURNITURE, DRESSING, ARCHITECTURE, LIGHTS, CAMERAS, ITEMS = (
     "Rooms",
     "Furniture",
+    "Dressing",
     "Architecture",
     "Lights",
     "Cameras",
@@ -49,7 +50,7 @@ def usd_paths(parents: Mapping[str, str | None]) -> dict[str, str]:
 
 
 def collection_tree(paths: Mapping[str, str]) -> Branch:
-    """House > rooms > furniture, architecture and lights; cameras beside the rooms.
+    """House > rooms > furniture, dressing, architecture and lights; cameras beside the rooms.
 
     A piece with things on it is a collection of its own in the furniture. paths: object name to USD
     path. Objects that are not below a room or the cameras lie in the house's own collection.
@@ -71,7 +72,7 @@ def _place(house: Branch, parts: list[str]) -> Branch:
         return house.branch(CAMERAS)
     if len(parts) > 2 and parts[1] == ROOMS:
         room = house.branch(parts[2])
-        if len(parts) > 3 and parts[3] in (FURNITURE, ARCHITECTURE, LIGHTS):
+        if len(parts) > 3 and parts[3] in (FURNITURE, DRESSING, ARCHITECTURE, LIGHTS):
             # Collections of one name would be numbered: Blender's names are unique in a file.
             return room.branch(parts[3], f"{room.name} {parts[3]}")
         return room
@@ -84,13 +85,18 @@ def room_names(paths: Iterable[str]) -> list[str]:
 
 
 def is_piece(path: str) -> bool:
-    """Whether this is a piece that stands in a room: what is moved and removed as a whole."""
+    """Whether this is furniture or dressing of a room: what is moved and removed as a whole."""
     return is_placed(path) and path.count("/") == 5
 
 
 def is_placed(path: str) -> bool:
     """Whether this is a piece, a part of one, or what stands on it: placements to look after."""
-    return _group_of(path) == FURNITURE
+    return _group_of(path) in (FURNITURE, DRESSING)
+
+
+def is_dressing(path: str) -> bool:
+    """Whether this is what a room is dressed with."""
+    return _group_of(path) == DRESSING
 
 
 def is_light(path: str) -> bool:

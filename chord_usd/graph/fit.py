@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from chord_usd.scene.geometry import to_world
-from chord_usd.scene.palette import Category, Mount
+from chord_usd.scene.palette import Category, Level, Mount
 from chord_usd.scene.types import Asset, Box
 
 MOST_STRETCH = 1.05
 """Most that one side of a mesh is stretched against another."""
 
+MOST_DRESSING_STRETCH = 1.15
+
+_TO_MEASURE = ("curtain", "curtain_rail", "blind", "splashback", "rug")
+"""Dressing that is made to the measure of what it hangs or lies at, up to
+MOST_DRESSING_STRETCH; the rest keeps its size."""
 
 _OWN_HEIGHT_FROM = 0.85
 """A mesh that is scaled down less than this keeps its height."""
@@ -27,8 +32,11 @@ def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
     Length and width never exceed those of the box, so that nothing collides that did not before;
     where the mesh has other proportions, it fills less of the longer side. Panels on walls have no
     proportions to keep, and kitchens no gaps: they fill their box. is_guess: the height is the
-    category's usual one, which no picture shows; the mesh brings its own.
+    category's usual one, which no picture shows; the mesh brings its own. Dressing keeps its own
+    size, or nearly; what hangs from above fills the height.
     """
+    if row.level is Level.DRESSING:
+        return _hung_box(box, asset, row)
     ratio = np.array(box.size_m) / np.array(asset.size_m)
     if row.mount is Mount.WALL or is_built_in(row):
         scale, least = ratio, 1.0
@@ -40,4 +48,17 @@ def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
     size_m = np.round(np.array(asset.size_m) * scale, 6)
     x, y = to_world(box, (0.0, (box.size_m[1] - size_m[1]) / 2))
     length, width, height = (float(side) for side in size_m)
+    return Box((float(x), float(y), box.center_m[2]), (length, width, height), box.yaw_deg)
+
+
+def _hung_box(box: Box, asset: Asset, row: Category) -> Box:
+    """What dressing fills, its back at the back of the box, its top or underside where that is."""
+    most = MOST_DRESSING_STRETCH if row.name in _TO_MEASURE else 1.0
+    ratio = np.array(box.size_m) / np.array(asset.size_m)
+    scale = np.clip(ratio, 1.0 / most, most)
+    if row.mount in (Mount.CEILING, Mount.WINDOW):
+        scale[2] = ratio[2]
+    length, width, height = (float(v) for v in np.round(np.array(asset.size_m) * scale, 6))
+    at_wall = row.mount in (Mount.WALL, Mount.WINDOW)
+    x, y = to_world(box, (0.0, (box.size_m[1] - width) / 2 if at_wall else 0.0))
     return Box((float(x), float(y), box.center_m[2]), (length, width, height), box.yaw_deg)

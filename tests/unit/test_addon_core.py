@@ -166,7 +166,7 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
     plan, house = tmp_path / "plän 1.png", tmp_path / "house.usda"
     plan.touch()
     house.touch()
-    furnish = commands.FurnishSettings(3, 8, str(tmp_path), tabletop=False)
+    furnish = commands.FurnishSettings(3, 8, str(tmp_path), tabletop=False, dressing=False)
     settings = commands.GenerateSettings("PLAN", str(plan), "", furnish, 0.0125, part=2)
     pictures = commands.RenderSettings(("Bedroom_0",), 16, (640, 2160), ("rgb", "depth"))
     layer.write_changes(house, edits.Changes(locked=(BED,)))

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from chord_usd.graph.fit import MOST_STRETCH, fitted_box
-from chord_usd.scene.geometry import footprint_polygon
-from chord_usd.scene.palette import category
+from chord_usd.scene.geometry import footprint, footprint_polygon
+from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.types import Asset, Box
 
 SIDE = st.floats(0.3, 3.0).map(lambda side: round(side, 3))
@@ -55,3 +56,19 @@ def test_kitchens_have_no_gaps() -> None:
     fitted = fitted_box(box, asset, category(asset.category), is_guess=True)
     assert fitted.size_m == (0.47, 0.5, 0.87)
     assert fitted.center_m == box.center_m
+
+
+@pytest.mark.parametrize("name", ["picture", "ceiling_lamp", "curtain", "rug", "bowl"])
+def test_dressing_keeps_its_size_and_its_place(name: str) -> None:
+    row = category(name)
+    asset = Asset("a", name, (1.0, 0.1, 0.5), Path("a"))
+    box = Box((1.0, 2.0, 0.7), (1.4, 0.2, 0.6), 90.0)
+    fitted = fitted_box(box, asset, row, is_guess=False)
+    most = np.array([1.15, 1.15]) if name in ("curtain", "rug") else np.ones(2)
+    assert np.all(np.array(fitted.size_m[:2]) <= np.array(asset.size_m[:2]) * most + 1e-9)
+    top = box.center_m[2] + box.size_m[2]
+    if row.mount in (Mount.CEILING, Mount.WINDOW):
+        assert fitted.center_m[2] + fitted.size_m[2] == pytest.approx(top)
+    assert fitted.center_m[2] == box.center_m[2]
+    if row.mount in (Mount.WALL, Mount.WINDOW):
+        assert np.allclose(footprint(fitted)[[0, 3], 0], footprint(box)[[0, 3], 0])
