@@ -20,12 +20,14 @@ def plaster(
 ) -> Maps:
     """Painted plaster: smooth, the stipple of a roller, or sand."""
     ground = Ground(px, _WALL_M)
-    longest_m, slope = {"smooth": (0.3, 1.8), "roller": (0.05, 0.9), "sand": (0.012, 0.3)}[finish]
+    longest_m, slope, deep_m = {
+        "smooth": (0.3, 1.8, 8e-5), "roller": (0.016, 0.6, 1.6e-4), "sand": (0.01, 0.3, 2.4e-4),
+    }[finish]  # fmt: skip
     grain = noise(rng, ground, slope, longest_m=longest_m)
     cloud = noise(rng, ground, 2.0, longest_m=1.5, shortest_m=0.1)
     rgb = lit(plain(ground.shape, rgb_of(colour)), 1.0 + 0.005 * cloud + 0.006 * relief * grain)
     rough = 0.92 - 0.5 * sheen + 0.01 * cloud
-    return Maps(ground, rgb, rough, 3e-4 * relief * grain)
+    return Maps(ground, rgb, rough, deep_m * relief * grain)
 
 
 def limewash(
@@ -33,18 +35,18 @@ def limewash(
 ) -> Maps:
     """Lime or clay brushed on: clouds, strokes, and chopped straw where it is clay."""
     ground = Ground(px, (2.4, 2.4))
-    mist = noise(rng, ground, 1.6, longest_m=0.9, shortest_m=0.02)
+    mist = noise(rng, ground, 1.35, longest_m=0.8, shortest_m=0.02)
     strokes = noise(rng, ground, 1.0, longest_m=0.05, stretch=(5.0, 1.0))
     others = noise(rng, ground, 1.0, longest_m=0.05, stretch=(1.0, 5.0))
     turn = np.clip(0.5 + 0.8 * noise(rng, ground, 2.0, longest_m=0.5, shortest_m=0.1), 0.0, 1.0)
     brush = strokes * turn + others * (1.0 - turn)
-    gain = 1.0 + 0.035 * cloud * mist + 0.014 * cloud * brush
+    gain = 1.0 + 0.024 * cloud * mist + 0.013 * cloud * brush
     rgb = lit(plain(ground.shape, rgb_of(colour)), gain)
     if straw > 0.0:
         stalks = stamped(ground, _stalks(rng, round(1500 * straw), ground), (0, 0, 0))[..., 0]
         pale = tuple(min(255, round(part * 1.16 + 10)) for part in rgb_of(colour))
         rgb = mixed(rgb, (pale[0], pale[1], pale[2]), stalks / 255.0 * 0.75)
-    return Maps(ground, rgb, 0.93 + 0.02 * mist, 2.2e-4 * relief * (brush + 0.5 * mist))
+    return Maps(ground, rgb, 0.93 + 0.02 * mist, 9e-5 * relief * (brush + 0.5 * mist))
 
 
 def _stalks(rng: np.random.Generator, count: int, ground: Ground) -> list[tuple[Points, Rgb]]:
@@ -69,11 +71,11 @@ def concrete(
     side = slab_m if joints != "none" else 1.5
     ground = Ground(px, (2 * side, 2 * side / aspect * (2.0 if aspect > 1.0 else 1.0)))
     boards = running(ground, 4 if aspect > 1.0 else 2, 2, offset=0.0)
-    mist = noise(rng, ground, 1.75, longest_m=1.6)
+    mist = noise(rng, ground, 1.4, longest_m=1.1)
     sand = noise(rng, ground, 0.4, longest_m=0.03)
     holes = np.clip(noise(rng, ground, 0.5, longest_m=0.02, shortest_m=0.006) - 2.5, 0.0, 1.0)
     holes *= np.float32(2.0 * pores)
-    gain = 1.0 + 0.055 * cloud * mist + 0.018 * sand - 0.35 * holes
+    gain = 1.0 + 0.031 * cloud * mist + 0.018 * sand - 0.35 * holes
     height = 5e-5 * sand * (1.0 - sheen) - 0.0006 * holes
     if joints != "none":
         line = boards.joint(0.003)
@@ -114,13 +116,13 @@ def tatami(rng: np.random.Generator, px: int, *, mat_m: float, age: float, borde
     """Mats of rush twice as long as wide, half a mat shifted, with cloth along their sides."""
     ground = Ground(px, (2 * mat_m, 2 * mat_m))
     boards = running(ground, 2, 1, offset=0.5)
-    green, straw = np.array((168, 172, 118)), np.array((208, 182, 126))
+    green, straw = np.array((182, 182, 138)), np.array((214, 194, 146))
     body = tuple(int(part) for part in green + (straw - green) * age)
     reeds = noise(rng, ground, 0.15, longest_m=0.05, shortest_m=0.004, stretch=(1.0, 26.0))
     long = noise(rng, ground, 1.2, longest_m=0.6, stretch=(1.0, 6.0))
     # The weave shows as fine ribs across the reeds, 1.5 cm apart.
     ribs = np.abs(np.sin(ground.x_m * np.float32(np.pi * round(mat_m / 0.016) / mat_m)))[None, :]
-    gain = 1.0 + 0.055 * reeds + 0.03 * long - 0.1 * (1.0 - ribs) ** 3
+    gain = 1.0 + 0.03 * reeds + 0.012 * long - 0.12 * (1.0 - ribs) ** 2
     gain = gain + boards.each(rng.normal(0.0, 0.015, boards.count))
     side = np.minimum(boards.across_m, np.float32(mat_m) - boards.across_m)
     cloth = np.clip((0.032 - side) / ground.px_m + 0.5, 0.0, 1.0)

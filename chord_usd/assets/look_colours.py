@@ -50,13 +50,24 @@ def rgb_of(colour: str) -> Rgb:
 def mixed(low: Rgb | Raster, high: Rgb | Raster, amount: Raster) -> Raster:
     """(H, W, 3) colours between low (0) and high (1); each a colour or (H, W, 3)."""
     start, end = np.asarray(low, dtype=np.float32), np.asarray(high, dtype=np.float32)
-    mix: Raster = start + (end - start) * np.clip(amount, 0.0, 1.0)[..., None]
+    share = np.clip(amount, 0.0, 1.0).astype(np.float32, copy=False)
+    mix = np.empty(
+        (*np.broadcast_shapes(share.shape, start.shape[:-1], end.shape[:-1]), 3), np.float32
+    )
+    # A channel at a time: innermost loops of three are slow.
+    for channel in range(3):
+        first = start[..., channel]
+        mix[..., channel] = first + (end[..., channel] - first) * share
     return mix
 
 
 def lit(rgb: Raster, gain: Raster) -> Raster:
     """Colours made lighter or darker by a factor per pixel."""
-    return rgb * gain[..., None].astype(np.float32)
+    factor = gain.astype(np.float32, copy=False)
+    light = np.empty((*np.broadcast_shapes(rgb.shape[:-1], factor.shape), 3), dtype=np.float32)
+    for channel in range(3):
+        np.multiply(rgb[..., channel], factor, out=light[..., channel])
+    return light
 
 
 def toned(rgb: Rgb, tone: float) -> Rgb:

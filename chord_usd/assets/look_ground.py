@@ -75,17 +75,20 @@ def noise(
         for tile, long in zip(ground.tile_m, stretch, strict=True)
     )
     count_y = np.concatenate([np.arange(most_y + 1), np.arange(-most_y, 0)])
-    cycles = np.hypot(
-        (np.arange(most_x + 1) / ground.tile_m[0] * stretch[0])[None, :],
-        (count_y / ground.tile_m[1] * stretch[1])[:, None],
-    ).astype(np.float32)
-    passed = (cycles >= 1.0 / longest_m) & (cycles > 0.0)
+    across = (np.arange(most_x + 1) / ground.tile_m[0] * stretch[0]).astype(np.float32)
+    up = (count_y / ground.tile_m[1] * stretch[1]).astype(np.float32)
+    squared = (across * across)[None, :] + (up * up)[:, None]
+    squared[0, 0] = 1.0
+    gain = np.exp(np.float32(-slope / 2) * np.log(squared))
+    gain[squared < 1.0 / longest_m**2] = 0.0
+    gain[0, 0] = 0.0
     if shortest_m > 0.0:
-        passed &= cycles <= 1.0 / shortest_m
-    gain = np.where(passed, np.maximum(cycles, 1e-6) ** -slope, 0.0).astype(np.float32)
+        gain[squared > 1.0 / shortest_m**2] = 0.0
     waves = rng.standard_normal((*gain.shape, 2), dtype=np.float32).view(np.complex64)[..., 0]
     spectrum = np.zeros((side, side // 2 + 1), dtype=np.complex64)
-    spectrum[count_y[:, None], np.arange(most_x + 1)[None, :]] = waves * gain
+    waves *= gain
+    spectrum[: most_y + 1, : most_x + 1] = waves[: most_y + 1]
+    spectrum[side - most_y :, : most_x + 1] = waves[most_y + 1 :]
     field: Raster = fft.irfft2(spectrum, s=ground.shape)
     field -= field.mean()
     field /= max(float(field.std()), 1e-12)
@@ -95,9 +98,14 @@ def noise(
 def looked_up(field: Raster, ground: Ground, x_m: Raster, y_m: Raster) -> Raster:
     """The field at other places, wrapping around; for warps and for boards' own grain."""
     side = ground.px
-    column = (x_m * np.float32(side / ground.tile_m[0])).astype(np.int32) % side
-    row = (y_m * np.float32(-side / ground.tile_m[1])).astype(np.int32) % side
-    return field.reshape(-1)[row * side + column]
+    column = _wrapped((x_m * np.float32(side / ground.tile_m[0])).astype(np.int32), side)
+    row = _wrapped((y_m * np.float32(-side / ground.tile_m[1])).astype(np.int32), side)
+    return field.reshape(-1).take(row * side + column)
+
+
+def _wrapped(number: np.ndarray, side: int) -> np.ndarray:
+    power_of_two = side & (side - 1) == 0
+    return number & (side - 1) if power_of_two else number % side
 
 
 def stamped(
@@ -111,11 +119,16 @@ def stamped(
     pen = ImageDraw.Draw(image)
     scale_x, scale_y = side / ground.tile_m[0], side / ground.tile_m[1]
     for points, colour in shapes:
-        corners = np.array(points) * (scale_x, -scale_y)
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        for shift_x in range(math.floor(low[0] / side), math.floor(high[0] / side) + 1):
-            for shift_y in range(math.floor(low[1] / side), math.floor(high[1] / side) + 1):
-                moved = corners - (shift_x * side, shift_y * side)
-                pen.polygon([*map(tuple, moved.tolist())], fill=colour)
+        xs, ys = [x * scale_x for x, _ in points], [-y * scale_y for _, y in points]
+        for shift_x in _turns(xs, side):
+            for shift_y in _turns(ys, side):
+                moved = [(x - shift_x, y - shift_y) for x, y in zip(xs, ys, strict=True)]
+                pen.polygon(moved, fill=colour)
     small = image.resize((ground.px, ground.px), Image.Resampling.BOX)
     return np.asarray(small, dtype=np.float32)
+
+
+def _turns(places: Sequence[float], side: int) -> range:
+    """By how much places between 0 and side are passed, in whole sides."""
+    low, high = min(places), max(places)
+    return range(math.floor(low / side) * side, math.floor(high / side) * side + 1, side)

@@ -64,18 +64,18 @@ def stone_tile(
         columns = round(boards.ground.tile_m[0] / size_m)
         number = np.arange(boards.count)
         odd = boards.each((number // columns + number % columns) % 2)
-        face = mixed(face, lit(plain(boards.ground.shape, rgb_of(second)), 1.0 + 1.6 * tone), odd)
+        face = mixed(face, lit(plain(boards.ground.shape, rgb_of(second)), 1.0 + 1.2 * tone), odd)
     return laid(rng, boards, face, grout=grout, joint_m=joint_m, sheen=sheen)
 
 
 def _stone(rng: np.random.Generator, boards: Boards, mottle: float) -> Raster:
     """Clouds and specks, another piece of them on every tile; about 0."""
     ground = Ground(boards.ground.px, (1.6, 1.6))
-    cloud = noise(rng, ground, 1.7, longest_m=0.9)
+    cloud = noise(rng, ground, 1.4, longest_m=0.7)
     speck = noise(rng, ground, 0.4, longest_m=0.02)
     jump = rng.uniform(0.0, 1.6, (boards.count, 2))
     return looked_up(
-        (0.075 * mottle) * cloud + (0.035 * mottle) * speck,
+        (0.042 * mottle) * cloud + (0.03 * mottle) * speck,
         ground,
         boards.along_m + boards.each(jump[:, 0]),
         boards.across_m + boards.each(jump[:, 1]),
@@ -87,14 +87,14 @@ def mosaic(
     size_m: float, joint_m: float, grout: str, variation: float, sheen: float,
 ) -> Maps:  # fmt: skip
     """Small tiles: squares, hexagons, pennies, fingers; a share of them in a second colour."""
-    count = max(6, round(0.8 / size_m))
+    count = max(6, round((0.9 if size_m < 0.025 else 1.5) / size_m))
     if shape in ("hexagon", "penny"):
         rows = 2 * round(count / math.sqrt(3.0))
         ground = Ground(px, (count * size_m, rows * size_m * math.sqrt(3.0) / 2))
         boards = hexagons(ground, count, rows, round_=shape == "penny")
     elif shape == "finger":
         tall = 6.0 * size_m
-        rows = max(2, round(0.8 / tall))
+        rows = max(2, round(1.2 / tall))
         lying = Ground(px, (rows * tall, count * size_m))
         boards = upright(running(lying, count, rows, offset=0.0))
     else:
@@ -130,7 +130,7 @@ def glazed(
     )
     return laid(
         rng, boards, face, grout=grout, joint_m=joint_m, sheen=sheen,
-        variation=0.07 * variation, cushion_m=0.0016, waviness_m=0.00025 * waviness,
+        variation=0.05 * variation, cushion_m=0.0016, waviness_m=0.00025 * waviness,
     )  # fmt: skip
 
 
@@ -148,13 +148,13 @@ def marble(
     warp = noise(rng, stone, 1.9, longest_m=1.2, shortest_m=0.02)
     warped = looked_up(warp, stone, along, across)
     lines = np.zeros(ground.shape, dtype=np.float32)
-    for longest_m, strength, width in ((1.2, 0.75, 22.0), (0.5, 0.3, 30.0)):
+    for longest_m, strength, width in ((1.2, 1.0, 13.0), (0.5, 0.5, 20.0)):
         field = noise(rng, stone, 2.1, longest_m=longest_m, shortest_m=0.03, stretch=(1.0, 1.8))
         place = looked_up(field, stone, along + 0.07 * warped, across - 0.06 * warped)
         lines = np.maximum(lines, strength * np.exp(-np.abs(place) * width))
     mist = looked_up(noise(rng, stone, 1.9, longest_m=0.9), stone, along, across)
     faint = np.clip(0.55 + 0.45 * mist, 0.0, 1.0)
-    face = mixed(plain(ground.shape, body), cloud, 0.35 * np.clip(mist, 0.0, 2.0))
+    face = mixed(plain(ground.shape, body), cloud, 0.16 * np.clip(mist + 0.5, 0.0, 2.0))
     face = mixed(face, vein, veins * lines * faint)
     grout = "#{:02x}{:02x}{:02x}".format(*(round(0.86 * part) for part in body))
     return laid(
@@ -173,7 +173,7 @@ def terrazzo(
     shapes: list[tuple[Points, Rgb]] = []
     for size_m, part in ((0.35 * chip_m, 0.3), (0.65 * chip_m, 0.35), (chip_m, 0.35)):
         count = round(density * part * side * side / (0.55 * size_m * size_m))
-        shapes += _chips(rng, min(count, 6000), size_m, side, CHIPS[chips])
+        shapes += _chips(rng, min(count, 3500), size_m, side, CHIPS[chips])
     body = rgb_of(colour)
     rgb = stamped(ground, shapes, body)
     rgb = lit(rgb, 1.0 + 0.014 * noise(rng, ground, 0.3, longest_m=0.03))
@@ -223,7 +223,7 @@ def brick(
     face = np.clip((edge - 0.005) / 0.0025, 0.0, 1.0)
     fired = boards.each(rng.normal(0.0, 1.0, (boards.count, 1)).clip(-1.7, 1.7)[:, 0])
     rgb = lit(plain(ground.shape, rgb_of(colour)), 1.0 + 0.13 * fired + 0.07 * fine + 0.05 * wavy)
-    dark = boards.each((rng.random(boards.count) < 0.07) * 0.3)
+    dark = boards.each((rng.random(boards.count) < 0.06) * 0.16)
     rgb = lit(rgb, 1.0 - dark)
     rgb = mixed(lit(plain(ground.shape, rgb_of(mortar)), 1.0 + 0.05 * fine), rgb, face)
     if painted > 0.0:

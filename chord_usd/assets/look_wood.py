@@ -122,7 +122,7 @@ def timber(
         trodden = noise(rng, ground, 1.2, longest_m=0.8, shortest_m=0.01) * np.float32(wear)
         gain = gain * (1.0 + 0.045 * trodden - 0.1 * wear * _near(boards, 0.006))
     rgb = lit(mixed(late, early, share), gain * (1.0 - (0.62 + 0.2 * wear) * joint))
-    warmth = boards.each(_tones(rng, boards.count, 0.025))
+    warmth = boards.each(_tones(rng, boards.count, 0.012))
     rgb[..., 2] *= 1.0 - warmth
     rise = np.clip(boards.edge_m / np.float32(max(2.5 * joint_m, 0.002)), 0.0, 1.0) - 1.0
     height = bevel_m * rise + 3e-5 * fine + 1.2e-4 * trodden

@@ -372,16 +372,16 @@ ACCENT_LOOKS: Looks = {
 """What walls wear that differ from those of the house."""
 
 PAINTS: dict[str, tuple[str, str, str]] = {
-    "teal": ("#b9cccb", "#4f7b7e", "#2c5054"),
-    "mustard": ("#e9d9b0", "#c49a4a", "#8c6a2c"),
-    "rust": ("#e3c4b2", "#b5714f", "#7c4630"),
+    "teal": ("#b9cccb", "#5f8385", "#2f5256"),
+    "mustard": ("#e9dcb9", "#bf9f63", "#8c6f3c"),
+    "rust": ("#e3c9ba", "#a97860", "#7c4a36"),
     "navy": ("#c3cad6", "#4a5a76", "#2b3850"),
     "sage": ("#ccd4c3", "#94a389", "#5f6f5a"),
     "blush": ("#ead7cf", "#cfa497", "#9a6a60"),
     "blue": ("#cddae2", "#86a0b4", "#4c6479"),
     "burgundy": ("#d9bdb8", "#8a4a4c", "#5c2b32"),
     "forest": ("#c3cfc2", "#587560", "#2f4a3c"),
-    "gold": ("#e6d6ae", "#b8985c", "#7d6434"),
+    "gold": ("#e9dcb8", "#c0a26a", "#a08a5c"),
     "tan": ("#e2cdb4", "#b08a62", "#7a5a3c"),
     "moss": ("#cfd0b8", "#8d9270", "#585f44"),
     "indigo": ("#c2c8d6", "#56628a", "#333d5e"),
