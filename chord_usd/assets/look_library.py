@@ -210,8 +210,9 @@ class StyleLooks:
         own = [
             look for look in self.own if look.surface in (part, "both") and room.kind in look.kinds
         ][:count]
+        even_px = self.px // 2 * 2
         wanted = looks_for(self.style, self.seed, part, room, count - len(own))
-        drawn = [drawn_look(family_named(w.family), w.settings, self.px) for w in wanted]
+        drawn = [drawn_look(family_named(w.family), w.settings, even_px) for w in wanted]
         return [*own, *drawn]
 
 

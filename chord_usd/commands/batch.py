@@ -21,6 +21,7 @@ from chord_usd.commands.common import (
     add_seed,
     add_steps,
     add_style,
+    add_texture_size,
     add_verb,
     positive,
     scale,
@@ -68,6 +69,7 @@ def _add_houses(parser: Parser) -> None:
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
     add_style(group)
+    add_texture_size(group)
     add_steps(group)
     add_lists(group)
     add_arrange(group)
@@ -155,6 +157,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         device=options.device,
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         style=options.style,
+        texture_px=options.texture_size,
         tabletop=not options.no_tabletop,
         dressing=not options.no_dressing,
         lists=not options.no_list,

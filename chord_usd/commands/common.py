@@ -190,6 +190,14 @@ def add_style(parser: Options, without: str = "") -> None:
     )  # fmt: skip
 
 
+def add_texture_size(parser: Options) -> None:
+    """The option --texture-size."""
+    parser.add_argument(
+        "--texture-size", type=whole_number(256, 4096), default=1024, metavar="PX",
+        help="side of the textures of floors and walls (1024)",
+    )  # fmt: skip
+
+
 def style_name(text: str) -> str:
     """An option type: the name of a style. Raises ChordError that says which there are."""
     if text != MIXED:

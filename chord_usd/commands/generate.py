@@ -23,6 +23,7 @@ from chord_usd.commands.common import (
     add_sky,
     add_steps,
     add_style,
+    add_texture_size,
     add_verb,
     refuse_sky,
     scale,
@@ -47,6 +48,7 @@ def add(verbs: Verbs) -> None:
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     add_style(parser)
+    add_texture_size(parser)
     add_steps(parser)
     add_lists(parser)
     add_arrange(parser)
@@ -103,6 +105,7 @@ def run(options: argparse.Namespace) -> Outcome:
         device=options.device,
         asset_folders=tuple(options.assets),
         style=options.style,
+        texture_px=options.texture_size,
         tabletop=not options.no_tabletop,
         dressing=not options.no_dressing,
         lists=not options.no_list,

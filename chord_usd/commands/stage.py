@@ -14,6 +14,7 @@ from chord_usd.commands.common import (
     add_seed,
     add_sky,
     add_style,
+    add_texture_size,
     add_verb,
     existing_file,
     refuse_sky,
@@ -29,6 +30,7 @@ def add(verbs: Verbs) -> None:
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)
     add_style(parser, "the scene's own")
+    add_texture_size(parser)
     add_arrange(parser)
     add_sky(parser)
     add_assets(parser)
@@ -46,6 +48,7 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         arrange=not options.no_arrange,
         style=options.style or "",
+        texture_px=options.texture_size,
     )
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)

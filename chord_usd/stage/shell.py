@@ -7,7 +7,7 @@ the doors and windows named after it; the facade and the tops of the walls are t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,7 +51,7 @@ from chord_usd.stage.prims import (
     place,
     write_mesh,
 )
-from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
+from chord_usd.stage.surfaces import PLAIN_SURFACES, Surface, write_surface
 from chord_usd.stage.walls import (
     Tunnel,
     WallLine,
@@ -76,17 +76,22 @@ _GLASS_DOOR_FROM_M = 1.5
 
 
 def draw_shell(
-    layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls, folder: Path
+    layer: Sdf.Layer,
+    rooms: Sequence[NamedRoom],
+    walls: Walls,
+    folder: Path,
+    surfaces: Mapping[str, Surface] = PLAIN_SURFACES,
 ) -> FloatArray:
     """Write Architecture of every room and the Exterior; returns the bounds, (2, 3) metres.
 
-    folder: where the payload layers go, beside the layer's own file.
+    folder: where the payload layers go, beside the layer's own file. surfaces: what has no look,
+    such as ceilings and skirting.
     """
     folder.mkdir()
     extents = []
     for room in rooms:
-        extents.append(_draw_room(layer, room, walls, rooms, folder))
-    extents.append(_draw_exterior(layer, walls, folder))
+        extents.append(_draw_room(layer, room, walls, rooms, folder, surfaces))
+    extents.append(_draw_exterior(layer, walls, folder, surfaces))
     bounds = np.array(extents)
     return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
@@ -104,7 +109,8 @@ def wall_material(room: NamedRoom) -> str:
 class _Component:
     """A payload layer being written: meshes under Geometry, materials under Materials."""
 
-    def __init__(self, path: Path, name: str) -> None:
+    def __init__(self, path: Path, name: str, surfaces: Mapping[str, Surface]) -> None:
+        self._surfaces = surfaces
         self.file = f"./{path.parent.name}/{path.name}"
         """The layer's path as the house writes it."""
         self.extents_m: list[FloatArray] = []
@@ -152,8 +158,8 @@ class _Component:
     def _material(self, name: str) -> Sdf.Path:
         path = self._root.AppendPath(f"Materials/{name}")
         if not self._layer.GetPrimAtPath(path):
-            if name in PLAIN_SURFACES:
-                write_surface(self._layer, path, PLAIN_SURFACES[name])
+            if name in self._surfaces:
+                write_surface(self._layer, path, self._surfaces[name])
             else:  # the room's variant sets say what it looks like
                 define(self._layer, path, "Material")
         return path
@@ -183,9 +189,14 @@ class _Frame:
 
 
 def _draw_room(
-    layer: Sdf.Layer, room: NamedRoom, walls: Walls, rooms: Sequence[NamedRoom], folder: Path
+    layer: Sdf.Layer,
+    room: NamedRoom,
+    walls: Walls,
+    rooms: Sequence[NamedRoom],
+    folder: Path,
+    surfaces: Mapping[str, Surface],
 ) -> FloatArray:
-    component = _Component(folder / f"{room.name}.usdc", "Architecture")
+    component = _Component(folder / f"{room.name}.usdc", "Architecture", surfaces)
     floor = walls.floors_m[room.index]
     lines = walls.lines_of(room.index)
     _draw_floor_and_ceiling(component, room, floor)
@@ -331,9 +342,11 @@ def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
     return faces
 
 
-def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path) -> FloatArray:
+def _draw_exterior(
+    layer: Sdf.Layer, walls: Walls, folder: Path, surfaces: Mapping[str, Surface]
+) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
-    component = _Component(folder / "Exterior.usdc", "Exterior")
+    component = _Component(folder / "Exterior.usdc", "Exterior", surfaces)
     facade = wall_faces(walls.lines_of(None))
     if facade:
         component.mesh("Facade", facade, "Facade")

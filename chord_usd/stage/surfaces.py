@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pxr import Gf, Sdf
 
+from chord_usd.scene.styles import HomeStyle
 from chord_usd.stage.prims import Types, attribute, define, label
 
 
@@ -32,6 +33,16 @@ PLAIN_SURFACES: dict[str, Surface] = {
     "PlainWall": Surface((236, 233, 226), 0.85),
     "Placeholder": Surface((178, 178, 182), 0.6),
 }
+
+
+def styled(style: HomeStyle) -> dict[str, Surface]:
+    """The plain surfaces with ceilings and trim in the colours of a style."""
+    own = {"Ceiling": style.ceiling, "Trim": style.trim}
+    coloured = {
+        name: replace(PLAIN_SURFACES[name], rgb=(int(c[1:3], 16), int(c[3:5], 16), int(c[5:7], 16)))
+        for name, c in own.items()
+    }
+    return {**PLAIN_SURFACES, **coloured}
 
 
 def write_surface(layer: Sdf.Layer, path: Sdf.Path, surface: Surface) -> None:
