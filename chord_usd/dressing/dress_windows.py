@@ -21,8 +21,10 @@ _OVER_M = 0.12
 _LEAST_OVER_M = 0.05
 _BELOW_CEILING_M = 0.02
 _OFF_FLOOR_M = 0.015
-_BELOW_SILL_M = 0.12
-"""How far a curtain of sill length hangs below the sill."""
+_BELOW_SILL_M = 0.15
+"""How far a curtain of sill length hangs below the sill, at most."""
+
+_RAIL_DEPTH_M = 0.16
 
 _BEFORE_BOARD_M = 0.05
 """From the wall to the back of a curtain: window boards stand out less."""
@@ -100,7 +102,7 @@ def _place_for(frame: RoomFrame, face: WallFace, hole: Hole) -> _Place | None:
     top_m = min(hole.high_m + _OVER_M, ROOM_HEIGHT_M - _BELOW_CEILING_M)
     if top_m < hole.high_m + _LEAST_OVER_M:
         return None
-    spans = face.free_spans(frame.taken, top_m - 0.4, top_m, 0.2, _WALL)
+    spans = face.free_spans(frame.taken, hole.high_m + 0.01, top_m, _RAIL_DEPTH_M, _WALL)
     for low, high in spans:
         if low <= hole.left_m + 0.05 and hole.right_m - 0.05 <= high:
             return _Place(
@@ -120,13 +122,15 @@ def _hung(frame: RoomFrame, place: _Place, rail: Box, *, drawn: bool) -> list[tu
     if not curtains:
         return []
     top_m = rail.center_m[2]
-    lengths = [top_m - _OFF_FLOOR_M]
+    to_floor = top_m - _OFF_FLOOR_M
+    wanted = [(to_floor, to_floor)]
     if not is_door:
-        lengths.append(top_m - (hole.low_m - _BELOW_SILL_M))
-    for height in lengths:
-        fitting = [a for a in curtains if abs(stretched(a.size_m[2], height) - height) < 1e-6]
+        wanted.append((top_m - hole.low_m, top_m - hole.low_m + _BELOW_SILL_M))
+    for least, most in wanted:
+        heights = {asset: stretched(asset.size_m[2], most) for asset in curtains}
+        fitting = [one for one in curtains if least - 1e-6 <= heights[one] <= most + 1e-6]
         if fitting:
-            found = _pair(frame, place, rail, fitting, height, drawn=drawn)
+            found = _pair(frame, place, rail, fitting, heights[fitting[0]], drawn=drawn)
             if found:
                 return found
     return []

@@ -102,9 +102,8 @@ class WallFace:
         """Stretches (from, to) along the wall free between two heights, this deep from it."""
         corners, bounds = taken.corners_m, taken.bounds_m
         meets = (bounds[:, 2] < top_m - BEHIND_M) & (bounds[:, 5] > base_m + BEHIND_M)
-        if ignoring:
-            meets &= ~np.isin(np.array(taken.reasons, dtype="U8"), list(ignoring))
-        own = self.own(corners[meets])
+        kept = [i for i in np.flatnonzero(meets) if taken.reasons[i] not in ignoring]
+        own = self.own(corners[kept])
         low, high = own.min(axis=1), own.max(axis=1)
         near = (low[:, 1] < from_v_m + depth_m - BEHIND_M) & (high[:, 1] > from_v_m + BEHIND_M)
         blocked = sorted(zip(low[near, 0].tolist(), high[near, 0].tolist(), strict=True))
