@@ -287,7 +287,9 @@ def _stand(
     is_flat = asset.category in ("cutting_board", "book_row", "toaster")
     jitter = 0.0 if is_flat else float(rng.uniform(-0.3, 0.3))
     share = (1.0 if is_flat else 0.35 + 0.4 * jitter) if board.at_back else 0.4 * jitter
-    for part in (share, 0.9, 0.0):
+    # What leans needs the wall behind it.
+    leans = asset.category == "cutting_board"
+    for part in (0.93, 0.88, 0.84) if leans else (share, 0.9, 0.0):
         y = room * part
         box = in_world(Box((x, y, _STANDS_M), asset.size_m, 0.0), board.box)
         if not _carries(frame, board, box, x, y, asset):
