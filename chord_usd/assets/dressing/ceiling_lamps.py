@@ -43,7 +43,7 @@ def drum(size_m: Size) -> tuple[Part, ...]:
     tall = height - 0.04
     shade = hollow([(radius, 0.0), (radius, tall)], 0.003, 48)
     bands = [hollow([(radius + 0.001, z), (radius + 0.001, z + 0.008)], 0.005, 48)
-             for z in (0.0, tall - 0.008)]  # fmt: skip
+             for z in (-0.0005, tall - 0.0075)]  # fmt: skip
     under = cylinder(radius - 0.006, 0.004, 0.0, 48).moved(z=0.02)
     rose = lathe([(0.055, 0.0), (0.06, 0.012), (0.06, 0.024)], 28).moved(z=height - 0.024)
     arms = [block((radius - 0.002, 0.006, 0.003), 0.001).moved(x=radius / 2).turned("z", turn)

@@ -106,7 +106,7 @@ def laundry(size_m: Size) -> tuple[Part, ...]:
             slats.append(block((0.008, 0.016, height - 0.02), 0.002).moved(s * (length / 2 - 0.006), y, 0.01))
     hoops = [lofted(_rectangle(length, width, [(0.0, z), (0.0, z + 0.022), (0.014, z + 0.022), (0.014, z)], 0.01, 2), loop=True)
              for z in (0.0, height * 0.5, height - 0.05)]  # fmt: skip
-    bag = _tub(length - 0.03, width - 0.03, height - 0.02, 0.004, 0.02).moved(z=0.012)
+    bag = _tub(length - 0.032, width - 0.032, height - 0.02, 0.004, 0.02).moved(z=0.012)
     cuff = lofted(_rectangle(length - 0.004, width - 0.004, [(0.0, height - 0.04), (0.0, height - 0.004), (0.004, height), (0.02, height - 0.002),
                                                               (0.02, height - 0.04)], 0.016, 3), loop=True)  # fmt: skip
     return (

@@ -30,6 +30,7 @@ DRY: dict[str, Finish] = {
     "leaf_fresh": Finish((88, 132, 60), 0.5, surface="leaf"),
     "leaf_dusty": Finish((116, 132, 104), 0.65, surface="leaf"),
     "leaf_wine": Finish((58, 44, 40), 0.35, surface="leaf"),
+    "leaf_red": Finish((132, 50, 38), 0.5, surface="leaf"),
     "bark": Finish((104, 82, 62), 0.9, surface="bark"),
     "green_stem": Finish((92, 116, 62), 0.6),
     "earth": Finish((58, 44, 35), 0.95, surface="concrete"),

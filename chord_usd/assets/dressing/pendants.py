@@ -58,7 +58,7 @@ def dome(size_m: Size) -> tuple[Part, ...]:
     tall = radius * 1.05
     out = [*arc((radius, 0.0), (radius * 0.98, tall * 0.72), (radius * 0.36, tall * 0.84), 7),
            *arc((radius * 0.3, tall * 0.86), (radius * 0.15, tall * 0.9), (0.022, tall), 3)]  # fmt: skip
-    rim = [(radius + 0.002, 0.0), (radius + 0.002, 0.012)]
+    rim = [(radius + 0.002, -0.001), (radius + 0.002, 0.011)]
     inner = [(r - 0.0045, z - 0.002) for r, z in out[:8]]
     shade = (
         Part("Shade", hollow(out, 0.003, 32), "metal", None),

@@ -91,7 +91,7 @@ def _along(path: FloatArray, share: float) -> FloatArray:
 
 
 def _monstera(size_m: Size, vessel, *, leaves: int = 12, slits: int = 4, outline=HEART,
-              long: float = 0.3, wide: float = 0.29, seed: str = "monstera") -> list:  # fmt: skip
+              long: float = 0.3, wide: float = 0.29, pitch: float = 26.0, seed: str = "monstera") -> list:  # fmt: skip
     """Long stalks from the pot, each with one broad leaf."""
     rng = rng_of(f"{seed}/{size_m}")
     foot, height = vessel.soil_m, size_m[2]
@@ -104,7 +104,7 @@ def _monstera(size_m: Size, vessel, *, leaves: int = 12, slits: int = 4, outline
         path = bow((0.0, 0.0, foot - 0.01), yaw, out, rise, 0.1)
         stalks.append(tapered(path, 0.006, 0.0035, 6))
         size = float(rng.uniform(0.86, 1.14)) * (1.06 - 0.2 * share)
-        grid = leaf(long * size, wide * size, outline, pitch_deg=26 - 30 * share, droop_deg=58, fold=0.12,
+        grid = leaf(long * size, wide * size, outline, pitch_deg=pitch - 30 * share, droop_deg=58, fold=0.12,
                     rows=24 if slits else 9, columns=5, slits=slits)  # fmt: skip
         grid[..., 0] -= 0.16 * long * size * (slits > 0)
         grids.append(turned(grid, yaw, path[-1]))
@@ -251,7 +251,7 @@ def _design(name: str, size_m: Size, draw: Callable, kind: PotKind, radius_m: fl
 
 
 _RUBBER = partial(_tree, outline=OVAL, leaves=42, long=0.2, wide=0.1, stems=3, bare=0.2, seed="rubber")
-_STRELITZIA = partial(_monstera, leaves=11, slits=0, outline=PADDLE, long=0.42, wide=0.17, seed="strelitzia")
+_STRELITZIA = partial(_monstera, leaves=11, slits=0, outline=PADDLE, long=0.56, wide=0.27, pitch=74.0, seed="strelitzia")
 _FICUS = partial(_olive, twigs=60, leaves=10, long=0.075, wide=0.045, outline=OVAL, crown=0.4, seed="ficus")
 
 DESIGNS = (
@@ -291,7 +291,7 @@ DESIGNS = (
             _looks("leaf_fresh", *_GLAZE), (JAPANESE,)),
     _design("Plant_Maple", (0.75, 0.75, 1.2), partial(_olive, twigs=40, leaves=10, long=0.075, wide=0.065,
             outline=(0.2, 1.0, 0.4, 0.7, 0.0), crown=0.62, seed="maple"), "belly", 0.18, 0.24,
-            _looks("leaf_wine", *_GLAZE), (JAPANESE,)),
+            _looks("leaf_red", *_GLAZE), (JAPANESE,)),
     _design("Plant_Cactus", (0.28, 0.28, 0.95), _cactus, "rim", 0.14, 0.22, _looks("leaf_dusty", *_CLAY),
             (INDUSTRIAL, MODERN)),
 )  # fmt: skip

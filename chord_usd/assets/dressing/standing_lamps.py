@@ -53,8 +53,8 @@ def _felt(foot: Solid, height_m: float) -> tuple[Solid, ...]:
 def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
     """A cloth shade with its rims and the ring that carries it."""
     skin = hollow([(wide, low), (narrow, high)], 0.0025, 40)
-    rims = [hollow([(wide + 0.001, low), (wide + 0.001, low + 0.007)], 0.005, 40),
-            hollow([(narrow + 0.001, high - 0.007), (narrow + 0.001, high)], 0.005, 40)]  # fmt: skip
+    rims = [hollow([(wide + 0.001, low - 0.0006), (wide + 0.001, low + 0.007)], 0.005, 40),
+            hollow([(narrow + 0.001, high - 0.007), (narrow + 0.001, high + 0.0006)], 0.005, 40)]  # fmt: skip
     spokes = [block((2 * narrow - 0.004, 0.004, 0.003), 0.001).turned("z", turn).moved(z=high - 0.022 + 0.004 * i)
               for i, turn in enumerate((0, 90))]  # fmt: skip
     return (

@@ -158,10 +158,10 @@ def panel_radiator(size_m: Size) -> tuple[Part, ...]:
     sides = [block((0.006, depth, height - 0.012), 0.002).moved(x0 + s * (wide - 0.006) / 2, front_y + 0.004 + depth / 2, 0.004)
              for s in (-1, 1)]  # fmt: skip
     fins = max(10, round(wide / 0.03))
-    top = [block((wide, depth, 0.004), 0.001).moved(x0, front_y + 0.004 + depth / 2, height - 0.012)]
+    top = [block((wide - 0.008, depth - 0.004, 0.004), 0.001).moved(x0, front_y + 0.004 + depth / 2, height - 0.0125)]
     slot = [box((0.005, depth - 0.03, 0.0025)).moved(x0 - wide / 2 + 0.02 + (wide - 0.04) * (i + 0.5) / fins,
             front_y + 0.004 + depth / 2, height - 0.0085) for i in range(fins)]  # fmt: skip
-    frame = [block((wide, 0.008, 0.012), 0.002).moved(x0, front_y + 0.004 + s, height - 0.012)
+    frame = [block((wide - 0.014, 0.008, 0.011), 0.002).moved(x0, front_y + 0.0045 + s, height - 0.0115)
              for s in (0.004, depth - 0.004)]  # fmt: skip
     brackets = [box((0.04, 0.024, 0.05)).moved(x0 + s * wide * 0.3, width / 2 - 0.012, z)
                 for s in (-1, 1) for z in (0.08, height - 0.14)]  # fmt: skip
