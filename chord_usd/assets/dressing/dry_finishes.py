@@ -68,6 +68,8 @@ DRY: dict[str, Finish] = {
     "book_navy": Finish((44, 56, 84), 0.6, surface="leather"),
     "book_blush": Finish((212, 172, 156), 0.75, surface="paper"),
     "kraft": Finish((184, 152, 112), 0.9, surface="paper"),
+    "aluminium": Finish((196, 198, 200), 0.38, 0.8),
+    "champagne": Finish((212, 196, 172), 0.4, 0.6),
     "felt_grey": Finish((150, 150, 148), 0.95, surface="boucle"),
     "felt_dark": Finish((70, 72, 76), 0.95, surface="boucle"),
     "canvas_cloth": Finish((222, 212, 192), 0.95, surface="weave"),

@@ -9,6 +9,7 @@ from chord_usd.assets.furniture import (
     beds,
     cabinets,
     desktop,
+    devices,
     kitchen_units,
     laundry,
     panels,
@@ -16,6 +17,7 @@ from chord_usd.assets.furniture import (
     seats,
     showers,
     sideboards,
+    table_lamps,
     tables,
     tableware,
     washbasins,
@@ -28,6 +30,7 @@ def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seats, tables, cabinets, sideboards, panels)
     wet = (kitchen_units, sanitaryware, washbasins, showers, laundry)
-    found = [design for module in (*living, *wet, desktop, tableware) for design in module.DESIGNS]
+    small = (desktop, devices, table_lamps, tableware)
+    found = [design for module in (*living, *wet, *small) for design in module.DESIGNS]
     found += dressing.designs()
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))
