@@ -11,7 +11,17 @@ import numpy as np
 
 from chord_usd.assets.dressing.forms import arc, cup, hollow, outward, sheet
 from chord_usd.assets.model import Part
-from chord_usd.assets.solids import Solid, block, cylinder, joined, lathe, rounded_slab, tube
+from chord_usd.assets.solids import (
+    Solid,
+    block,
+    cylinder,
+    joined,
+    lathe,
+    loft,
+    rounded_slab,
+    tube,
+    welded,
+)
 from chord_usd.scene.types import FloatArray, frozen_array
 
 PotKind = Literal["taper", "cylinder", "stand", "basket", "cube", "rim", "belly", "fluted"]
@@ -74,7 +84,7 @@ def foliage(grids: Sequence[FloatArray]) -> Solid:
         points.append(one.points_m)
         faces.append(one.faces + count)
         count += len(one.points_m)
-    return Solid(frozen_array(np.concatenate(points)), frozen_array(np.concatenate(faces), np.int64))
+    return welded(np.concatenate(points), np.concatenate(faces))
 
 
 def bow(
@@ -253,8 +263,6 @@ def woven_skin(
         radius = np.interp(z, heights, radii) - thick_m - depth_m
         rings.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1))
     rings.append(np.zeros((strands, 3)) + [0, 0, floor_m])
-    from chord_usd.assets.solids import loft
-
     return outward(loft(rings))
 
 

@@ -90,9 +90,9 @@ def _along(path: FloatArray, share: float) -> FloatArray:
     return path[low] + (where - low) * (path[low + 1] - path[low])
 
 
-def _monstera(size_m: Size, vessel, *, leaves: int = 12, slits: int = 4, outline=HEART,
+def monstera(size_m: Size, vessel, *, leaves: int = 12, slits: int = 4, outline=HEART,
               long: float = 0.3, wide: float = 0.29, pitch: float = 26.0, seed: str = "monstera") -> list:  # fmt: skip
-    """Long stalks from the pot, each with one broad leaf."""
+    """Long stalks from the pot, each with one broad leaf: parts for grown()."""
     rng = rng_of(f"{seed}/{size_m}")
     foot, height = vessel.soil_m, size_m[2]
     stalks, grids = [], []
@@ -101,7 +101,9 @@ def _monstera(size_m: Size, vessel, *, leaves: int = 12, slits: int = 4, outline
         yaw = GOLDEN_DEG * index + float(rng.uniform(-12, 12))
         rise = (height - foot) * (0.94 - 0.62 * share)
         out = size_m[0] * (0.1 + 0.2 * share)
-        path = bow((0.0, 0.0, foot - 0.01), yaw, out, rise, 0.1)
+        at = 0.012 + 0.001 * index
+        foot_m = (at * math.cos(math.radians(yaw)), at * math.sin(math.radians(yaw)), foot - 0.01)
+        path = bow(foot_m, yaw, out, rise, 0.1)
         stalks.append(tapered(path, 0.006, 0.0035, 6))
         size = float(rng.uniform(0.86, 1.14)) * (1.06 - 0.2 * share)
         grid = leaf(long * size, wide * size, outline, pitch_deg=pitch - 30 * share, droop_deg=58, fold=0.12,
@@ -111,8 +113,8 @@ def _monstera(size_m: Size, vessel, *, leaves: int = 12, slits: int = 4, outline
     return [("Stalks", joined(stalks), "stem", False), ("Leaves", foliage(grids), "leaf", True)]
 
 
-def _snake(size_m: Size, vessel, *, leaves: int = 15) -> list:
-    """Stiff swords with a pale edge."""
+def snake(size_m: Size, vessel, *, leaves: int = 15) -> list:
+    """Stiff swords with a pale edge: parts for grown()."""
     rng = rng_of(f"snake/{size_m}")
     foot, height = vessel.soil_m, size_m[2]
     green, edge = [], []
@@ -251,7 +253,7 @@ def _design(name: str, size_m: Size, draw: Callable, kind: PotKind, radius_m: fl
 
 
 _RUBBER = partial(_tree, outline=OVAL, leaves=42, long=0.2, wide=0.1, stems=3, bare=0.2, seed="rubber")
-_STRELITZIA = partial(_monstera, leaves=11, slits=0, outline=PADDLE, long=0.56, wide=0.27, pitch=74.0, seed="strelitzia")
+_STRELITZIA = partial(monstera, leaves=11, slits=0, outline=PADDLE, long=0.56, wide=0.27, pitch=74.0, seed="strelitzia")
 _FICUS = partial(_olive, twigs=60, leaves=10, long=0.075, wide=0.045, outline=OVAL, crown=0.4, seed="ficus")
 
 DESIGNS = (
@@ -263,17 +265,17 @@ DESIGNS = (
             _looks("leaf_wine", *_CERAMIC), (MODERN, INDUSTRIAL)),
     _design("Plant_Rubber_Small", (0.45, 0.45, 0.8), partial(_RUBBER, leaves=24, long=0.17), "stand", 0.14, 0.3,
             _looks("leaf_deep", *_CERAMIC), _MS),
-    _design("Plant_Monstera", (0.85, 0.85, 1.05), _monstera, "basket", 0.19, 0.3,
+    _design("Plant_Monstera", (0.85, 0.85, 1.05), monstera, "basket", 0.19, 0.3,
             _looks("leaf_deep", *_WOVEN), (MODERN, SCANDINAVIAN, INDUSTRIAL)),
-    _design("Plant_Monstera_Small", (0.55, 0.55, 0.65), partial(_monstera, leaves=9, long=0.22, wide=0.21),
+    _design("Plant_Monstera_Small", (0.55, 0.55, 0.65), partial(monstera, leaves=9, long=0.22, wide=0.21),
             "taper", 0.14, 0.22, _looks("leaf_deep", *_CERAMIC), ()),
     _design("Plant_Strelitzia", (0.85, 0.85, 1.7), _STRELITZIA, "cylinder", 0.19, 0.34,
             _looks("leaf_deep", *_CERAMIC), (MODERN, CLASSIC)),
-    _design("Plant_Snake", (0.3, 0.3, 0.9), _snake, "cylinder", 0.13, 0.24,
+    _design("Plant_Snake", (0.3, 0.3, 0.9), snake, "cylinder", 0.13, 0.24,
             _looks("leaf_deep", *_CERAMIC), (MODERN, INDUSTRIAL)),
-    _design("Plant_Snake_Stand", (0.32, 0.32, 1.0), _snake, "stand", 0.15, 0.34,
+    _design("Plant_Snake_Stand", (0.32, 0.32, 1.0), snake, "stand", 0.15, 0.34,
             _looks("leaf_deep", *_CERAMIC), _MS),
-    _design("Plant_Snake_Small", (0.25, 0.25, 0.6), partial(_snake, leaves=11), "taper", 0.11, 0.18,
+    _design("Plant_Snake_Small", (0.25, 0.25, 0.6), partial(snake, leaves=11), "taper", 0.11, 0.18,
             _looks("leaf_deep", *_CLAY), ()),
     _design("Plant_Palm", (0.9, 0.9, 1.6), _palm, "basket", 0.18, 0.3, _looks("leaf_fresh", *_WOVEN),
             (SCANDINAVIAN, CLASSIC)),

@@ -18,6 +18,7 @@ from chord_usd.assets.furniture import (
     showers,
     sideboards,
     table_lamps,
+    table_plants,
     tables,
     tableware,
     washbasins,
@@ -30,7 +31,7 @@ def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seats, tables, cabinets, sideboards, panels)
     wet = (kitchen_units, sanitaryware, washbasins, showers, laundry)
-    small = (desktop, devices, table_lamps, tableware)
+    small = (desktop, devices, table_lamps, table_plants, tableware)
     found = [design for module in (*living, *wet, *small) for design in module.DESIGNS]
     found += dressing.designs()
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))

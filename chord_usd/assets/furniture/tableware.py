@@ -75,112 +75,6 @@ def _candles(length: float, width: float, height: float) -> tuple[Part, ...]:
     )
 
 
-def sword_plant(size_m: Size) -> tuple[Part, ...]:
-    """A snake plant: stiff upright leaves in a tall round pot."""
-    length, width, height = size_m
-    pot_h, pot_r = height * 0.38, min(length, width) * 0.42
-    profile = [(pot_r * 0.8, 0), (pot_r * 0.98, pot_h * 0.4), (pot_r, pot_h), (pot_r * 0.92, pot_h),
-               (pot_r * 0.9, pot_h * 0.9), (0, pot_h * 0.9)]  # fmt: skip
-    soil = cylinder(pot_r * 0.88, pot_h * 0.05, 0, 24).moved(z=pot_h * 0.87)
-    leaves = []
-    for index in range(13):
-        turn, share = 137.5 * index, math.sqrt((index + 0.5) / 13)
-        tall = (height - pot_h * 0.9) * (1.0 - 0.4 * share)
-        leaf = _sword(tall, pot_r * 0.28).turned("y", 14.0 * share).turned("z", turn)
-        angle = math.radians(turn)
-        at = pot_r * 0.62 * share
-        leaves.append(leaf.moved(at * math.cos(angle), at * math.sin(angle), pot_h * 0.88))
-    foliage = _filled(joined(leaves), length, width, pot_h * 0.88, height)
-    return (
-        Part("Pot", lathe(profile, 32), "pot"),
-        Part("Soil", soil, "soil", collider=None),
-        Part("Leaves", foliage, "leaf", collider=None),
-    )
-
-
-def _sword(tall: float, wide: float) -> Solid:
-    """A stiff leaf that tapers to a point and twists a little."""
-    rings = []
-    for share in np.linspace(0.0, 1.0, 7):
-        half = wide / 2 * (0.75 + 0.5 * share - 1.25 * share**3) * (share < 1.0)
-        twist = math.radians(50.0 * share)
-        across = np.array([math.sin(twist), math.cos(twist), 0.0])
-        through = np.array([math.cos(twist), -math.sin(twist), 0.0]) * min(half, 0.003)
-        centre = np.array([0.0, 0.0, tall * share])
-        rings.append(np.array([centre - half * across, centre + through, centre + half * across,
-                               centre - through]))  # fmt: skip
-    return loft(rings[:]) if _outwards(rings) else loft([ring[::-1] for ring in rings])
-
-
-def _outwards(rings: list[np.ndarray]) -> bool:
-    """Whether a ring runs counter-clockwise seen from above, as loft wants it."""
-    x, y = rings[0][:, 0], rings[0][:, 1]
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) > 0.0
-
-
-def plant(size_m: Size, *, leaves: int = 18, kind: str = "broad") -> tuple[Part, ...]:
-    """A pot with arching leaves, or a succulent rosette."""
-    length, width, height = size_m
-    reach = min(length, width) / 2
-    pot_h = height * (0.32 if kind == "broad" else 0.5)
-    pot_r = reach * (0.62 if kind == "broad" else 0.82)
-    pot = lathe(
-        [(pot_r * 0.72, 0), (pot_r, pot_h), (pot_r * 0.9, pot_h), (pot_r * 0.86, pot_h * 0.88),
-         (0, pot_h * 0.88)], 28,
-    )  # fmt: skip
-    soil = cylinder(pot_r * 0.85, pot_h * 0.06, 0, 24).moved(z=pot_h * 0.84)
-    blades = []
-    for index in range(leaves):
-        ring_share = index / leaves
-        turn = 137.5 * index
-        upright = 1.0 - ring_share
-        if kind == "broad":
-            out, rise = (
-                reach * (0.45 + 0.55 * ring_share),
-                (height - pot_h) * (1 - 0.55 * ring_share),
-            )
-        else:
-            out, rise = (
-                reach * (0.35 + 0.65 * ring_share),
-                (height - pot_h) * (0.35 + 0.65 * upright),
-            )
-        blade = _blade(out, rise, pot_h * 0.88, reach * (0.24 if kind == "broad" else 0.2))
-        blades.append(blade.turned("z", turn))
-    foliage = _filled(joined(blades), length, width, pot_h * 0.88, height)
-    return (
-        Part("Pot", pot, "pot"),
-        Part("Soil", soil, "soil", collider=None),
-        Part("Leaves", foliage, "leaf", collider=None),
-    )
-
-
-def _blade(out: float, rise: float, z: float, wide: float) -> Solid:
-    """A leaf that rises near the centre, arches over and ends in a point."""
-    rings = []
-    for share in np.linspace(0.03, 1.0, 8):
-        x = out * share**1.15
-        height = z + rise * math.sin(math.pi * 0.62 * share) / math.sin(math.pi * 0.62)
-        half = wide * (0.12 + 0.88 * math.sin(math.pi * share**0.9)) * (share < 1.0) / 2
-        thick = 0.0022
-        dip = half * 0.3
-        rings.append(
-            np.array(
-                [[x, 0, height - thick - dip], [x, half, height], [x, 0, height + thick - dip],
-                 [x, -half, height]]
-            )
-        )  # fmt: skip
-    return loft(rings)
-
-
-def _filled(foliage: Solid, length: float, width: float, low: float, high: float) -> Solid:
-    """Leaves stretched so that the plant fills its box."""
-    corner = foliage.bounds_m()
-    span = corner[1] - corner[0]
-    middle = (corner[0] + corner[1]) / 2
-    moved = foliage.moved(-middle[0], -middle[1], -corner[0, 2])
-    return moved.scaled(length / span[0], width / span[1], (high - low) / span[2]).moved(z=low)
-
-
 def coffee_cup(size_m: Size) -> tuple[Part, ...]:
     """A cup with handle and coffee on a saucer."""
     length, width, height = size_m
@@ -377,10 +271,6 @@ _ORNAMENT = {
         "wick": "black",
     },
 }
-_PLANT = {
-    "clay": {"pot": "terracotta", "soil": "soil", "leaf": "leaf"},
-    "white": {"pot": "ceramic", "soil": "soil", "leaf": "dark_leaf"},
-}
 _TABLEWARE = {
     "white": {"ceramic": "ceramic", "coffee": "coffee", "cloth": "grey_cloth", "metal": "steel",
               "glass": "glass", "wood": "oak", "crust": "crust", "crumb": "cream_cloth",
@@ -403,13 +293,6 @@ DESIGNS = (
            _ORNAMENT),
     Design("Candles", "small_ornament", (0.2, 0.09, 0.13), partial(ornament, kind="candles"),
            _ORNAMENT),
-    Design("Snake_Plant_Large", "big_plant", (0.32, 0.32, 0.7), sword_plant, _PLANT),
-    Design("Snake_Plant_Small", "small_plant", (0.15, 0.15, 0.33), sword_plant, _PLANT),
-    Design("Plant_Large", "big_plant", (0.4, 0.4, 0.6), partial(plant, leaves=26), _PLANT),
-    Design("Plant_Medium", "big_plant", (0.3, 0.3, 0.45), partial(plant, leaves=20), _PLANT),
-    Design("Plant_Small", "small_plant", (0.18, 0.18, 0.24), partial(plant, leaves=14), _PLANT),
-    Design("Succulent", "small_plant", (0.12, 0.12, 0.13),
-           partial(plant, leaves=22, kind="succulent"), _PLANT),
     Design("Coffee_Mug", "coffee_cup", (0.11, 0.11, 0.1), coffee_cup, _TABLEWARE),
     Design("Coffee_Cup", "coffee_cup", (0.14, 0.14, 0.08), coffee_cup, _TABLEWARE),
     Design("Fruit_Bowl", "food", (0.27, 0.27, 0.16), fruit_bowl, _TABLEWARE),
