@@ -21,9 +21,17 @@ from chord_usd.data.houses import random_plan
 from chord_usd.errors import AssetError
 from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
 
+<<<<<<< HEAD
 ALL = designs()
 LEAST_TRIANGLES = 150
 MOST_TRIANGLES = 12_000
+=======
+ALL = tuple(
+    design for design in designs() if CATEGORIES[design.category].level is not Level.DRESSING
+)
+LEAST_TRIANGLES = 250
+MOST_TRIANGLES = 8000
+>>>>>>> f125fdf (Books, magazines, pens and photographs made anew; one test of all dressing designs, the furniture's own again)
 
 
 def _smallest_and_largest() -> list[Design]:
@@ -53,12 +61,15 @@ def _parts(design_id: str) -> tuple[Part, ...]:
     return BY_ID[design_id].parts()
 
 
-def is_dressing(design: Design) -> bool:
-    return CATEGORIES[design.category].level is Level.DRESSING
-
-
 def parts_of(design: Design) -> tuple[Part, ...]:
     return _parts(design.id)
+
+
+def points_differ(mesh: trimesh.Trimesh) -> bool:
+    """Whether no two points of one shell are one in single precision; mitred rails may touch."""
+    shell = connected_component_labels(mesh.edges_unique, len(mesh.vertices))
+    written = np.column_stack([mesh.vertices.astype(np.float32), shell.astype(np.float32)])
+    return len(np.unique(written, axis=0)) == len(written)
 
 
 def bounds_m(parts: list[Part]) -> np.ndarray:
@@ -70,8 +81,7 @@ def test_every_category_has_designs_and_ids_are_unique() -> None:
     assert len({design.id for design in ALL}) == len(ALL)
     count = {row.name: 0 for row in (*HOUSE_CATEGORIES, *TABLE_CATEGORIES)}
     for design in ALL:
-        if not is_dressing(design):
-            count[design.category] += 1
+        count[design.category] += 1
     assert min(count.values()) >= 1
     assert min(count[row.name] for row in HOUSE_CATEGORIES) >= 3
 
@@ -121,8 +131,7 @@ def test_parts_fill_the_nominal_size(design: Design) -> None:
 def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
     parts = parts_of(design)
     triangles = sum(len(part.solid.faces) for part in parts)
-    assert triangles <= MOST_TRIANGLES
-    assert is_dressing(design) or triangles >= LEAST_TRIANGLES
+    assert LEAST_TRIANGLES <= triangles <= MOST_TRIANGLES
     assert len({part.name for part in parts}) == len(parts)
     for part in parts:
         mesh = trimesh.Trimesh(part.solid.points_m, part.solid.faces, process=False)
@@ -130,8 +139,7 @@ def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
         assert part.two_sided or mesh.is_watertight, part.name
         assert part.two_sided or mesh.volume > 0.0, part.name
         assert mesh.area_faces.min() > 0.0, part.name
-        written = part.solid.points_m.astype(np.float32)
-        assert len(np.unique(written, axis=0)) == len(written), f"{part.name}: points coincide"
+        assert points_differ(mesh), f"{part.name}: points coincide"
 
 
 @every_design
@@ -143,7 +151,7 @@ def test_colourways_dress_every_part_and_differ(design: Design) -> None:
         worn.append(tuple(sorted((slot, looks[slot]) for slot in slots)))
         assert all(looks[slot] in design.finishes for slot in slots)
     assert len(set(worn)) == len(worn) <= 16
-    assert is_dressing(design) or len(worn) >= 2
+    assert len(worn) >= 2
 
 
 @every_design

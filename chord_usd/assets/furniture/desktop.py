@@ -1,13 +1,16 @@
-"""What stands on desks: books, computers, lamps, pens, pictures."""
+"""What stands on desks: books, magazines, mats, pens, pictures."""
 
 from __future__ import annotations
 
 import math
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
+from chord_usd.assets.dressing.books import bound
+from chord_usd.assets.dressing.forms import cup, face_uvs, flat_rail, frame_rails, rng_of
+from chord_usd.assets.dressing.leaves import tapered
+from chord_usd.assets.furniture.printed import PRINTED
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import (
     Size,
@@ -15,27 +18,14 @@ from chord_usd.assets.solids import (
     bent_path,
     block,
     box,
-    cylinder,
     extruded,
     joined,
-    lathe,
     mirrored_pair,
-    rounded_profile,
     rounded_slab,
     tube,
 )
 
 _COVERS = ("cover_a", "cover_b", "cover_c")
-
-
-def _book(length: float, width: float, thick: float) -> tuple[Solid, Solid]:
-    """(cover, pages) of a book lying flat, its spine to the left."""
-    board = min(0.003, thick / 4)
-    plate = block((length, width, board), 0.001)
-    spine = block((board, width, thick - 2 * board), 0.0005).moved(-(length - board) / 2, z=board)
-    pages = box((length - 0.008, width - 0.01, thick - 2 * board + 0.0005))
-    cover = joined([plate, plate.moved(z=thick - board), spine])
-    return cover, pages.moved(x=-0.002, z=board - 0.0002)
 
 
 def _hardback(length: float, width: float, thick: float) -> tuple[Solid, Solid]:
@@ -59,7 +49,7 @@ def _hardback(length: float, width: float, thick: float) -> tuple[Solid, Solid]:
 def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
     """One book, or a pile of them turned a little against each other."""
     length, width, height = size_m
-    parts, pages = [], []
+    parts, pages, titles = [], [], []
     for index in range(count):
         shrink = 1.0 - 0.1 * index
         turn = (0.0, 6.0, -7.0)[index % 3]
@@ -71,6 +61,7 @@ def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
         )
         cover, block_of_pages = _hardback(*size)
         z = height / count * index
+        titles += [one.turned("z", turn).moved(z=z) for one in _titles(*size, index)]
         parts.append(
             Part(
                 f"Cover_{index + 1}",
@@ -80,75 +71,20 @@ def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
             )
         )
         pages.append(block_of_pages.turned("z", turn).moved(z=z))
-    return (*parts, Part("Pages", joined(pages), "paper", collider=None))  # fmt: skip
-
-
-def standing_books(size_m: Size) -> tuple[Part, ...]:
-    """A row of books between two bookends, spines to the front."""
-    length, width, height = size_m
-    end_m = 0.006
-    covers: dict[str, list[Solid]] = {slot: [] for slot in _COVERS}
-    pages, x, count = [], -length / 2 + end_m, 0
-    while True:
-        thick = (0.03, 0.022, 0.038, 0.026, 0.034)[count % 5]
-        rest = length / 2 - end_m - x
-        if rest < 0.004:
-            break
-        thick = rest if rest < thick + 0.018 else thick
-        tall = height * (1.0, 0.9, 0.96, 0.84, 0.93)[count % 5]
-        deep = width * (0.98, 0.9, 0.95, 0.86, 0.92)[count % 5]
-        cover, block_of_pages = _book(deep, tall, thick - 0.001)
-        at = {"x": x + thick / 2, "y": -width / 2 + deep / 2, "z": tall / 2}
-        covers[_COVERS[count % 3]].append(_stood_up(cover, thick).moved(**at))
-        pages.append(_stood_up(block_of_pages, thick).moved(**at))
-        x, count = x + thick, count + 1
-    end = block((end_m, width, height * 0.62), 0.001).moved((length - end_m) / 2)
-    row = [
-        Part(f"Books_{slot[-1].upper()}", joined(solids), slot, collider=None)
-        for slot, solids in covers.items()
-        if solids
-    ]
     return (
-        *row,
+        *parts,
         Part("Pages", joined(pages), "paper", collider=None),
-        # The box around both ends is the box around the row, and stands upright.
-        Part("Bookends", mirrored_pair(end), "metal"),
-    )  # fmt: skip
-
-
-def _stood_up(book: Solid, thick: float) -> Solid:
-    """A lying book stood on its lower edge, spine to the front, centred."""
-    return book.moved(z=-thick / 2).turned("x", 90).turned("z", 90)
-
-
-def magazine(size_m: Size) -> tuple[Part, ...]:
-    """A thin magazine with a picture, a title, lines of text and a bar code on its cover."""
-    length, width, height = size_m
-    paper = max(height - 0.0006, height * 0.8)
-    picture = box((length * 0.82, width * 0.5, height * 0.1)).moved(y=-width * 0.1, z=paper - 1e-4)
-    title = box((length * 0.7, width * 0.12, height - paper + 1e-4)).moved(
-        y=width * 0.36, z=paper - 1e-4
+        Part("Titles", joined(titles), "print", collider=None),
     )
-    ink = height * 0.1
-    lines = [
-        box((length * share, width * 0.012, ink)).moved(
-            -length * (0.41 - share / 2), -width * (0.37 + 0.015 * row), paper - 1e-4
-        )
-        for row, share in enumerate((0.5, 0.46, 0.5, 0.3, 0.0, 0.5, 0.44, 0.2))
-        if share
-    ]
-    bars = [
-        box((length * (0.004 + 0.004 * (index % 3)), width * 0.06, ink)).moved(
-            length * (0.2 + 0.015 * index), -width * 0.42, paper - 1e-4
-        )
-        for index in range(15)
-    ]
-    return (
-        Part("Sheets", rounded_slab((length, width, paper), 0.002, 0.0005, 6), "paper"),
-        Part("Picture", picture, "cover_a", collider=None),
-        Part("Title", title, "cover_b", collider=None),
-        Part("Text", joined([*lines, *bars]), "metal", collider=None),
-    )
+
+
+def _titles(length: float, width: float, thick: float, index: int) -> list[Solid]:
+    """Print on a cover, and on the spine to the left of a lying book."""
+    lines = ((0.0, 0.22, 0.5, 0.03), (0.0, 0.14, 0.34, 0.012)) if index % 2 == 0 else ((0.0, 0.0, 0.4, 0.05),)
+    flat = [box((length * wide, width * tall, 0.0004)).moved(length * x, width * y, thick - 0.00035) for x, y, wide, tall in lines]
+    spine = [box((0.0016, width * long, thick * 0.34)).moved(-length / 2 + 0.0006, width * y, thick * 0.33)
+             for y, long in ((0.12, 0.3), (-0.32, 0.06))]  # fmt: skip
+    return [*flat, *spine]
 
 
 def mouse_pad(size_m: Size) -> tuple[Part, ...]:
@@ -167,102 +103,160 @@ def _rim(length: float, width: float, height: float) -> np.ndarray:
     return bent_path(corners, 0.02, 4)
 
 
-def pen_holder(size_m: Size) -> tuple[Part, ...]:
-    """A cup with pens and a ruler."""
+def standing_books(size_m: Size, *, seed: str = "row") -> tuple[Part, ...]:
+    """A row of bound books between two bookends, spines to the front."""
     length, width, height = size_m
-    cup_h = height * 0.55
-    cup = lathe(
-        [(0.5, 0), (0.5, cup_h), (0.46, cup_h), (0.46, 0.008), (0.0, 0.008)], 36
-    ).scaled(length, width, 1.0)  # fmt: skip
-    pens = []
-    spread = min(length, width) * 0.36
-    for index in range(4):
-        turn = math.radians(90 * index + 30)
-        foot = [-0.6 * spread * math.cos(turn), -0.6 * spread * math.sin(turn), 0.01]
-        top = [1.15 * spread * math.cos(turn), 1.15 * spread * math.sin(turn),
-               height * (1.0, 0.93, 0.97, 0.9)[index] - 0.002]  # fmt: skip
-        pens.append(tube([foot, top], 0.004, 14))
+    rng = rng_of(f"{seed}/{size_m}")
+    end_m = 0.006
+    covers: dict[str, list[Solid]] = {slot: [] for slot in _COVERS}
+    pages, titles = [], []
+    x, count = -length / 2 + end_m, 0
+    while length / 2 - end_m - x > 0.004:
+        thick = float(rng.choice([0.018, 0.023, 0.029, 0.037]))
+        rest = length / 2 - end_m - x
+        thick = rest if rest < thick + 0.018 else thick
+        tall = height * (1.0 if count == 1 else float(rng.choice([0.8, 0.86, 0.92, 0.97])))
+        deep = width * float(rng.choice([0.84, 0.9, 0.96]))
+        cover, leaves = bound(thick - 0.001, deep, tall)
+        at = {"x": x + thick / 2, "y": -width / 2 + deep / 2}
+        covers[_COVERS[(count * 2 + count // 3) % 3]].append(cover.moved(**at))
+        pages.append(leaves.moved(**at))
+        wide = (thick - 0.001) * 0.55
+        for z, part in ((0.74, 0.14), (0.16, 0.02), (0.12, 0.01))[: 1 + count % 3]:
+            titles.append(box((wide, 0.002, tall * part)).moved(at["x"], -width / 2 + 0.0004, tall * z))
+        x, count = x + thick, count + 1
+    end = block((end_m, width, height * 0.62), 0.001).moved((length - end_m) / 2)
+    row = [
+        Part(f"Books_{slot[-1].upper()}", joined(solids), slot, collider=None)
+        for slot, solids in covers.items()
+        if solids
+    ]
     return (
-        Part("Cup", cup, "cup"),
-        Part("Pens_A", pens[0] + pens[2], "cover_a", collider=None),
-        Part("Pens_B", pens[1] + pens[3], "cover_b", collider=None),
+        *row,
+        Part("Pages", joined(pages), "paper", collider=None),
+        Part("Titles", joined(titles), "print", collider=None),
+        # The box around both ends is the box around the row, and stands upright.
+        Part("Bookends", mirrored_pair(end), "metal"),
+    )  # fmt: skip
+
+
+def magazine(size_m: Size) -> tuple[Part, ...]:
+    """Magazines, the upper one a little turned; a picture is on its cover."""
+    length, width, height = size_m
+    turn = 3.0
+    inset = math.sin(math.radians(turn))
+    size = (length - inset * width, width - inset * length)
+    thick = height / 2
+    parts = []
+    for index, (name, angle) in enumerate((("Lower", 0.0), ("Upper", turn))):
+        plate = rounded_slab((*size, thick * 0.86), 0.002, 0.0004, 6).turned("z", angle)
+        plate = plate.scaled(length / size[0], width / size[1], 1.0) if angle == 0.0 else plate
+        parts.append(Part(f"{name}_Sheets", plate.moved(z=thick * index), "paper"))
+    sheet = rounded_slab((*size, thick * 0.14), 0.002, 0.0001, 6)
+    corners = sheet.points_m[sheet.faces].reshape(-1, 3)
+    uvs = np.clip(corners[:, :2] / size + 0.5, 0.002, 0.998)
+    back = rounded_slab((length, width, thick * 0.14), 0.002, 0.0001, 6).moved(z=thick * 0.86)
+    parts.append(Part("Lower_Cover", back, "cover_a", collider=None))
+    parts.append(Part("Cover", sheet.turned("z", turn).moved(z=height - thick * 0.14), "picture", collider=None, uvs=uvs))
+    return tuple(parts)
+
+
+def pen_holder(size_m: Size) -> tuple[Part, ...]:
+    """A cup with pencils, a pen, a ruler."""
+    length, width, height = size_m
+    cup_h = height * 0.56
+    r = 0.5
+    vessel = cup([(0.0, 0.0), (r - 0.03, 0.0), (r, 0.004), (r, cup_h - 0.002), (r - 0.012, cup_h)], 0.035, 0.006, 36)
+    pencils, tips, leads = [], [], []
+    spread = min(length, width) * 0.3
+    for index, (tall, turn) in enumerate(((1.0, 20.0), (0.92, 100.0), (0.96, 170.0), (0.88, 250.0), (0.94, 310.0))):
+        a = math.radians(turn)
+        foot = np.array([-0.8 * spread * math.cos(a), -0.8 * spread * math.sin(a), 0.008])
+        top = np.array([0.95 * spread * math.cos(a), 0.95 * spread * math.sin(a), height * tall - 0.003])
+        along = (top - foot) / np.linalg.norm(top - foot)
+        pencils.append(tube([foot, top - 0.018 * along], 0.0038, 6))
+        tips.append(tapered(np.array([top - 0.0181 * along, top - 0.004 * along]), 0.0036, 0.0012, 6))
+        leads.append(tapered(np.array([top - 0.0045 * along, top]), 0.0011, 0.0003, 5))
+    ruler = block((0.026, 0.0018, height * 0.93), 0.0005).turned("x", -3).moved(0.0, 0.3 * width, 0.006)
+    return (
+        Part("Cup", vessel.scaled(length, width, 1.0), "cup"),
+        Part("Pencils_A", joined(pencils[::2]), "cover_a", collider=None),
+        Part("Pencils_B", joined(pencils[1::2]), "cover_b", collider=None),
+        Part("Tips", joined(tips), "wood", collider=None),
+        Part("Leads", joined(leads), "ink", collider=None),
+        Part("Ruler", ruler, "wood", collider=None),
     )
 
 
-def photo_frame(size_m: Size) -> tuple[Part, ...]:
-    """A leaning frame with a landscape behind a mat, on an easel foot."""
+def photo_frame(size_m: Size, *, mount_m: float = 0.018) -> tuple[Part, ...]:
+    """A leaning frame with a photograph behind a mount, on an easel foot."""
     length, width, height = size_m
-    lean_deg = min(14.0, math.degrees(math.atan2(width * 0.7, height)))
-    tall = (height - 0.016 * math.sin(math.radians(lean_deg))) / math.cos(math.radians(lean_deg))
-    rail, deep = 0.018, 0.016
-    stile = block((rail, deep, tall), 0.002)
-    bar = block((length - 2 * rail + 0.002, deep - 0.002, rail), 0.002)
-    at = (length - rail) / 2
-    frame = joined([mirrored_pair(stile.moved(at)), bar, bar.moved(z=tall - rail)])
-    slip = _slip(length - 2 * rail, tall - 2 * rail).moved(y=-0.003, z=rail)
-    mat = box((length - rail, 0.004, tall - rail)).moved(y=0.002, z=rail / 2)
-    inner_l, inner_h = length - 2 * rail - 0.03, tall - 2 * rail - 0.03
-    sky = box((inner_l, 0.002, inner_h)).moved(y=-0.001, z=rail + 0.015)
-    hill = box((inner_l - 0.001, 0.003, inner_h * 0.42)).moved(y=-0.002, z=rail + 0.015)
+    lean_deg = min(13.0, math.degrees(math.atan2(width * 0.7, height)))
+    deep, rail = 0.014, 0.014
+    tall = (height - deep * math.sin(math.radians(lean_deg))) / math.cos(math.radians(lean_deg))
+    frame = frame_rails(length, tall, flat_rail(rail, deep, 0.002)).moved(y=deep / 2)
+    inner_l, inner_h = length - 2 * rail, tall - 2 * rail
+    board = block((inner_l + 0.006, 0.005, inner_h + 0.006), 0.001).moved(y=0.0035, z=rail - 0.003)
+    mount = frame_rails(inner_l + 0.004, inner_h + 0.004, flat_rail(mount_m + 0.002, 0.0018, 0.0008))
+    seen_l, seen_h = inner_l - 2 * mount_m + 0.003, inner_h - 2 * mount_m + 0.003
+    low = rail + mount_m - 0.0015
+    seen = box((seen_l, 0.0008, seen_h)).moved(y=0.0007, z=low)
+    uvs = face_uvs(seen, (-seen_l / 2, low), (seen_l / 2, low + seen_h))
     back = -width / 2 + deep / 2
     slope = math.tan(math.radians(lean_deg))
     rest = [0.0, back + slope * tall * 0.55 + 0.008, tall * 0.55]
     prop = tube([rest, [0.0, width / 2 - 0.004, 0.004]], 0.004, 8)
-    tilted = [
-        solid.turned("x", -lean_deg).moved(y=back + 0.001)
-        for solid in (frame, mat, sky, hill, slip)
-    ]
+    at = back + 0.001
+    turned_ = {name: solid.turned("x", -lean_deg).moved(y=at) for name, solid in
+               (("frame", frame), ("board", board), ("mount", mount.moved(y=0.001, z=rail - 0.002)), ("seen", seen))}  # fmt: skip
     return (
-        Part("Frame", tilted[0], "wood"),
-        Part("Mat", tilted[1], "paper", collider=None),
-        Part("Sky", tilted[2], "sky", collider=None),
-        Part("Hill", tilted[3], "land", collider=None),
-        Part("Slip", tilted[4], "paper", collider=None),
-        Part("Prop", prop, "wood"),
+        Part("Frame", turned_["frame"], "wood"),
+        Part("Board", turned_["board"], "ink", collider=None),
+        Part("Mount", turned_["mount"], "mount", collider=None),
+        Part("Photograph", turned_["seen"], "photo", collider=None, uvs=uvs),
+        Part("Prop", prop, "ink"),
     )  # fmt: skip
 
 
-def _slip(length: float, height: float) -> Solid:
-    """The thin inner frame that holds a picture under its glass."""
-    thin = 0.005
-    stile = block((thin, 0.006, height), 0.001).moved((length - thin) / 2)
-    bar = block((length - 2 * thin + 0.001, 0.005, thin), 0.001)
-    return joined([mirrored_pair(stile), bar, bar.moved(z=height - thin)])
-
-
 _PRINT = {
-    "red": {"cover_a": "red_cover", "cover_b": "blue_cover", "cover_c": "yellow_cover",
-            "paper": "paper", "metal": "black_metal"},
-    "green": {"cover_a": "green_cover", "cover_b": "sand", "cover_c": "navy", "paper": "paper",
-              "metal": "brass"},
+    "red": {"cover_a": "book_clay", "cover_b": "book_slate", "cover_c": "book_ochre", "paper": "paper", "metal": "black_metal",
+            "print": "cream", "picture": "magazine_cover"},
+    "green": {"cover_a": "book_sage", "cover_b": "book_sand", "cover_c": "book_navy", "paper": "paper", "metal": "antique_brass",
+              "print": "gilt", "picture": "magazine_cover"},
+    "pale": {"cover_a": "book_white", "cover_b": "book_blush", "cover_c": "book_ink", "paper": "paper", "metal": "steel",
+             "print": "book_slate", "picture": "magazine_cover"},
 }  # fmt: skip
 _MAT = {
-    "charcoal": {"cloth": "charcoal_cloth", "rim": "black"},
+    "charcoal": {"cloth": "felt_dark", "rim": "black"},
     "tan": {"cloth": "tan_leather", "rim": "brown_leather"},
 }
+_PENS = {"cover_a": "book_navy", "cover_b": "book_ochre", "wood": "birch", "ink": "ink"}
 _CUP = {
-    "white": {"cup": "ceramic", "cover_a": "blue_cover", "cover_b": "red_cover"},
-    "black": {"cup": "black_metal", "cover_a": "yellow_cover", "cover_b": "green_cover"},
-}
-_PICTURE = {
-    "oak": {"wood": "oak", "paper": "paper", "sky": "light_blue", "land": "leaf"},
-    "black": {"wood": "black_stain", "paper": "paper", "sky": "blush", "land": "navy"},
+    "white": {"cup": "stoneware", **_PENS},
+    "black": {"cup": "black_metal", **_PENS, "cover_a": "book_clay"},
+    "oak": {"cup": "oak", **_PENS, "cover_b": "book_sage"},
 }
 
+
+def _frames(photo: str) -> dict[str, dict[str, str]]:
+    base = {"mount": "mount_board", "photo": photo, "ink": "black"}
+    return {"oak": {"wood": "oak", **base}, "black": {"wood": "black_stain", **base}, "brass": {"wood": "antique_brass", **base}}
+
+
 DESIGNS = (
-    Design("Book_Lying", "lying_book", (0.15, 0.21, 0.025), lying_books, _PRINT),
-    Design("Book_Lying_Small", "lying_book", (0.13, 0.2, 0.03), lying_books, _PRINT),
-    Design("Books_Pair", "lying_book", (0.17, 0.24, 0.04), partial(lying_books, count=2), _PRINT),
-    Design("Books_Pile", "lying_book", (0.2, 0.27, 0.06), partial(lying_books, count=3), _PRINT),
-    Design("Books_Row_Short", "standing_book", (0.18, 0.18, 0.24), standing_books, _PRINT),
-    Design("Books_Row_Medium", "standing_book", (0.26, 0.18, 0.24), standing_books, _PRINT),
-    Design("Books_Row_Long", "standing_book", (0.36, 0.2, 0.26), standing_books, _PRINT),
-    Design("Magazine", "magazine", (0.21, 0.28, 0.008), magazine, _PRINT),
-    Design("Desk_Mat", "big_mouse_pad", (0.8, 0.35, 0.004), mouse_pad, _MAT),
-    Design("Desk_Mat_Small", "big_mouse_pad", (0.7, 0.32, 0.004), mouse_pad, _MAT),
-    Design("Desk_Mat_Large", "big_mouse_pad", (0.9, 0.4, 0.004), mouse_pad, _MAT),
-    Design("Pen_Cup", "pen_holder", (0.09, 0.09, 0.18), pen_holder, _CUP),
-    Design("Photo_Portrait", "photo_frame", (0.17, 0.09, 0.22), photo_frame, _PICTURE),
-    Design("Photo_Square", "photo_frame", (0.2, 0.08, 0.2), photo_frame, _PICTURE),
-    Design("Photo_Landscape", "photo_frame", (0.27, 0.09, 0.2), photo_frame, _PICTURE),
+    Design("Book_Lying", "lying_book", (0.15, 0.21, 0.025), lying_books, _PRINT, PRINTED),
+    Design("Book_Lying_Small", "lying_book", (0.13, 0.2, 0.03), lying_books, _PRINT, PRINTED),
+    Design("Books_Pair", "lying_book", (0.17, 0.24, 0.04), partial(lying_books, count=2), _PRINT, PRINTED),
+    Design("Books_Pile", "lying_book", (0.2, 0.27, 0.06), partial(lying_books, count=3), _PRINT, PRINTED),
+    Design("Books_Row_Short", "standing_book", (0.18, 0.18, 0.24), standing_books, _PRINT, PRINTED),
+    Design("Books_Row_Medium", "standing_book", (0.26, 0.18, 0.24), standing_books, _PRINT, PRINTED),
+    Design("Books_Row_Long", "standing_book", (0.36, 0.2, 0.26), standing_books, _PRINT, PRINTED),
+    Design("Magazine", "magazine", (0.21, 0.28, 0.008), magazine, _PRINT, PRINTED),
+    Design("Desk_Mat", "big_mouse_pad", (0.8, 0.35, 0.004), mouse_pad, _MAT, PRINTED),
+    Design("Desk_Mat_Small", "big_mouse_pad", (0.7, 0.32, 0.004), mouse_pad, _MAT, PRINTED),
+    Design("Desk_Mat_Large", "big_mouse_pad", (0.9, 0.4, 0.004), mouse_pad, _MAT, PRINTED),
+    Design("Pen_Cup", "pen_holder", (0.09, 0.09, 0.18), pen_holder, _CUP, PRINTED),
+    Design("Photo_Portrait", "photo_frame", (0.17, 0.09, 0.22), photo_frame, _frames("photo_face"), PRINTED),
+    Design("Photo_Square", "photo_frame", (0.2, 0.08, 0.2), photo_frame, _frames("photo_fern"), PRINTED),
+    Design("Photo_Landscape", "photo_frame", (0.27, 0.09, 0.2), photo_frame, _frames("photo_sea"), PRINTED),
 )  # fmt: skip

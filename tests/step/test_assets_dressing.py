@@ -1,0 +1,104 @@
+"""Every design of the dressing level: sound, of its category's size, made for where it hangs."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+import trimesh
+
+from chord_usd.assets.dressing import designs
+from chord_usd.assets.dressing.pictures import ART_SLOTS
+from chord_usd.assets.dressing.shelves import board_heights_m
+from chord_usd.assets.model import Design, Part
+from chord_usd.scene.palette import CATEGORIES, Mount, category
+from chord_usd.scene.styles import STYLES
+
+ALL = designs()
+MOST_TRIANGLES = {"floor_plant": 6200, "trailing_plant": 6000}
+MOST_OF_SOFT, MOST_OF_OTHERS = 8000, 5000
+SOFT = ("curtain", "throw", "cushion", "rug", "towel_rail", "towel_stack")
+FLAT_M = 1e-6
+
+
+def _one_of_each_form() -> list[Design]:
+    """The first of each family whose names differ in size only."""
+    forms: dict[str, Design] = {}
+    for design in ALL:
+        forms.setdefault(re.sub(r"(_\d+(x\d+)?)+$", "", design.id), design)
+    return list(forms.values())
+
+
+def most_triangles(design: Design) -> int:
+    most = MOST_OF_SOFT if design.category in SOFT else MOST_OF_OTHERS
+    return MOST_TRIANGLES.get(design.category, most)
+
+
+def flat_area_m2(parts: tuple[Part, ...], axis: int, level_m: float) -> float:
+    """Area of what lies in the plane at level_m across an axis."""
+    total = 0.0
+    for part in parts:
+        corners = part.solid.points_m[part.solid.faces]
+        there = corners[np.all(np.abs(corners[..., axis] - level_m) < FLAT_M, axis=1)]
+        if len(there):
+            total += float(trimesh.triangles.area(there, sum=True))
+    return total
+
+
+def test_ids_are_unique_and_sizes_lie_in_the_range_of_the_palette() -> None:
+    assert len({design.id for design in ALL}) == len(ALL)
+    for design in ALL:
+        row = category(design.category)
+        sides = zip(design.size_m, (row.length_m, row.width_m, row.height_m), strict=True)
+        assert all(low <= side <= high for side, (low, high) in sides), design.id
+        assert set(design.styles) <= set(STYLES), design.id
+
+
+@pytest.mark.parametrize("design", _one_of_each_form(), ids=lambda design: design.id)
+def test_a_design_is_sound(design: Design) -> None:
+    parts = design.parts()
+    mount, (length, width, height) = CATEGORIES[design.category].mount, design.size_m
+    assert sum(len(part.solid.faces) for part in parts) <= most_triangles(design)
+    assert len({part.name for part in parts}) == len(parts)
+    for part in parts:
+        mesh = trimesh.Trimesh(part.solid.points_m, part.solid.faces, process=False)
+        assert mesh.is_winding_consistent, part.name
+        assert part.two_sided or (mesh.is_watertight and mesh.volume > 0.0), part.name
+        assert mesh.area_faces.min() > 0.0, part.name
+        assert part.uvs is None or part.uvs.shape == (3 * len(part.solid.faces), 2)
+        worn = {looks[part.slot] for looks in design.colourways.values()}
+        assert all(name in design.finishes for name in worn), part.name
+    if mount is Mount.WALL and CATEGORIES[design.category].rooms != ("kitchen",):
+        assert flat_area_m2(parts, 1, width / 2) > 0.0, "touches the wall"
+    if mount is Mount.CEILING:
+        assert flat_area_m2(parts, 2, height) > 0.0, "touches the ceiling"
+    if design.light is not None:
+        x, y, z = design.light.at_m
+        assert abs(x) <= length / 2 and abs(y) <= width / 2 and 0.0 <= z <= height
+
+
+def test_a_drawing_is_the_same_each_time() -> None:
+    """Lofts, leaves and art: whatever draws random numbers takes them from the name."""
+    for name in ("Plant_Monstera", "Books_40", "Vase_Pampas", "Basket_Round"):
+        design = next(one for one in ALL if one.id == name)
+        first, second = design.parts(), design.parts()
+        for a, b in zip(first, second, strict=True):
+            assert a.solid.points_m.tobytes() == b.solid.points_m.tobytes()
+    picture = next(one for one in ALL if one.category == "picture")
+    art = picture.finishes[ART_SLOTS[0]].texture
+    assert art is not None and max(art.size) <= 512
+
+
+def test_all_lamps_of_rooms_say_where_they_shine() -> None:
+    for design in ALL:
+        if design.category in ("ceiling_lamp", "pendant_lamp", "floor_lamp", "wall_lamp"):
+            assert design.light is not None and design.light.lumens > 0.0, design.id
+
+
+def test_boards_of_shelves_are_where_they_are_said_to_be() -> None:
+    for design in ALL:
+        if design.category == "wall_shelf":
+            for level_m in board_heights_m(design.id, design.size_m[2]):
+                area_m2 = flat_area_m2(design.parts(), 2, level_m)
+                assert area_m2 > 0.6 * (design.size_m[0] - 0.08) * (design.size_m[1] - 0.03), design.id
