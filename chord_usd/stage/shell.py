@@ -21,21 +21,20 @@ from shapely.ops import unary_union
 from chord_usd.scene.geometry import footprint_polygon, polygons_of
 from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
+from chord_usd.stage.door_leaves import LeafKind, leaf_parts
 from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
 from chord_usd.stage.opening_parts import (
     CASING_WIDTH_M,
-    Leaf,
-    Part,
     PointM,
     fixed_parts,
     leaf_box,
-    leaf_parts,
     leaves_of,
     railing_guard,
     railing_parts,
     side_of,
 )
+from chord_usd.stage.opening_shapes import Leaf, Part
 from chord_usd.stage.physics import DOOR_OPENS_DEG, hang_leaf, write_collider
 from chord_usd.stage.prims import (
     bind,
@@ -253,14 +252,15 @@ def _draw_opening(
         return
     indoors = walls.floors_m[room.index].representative_point().coords[0]
     inside = side_of(indoors, tunnel)
-    for part in fixed_parts(tunnel, inside=inside):
+    opens = _opens_to(tunnel, walls, inside)
+    for part in fixed_parts(tunnel, inside=inside, opens=opens):
         _draw_part(component, named.name, part, room, frame)
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
         drawn = component.group(f"{named.name}/Leaf_{index}")
         place(drawn, at_m=hinge_m, yaw_deg=0.0)
-        for part in leaf_parts(leaf, glazed=_is_glazed(opening, rooms)):
+        for part in leaf_parts(leaf, kind=_leaf_kind(opening, rooms), opens=opens):
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
-        component.hang(drawn, hinge_m, leaf, _opens_to(tunnel, walls, inside))
+        component.hang(drawn, hinge_m, leaf, opens)
 
 
 def _draw_railing(component: _Component, name: str, tunnel: Tunnel, room: NamedRoom) -> None:
@@ -300,11 +300,13 @@ def _draw_part(
     component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
 
 
-def _is_glazed(opening: Opening, rooms: Sequence[NamedRoom]) -> bool:
+def _leaf_kind(opening: Opening, rooms: Sequence[NamedRoom]) -> LeafKind:
     """Doors to balconies are glass doors, and so are wide ones that lead outside."""
     kinds = {named.room.kind for named in rooms if named.room.id in opening.room_ids}
     leads_out = len(opening.room_ids) < 2
-    return "balcony" in kinds or (leads_out and opening.box.size_m[0] >= _GLASS_DOOR_FROM_M)
+    if "balcony" in kinds or (leads_out and opening.box.size_m[0] >= _GLASS_DOOR_FROM_M):
+        return "glass"
+    return "entrance" if leads_out else "panel"
 
 
 def _skirting(floor: Polygon, lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> list[Face]:

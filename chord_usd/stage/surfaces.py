@@ -25,6 +25,7 @@ PLAIN_SURFACES: dict[str, Surface] = {
     "Ceiling": Surface((243, 242, 239), 0.9),
     "Trim": Surface((240, 239, 235), 0.35),
     "WindowFrame": Surface((226, 226, 224), 0.3),
+    "EntranceDoor": Surface((74, 84, 80), 0.4),
     "Metal": Surface((176, 174, 170), 0.28, metallic=1.0),
     "Glass": Surface((24, 28, 27), 0.0, opacity=0.08),  # a pale one would be a veil in the sun
     "Facade": Surface((222, 217, 208), 0.9),

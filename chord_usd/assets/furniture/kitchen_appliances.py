@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells
+from chord_usd.assets.furniture.joinery import FRONT_M, cells
 from chord_usd.assets.furniture.kitchen_fronts import pull_bar
 from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
@@ -318,6 +318,3 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
         Part("Door_Handles", joined(grips), "handle", collider=None),
         Part("Badge", badge, "handle", collider=None),
     )
-
-
-_ = HANDLE_M

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 
-from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, doors, plinth, shifted
+from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, plinth, shifted
+from chord_usd.assets.furniture.kitchen_fronts import FORM_STYLES, FrontForm, kitchen_fronts
 from chord_usd.assets.furniture.sinks import sink_bowl
 from chord_usd.assets.furniture.taps import sink_tap
-from chord_usd.assets.model import Part, Style, editions, steps
+from chord_usd.assets.model import Design, Part, Style, editions
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -50,31 +52,56 @@ def _machine(
         for sx in (-1, 1)
         for sy in (-1, 1)
     ]
-    hoop = lathe(
-        [(drum - 0.012, -0.006), (drum + 0.035, -0.002), (drum + 0.04, 0.008),
-         (drum + 0.03, 0.022), (drum, 0.026), (drum - 0.018, 0.018)], 40, loop=True,
-    )  # fmt: skip
-    lens = lathe([(drum - 0.006, 0.0), (drum - 0.012, 0.016), (drum * 0.6, 0.028), (0, 0.033)], 36)
     door_at = {"y": y, "z": centre_z}
+    hoop = lathe(
+        [(drum - 0.014, -0.006), (drum + 0.03, -0.002), (drum + 0.034, 0.006),
+         (drum + 0.028, 0.02), (drum + 0.012, 0.027), (drum - 0.008, 0.028),
+         (drum - 0.02, 0.016)], 44, loop=True,
+    )  # fmt: skip
+    lip = lathe([(drum + 0.032, -0.001), (drum + 0.04, -0.001), (drum + 0.04, 0.004),
+                 (drum + 0.032, 0.004)], 44, loop=True)  # fmt: skip
+    lens = lathe(
+        [(drum - 0.012, 0.0), (drum - 0.016, 0.014), (drum * 0.72, 0.022), (drum * 0.5, 0.012),
+         (drum * 0.25, 0.004), (0, 0.003)], 40,
+    )  # fmt: skip
+    grip = block((0.018, 0.012, 0.1), 0.005).moved(drum + 0.014, y - 0.03, centre_z - 0.05)
     panel_z = height - 0.115
-    drawer = block((length * 0.3, 0.012, 0.085), 0.004).moved(-length * 0.31, y, panel_z)
-    dial = cylinder(0.032, 0.024, 0.005, 24).turned("x", 90).moved(0.02, y, panel_z + 0.043)
-    display = block((length * 0.24, 0.008, 0.06), 0.002).moved(length * 0.3, y, panel_z + 0.013)
-    flap = block((0.11, 0.008, 0.06), 0.003).moved(length * 0.33, y, feet + 0.03)
-    grip = block((0.02, 0.03, 0.09), 0.006).moved(drum + 0.012, y - 0.015, centre_z - 0.045)
-    casing = {"Casing": body + face, "Feet": joined(foot), "Drawer": drawer + flap}
+    drawer = block((length * 0.29, 0.014, 0.086), 0.005).moved(-length * 0.315, y, panel_z + 0.004)
+    pull = block((length * 0.2, 0.006, 0.014), 0.002)
+    pull = pull.moved(-length * 0.315, y - 0.0075, panel_z + 0.012)
+    flap = block((0.12, 0.006, 0.07), 0.002).moved(length * 0.32, y - 0.001, feet + 0.02)
+    seam = [box((length - 0.012, 0.003, 0.0035)).moved(y=y - 0.0005, z=z)
+            for z in (panel_z - 0.012, feet + 0.105)]  # fmt: skip
+    dial = lathe([(0.036, 0), (0.036, 0.004), (0.029, 0.007), (0.028, 0.024), (0.026, 0.026),
+                  (0, 0.026)], 30)  # fmt: skip
+    dial = dial.turned("x", 90).moved(0.005, y + 0.001, panel_z + 0.047)
+    display = block((length * 0.27, 0.006, 0.062), 0.002)
+    display = display.moved(length * 0.29, y - 0.0015, panel_z + 0.016)
+    keys = [
+        cylinder(0.0055, 0.003, 0.001, 12).turned("x", 90)
+        .moved(length * 0.29 + 0.022 * n, y - 0.0035, panel_z + 0.032) for n in (-2, -1, 0, 1, 2)
+    ]  # fmt: skip
+    figures = [
+        box((0.006, 0.001, 0.014)).moved(length * 0.29 + 0.0105 * n, y - 0.0047, panel_z + 0.05)
+        for n in (-2, -1, 1, 2)
+    ]
+    casing = {"Casing": body + face, "Feet": joined(foot), "Drawer": drawer + flap,
+              "Seams": joined([*seam, pull])}  # fmt: skip
     trim = {
-        "Hoop": hoop.turned("x", 90).moved(**door_at) + grip,
+        "Hoop": joined([hoop.turned("x", 90).moved(**door_at), grip]),
+        "Lip": lip.turned("x", 90).moved(**door_at),
         "Door_Glass": lens.turned("x", 90).moved(**door_at),
         "Dial": dial,
         "Display": display,
+        "Keys": joined([*keys, *figures]),
     }
     return casing, trim
 
 
 _MACHINE_SLOTS = {
-    "Casing": "machine", "Feet": "rubber", "Drawer": "trim", "Hoop": "hoop",
-    "Door_Glass": "dark_glass", "Dial": "hoop", "Display": "dark_glass",
+    "Casing": "machine", "Feet": "rubber", "Drawer": "trim", "Hoop": "hoop", "Lip": "hoop",
+    "Door_Glass": "dark_glass", "Dial": "hoop", "Display": "dark_glass", "Seams": "seam",
+    "Keys": "mark",
 }  # fmt: skip
 
 
@@ -98,7 +125,9 @@ def _machine_parts(
     )
 
 
-def laundry_counter(size_m: Size, *, has_dryer: bool = False) -> tuple[Part, ...]:
+def laundry_counter(
+    size_m: Size, *, form: FrontForm = "bar", has_dryer: bool = False
+) -> tuple[Part, ...]:
     """A worktop over a washing machine and, beside it, a sink cabinet or a second machine."""
     length, width, height = size_m
     top = 0.036
@@ -113,7 +142,7 @@ def laundry_counter(size_m: Size, *, has_dryer: bool = False) -> tuple[Part, ...
         parts.append(Part("Worktop", _plate(length, width, top, height), "worktop"))
         return tuple(parts)
     case_l = length - machine_l - 0.024
-    parts += _sink_side(case_l, (length - case_l) / 2, size_m, top)
+    parts += _sink_side(case_l, (length - case_l) / 2, size_m, top, form)
     return tuple(parts)
 
 
@@ -121,7 +150,7 @@ def _plate(length: float, width: float, top: float, height: float) -> Solid:
     return block((length, width - 0.01, top), 0.003).moved(y=0.005, z=height - top)
 
 
-def _sink_side(case_l: float, x: float, size_m: Size, top: float) -> list[Part]:
+def _sink_side(case_l: float, x: float, size_m: Size, top: float, form: FrontForm) -> list[Part]:
     """The cabinet with a laundry sink, and the worktop with its hole."""
     length, width, height = size_m
     y, base = -width / 2 + HANDLE_M + FRONT_M, 0.08
@@ -147,14 +176,14 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float) -> list[Part]:
         Part("Plinth", base_part.solid.moved(x=x), "plinth"),
         Part("Sink_Body", case, "body"),
         Part("Sink_Upper_Body", joined([*rims, back]), "body", collider=None),
-        *doors(face, y, "bar"),
+        *kitchen_fronts(face, y, form),
         Part("Worktop", plate, "worktop", collider="none"),
         Part("Bowl", bowl, "ceramic", collider=None, above=True),
         Part("Tap", tap, "tap", collider=None, above=True),
     ]  # fmt: skip
 
 
-def laundry_tower(size_m: Size) -> tuple[Part, ...]:
+def laundry_tower(size_m: Size, *, form: FrontForm = "bar") -> tuple[Part, ...]:
     """A washer with a dryer on top, between a tall cabinet and a frame."""
     length, width, height = size_m
     machine_l = 0.6
@@ -184,21 +213,21 @@ def laundry_tower(size_m: Size) -> tuple[Part, ...]:
         Part("Tall_Body", case, "body"),
         Part("Upper_Body", upper, "body"),
         Part("Cheek", cheek, "body"),
-        *doors(face, y, "bar"),
+        *kitchen_fronts(face, y, form),
     )  # fmt: skip
 
 
 def _machine_look(machine: str, hoop: str) -> dict[str, str]:
     return {
         "machine": machine, "trim": machine, "hoop": hoop, "dark_glass": "black_glass",
-        "rubber": "rubber",
+        "rubber": "rubber", "seam": "graphite", "mark": "light_grey",
     }  # fmt: skip
 
 
 def _set_look(body: str, worktop: str, metal: str, machine: str, hoop: str) -> dict[str, str]:
     return {
         **_machine_look(machine, hoop), "body": body, "front": body, "worktop": worktop,
-        "handle": metal, "tap": "chrome", "ceramic": "ceramic", "plinth": "graphite",
+        "handle": metal, "channel": "graphite", "tap": "chrome", "ceramic": "ceramic", "plinth": "graphite",
     }  # fmt: skip
 
 
@@ -209,18 +238,34 @@ _MACHINE = {
 }
 _SET = {
     "oak": _set_look("oak", "quartz", "black_metal", "white", "steel"),
-    "white": _set_look("white", "oak", "steel", "white", "steel"),
-    "graphite": _set_look("graphite", "walnut", "brass", "graphite", "chrome"),
+    "white": _set_look("white", "oak", "steel", "white", "chrome"),
+    "warm_white": _set_look("warm_white", "walnut", "brass", "white", "black_metal"),
+    "pale_oak": _set_look("pale_oak", "concrete", "black_metal", "white", "black_metal"),
+    "walnut": _set_look("walnut", "marble", "brass", "white", "black"),
+    "graphite": _set_look("graphite", "dark_walnut", "black_metal", "graphite", "chrome"),
 }
 
 _WASHER = Style("Washing_Machine", washing_machine, _MACHINE, 0.86)
-_WITH_SINK = Style("Laundry_Sink", laundry_counter, _SET, 0.9)
 _PAIR = Style("Laundry_Pair", partial(laundry_counter, has_dryer=True), _SET, 0.9)
-_TOWER = Style("Laundry_Tower", laundry_tower, _SET, 2.15)
+_DEPTHS_M = (0.55, 0.62)
+
+
+def _sets() -> Iterator[Design]:
+    """Counters and towers in the fronts of each form."""
+    yield from editions("washing_set", (_PAIR,), (1.26, 1.34), _DEPTHS_M)
+    for form, styles in FORM_STYLES.items():
+        draws = {"Sink": laundry_counter, "Tower": laundry_tower}
+        sink, tower = (
+            Style(
+                f"Laundry_{form.capitalize()}_{kind}", partial(draw, form=form), _SET, tall, styles
+            )
+            for (kind, draw), tall in zip(draws.items(), (0.9, 2.15), strict=True)
+        )
+        yield from editions("washing_set", (sink,), (0.94, 1.03, 1.13, 1.23, 1.33), _DEPTHS_M)
+        yield from editions("washing_set", (tower, sink), (1.42, 1.5, 1.6, 1.68), _DEPTHS_M)
+
 
 DESIGNS = (
     *editions("washing_machine", (_WASHER,), (0.57, 0.6, 0.65), (0.53, 0.58, 0.64)),
-    *editions("washing_set", (_WITH_SINK,), (0.92, 1.0, 1.08, 1.16), (0.52, 0.58, 0.64)),
-    *editions("washing_set", (_PAIR, _WITH_SINK), (1.26, 1.34), (0.52, 0.58, 0.64)),
-    *editions("washing_set", (_TOWER, _WITH_SINK), steps(1.42, 1.67, 0.085), (0.52, 0.58, 0.64)),
+    *_sets(),
 )

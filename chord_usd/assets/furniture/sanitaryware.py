@@ -13,7 +13,6 @@ from chord_usd.assets.solids import (
     Size,
     Solid,
     block,
-    box,
     cylinder,
     joined,
     lathe,
@@ -385,4 +384,3 @@ DESIGNS = (
     *editions("bathtub", (_TUB,), (1.33, *_TUBS_M), (0.72, 0.8, 0.87)),
     *editions("bathtub", (_OVAL, _CLAWS), _TUBS_M, (0.75, 0.85)),
 )
-_ = box

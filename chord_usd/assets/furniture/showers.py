@@ -27,22 +27,24 @@ from chord_usd.scene.types import FloatArray
 
 
 def shower(
-    size_m: Size, *, kind: Literal["walk_in", "cabin", "corner"] = "walk_in"
+    size_m: Size, *, kind: Literal["walk_in", "cabin", "corner", "gridded"] = "walk_in"
 ) -> tuple[Part, ...]:
     """A shower: tray with drain, glass in metal profiles, riser rail with head at the back wall."""
     length, width, height = size_m
     corner = 0.01 if kind != "corner" else 0.0
     tray = _tray(length, width, corner) if kind != "corner" else _quadrant_tray(length, width)
     glass_h = min(2.0, height - 0.06)
-    if kind == "walk_in":
-        screens, frame = _walk_in(length, width, glass_h)
+    if kind in ("walk_in", "gridded"):
+        screens, frame = _walk_in(length, width, glass_h, gridded=kind == "gridded")
     elif kind == "cabin":
         screens, frame = _cabin(length, width, glass_h)
     else:
         screens, frame = _quadrant(length, width, glass_h)
-    drain = lathe([(0.05, 0), (0.05, 0.006), (0.04, 0.008), (0, 0.008)], 24)
     x = -length * 0.18 if kind == "corner" else 0.0
     drain_y = 0.12 if kind == "corner" else -0.05
+    rim = lathe([(0.06, 0), (0.06, 0.004), (0.052, 0.006), (0.05, 0.0045), (0, 0.0045)], 32)
+    cover = lathe([(0.046, 0.004), (0.046, 0.0075), (0.042, 0.009), (0, 0.009)], 32)
+    drain = rim + cover
     return (
         Part("Tray", tray, "ceramic", collider="none"),
         Part("Drain", drain.moved(x, drain_y, 0.022), "metal", collider=None),
@@ -97,8 +99,13 @@ def _pane(length: float, x: float, y: float, height: float, *, sideways: bool = 
     return box(size).moved(x, y, _TRAY_M - 0.004)
 
 
-def _walk_in(length: float, width: float, height: float) -> tuple[Solid, Solid]:
-    """One fixed screen over two thirds of the front and one along the right side."""
+def _walk_in(
+    length: float, width: float, height: float, *, gridded: bool = False
+) -> tuple[Solid, Solid]:
+    """One fixed screen over two thirds of the front and one along the right side.
+
+    gridded: crossed by slim bars, as windows of workshops are.
+    """
     wide, y = length * 0.62, -width / 2 + 0.025
     front_x, side_x = (length - wide) / 2 - 0.02, length / 2 - 0.025
     panes = _pane(wide, front_x, y, height) + _pane(
@@ -117,7 +124,23 @@ def _walk_in(length: float, width: float, height: float) -> tuple[Solid, Solid]:
         block((wide, 0.016, 0.016), 0.002).moved(front_x, y, _TRAY_M - 0.006),
         block((0.016, width - 0.05, 0.016), 0.002).moved(side_x, 0.0, _TRAY_M - 0.006),
     ]
+    if gridded:
+        posts += _grid_bars(wide, front_x, y, height)
     return panes, joined(posts)  # fmt: skip
+
+
+def _grid_bars(wide: float, x: float, y: float, height: float) -> list[Solid]:
+    """Two upright and three lying bars over a screen, and its upper rail."""
+    upright = block((0.018, 0.022, height), 0.002)
+    lying = block((wide - 0.006, 0.0205, 0.018), 0.002)
+    columns = max(2, round(wide / 0.3))
+    bars = [
+        upright.moved(x - wide / 2 + wide * n / columns, y, _TRAY_M - 0.002)
+        for n in range(1, columns)
+    ]
+    return bars + [
+        lying.moved(x, y, _TRAY_M + height * share - 0.019) for share in (0.27, 0.52, 0.77, 1.0)
+    ]
 
 
 def _cabin(length: float, width: float, height: float) -> tuple[Solid, Solid]:
@@ -169,42 +192,88 @@ def _quadrant(length: float, width: float, height: float) -> tuple[Solid, Solid]
 
 
 def _riser(x: float, back: float, height: float) -> tuple[Part, ...]:
-    """Mixer, riser and a large overhead rose, fixed to the back wall."""
-    y = back - 0.05
-    riser = bent_path([[x, y, 1.05], [x, y, height - 0.06], [x, y - 0.3, height - 0.06]], 0.06, 5)
-    arm_end = y - 0.3
-    rose = lathe([(0.11, 0), (0.115, 0.006), (0.11, 0.012), (0.02, 0.02), (0.012, 0.05)], 32)
-    mixer = cylinder(0.022, 0.26, 0.004, 16).turned("y", 90).moved(x - 0.13, y, 1.05)
+    """Thermostat, riser with a large overhead rose, a hand shower on its slide."""
+    y, top, reach = back - 0.055, height - 0.05, 0.34
+    path = [[x, y, 1.08], [x, y, top], [x, y - reach, top]]
+    riser = tube(bent_path(path, 0.07, 6), 0.0105, 14)
     holds = [
-        cylinder(0.012, 0.05, 0, 12).turned("x", -90).moved(x + dx, y, z)
-        for dx, z in ((-0.075, 1.05), (0.075, 1.05), (0.0, 1.75))
+        cylinder(0.011, 0.055, 0.0, 14).turned("x", -90).moved(x, y, z) for z in (1.32, top - 0.24)
     ]
-    hand = tube([[x + 0.07, y - 0.02, 1.35], [x + 0.07, y - 0.06, 1.58]], 0.013, 10)
-    hose = bent_path(
-        [[x + 0.07, y - 0.02, 1.36], [x + 0.15, y, 0.75], [x - 0.02, y, 0.72], [x, y, 1.04]], 0.12
-    )
-    crown = cylinder(0.012, 0.02, 0, 12).moved(x, arm_end, height - 0.066)
+    plates = [
+        cylinder(0.024, 0.008, 0.002, 22).turned("x", 90).moved(x, back - 0.0005, z)
+        for z in (1.32, top - 0.24)
+    ]
+    end = y - reach
+    rose = lathe([(0.116, 0), (0.125, 0.002), (0.125, 0.006), (0.118, 0.009), (0.03, 0.012),
+                  (0.018, 0.03), (0.014, 0.034), (0.0105, 0.05)], 40)  # fmt: skip
+    hand, hose = _hand_shower(x, y)
     return (
-        Part("Riser", tube(riser, 0.011, 10) + joined(holds), "metal", collider=None),
-        Part("Rose", rose.moved(x, arm_end, height - 0.115) + crown.moved(z=0.066 - 0.02), "metal",
-             collider=None),
-        Part("Mixer", mixer, "metal", collider=None),
-        Part("Hand_Shower", hand + tube(hose, 0.006, 8), "metal", collider=None),
+        Part("Riser", joined([riser, *holds, *plates]), "metal", collider=None),
+        Part("Rose", rose.moved(x, end, top - 0.052), "metal", collider=None),
+        Part("Mixer", _thermostat().moved(x, y, 1.06), "metal", collider=None),
+        Part("Hand_Shower", hand, "metal", collider=None),
+        Part("Hose", hose, "metal", collider=None),
+    )
+
+
+def _thermostat() -> Solid:
+    """A bar with a control at either end, its middle at the origin, 0.055 m before the wall."""
+    bar = cylinder(0.021, 0.2, 0.003, 24).turned("y", 90).moved(-0.1)
+    knob = lathe([(0.0235, 0), (0.0235, 0.03), (0.022, 0.045), (0.018, 0.048), (0, 0.048)], 24)
+    tab = block((0.012, 0.006, 0.026), 0.002).moved(0.125, -0.0255, -0.013)
+    knobs = mirrored_pair(knob.turned("y", 90).moved(0.102) + tab)
+    elbows = mirrored_pair(
+        cylinder(0.014, 0.048, 0.0, 16).turned("x", -90).moved(0.075)
+        + cylinder(0.031, 0.01, 0.003, 24).turned("x", 90).moved(0.075, 0.0545)
+    )
+    return joined([bar, knobs, elbows])
+
+
+def _hand_shower(x: float, y: float) -> tuple[Solid, Solid]:
+    """A flat head on its handle in a slide on the riser, and the hose down to the thermostat."""
+    z = 1.62
+    slide = cylinder(0.019, 0.05, 0.003, 18).moved(x, y, z - 0.025)
+    arm = cylinder(0.013, 0.05, 0.002, 16).turned("x", 90).moved(x, y - 0.005, z)
+    at_y = y - 0.062
+    stem = [[x, at_y + 0.02, z - 0.11], [x, at_y, z], [x, at_y - 0.028, z + 0.1]]
+    handle = tube(bent_path(stem, 0.12, 4), 0.0115, 14)
+    head = lathe([(0.048, 0), (0.054, 0.004), (0.052, 0.012), (0.03, 0.021), (0, 0.023)], 30)
+    head = head.turned("x", -62).moved(x, at_y - 0.062, z + 0.105)
+    low = 0.62
+    loop = bent_path(
+        [[x, at_y + 0.02, z - 0.105], [x + 0.005, at_y + 0.03, 1.2], [x + 0.1, y - 0.005, low + 0.12],
+         [x + 0.075, y + 0.005, low], [x + 0.03, y + 0.005, low + 0.02], [x, y - 0.002, 1.042]],
+        0.2, 5,
     )  # fmt: skip
+    return joined([slide, arm, handle, head]), tube(loop, 0.0065, 10)
 
 
 _SHOWER = {
     "chrome": {"ceramic": "ceramic", "glass": "glass", "metal": "chrome"},
-    "black": {"ceramic": "ceramic", "glass": "glass", "metal": "black_metal"},
+    "black_metal": {"ceramic": "ceramic", "glass": "glass", "metal": "black_metal"},
     "brass": {"ceramic": "ceramic_grey", "glass": "glass", "metal": "brass"},
 }
 
-_QUADRANT = Style("Shower_Quadrant", partial(shower, kind="corner"), _SHOWER, 2.15)
-_CABIN = Style("Shower_Cabin", partial(shower, kind="cabin"), _SHOWER, 2.15)
-_WALK_IN = Style("Shower_Walk_In", shower, _SHOWER, 2.15)
+_QUADRANT = Style(
+    "Shower_Quadrant", partial(shower, kind="corner"), _SHOWER, 2.15, ("scandinavian", "classic")
+)
+_CABIN = Style(
+    "Shower_Cabin",
+    partial(shower, kind="cabin"),
+    _SHOWER,
+    2.15,
+    ("classic", "scandinavian", "japanese"),
+)
+_WALK_IN = Style("Shower_Walk_In", shower, _SHOWER, 2.15, ("modern", "scandinavian", "japanese"))
+_GRIDDED = Style("Shower_Gridded", partial(shower, kind="gridded"), _SHOWER, 2.15, ("industrial",))
 
+_SMALL_M = (0.78, 0.86, 0.94)
 DESIGNS = (
-    *editions("shower", (_CABIN, _QUADRANT, _WALK_IN), (0.78, 0.86, 0.94), (0.78, 0.86, 0.94)),
-    *editions("shower", (_WALK_IN, _CABIN), (1.03, 1.12, 1.21, 1.3, 1.38), (0.8, 0.9, 1.0, 1.1)),
-    *editions("shower", (_QUADRANT, _WALK_IN), (0.97,), (1.02, 1.1)),
+    *editions("shower", (_CABIN, _QUADRANT), _SMALL_M, _SMALL_M),
+    *editions("shower", (_WALK_IN,), _SMALL_M, _SMALL_M),
+    *editions("shower", (_GRIDDED,), _SMALL_M, _SMALL_M),
+    *editions("shower", (_CABIN,), (1.03, 1.12, 1.21, 1.3, 1.38), (0.82, 0.9, 1.0)),
+    *editions("shower", (_WALK_IN,), (1.03, 1.12, 1.21, 1.3, 1.38), (0.82, 0.9, 1.0, 1.1)),
+    *editions("shower", (_GRIDDED,), (1.03, 1.12, 1.21, 1.3, 1.38), (0.82, 0.9, 1.0, 1.1)),
+    *editions("shower", (_QUADRANT,), (0.97,), (1.02, 1.1)),
 )

@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import partial
 from typing import Literal
 
-import numpy as np
-
 from chord_usd.assets.furniture.joinery import FRONT_M, cells
 from chord_usd.assets.furniture.kitchen_fronts import (
     FORM_STYLES,
@@ -317,4 +315,3 @@ DESIGNS = (
     *editions("washbasin", (_SLATTED,), steps(0.65, 1.25), _WIDTHS_M),
     *editions("washbasin", (_CONSOLE,), steps(0.65, 1.25, 0.15), _WIDTHS_M),
 )
-_ = np
