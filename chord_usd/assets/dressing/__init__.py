@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from chord_usd.assets.dressing import (
-    appliances,
     bath_things,
+    bottles,
+    cooker_hoods,
     dry_rooms,
-    kitchen_walls,
+    small_appliances,
     soft_things,
+    splashbacks,
     vessels,
+    wall_cabinets,
     worktop_things,
 )
 from chord_usd.assets.model import Design
@@ -16,6 +19,7 @@ from chord_usd.assets.model import Design
 
 def designs() -> tuple[Design, ...]:
     """All of them, in no particular order."""
-    served = (kitchen_walls, worktop_things, appliances, vessels, bath_things)
+    over = (wall_cabinets, cooker_hoods, splashbacks)
+    served = (*over, worktop_things, small_appliances, bottles, vessels, bath_things)
     modules = (dry_rooms, *served, soft_things)
     return tuple(design for module in modules for design in module.DESIGNS)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.kitchen_finishes import FINISHES
-from chord_usd.assets.dressing.vessels import hollow, pump_bottle
-from chord_usd.assets.model import Design, Draw, Part
+from chord_usd.assets.dressing.bottles import pump_bottle
+from chord_usd.assets.dressing.designing import design
+from chord_usd.assets.dressing.vessels import hollow
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -30,8 +30,18 @@ _ROLL_M, _CORE_M, _ROLL_LENGTH_M = 0.052, 0.02, 0.098
 
 def _roll() -> Solid:
     """A roll of paper along x, its middle at the origin, and a sheet that hangs from it."""
-    roll = lathe([(_CORE_M, 0), (_ROLL_M - 0.002, 0), (_ROLL_M, 0.002), (_ROLL_M, _ROLL_LENGTH_M - 0.002),
-                  (_ROLL_M - 0.002, _ROLL_LENGTH_M), (_CORE_M, _ROLL_LENGTH_M)], 32, loop=True)  # fmt: skip
+    roll = lathe(
+        [
+            (_CORE_M, 0),
+            (_ROLL_M - 0.002, 0),
+            (_ROLL_M, 0.002),
+            (_ROLL_M, _ROLL_LENGTH_M - 0.002),
+            (_ROLL_M - 0.002, _ROLL_LENGTH_M),
+            (_CORE_M, _ROLL_LENGTH_M),
+        ],
+        32,
+        loop=True,
+    )
     return roll.turned("y", 90).moved(-_ROLL_LENGTH_M / 2)
 
 
@@ -45,7 +55,7 @@ def paper_holder(size_m: Size) -> tuple[Part, ...]:
     back = depth / 2
     y = -depth / 2 + _ROLL_M
     z = height - 0.02
-    drop = z - _CORE_M + 0.007
+    z - _CORE_M + 0.007
     rose = (
         rounded_slab((0.05, 0.05, 0.01), 0.008, 0.002, 4)
         .turned("x", 90)
@@ -221,7 +231,7 @@ def soap_dispenser(size_m: Size, *, square: bool = False) -> tuple[Part, ...]:
 
 def toothbrush_cup(size_m: Size, *, glass: bool = False) -> tuple[Part, ...]:
     """A cup with two brushes and perhaps a tube of paste."""
-    length, _, tall = size_m
+    _length, _, tall = size_m
     radius, high = 0.036, 0.105
     cup = hollow(
         rounded_profile([(radius * 0.88, 0), (radius * 0.95, 0.004), (radius, high)], 1)
@@ -255,13 +265,6 @@ def _toothbrush(long: float) -> tuple[Solid, Solid]:
     head = block((0.012, 0.005, long * 0.15), 0.0015).moved(z=long * 0.85)
     hair = block((0.01, 0.011, long * 0.13), 0.001).moved(y=-0.007, z=long * 0.86)
     return joined([handle, neck, head]), hair
-
-
-def _design(
-    name: str, category: str, size: Size, draw: Draw, looks: Mapping[str, Mapping[str, str]],
-    styles: tuple[str, ...] = (),
-) -> Design:  # fmt: skip
-    return Design(name, category, size, draw, looks, FINISHES, styles)
 
 
 _HOLDERS = {
@@ -315,31 +318,31 @@ _CUPS = {
 }
 
 DESIGNS = (
-    _design("Paper_Holder_Rod", "paper_holder", (0.16, 0.13, 0.13), paper_holder, _HOLDERS),
-    _design("Paper_Holder_Board", "paper_holder", (0.2, 0.12, 0.19), covered_holder, _HOLDERS),
-    _design("Shower_Screen", "shower_screen", (0.8, 0.03, 1.4), shower_screen, _SCREENS),
-    _design(
+    design("Paper_Holder_Rod", "paper_holder", (0.16, 0.13, 0.13), paper_holder, _HOLDERS),
+    design("Paper_Holder_Board", "paper_holder", (0.2, 0.12, 0.19), covered_holder, _HOLDERS),
+    design("Shower_Screen", "shower_screen", (0.8, 0.03, 1.4), shower_screen, _SCREENS),
+    design(
         "Shower_Screen_Folding",
         "shower_screen",
         (1.0, 0.03, 1.4),
         partial(shower_screen, panes=2),
         _SCREENS,
     ),
-    _design("Toilet_Brush_Round", "toilet_brush", (0.1, 0.1, 0.38), toilet_brush, _BRUSHES),
-    _design(
+    design("Toilet_Brush_Round", "toilet_brush", (0.1, 0.1, 0.38), toilet_brush, _BRUSHES),
+    design(
         "Toilet_Brush_Square",
         "toilet_brush",
         (0.095, 0.095, 0.38),
         partial(toilet_brush, square=True),
         _BRUSHES,
     ),
-    _design("Soap_Dispenser", "soap_dispenser", (0.07, 0.078, 0.18), soap_dispenser, _SOAPS),
-    _design(
+    design("Soap_Dispenser", "soap_dispenser", (0.07, 0.078, 0.18), soap_dispenser, _SOAPS),
+    design(
         "Soap_Dispenser_Square",
         "soap_dispenser",
         (0.066, 0.074, 0.17),
         partial(soap_dispenser, square=True),
         _SOAPS,
     ),
-    _design("Toothbrush_Cup", "toothbrush_cup", (0.073, 0.073, 0.181), toothbrush_cup, _CUPS),
+    design("Toothbrush_Cup", "toothbrush_cup", (0.073, 0.073, 0.181), toothbrush_cup, _CUPS),
 )

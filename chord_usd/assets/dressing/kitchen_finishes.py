@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from chord_usd.assets.finishes import FINISHES as COMMON
 from chord_usd.assets.finishes import Finish
-from chord_usd.assets.furniture.kitchen_fronts import FrontForm
 from chord_usd.assets.furniture.kitchen_looks import LOOKS
 
 FINISHES: Mapping[str, Finish] = {
@@ -57,8 +56,3 @@ KITCHENS: Mapping[str, Mapping[str, str]] = {
     for name, slots in LOOKS.items()
 }  # fmt: skip
 """The colourways of floor cabinets, for what hangs over them."""
-
-
-def kitchen_slots(form: FrontForm) -> Mapping[str, Mapping[str, str]]:
-    """Colourways of cabinets of this form."""
-    return KITCHENS

@@ -33,7 +33,7 @@ def whisk_head(low_m: float, long_m: float) -> Solid:
 
 def utensil_jar(size_m: Size) -> tuple[Part, ...]:
     """A crock of wooden spoons and other tools."""
-    length, width, tall = size_m
+    _length, _width, tall = size_m
     radius = 0.055
     high = 0.155
     crock = hollow(

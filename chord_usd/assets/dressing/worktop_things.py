@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.kitchen_finishes import FINISHES
+from chord_usd.assets.dressing.designing import design
 from chord_usd.assets.dressing.utensils import utensil_jar
 from chord_usd.assets.dressing.vessels import hollow
-from chord_usd.assets.model import Design, Draw, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -28,8 +27,17 @@ from chord_usd.assets.solids import (
 
 
 def _lid(radius: float, z: float, dome: float) -> Solid:
-    return lathe([(radius - 0.004, z - 0.003), (radius, z), (radius, z + 0.003), (radius * 0.8, z + dome * 0.55),
-                  (radius * 0.4, z + dome * 0.92), (0, z + dome)], 36)  # fmt: skip
+    return lathe(
+        [
+            (radius - 0.004, z - 0.003),
+            (radius, z),
+            (radius, z + 0.003),
+            (radius * 0.8, z + dome * 0.55),
+            (radius * 0.4, z + dome * 0.92),
+            (0, z + dome),
+        ],
+        36,
+    )
 
 
 def saucepan(size_m: Size) -> tuple[Part, ...]:
@@ -229,7 +237,7 @@ def _round_board(across: float, stub: float = 0.0) -> np.ndarray:
 
 
 def _leaning(outline: np.ndarray, thick: float, back: float, foot: float, x: float = 0.0) -> Solid:
-    """A board of this outline (x, z) whose upper edge touches y = back, its foot `foot` before it."""
+    """A board of this outline (x, z) that leans on y = back, its foot so far before it."""
     tall = float(np.ptp(outline[:, 1]))
     lean = np.degrees(np.arcsin(min(foot / tall, 0.5)))
     plate = _soft_plate(outline, thick)
@@ -315,13 +323,6 @@ def knife_block(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def _design(
-    name: str, category: str, size: Size, draw: Draw, looks: Mapping[str, Mapping[str, str]],
-    styles: tuple[str, ...] = (),
-) -> Design:  # fmt: skip
-    return Design(name, category, size, draw, looks, FINISHES, styles)
-
-
 _PANS = {
     "steel": {"metal": "brushed_steel", "lid": "steel", "grip": "black", "iron": "cast_iron"},
     "copper": {"metal": "copper", "lid": "copper", "grip": "brass", "iron": "cast_iron"},
@@ -334,9 +335,10 @@ _CASSEROLES = {
     "cast_iron": {"enamel": "cast_iron", "grip": "brass"},
 }
 _BOARDS = {
-    "oak": {"wood": "oak", "second": "walnut"}, "walnut": {"wood": "walnut", "second": "birch"},
+    "oak": {"wood": "oak", "second": "walnut"},
+    "walnut": {"wood": "walnut", "second": "birch"},
     "birch": {"wood": "birch", "second": "oak"},
-}  # fmt: skip
+}
 _STONE_BOARDS = {"marble": {"wood": "marble"}, "dark_stone": {"wood": "dark_stone"}}
 _BLOCKS = {
     "oak": {"wood": "oak", "grip": "black", "steel": "steel"},
@@ -350,31 +352,31 @@ _CROCKS = {
 }
 
 DESIGNS = (
-    _design("Pot_Saucepan", "pot", (0.36, 0.18, 0.16), saucepan, _PANS),
-    _design("Pot_Casserole", "pot", (0.32, 0.24, 0.2), casserole, _CASSEROLES),
-    _design("Pot_Frying_Pan", "pot", (0.46, 0.28, 0.09), frying_pan, _PANS),
-    _design("Cutting_Board", "cutting_board", (0.22, 0.1, 0.4), cutting_board, _BOARDS),
-    _design(
+    design("Pot_Saucepan", "pot", (0.36, 0.18, 0.16), saucepan, _PANS),
+    design("Pot_Casserole", "pot", (0.32, 0.24, 0.2), casserole, _CASSEROLES),
+    design("Pot_Frying_Pan", "pot", (0.46, 0.28, 0.09), frying_pan, _PANS),
+    design("Cutting_Board", "cutting_board", (0.22, 0.1, 0.4), cutting_board, _BOARDS),
+    design(
         "Cutting_Board_Pair",
         "cutting_board",
         (0.36, 0.089, 0.42),
         partial(cutting_board, kind="pair"),
         _BOARDS,
     ),
-    _design(
+    design(
         "Cutting_Board_Round",
         "cutting_board",
         (0.28, 0.1, 0.39),
         partial(cutting_board, kind="round"),
         _BOARDS,
     ),
-    _design(
+    design(
         "Cutting_Board_Stone",
         "cutting_board",
         (0.3, 0.08, 0.38),
         partial(cutting_board, kind="stone"),
         _STONE_BOARDS,
     ),
-    _design("Knife_Block", "knife_block", (0.12, 0.18, 0.24), knife_block, _BLOCKS),
-    _design("Utensil_Jar", "utensil_jar", (0.147, 0.12, 0.317), utensil_jar, _CROCKS),
+    design("Knife_Block", "knife_block", (0.12, 0.18, 0.24), knife_block, _BLOCKS),
+    design("Utensil_Jar", "utensil_jar", (0.147, 0.12, 0.317), utensil_jar, _CROCKS),
 )

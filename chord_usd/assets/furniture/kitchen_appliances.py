@@ -25,8 +25,17 @@ _PANEL_M = 0.1
 
 def dial(radius: float = 0.02) -> tuple[Solid, Solid]:
     """A control that is turned, its foot in the plane y = 0, and the mark on it."""
-    skirt = lathe([(radius, 0), (radius, 0.003), (radius * 0.82, 0.005), (radius * 0.78, 0.022),
-                   (radius * 0.68, 0.0245), (0, 0.0245)], 22)  # fmt: skip
+    skirt = lathe(
+        [
+            (radius, 0),
+            (radius, 0.003),
+            (radius * 0.82, 0.005),
+            (radius * 0.78, 0.022),
+            (radius * 0.68, 0.0245),
+            (0, 0.0245),
+        ],
+        22,
+    )
     mark = box((0.0018, 0.003, radius * 0.62)).moved(y=-0.0242, z=radius * 0.08)
     return skirt.turned("x", 90), mark
 
@@ -53,9 +62,19 @@ def oven(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
         Part("Oven_Door", frame, "appliance"),
         Part("Oven_Panel", panel, "appliance"),
         Part("Oven_Window", glass + clock, "dark_glass", collider=None),
-        Part("Oven_Rail", rail + joined([skirt.moved(x, face + 0.001, knob_z) for x in places]), "handle", collider=None),
-        Part("Oven_Marks", joined([mark.moved(x, face, knob_z) for x in places] + figures), "mark", collider=None),
-    )  # fmt: skip
+        Part(
+            "Oven_Rail",
+            rail + joined([skirt.moved(x, face + 0.001, knob_z) for x in places]),
+            "handle",
+            collider=None,
+        ),
+        Part(
+            "Oven_Marks",
+            joined([mark.moved(x, face, knob_z) for x in places] + figures),
+            "mark",
+            collider=None,
+        ),
+    )
 
 
 def microwave(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
@@ -80,9 +99,14 @@ def microwave(length: float, height: float, y: float, z: float) -> tuple[Part, .
     return (
         Part("Microwave", case, "appliance"),
         Part("Microwave_Window", pane + display, "dark_glass", collider=None),
-        Part("Microwave_Keys", joined([*keys, rail, skirt.moved(x, face + 0.001, z + 0.065)]), "handle", collider=None),
+        Part(
+            "Microwave_Keys",
+            joined([*keys, rail, skirt.moved(x, face + 0.001, z + 0.065)]),
+            "handle",
+            collider=None,
+        ),
         Part("Microwave_Mark", mark.moved(x, face, z + 0.065), "mark", collider=None),
-    )  # fmt: skip
+    )
 
 
 def hob(length: float, width: float, height: float, *, gas: bool) -> tuple[Part, ...]:
@@ -209,8 +233,18 @@ def refrigerator(size_m: Size, *, kind: FridgeKind = "single") -> tuple[Part, ..
         Part("Body", case, "body"),
         Part("Doors", joined(leaves), "front"),
         Part("Seals", joined(seals), "seal", collider=None),
-        Part("Door_Handles", joined([_fridge_grip(c.x_m, c.z_m, c.length_m, c.height_m, c.row, c.column, y, out) for c in face]), "handle", collider=None),
-    ]  # fmt: skip
+        Part(
+            "Door_Handles",
+            joined(
+                [
+                    _fridge_grip(c.x_m, c.z_m, c.length_m, c.height_m, c.row, c.column, y, out)
+                    for c in face
+                ]
+            ),
+            "handle",
+            collider=None,
+        ),
+    ]
     if kind == "double":
         cell = next(c for c in face if c.row == 1 and c.column == 0)
         parts += _dispenser(cell.x_m - 0.03, y, cell.z_m + 0.12)
@@ -287,8 +321,12 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
     split = base + tall * 0.3
     lower = shell(y, door, base + 0.004, split - 0.004, 0.05)
     upper = shell(y, door, split + 0.004, height - 0.003, 0.05)
-    seals = [box((length - 0.12, seal + 0.02, high - low - 0.12)).moved(y=y + door + seal / 2, z=low + 0.06)
-             for low, high in ((base + 0.004, split - 0.004), (split + 0.004, height - 0.003))]  # fmt: skip
+    seals = [
+        box((length - 0.12, seal + 0.02, high - low - 0.12)).moved(
+            y=y + door + seal / 2, z=low + 0.06
+        )
+        for low, high in ((base + 0.004, split - 0.004), (split + 0.004, height - 0.003))
+    ]
     feet = [
         cylinder(0.022, base + 0.02, 0.002, 14).moved(
             sx * (length / 2 - 0.1), sy * (width / 2 - 0.14) + 0.03

@@ -63,10 +63,14 @@ class _Form:
         length, width, height = size_m
         low, soft, front = height - self.worktop_m, 0.003, -width / 2
         profile = [
-            [-low, front + soft], [-low, width / 2], [-height, width / 2], [-height, front + soft],
-            [0.3 * soft - height, front + 0.3 * soft], [soft - height, front],
+            [-low, front + soft],
+            [-low, width / 2],
+            [-height, width / 2],
+            [-height, front + soft],
+            [0.3 * soft - height, front + 0.3 * soft],
+            [soft - height, front],
             [-low - soft, front],
-        ]  # fmt: skip
+        ]
         # Drawn lying with z to the left, then stood up: the plate's axis becomes the length.
         plate = extruded(profile, length).turned("y", 90).moved(x=-length / 2)
         return Part("Worktop", plate, "worktop")
@@ -115,9 +119,11 @@ def cooker_cabinet(size_m: Size, *, form: _Form, gas: bool = True) -> tuple[Part
     oven_length = min(0.6, length) - 0.006
     side = (length - oven_length) / 2
     parts = [
-        *form.body(size_m), *oven(oven_length, tall - 0.004, y, PLINTH_M + 0.004),
-        form.worktop(size_m), *hob(length, width, height, gas=gas),
-    ]  # fmt: skip
+        *form.body(size_m),
+        *oven(oven_length, tall - 0.004, y, PLINTH_M + 0.004),
+        form.worktop(size_m),
+        *hob(length, width, height, gas=gas),
+    ]
     if side > 0.1:
         fillers = [
             block((side - 0.006, FRONT_M, tall - 0.004), 0.0015).moved(
@@ -130,7 +136,7 @@ def cooker_cabinet(size_m: Size, *, form: _Form, gas: bool = True) -> tuple[Part
 
 
 def sink_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
-    """A cabinet with a hollow bowl in its worktop, a tap behind it, a drainer where there is room."""
+    """A cabinet with a bowl in its worktop, a tap behind it, a drainer where there is room."""
     if form.fronts == "shaker":
         return _apron_cabinet(size_m, form)
     length, width, height = size_m
@@ -179,9 +185,15 @@ def _apron_cabinet(size_m: Size, form: _Form) -> tuple[Part, ...]:
     front, back = at_y - bowl_w / 2, at_y + bowl_w / 2 + 0.001
     half, hole = length / 2, bowl_l / 2 + 0.001
     outline = [
-        [-half, -width / 2], [-hole, -width / 2], [-hole, back], [hole, back], [hole, -width / 2],
-        [half, -width / 2], [half, width / 2], [-half, width / 2],
-    ]  # fmt: skip
+        [-half, -width / 2],
+        [-hole, -width / 2],
+        [-hole, back],
+        [hole, back],
+        [hole, -width / 2],
+        [half, -width / 2],
+        [half, width / 2],
+        [-half, width / 2],
+    ]
     del front
     plate = extruded(outline, form.worktop_m).moved(z=height - form.worktop_m)
     bowl = apron_sink(bowl_l, bowl_w, _APRON_M).moved(y=at_y, z=height - 0.004)
@@ -191,9 +203,14 @@ def _apron_cabinet(size_m: Size, form: _Form) -> tuple[Part, ...]:
         Part("Side_Fronts", joined(fillers), "front", collider=None),
         Part("Worktop", plate, "worktop", collider="none"),
         Part("Bowl", bowl, "sink", collider=None),
-        Part("Tap", sink_tap(form.tap).moved(y=back + 0.045, z=height - 0.001), "tap",
-             collider=None, above=True),
-    )  # fmt: skip
+        Part(
+            "Tap",
+            sink_tap(form.tap).moved(y=back + 0.045, z=height - 0.001),
+            "tap",
+            collider=None,
+            above=True,
+        ),
+    )
 
 
 def _sink_body(size_m: Size, form: _Form) -> tuple[Part, ...]:

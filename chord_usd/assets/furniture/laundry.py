@@ -54,39 +54,71 @@ def _machine(
     ]
     door_at = {"y": y, "z": centre_z}
     hoop = lathe(
-        [(drum - 0.014, -0.006), (drum + 0.03, -0.002), (drum + 0.034, 0.006),
-         (drum + 0.028, 0.02), (drum + 0.012, 0.027), (drum - 0.008, 0.028),
-         (drum - 0.02, 0.016)], 44, loop=True,
-    )  # fmt: skip
-    lip = lathe([(drum + 0.032, -0.001), (drum + 0.04, -0.001), (drum + 0.04, 0.004),
-                 (drum + 0.032, 0.004)], 44, loop=True)  # fmt: skip
+        [
+            (drum - 0.014, -0.006),
+            (drum + 0.03, -0.002),
+            (drum + 0.034, 0.006),
+            (drum + 0.028, 0.02),
+            (drum + 0.012, 0.027),
+            (drum - 0.008, 0.028),
+            (drum - 0.02, 0.016),
+        ],
+        44,
+        loop=True,
+    )
+    lip = lathe(
+        [
+            (drum + 0.032, -0.001),
+            (drum + 0.04, -0.001),
+            (drum + 0.04, 0.004),
+            (drum + 0.032, 0.004),
+        ],
+        44,
+        loop=True,
+    )
     lens = lathe(
-        [(drum - 0.012, 0.0), (drum - 0.016, 0.014), (drum * 0.72, 0.022), (drum * 0.5, 0.012),
-         (drum * 0.25, 0.004), (0, 0.003)], 40,
-    )  # fmt: skip
+        [
+            (drum - 0.012, 0.0),
+            (drum - 0.016, 0.014),
+            (drum * 0.72, 0.022),
+            (drum * 0.5, 0.012),
+            (drum * 0.25, 0.004),
+            (0, 0.003),
+        ],
+        40,
+    )
     grip = block((0.018, 0.012, 0.1), 0.005).moved(drum + 0.014, y - 0.03, centre_z - 0.05)
     panel_z = height - 0.115
     drawer = block((length * 0.29, 0.014, 0.086), 0.005).moved(-length * 0.315, y, panel_z + 0.004)
     pull = block((length * 0.2, 0.006, 0.014), 0.002)
     pull = pull.moved(-length * 0.315, y - 0.0075, panel_z + 0.012)
     flap = block((0.12, 0.006, 0.07), 0.002).moved(length * 0.32, y - 0.001, feet + 0.02)
-    seam = [box((length - 0.012, 0.003, 0.0035)).moved(y=y - 0.0005, z=z)
-            for z in (panel_z - 0.012, feet + 0.105)]  # fmt: skip
-    dial = lathe([(0.036, 0), (0.036, 0.004), (0.029, 0.007), (0.028, 0.024), (0.026, 0.026),
-                  (0, 0.026)], 30)  # fmt: skip
+    seam = [
+        box((length - 0.012, 0.003, 0.0035)).moved(y=y - 0.0005, z=z)
+        for z in (panel_z - 0.012, feet + 0.105)
+    ]
+    dial = lathe(
+        [(0.036, 0), (0.036, 0.004), (0.029, 0.007), (0.028, 0.024), (0.026, 0.026), (0, 0.026)], 30
+    )
     dial = dial.turned("x", 90).moved(0.005, y + 0.001, panel_z + 0.047)
     display = block((length * 0.27, 0.006, 0.062), 0.002)
     display = display.moved(length * 0.29, y - 0.0015, panel_z + 0.016)
     keys = [
-        cylinder(0.0055, 0.003, 0.001, 12).turned("x", 90)
-        .moved(length * 0.29 + 0.022 * n, y - 0.0035, panel_z + 0.032) for n in (-2, -1, 0, 1, 2)
-    ]  # fmt: skip
+        cylinder(0.0055, 0.003, 0.001, 12)
+        .turned("x", 90)
+        .moved(length * 0.29 + 0.022 * n, y - 0.0035, panel_z + 0.032)
+        for n in (-2, -1, 0, 1, 2)
+    ]
     figures = [
         box((0.006, 0.001, 0.014)).moved(length * 0.29 + 0.0105 * n, y - 0.0047, panel_z + 0.05)
         for n in (-2, -1, 1, 2)
     ]
-    casing = {"Casing": body + face, "Feet": joined(foot), "Drawer": drawer + flap,
-              "Seams": joined([*seam, pull])}  # fmt: skip
+    casing = {
+        "Casing": body + face,
+        "Feet": joined(foot),
+        "Drawer": drawer + flap,
+        "Seams": joined([*seam, pull]),
+    }
     trim = {
         "Hoop": joined([hoop.turned("x", 90).moved(**door_at), grip]),
         "Lip": lip.turned("x", 90).moved(**door_at),
@@ -99,10 +131,17 @@ def _machine(
 
 
 _MACHINE_SLOTS = {
-    "Casing": "machine", "Feet": "rubber", "Drawer": "trim", "Hoop": "hoop", "Lip": "hoop",
-    "Door_Glass": "dark_glass", "Dial": "hoop", "Display": "dark_glass", "Seams": "seam",
+    "Casing": "machine",
+    "Feet": "rubber",
+    "Drawer": "trim",
+    "Hoop": "hoop",
+    "Lip": "hoop",
+    "Door_Glass": "dark_glass",
+    "Dial": "hoop",
+    "Display": "dark_glass",
+    "Seams": "seam",
     "Keys": "mark",
-}  # fmt: skip
+}
 
 
 def _machine_parts(
@@ -164,7 +203,8 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float, form: FrontFor
         for s in (-1, 1)
     ]
     back = box((case_l - 0.024, 0.014, 0.24)).moved(x, y + 0.009, base + low + 0.001)
-    face = shifted(cells(case_l, height - top - base - 0.004, 1, z_m=base + 0.002), x)
+    columns = 2 if case_l > 0.6 else 1
+    face = shifted(cells(case_l, height - top - base - 0.004, columns, z_m=base + 0.002), x)
     bowl_l, bowl_w = min(0.46, case_l - 0.09), width - 0.24
     hole = ring(bowl_l, bowl_w, 0.06, 0.0, 5)[:, :2] + [x, -0.02]
     outline = ring(length, width - 0.01, 0.0, 0.0, 0)[:, :2] + [0.0, 0.005]
@@ -180,7 +220,7 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float, form: FrontFor
         Part("Worktop", plate, "worktop", collider="none"),
         Part("Bowl", bowl, "ceramic", collider=None, above=True),
         Part("Tap", tap, "tap", collider=None, above=True),
-    ]  # fmt: skip
+    ]
 
 
 def laundry_tower(size_m: Size, *, form: FrontForm = "bar") -> tuple[Part, ...]:
@@ -214,21 +254,33 @@ def laundry_tower(size_m: Size, *, form: FrontForm = "bar") -> tuple[Part, ...]:
         Part("Upper_Body", upper, "body"),
         Part("Cheek", cheek, "body"),
         *kitchen_fronts(face, y, form),
-    )  # fmt: skip
+    )
 
 
 def _machine_look(machine: str, hoop: str) -> dict[str, str]:
     return {
-        "machine": machine, "trim": machine, "hoop": hoop, "dark_glass": "black_glass",
-        "rubber": "rubber", "seam": "graphite", "mark": "light_grey",
-    }  # fmt: skip
+        "machine": machine,
+        "trim": machine,
+        "hoop": hoop,
+        "dark_glass": "black_glass",
+        "rubber": "rubber",
+        "seam": "graphite",
+        "mark": "light_grey",
+    }
 
 
 def _set_look(body: str, worktop: str, metal: str, machine: str, hoop: str) -> dict[str, str]:
     return {
-        **_machine_look(machine, hoop), "body": body, "front": body, "worktop": worktop,
-        "handle": metal, "channel": "graphite", "tap": "chrome", "ceramic": "ceramic", "plinth": "graphite",
-    }  # fmt: skip
+        **_machine_look(machine, hoop),
+        "body": body,
+        "front": body,
+        "worktop": worktop,
+        "handle": metal,
+        "channel": "graphite",
+        "tap": "chrome",
+        "ceramic": "ceramic",
+        "plinth": "graphite",
+    }
 
 
 _MACHINE = {

@@ -29,15 +29,29 @@ TubKind = Literal["built_in", "oval", "claw_foot"]
 
 _SEAT_Z_M = 0.4
 _SKIRTED = (
-    (0.78, 0.72, 0.0), (0.795, 0.735, 0.006), (0.8, 0.74, 0.06), (0.82, 0.765, 0.14),
-    (0.87, 0.83, 0.23), (0.935, 0.915, 0.31), (0.985, 0.98, 0.36), (1.0, 1.0, 0.386),
+    (0.78, 0.72, 0.0),
+    (0.795, 0.735, 0.006),
+    (0.8, 0.74, 0.06),
+    (0.82, 0.765, 0.14),
+    (0.87, 0.83, 0.23),
+    (0.935, 0.915, 0.31),
+    (0.985, 0.98, 0.36),
+    (1.0, 1.0, 0.386),
     (0.985, 0.99, 0.396),
-)  # fmt: skip
+)
 _WAISTED = (
-    (0.66, 0.68, 0.0), (0.67, 0.69, 0.008), (0.64, 0.655, 0.025), (0.55, 0.58, 0.07),
-    (0.54, 0.56, 0.13), (0.6, 0.62, 0.2), (0.76, 0.76, 0.27), (0.92, 0.93, 0.33),
-    (0.985, 0.985, 0.362), (1.0, 1.0, 0.386), (0.98, 0.987, 0.396),
-)  # fmt: skip
+    (0.66, 0.68, 0.0),
+    (0.67, 0.69, 0.008),
+    (0.64, 0.655, 0.025),
+    (0.55, 0.58, 0.07),
+    (0.54, 0.56, 0.13),
+    (0.6, 0.62, 0.2),
+    (0.76, 0.76, 0.27),
+    (0.92, 0.93, 0.33),
+    (0.985, 0.985, 0.362),
+    (1.0, 1.0, 0.386),
+    (0.98, 0.987, 0.396),
+)
 
 
 def _egg(length: float, width: float, z: float, back: float, sides: int = 44) -> FloatArray:
@@ -88,10 +102,13 @@ def _washlet_seat(length: float, width: float, back: float) -> list[Part]:
     """A heated seat: its works behind the lid, keys at the side."""
     works_m = 0.13
     levels = ((0.97, 0.0), (1.0, 0.012), (1.0, 0.06), (0.97, 0.085), (0.9, 0.094))
-    works = loft([
-        ring(length * s, works_m * s, 0.03, _SEAT_Z_M - 0.003 + z, 5) + [0.0, back - works_m / 2, 0.0]
-        for s, z in levels
-    ])  # fmt: skip
+    works = loft(
+        [
+            ring(length * s, works_m * s, 0.03, _SEAT_Z_M - 0.003 + z, 5)
+            + np.array([0.0, back - works_m / 2, 0.0])
+            for s, z in levels
+        ]
+    )
     front = back - works_m + 0.03
     deep = width - works_m - 0.01
     seat = _plate(length * 1.005, deep, _SEAT_Z_M - 0.002, 0.02, front)
@@ -126,8 +143,14 @@ def _plate(
     """A seat or lid: the egg with soft edges, perhaps a little arched."""
     soft = min(0.006, thick / 3)
     rings = []
-    for inset, level in ((soft, 0.0), (soft * 0.3, soft * 0.4), (0.0, soft), (0.0, thick - soft - crown),
-                         (soft * 0.3, thick - soft * 0.4 - crown), (soft, thick - crown)):  # fmt: skip
+    for inset, level in (
+        (soft, 0.0),
+        (soft * 0.3, soft * 0.4),
+        (0.0, soft),
+        (0.0, thick - soft - crown),
+        (soft * 0.3, thick - soft * 0.4 - crown),
+        (soft, thick - crown),
+    ):
         rings.append(_egg(length - 2 * inset, width - 2 * inset, z + level, back - inset))
     if crown:
         last = rings[-1]
@@ -147,7 +170,9 @@ def _cistern(size_m: Size, tank_w: float) -> list[Part]:
         (0.96, 0.985, low + 0.16),
         (0.985, 0.99, top),
     )
-    tank = loft([ring(length * a, tank_w * b, 0.035, z, 6) + [0.0, y, 0.0] for a, b, z in levels])
+    tank = loft(
+        [ring(length * a, tank_w * b, 0.035, z, 6) + np.array([0.0, y, 0.0]) for a, b, z in levels]
+    )
     cover = rounded_slab((length, tank_w, 0.032), 0.036, 0.01, 6, 3).moved(y=y, z=top + 0.002)
     rim = lathe([(0.032, 0), (0.032, 0.004), (0.028, 0.0055), (0, 0.0055)], 26)
     halves = [block((0.022, 0.044, 0.003), 0.001).moved(s * 0.0115, z=0.005) for s in (-1, 1)]
@@ -171,14 +196,27 @@ def _moulded_cistern(size_m: Size, tank_w: float) -> list[Part]:
     )
     tank = loft(
         [
-            ring(length * a, tank_w * b, 0.02, z, 4) + [0.0, y + tank_w * (1 - b) / 2 * 0.9, 0.0]
+            ring(length * a, tank_w * b, 0.02, z, 4)
+            + np.array([0.0, y + tank_w * (1 - b) / 2 * 0.9, 0.0])
             for a, b, z in levels
         ]
     )
-    lid = ((0.91, 0.9, 0.0), (0.93, 0.92, 0.006), (0.945, 0.94, 0.016), (0.99, 0.985, 0.022), (1.0, 1.0, 0.026),
-           (1.0, 1.0, 0.04), (0.97, 0.97, 0.047), (0.88, 0.86, 0.055), (0.84, 0.8, 0.06))  # fmt: skip
+    lid = (
+        (0.91, 0.9, 0.0),
+        (0.93, 0.92, 0.006),
+        (0.945, 0.94, 0.016),
+        (0.99, 0.985, 0.022),
+        (1.0, 1.0, 0.026),
+        (1.0, 1.0, 0.04),
+        (0.97, 0.97, 0.047),
+        (0.88, 0.86, 0.055),
+        (0.84, 0.8, 0.06),
+    )
     cover = loft(
-        [ring(length * a, tank_w * b, 0.02, top + z, 4) + [0.0, y, 0.0] for a, b, z in lid]
+        [
+            ring(length * a, tank_w * b, 0.02, top + z, 4) + np.array([0.0, y, 0.0])
+            for a, b, z in lid
+        ]
     )
     front = y - tank_w * 0.405
     hub = (
@@ -259,8 +297,13 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
     parts = [
         Part("Tub", loft([*_tub_skin(size_m, kind), *hollow]), "ceramic", collider="none"),
         Part("Drain", drain.moved(-inner_l * 0.27, 0.0, floor + 0.0005), "metal", collider=None),
-        Part("Overflow", overflow.moved(at, 0.0, floor + (height - floor) * 0.74), "metal", collider=None),
-    ]  # fmt: skip
+        Part(
+            "Overflow",
+            overflow.moved(at, 0.0, floor + (height - floor) * 0.74),
+            "metal",
+            collider=None,
+        ),
+    ]
     if kind == "built_in":
         inset = 0.03
         panel = block((length - 0.05, 0.012, height - 0.11), 0.003).moved(
@@ -289,12 +332,31 @@ def _tub_skin(size_m: Size, kind: TubKind) -> list[FloatArray]:
         ]
     foot = 0.0 if kind == "oval" else 0.12
     outer = (
-        ((0.8, 0.72, 0.0), (0.815, 0.735, 0.012), (0.85, 0.8, 0.2), (0.9, 0.88, 0.48), (0.95, 0.945, 0.76),
-         (0.99, 0.988, 0.95), (1.0, 1.0, 0.985), (0.998, 0.996, 1.0))
+        (
+            (0.8, 0.72, 0.0),
+            (0.815, 0.735, 0.012),
+            (0.85, 0.8, 0.2),
+            (0.9, 0.88, 0.48),
+            (0.95, 0.945, 0.76),
+            (0.99, 0.988, 0.95),
+            (1.0, 1.0, 0.985),
+            (0.998, 0.996, 1.0),
+        )
         if kind == "oval"
-        else ((0.5, 0.36, 0.0), (0.66, 0.56, 0.02), (0.78, 0.74, 0.12), (0.86, 0.84, 0.35), (0.91, 0.89, 0.7),
-              (0.925, 0.905, 0.9), (0.945, 0.925, 0.94), (0.985, 0.97, 0.955), (1.0, 1.0, 0.97), (0.998, 0.995, 0.99), (0.985, 0.97, 1.0))
-    )  # fmt: skip
+        else (
+            (0.5, 0.36, 0.0),
+            (0.66, 0.56, 0.02),
+            (0.78, 0.74, 0.12),
+            (0.86, 0.84, 0.35),
+            (0.91, 0.89, 0.7),
+            (0.925, 0.905, 0.9),
+            (0.945, 0.925, 0.94),
+            (0.985, 0.97, 0.955),
+            (1.0, 1.0, 0.97),
+            (0.998, 0.995, 0.99),
+            (0.985, 0.97, 1.0),
+        )
+    )
     return [
         ring(length * a, width * b, width * b * 0.5, foot + (height - foot) * z, 10)
         for a, b, z in outer

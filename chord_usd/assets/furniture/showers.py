@@ -126,7 +126,7 @@ def _walk_in(
     ]
     if gridded:
         posts += _grid_bars(wide, front_x, y, height)
-    return panes, joined(posts)  # fmt: skip
+    return panes, joined(posts)
 
 
 def _grid_bars(wide: float, x: float, y: float, height: float) -> list[Solid]:
@@ -204,8 +204,19 @@ def _riser(x: float, back: float, height: float) -> tuple[Part, ...]:
         for z in (1.32, top - 0.24)
     ]
     end = y - reach
-    rose = lathe([(0.116, 0), (0.125, 0.002), (0.125, 0.006), (0.118, 0.009), (0.03, 0.012),
-                  (0.018, 0.03), (0.014, 0.034), (0.0105, 0.05)], 40)  # fmt: skip
+    rose = lathe(
+        [
+            (0.116, 0),
+            (0.125, 0.002),
+            (0.125, 0.006),
+            (0.118, 0.009),
+            (0.03, 0.012),
+            (0.018, 0.03),
+            (0.014, 0.034),
+            (0.0105, 0.05),
+        ],
+        40,
+    )
     hand, hose = _hand_shower(x, y)
     return (
         Part("Riser", joined([riser, *holds, *plates]), "metal", collider=None),
@@ -241,10 +252,17 @@ def _hand_shower(x: float, y: float) -> tuple[Solid, Solid]:
     head = head.turned("x", -62).moved(x, at_y - 0.062, z + 0.105)
     low = 0.62
     loop = bent_path(
-        [[x, at_y + 0.02, z - 0.105], [x + 0.005, at_y + 0.03, 1.2], [x + 0.1, y - 0.005, low + 0.12],
-         [x + 0.075, y + 0.005, low], [x + 0.03, y + 0.005, low + 0.02], [x, y - 0.002, 1.042]],
-        0.2, 5,
-    )  # fmt: skip
+        [
+            [x, at_y + 0.02, z - 0.105],
+            [x + 0.005, at_y + 0.03, 1.2],
+            [x + 0.1, y - 0.005, low + 0.12],
+            [x + 0.075, y + 0.005, low],
+            [x + 0.03, y + 0.005, low + 0.02],
+            [x, y - 0.002, 1.042],
+        ],
+        0.2,
+        5,
+    )
     return joined([slide, arm, handle, head]), tube(loop, 0.0065, 10)
 
 

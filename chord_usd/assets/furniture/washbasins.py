@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import Literal
 
+import numpy as np
+
 from chord_usd.assets.furniture.joinery import FRONT_M, cells
 from chord_usd.assets.furniture.kitchen_fronts import (
     FORM_STYLES,
@@ -44,17 +46,27 @@ VesselKind = Literal["round", "oblong", "stone"]
 
 def _drain(x: float, y: float, z: float) -> Solid:
     """A round waste with a domed plug."""
-    return lathe([(0.024, 0), (0.024, 0.003), (0.019, 0.0035), (0.017, 0.0015), (0.015, 0.005),
-                  (0, 0.007)], 22).moved(x, y, z)  # fmt: skip
+    return lathe(
+        [(0.024, 0), (0.024, 0.003), (0.019, 0.0035), (0.017, 0.0015), (0.015, 0.005), (0, 0.007)],
+        22,
+    ).moved(x, y, z)
 
 
 def sunk_bowl(length: float, width: float, deep: float, corner: float) -> Solid:
     """A smooth bowl below z = 0; its skin laps into the slab so that no seam shows."""
     outline = [
-        (0.06, -deep - 0.012), (0.0, -deep + 0.02), (-0.004, -0.004), (-0.001, -0.0006),
-        (0.004, -0.003), (0.011, -0.016), (0.017, -0.045), (0.026, -deep * 0.66),
-        (0.042, -deep * 0.86), (0.07, -deep * 0.97), (0.12, -deep),
-    ]  # fmt: skip
+        (0.06, -deep - 0.012),
+        (0.0, -deep + 0.02),
+        (-0.004, -0.004),
+        (-0.001, -0.0006),
+        (0.004, -0.003),
+        (0.011, -0.016),
+        (0.017, -0.045),
+        (0.026, -deep * 0.66),
+        (0.042, -deep * 0.86),
+        (0.07, -deep * 0.97),
+        (0.12, -deep),
+    ]
     rings = [
         ring(length - 2 * inset, width - 2 * inset, max(corner - inset * 0.4, 0.012), z, 6)
         for inset, z in outline
@@ -69,11 +81,13 @@ def _open_case(length: float, y: float, back: float, low: float, high: float) ->
     z = high - hollow - 0.001
     cheek = box((0.018, depth - 0.002, hollow + 0.001))
     wall = box((length - 0.03, 0.016, hollow - 0.0005))
-    return joined([
-        body,
-        *(cheek.moved(s * (length - 0.0184) / 2, y + depth / 2, z) for s in (-1, 1)),
-        *(wall.moved(y=at, z=z + 0.0006) for at in (y + 0.0095, back - 0.0095)),
-    ])  # fmt: skip
+    return joined(
+        [
+            body,
+            *(cheek.moved(s * (length - 0.0184) / 2, y + depth / 2, z) for s in (-1, 1)),
+            *(wall.moved(y=at, z=z + 0.0006) for at in (y + 0.0095, back - 0.0095)),
+        ]
+    )
 
 
 def vanity(
@@ -114,9 +128,17 @@ def _vessel(kind: VesselKind, radius: float, rise: float) -> Solid:
     if kind == "oblong":
         long, deep = 2 * radius + 0.1, 2 * radius - 0.02
         outline = [
-            (0.05, 0.0), (0.035, 0.004), (0.012, rise * 0.6), (0.0, rise - 0.002), (0.0015, rise),
-            (0.006, rise), (0.0085, rise - 0.003), (0.02, rise * 0.55), (0.045, 0.02), (0.1, 0.014),
-        ]  # fmt: skip
+            (0.05, 0.0),
+            (0.035, 0.004),
+            (0.012, rise * 0.6),
+            (0.0, rise - 0.002),
+            (0.0015, rise),
+            (0.006, rise),
+            (0.0085, rise - 0.003),
+            (0.02, rise * 0.55),
+            (0.045, 0.02),
+            (0.1, 0.014),
+        ]
         return loft([ring(long - 2 * i, deep - 2 * i, 0.1 - i * 0.5, z, 7) for i, z in outline])
     wall = 0.006 if kind == "round" else 0.018
     outside = [
@@ -209,26 +231,40 @@ def console(size_m: Size) -> tuple[Part, ...]:
     return (
         Part("Basin", plate, "ceramic", collider="none"),
         Part("Bowl", joined(sunk), "ceramic", collider=None),
-        Part("Drain", joined([_drain(at, at_y, height - slab + 0.019) for at in places]), "metal", collider=None),
+        Part(
+            "Drain",
+            joined([_drain(at, at_y, height - slab + 0.019) for at in places]),
+            "metal",
+            collider=None,
+        ),
         Part("Frame", joined(frame), "handle", collider="none"),
         Part("Board", board, "counter"),
         Part("Trap", joined(pipe), "metal", collider=None),
         Part("Tap", joined(taps), "metal", collider=None, above=True),
-    )  # fmt: skip
+    )
 
 
 def pedestal_basin(size_m: Size, *, tap: BasinTap = "lever") -> tuple[Part, ...]:
     """A ceramic basin on a column that widens to its foot."""
     length, width, height = size_m
     deep = 0.19
-    outside = [(0.4, -deep), (0.5, -deep + 0.006), (0.68, -deep * 0.78), (0.86, -deep * 0.5), (0.955, -0.07),
-               (0.985, -0.045), (1.0, -0.03), (1.0, -0.008), (0.992, 0.0)]  # fmt: skip
+    outside = [
+        (0.4, -deep),
+        (0.5, -deep + 0.006),
+        (0.68, -deep * 0.78),
+        (0.86, -deep * 0.5),
+        (0.955, -0.07),
+        (0.985, -0.045),
+        (1.0, -0.03),
+        (1.0, -0.008),
+        (0.992, 0.0),
+    ]
     body = []
     for share, z in outside:
         at = (1.0 - share) * width * 0.42
         body.append(
             ring(length * share, width * share, min(0.16, width * 0.42) * share, height + z, 8)
-            + [0.0, at, 0.0]
+            + np.array([0.0, at, 0.0])
         )
     inside = [
         (1.0, -0.001),
@@ -245,24 +281,44 @@ def pedestal_basin(size_m: Size, *, tap: BasinTap = "lever") -> tuple[Part, ...]
     ]
     at = width * 0.16
     column = [
-        ring(long, min(long * 0.9, width * 0.6), 0.09, z, 8) + [0.0, at, 0.0]
-        for long, z in ((0.235, 0.0), (0.24, 0.012), (0.215, 0.03), (0.17, 0.09), (0.145, 0.25),
-                        (0.142, 0.45), (0.16, height - deep - 0.06), (0.2, height - deep + 0.02))
-    ]  # fmt: skip
+        ring(long, min(long * 0.9, width * 0.6), 0.09, z, 8) + np.array([0.0, at, 0.0])
+        for long, z in (
+            (0.235, 0.0),
+            (0.24, 0.012),
+            (0.215, 0.03),
+            (0.17, 0.09),
+            (0.145, 0.25),
+            (0.142, 0.45),
+            (0.16, height - deep - 0.06),
+            (0.2, height - deep + 0.02),
+        )
+    ]
     return (
         Part("Basin", loft([*body, *inner]), "ceramic", collider="none"),
         Part("Column", loft(column), "ceramic"),
         Part("Drain", _drain(0.0, -width * 0.085, height - 0.1365), "metal", collider=None),
-        Part("Tap", basin_tap(tap, 0.11).moved(y=width / 2 - 0.045, z=height - 0.002), "metal",
-             collider=None, above=True),
-    )  # fmt: skip
+        Part(
+            "Tap",
+            basin_tap(tap, 0.11).moved(y=width / 2 - 0.045, z=height - 0.002),
+            "metal",
+            collider=None,
+            above=True,
+        ),
+    )
 
 
 def _vanity(front: str, counter: str, metal: str, *, vessel: str = "ceramic") -> dict[str, str]:
     return {
-        "body": front, "front": front, "counter": counter, "ceramic": "ceramic", "vessel": vessel,
-        "metal": metal, "handle": metal, "plinth": "graphite", "channel": "graphite",
-    }  # fmt: skip
+        "body": front,
+        "front": front,
+        "counter": counter,
+        "ceramic": "ceramic",
+        "vessel": vessel,
+        "metal": metal,
+        "handle": metal,
+        "plinth": "graphite",
+        "channel": "graphite",
+    }
 
 
 _LOOKS = {

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.kitchen_finishes import FINISHES
+from chord_usd.assets.dressing.designing import design
 from chord_usd.assets.dressing.vessels import hollow
-from chord_usd.assets.model import Design, Draw, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -198,7 +197,9 @@ def toaster(size_m: Size, *, retro: bool = False) -> tuple[Part, ...]:
         )
     )
     for a, b, z in levels:
-        rings.append(ring(body_l * a, width * b, corner * a, feet + high * z, 5) + [x, 0.0, 0.0])
+        rings.append(
+            ring(body_l * a, width * b, corner * a, feet + high * z, 5) + np.array([x, 0.0, 0.0])
+        )
     body = loft(rings)
     slots = joined(
         [box((body_l * 0.66, 0.026, 0.003)).moved(x, s * 0.026, tall - 0.0015) for s in (-1, 1)]
@@ -372,13 +373,6 @@ def _before(solid: Solid, y: float) -> Solid:
     return solid.moved(y=-y).turned("z", -50).moved(y=y)
 
 
-def _design(
-    name: str, category: str, size: Size, draw: Draw, looks: Mapping[str, Mapping[str, str]],
-    styles: tuple[str, ...] = (),
-) -> Design:  # fmt: skip
-    return Design(name, category, size, draw, looks, FINISHES, styles)
-
-
 _KETTLES = {
     "steel": {"metal": "brushed_steel", "grip": "black", "bow": "steel"},
     "cream": {"metal": "enamel_cream", "grip": "oak", "bow": "steel"},
@@ -392,19 +386,46 @@ _TOASTERS = {
     "white": {"metal": "white", "trim": "light_grey", "dark": "black"},
 }
 _MACHINES = {
-    "steel": {"metal": "brushed_steel", "chrome": "chrome", "grip": "black", "dark": "graphite", "face": "white", "cup": "ceramic", "clear": "clear_glass", "coffee": "coffee"},
-    "cream": {"metal": "enamel_cream", "chrome": "chrome", "grip": "walnut", "dark": "graphite", "face": "white", "cup": "ceramic", "clear": "clear_glass", "coffee": "coffee"},
-    "black_metal": {"metal": "black_metal", "chrome": "chrome", "grip": "black", "dark": "steel", "face": "white", "cup": "stoneware", "clear": "clear_glass", "coffee": "coffee"},
-}  # fmt: skip
+    "steel": {
+        "metal": "brushed_steel",
+        "chrome": "chrome",
+        "grip": "black",
+        "dark": "graphite",
+        "face": "white",
+        "cup": "ceramic",
+        "clear": "clear_glass",
+        "coffee": "coffee",
+    },
+    "cream": {
+        "metal": "enamel_cream",
+        "chrome": "chrome",
+        "grip": "walnut",
+        "dark": "graphite",
+        "face": "white",
+        "cup": "ceramic",
+        "clear": "clear_glass",
+        "coffee": "coffee",
+    },
+    "black_metal": {
+        "metal": "black_metal",
+        "chrome": "chrome",
+        "grip": "black",
+        "dark": "steel",
+        "face": "white",
+        "cup": "stoneware",
+        "clear": "clear_glass",
+        "coffee": "coffee",
+    },
+}
 DESIGNS = (
-    _design("Kettle_Electric", "kettle", (0.22, 0.16, 0.24), kettle, _KETTLES),
-    _design("Kettle_Stove", "kettle", (0.23, 0.19, 0.22), stove_kettle, _KETTLES),
-    _design("Toaster", "toaster", (0.29, 0.17, 0.19), toaster, _TOASTERS),
-    _design("Toaster_Retro", "toaster", (0.31, 0.19, 0.2), partial(toaster, retro=True), _TOASTERS),
-    _design(
+    design("Kettle_Electric", "kettle", (0.22, 0.16, 0.24), kettle, _KETTLES),
+    design("Kettle_Stove", "kettle", (0.23, 0.19, 0.22), stove_kettle, _KETTLES),
+    design("Toaster", "toaster", (0.29, 0.17, 0.19), toaster, _TOASTERS),
+    design("Toaster_Retro", "toaster", (0.31, 0.19, 0.2), partial(toaster, retro=True), _TOASTERS),
+    design(
         "Coffee_Machine_Espresso", "coffee_machine", (0.26, 0.32, 0.38), espresso_machine, _MACHINES
     ),
-    _design(
+    design(
         "Coffee_Machine_Filter", "coffee_machine", (0.19, 0.27, 0.34), filter_machine, _MACHINES
     ),
 )
