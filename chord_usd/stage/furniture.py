@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,11 @@ class _Shop:
     scratch: Path
     wardrobe: Wardrobe
 
+    @cached_property
+    def carriers(self) -> dict[str, Item]:
+        """Furniture and dressing of the room, by id."""
+        return {one.item.id: one.item for one in (*self.named.items, *self.named.dressing)}
+
 
 def extent_of(items: Iterable[Item]) -> FloatArray:
     """(2, 3) bounds of items of a room, in the world; what stands on them is left out."""
@@ -130,7 +136,7 @@ def _refer(
         note(prim, rests_on=item.facts.rests_on)
     _note_origin(prim, item)
     note_size(prim, box.size_m)
-    let_move(prim, item)
+    let_move(prim, item, shop.carriers)
 
 
 def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:

@@ -1,12 +1,14 @@
 """What can move and how heavy it is; doors on their hinges.
 
-Furniture and dressing bring their colliders. A piece that people move becomes a rigid body; what is built in or
-too heavy to push stays a collider without a body. Walls and floors are sheets, which no solver
+Furniture and dressing bring their colliders. A piece that people move becomes a rigid body; what
+is built in or too heavy to push stays a collider without a body. Walls and floors are sheets, which no solver
 takes for a collider (MuJoCo makes hulls of meshes, and closes the doors with them): unseen boxes
 behind them do that.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from pxr import Gf, Sdf, Vt
 
@@ -44,7 +46,6 @@ KG_PER_M3: dict[str, float] = {
     "drinks": 450.0,
     "floor_plant": 60.0,
     "basket": 40.0,
-    "bin": 40.0,
     "umbrella_stand": 60.0,
     "book_row": 450.0,
     "vase": 300.0,
@@ -59,21 +60,22 @@ KG_PER_M3: dict[str, float] = {
     "knife_block": 450.0,
     "utensil_jar": 300.0,
     "jar": 400.0,
-    "bottle": 450.0,
     "bowl": 250.0,
     "plate_stack": 600.0,
-    "soap_dispenser": 500.0,
     "toothbrush_cup": 200.0,
     "towel_stack": 120.0,
     "toilet_brush": 150.0,
 }
 """Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
-that are not in the table stay where they are."""
+that are not in the table stay where they are; so do bottles, soap dispensers and bins, whose
+colliders spin or sink in the solver."""
 
 _LEAF_KG_PER_M2 = 14.0
 """An inner door; glass ones are about as heavy."""
 
 DOOR_OPENS_DEG = 90.0
+
+_ON_TOP_M = 0.01
 
 
 def write_gravity(layer: Sdf.Layer, path: str) -> None:
@@ -83,11 +85,24 @@ def write_gravity(layer: Sdf.Layer, path: str) -> None:
     attribute(scene, "physics:gravityMagnitude", Types.Float, GRAVITY_M_PER_S2)
 
 
-def let_move(prim: Sdf.PrimSpec, item: Item) -> None:
-    """Make an item a rigid body with its mass, if it is one that people move."""
+def let_move(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> None:
+    """Make an item a rigid body with its mass, if it is one that people move.
+
+    carriers: by id. Dressing moves only on floors and on tops: what stands within a piece, on one
+    of its boards, would lie in the collider around it.
+    """
+    carrier_id = item.facts.rests_on
+    if carrier_id is not None:
+        carrier = carriers.get(carrier_id)
+        if carrier is None or item.box.center_m[2] < _top_m(carrier) - _ON_TOP_M:
+            return
     if item.category in KG_PER_M3:
         length, width, height = item.box.size_m
         _give_body(prim, KG_PER_M3[item.category] * length * width * height)
+
+
+def _top_m(item: Item) -> float:
+    return item.box.center_m[2] + item.box.size_m[2]
 
 
 def hang_leaf(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
+from chord_usd.assets.look_library import StyleLooks
 from chord_usd.image.annotations import category_ids
 from chord_usd.image.marks import read_marks
 from chord_usd.scene.types import Asset, Box, Facts, Item, Provenance, SceneGraph
@@ -41,9 +43,13 @@ def dressed_graph(staged_graph: SceneGraph, block: Asset) -> SceneGraph:
 
 
 @pytest.fixture(scope="module")
-def dressed_house(dressed_graph: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def dressed_house(
+    dressed_graph: SceneGraph,
+    looks_of: Callable[[int], StyleLooks],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
     return author_stage(
-        dressed_graph, tmp_path_factory.mktemp("dressed") / "house.usda", seed=3
+        dressed_graph, tmp_path_factory.mktemp("dressed") / "house.usda", seed=3, looks=looks_of(3)
     ).path
 
 
@@ -167,7 +173,11 @@ def test_it_is_described_beside_the_furniture(
 
 
 def test_what_changed_names_dressing(
-    dressed_house: Path, staged_house: Path, dressed_graph: SceneGraph, tmp_path: Path
+    dressed_house: Path,
+    staged_house: Path,
+    dressed_graph: SceneGraph,
+    looks_of: Callable[[int], StyleLooks],
+    tmp_path: Path,
 ) -> None:
     groups_gone = {change.path for change in diff_stages(dressed_house, staged_house)}
     assert all(path.endswith("/Dressing") or path == "/House" for path in groups_gone), groups_gone
@@ -175,7 +185,10 @@ def test_what_changed_names_dressing(
     x, y, z = first.box.center_m
     moved = replace(first, box=replace(first.box, center_m=(x + 0.1, y, z)))
     other = author_stage(
-        replace(dressed_graph, dressing=(moved, *others)), tmp_path / "house.usda", seed=3
+        replace(dressed_graph, dressing=(moved, *others)),
+        tmp_path / "house.usda",
+        seed=3,
+        looks=looks_of(3),
     ).path
     (change,) = diff_stages(dressed_house, other)
     assert (change.path.split("/")[-2:], change.text) == (
@@ -190,3 +203,19 @@ def test_masks_name_it(dressed_house: Path) -> None:
     ids = category_ids([*named, "sofa", "floor"])
     assert ids == category_ids(["floor", "sofa", *named])
     assert min(ids["bowl"], ids["floor_plant"]) > max(ids["sofa"], ids["floor"])
+
+
+def test_what_stands_on_a_top_moves_and_what_stands_within_stays(
+    dressed_graph: SceneGraph, tmp_path: Path
+) -> None:
+    bowl = next(one for one in dressed_graph.dressing if one.category == "bowl")
+    x, y, z = bowl.box.center_m
+    low = replace(bowl, id="low", box=replace(bowl.box, center_m=(x, y, z - 0.2)))
+    graph = replace(dressed_graph, dressing=(bowl, low))
+    stage = Usd.Stage.Open(str(author_stage(graph, tmp_path / "house.usda", seed=3).path))
+    found = {
+        prim.GetAttribute("chord:node_id").Get(): prim.HasAPI(UsdPhysics.RigidBodyAPI)
+        for group in groups(stage)
+        for prim in group.GetChildren()
+    }
+    assert found == {bowl.id: True, "low": False}
