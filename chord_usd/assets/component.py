@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
 
+
 @dataclass(frozen=True)
 class ComponentInfo:
     """What assetInfo says beside the name."""

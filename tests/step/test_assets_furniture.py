@@ -21,17 +21,11 @@ from chord_usd.data.houses import random_plan
 from chord_usd.errors import AssetError
 from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
 
-<<<<<<< HEAD
-ALL = designs()
-LEAST_TRIANGLES = 150
-MOST_TRIANGLES = 12_000
-=======
 ALL = tuple(
     design for design in designs() if CATEGORIES[design.category].level is not Level.DRESSING
 )
-LEAST_TRIANGLES = 250
-MOST_TRIANGLES = 8000
->>>>>>> f125fdf (Books, magazines, pens and photographs made anew; one test of all dressing designs, the furniture's own again)
+LEAST_TRIANGLES = 150
+MOST_TRIANGLES = 12_000
 
 
 def _smallest_and_largest() -> list[Design]:

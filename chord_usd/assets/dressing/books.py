@@ -22,13 +22,25 @@ from chord_usd.assets.solids import Size, Solid, box, extruded, joined
 SLOTS = ("cover_a", "cover_b", "cover_c", "cover_d")
 
 
-def bound(thick_m: float, deep_m: float, tall_m: float) -> tuple[Solid, Solid]:
-    """(cover, pages) of an upright book, its round spine to -y, centred on the origin."""
+def bound(thick_m: float, deep_m: float, tall_m: float, spine: int = 6) -> tuple[Solid, Solid]:
+    """(cover, pages) of an upright book, its round spine to -y, centred on the origin.
+
+    spine: points around the spine; 2 make it flat.
+    """
     board = min(0.0028, thick_m / 5)
     half, back = thick_m / 2, deep_m / 2
-    spine = [(half * math.cos(a), -back + 0.0045 + 0.0045 * math.sin(a)) for a in np.linspace(0, -math.pi, 6)]
+    angles = np.linspace(0, -math.pi, spine)
+    curve = [(half * math.cos(a), -back + 0.0045 + 0.0045 * math.sin(a)) for a in angles]
+    curve = curve if spine > 2 else [(half, -back), (-half, -back)]
     inner = [(-half + board, -back + 0.006), (half - board, -back + 0.006)]
-    outline = [(half, back), *spine, (-half, back), (-half + board, back), *inner, (half - board, back)]
+    outline = [
+        (half, back),
+        *curve,
+        (-half, back),
+        (-half + board, back),
+        *inner,
+        (half - board, back),
+    ]
     cover = extruded(np.array(outline)[::-1], tall_m)
     edge = 0.0035
     pages = box((thick_m - 2 * board + 0.0004, deep_m - 0.006 - edge, tall_m - 2 * edge))
@@ -51,7 +63,9 @@ def _bands(thick_m: float, deep_m: float, tall_m: float, kind: int) -> list[Soli
             for at, tall, share in spots]  # fmt: skip
 
 
-def book_row(size_m: Size, *, seed: str, lean: bool = True, lying: bool = False) -> tuple[Part, ...]:
+def book_row(
+    size_m: Size, *, seed: str, lean: bool = True, lying: bool = False
+) -> tuple[Part, ...]:
     """Books side by side, spines to the front; the last ones lean, or some lie beside the row."""
     length, width, height = size_m
     rng = rng_of(f"{seed}/{size_m}")
@@ -64,7 +78,9 @@ def book_row(size_m: Size, *, seed: str, lean: bool = True, lying: bool = False)
     count, last = 0, ""
     tallest = False
     while end - slope - x > 0.012:
-        thick = float(rng.choice([0.014, 0.019, 0.024, 0.031, 0.042])) * float(rng.uniform(0.92, 1.1))
+        thick = float(rng.choice([0.014, 0.019, 0.024, 0.031, 0.042])) * float(
+            rng.uniform(0.92, 1.1)
+        )
         thick = min(thick, end - slope - x)
         tall = height * float(rng.choice([0.7, 0.78, 0.86, 0.93, 1.0]))
         if not tallest and end - slope - x < 0.09:
@@ -74,7 +90,17 @@ def book_row(size_m: Size, *, seed: str, lean: bool = True, lying: bool = False)
         if count == 0:
             deep = width
         slot = str(rng.choice([s for s in SLOTS if s != last]))
-        _stand(covers, pages, prints, (thick - 0.0008, deep, tall), slot, rng, x + thick / 2, -width / 2 + deep / 2, 0.0)
+        _stand(
+            covers,
+            pages,
+            prints,
+            (thick - 0.0008, deep, tall),
+            slot,
+            rng,
+            x + thick / 2,
+            -width / 2 + deep / 2,
+            0.0,
+        )
         x, count, last = x + thick, count + 1, slot
     if slope:
         thick, tall = float(rng.uniform(0.018, 0.026)), height * 0.84
@@ -95,7 +121,11 @@ def book_row(size_m: Size, *, seed: str, lean: bool = True, lying: bool = False)
             flat = solid.moved(z=-tall / 2).turned("y", 90).turned("z", turn)
             group.append(flat.moved(end + stack / 2, -0.0, z + thick / 2))
         z += thick
-    parts = [Part(f"Covers_{slot[-1].upper()}", joined(solids), slot, None) for slot, solids in covers.items() if solids]
+    parts = [
+        Part(f"Covers_{slot[-1].upper()}", joined(solids), slot, None)
+        for slot, solids in covers.items()
+        if solids
+    ]
     parts.append(Part("Pages", joined(pages), "page", None))
     if prints:
         parts.append(Part("Titles", joined(prints), "print", None))
@@ -111,7 +141,11 @@ def _stand(covers: dict, pages: list, prints: list, size: Size, slot: str, rng: 
     """Put one book in the row; a leaning one has its right lower edge at foot."""
     cover, leaves = bound(*size)
     marks = _bands(*size, int(rng.integers(4)))
-    for solid, group in ((cover, covers[slot]), (leaves, pages), *((mark, prints) for mark in marks)):
+    for solid, group in (
+        (cover, covers[slot]),
+        (leaves, pages),
+        *((mark, prints) for mark in marks),
+    ):
         if lean_deg:
             # Turned about its right lower edge, its left upper edge against the row.
             tipped = solid.moved(x=-size[0] / 2).turned("y", lean_deg)

@@ -52,8 +52,19 @@ def _folded(radius_m: float, z_m: float, rise_m: float) -> Solid:
     sides = 28
     turn = np.linspace(0, 2 * math.pi, sides, endpoint=False)
     rings = []
-    for share, lift in ((1.0, -0.12), (0.98, 0.16), (0.84, 0.6), (0.56, 0.9), (0.26, 1.0), (0.0, 0.97)):
-        rumple = 1.0 + 0.08 * share * np.sin(3 * turn + 4 * share) + 0.05 * share * np.sin(7 * turn - 3 * share)
+    for share, lift in (
+        (1.0, -0.12),
+        (0.98, 0.16),
+        (0.84, 0.6),
+        (0.56, 0.9),
+        (0.26, 1.0),
+        (0.0, 0.97),
+    ):
+        rumple = (
+            1.0
+            + 0.08 * share * np.sin(3 * turn + 4 * share)
+            + 0.05 * share * np.sin(7 * turn - 3 * share)
+        )
         z = z_m + rise_m * lift * (1 + 0.18 * np.sin(4 * turn + 6 * share) * share)
         r = radius_m * share * rumple * 0.93
         rings.append(np.stack([r * np.cos(turn), r * np.sin(turn), z], -1))
@@ -65,7 +76,12 @@ def round_basket(size_m: Size, *, has_throw: bool = False, belly: float = 1.0) -
     length, width, height = size_m
     r = length / 2 - 0.008
     top = height - 0.07
-    profile = [(r * 0.8, 0.0), (r * 0.97 * belly, top * 0.4), (r * belly, top * 0.62), (r * 0.92, top)]
+    profile = [
+        (r * 0.8, 0.0),
+        (r * 0.97 * belly, top * 0.4),
+        (r * belly, top * 0.62),
+        (r * 0.92, top),
+    ]
     wall = woven_skin(profile, 0.01, 0.02, strands=38, rows=11)
     rim = hollow([(r * 0.925, top - 0.016), (r * 0.94, top - 0.007), (r * 0.925, top)], 0.016, 40)
     ears = [_ear(0.12, 0.066, 0.0075).moved(s * (r * 0.92), 0.0, top) for s in (-1, 1)]
@@ -78,12 +94,19 @@ def round_basket(size_m: Size, *, has_throw: bool = False, belly: float = 1.0) -
     return tuple(parts)
 
 
-def _rectangle(length: float, width: float, levels: list[tuple[float, float]], corner: float, steps: int = 4) -> list:
+def _rectangle(
+    length: float, width: float, levels: list[tuple[float, float]], corner: float, steps: int = 4
+) -> list:
     """Rounded rectangles, (inset, z) each."""
-    return [ring(length - 2 * inset, width - 2 * inset, max(corner - inset, 0.004), z, steps) for inset, z in levels]
+    return [
+        ring(length - 2 * inset, width - 2 * inset, max(corner - inset, 0.004), z, steps)
+        for inset, z in levels
+    ]
 
 
-def _tub(length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0) -> Solid:
+def _tub(
+    length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0
+) -> Solid:
     """A hollow box with round corners, open above."""
     levels = [(taper + 0.003, 0.0), (taper, 0.004), (0.0, height - 0.002), (0.001, height), (thick, height),
               (taper + thick, 0.012)]  # fmt: skip
@@ -98,12 +121,16 @@ def laundry(size_m: Size) -> tuple[Part, ...]:
     for index in range(count):
         x = -length / 2 + 0.03 + (length - 0.06) * index / (count - 1)
         for s in (-1, 1):
-            slats.append(block((0.016, 0.008, height - 0.02), 0.002).moved(x, s * (width / 2 - 0.006), 0.01))
+            slats.append(
+                block((0.016, 0.008, height - 0.02), 0.002).moved(x, s * (width / 2 - 0.006), 0.01)
+            )
     deep = max(6, round(width / 0.035))
     for index in range(deep):
         y = -width / 2 + 0.035 + (width - 0.07) * index / (deep - 1)
         for s in (-1, 1):
-            slats.append(block((0.008, 0.016, height - 0.02), 0.002).moved(s * (length / 2 - 0.006), y, 0.01))
+            slats.append(
+                block((0.008, 0.016, height - 0.02), 0.002).moved(s * (length / 2 - 0.006), y, 0.01)
+            )
     hoops = [lofted(_rectangle(length, width, [(0.0, z), (0.0, z + 0.022), (0.014, z + 0.022), (0.014, z)], 0.01, 2), loop=True)
              for z in (0.0, height * 0.5, height - 0.05)]  # fmt: skip
     bag = _tub(length - 0.032, width - 0.032, height - 0.02, 0.004, 0.02).moved(z=0.012)
@@ -121,11 +148,16 @@ def wire_basket(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     r, wire = length / 2 - 0.004, 0.0028
     top = height - 0.012
-    bow = np.array([[r * 0.7, 0.0, wire], [r * 0.8, 0.0, 0.02], [r * 0.93, 0, top * 0.55], [r, 0, top]])
+    bow = np.array(
+        [[r * 0.7, 0.0, wire], [r * 0.8, 0.0, 0.02], [r * 0.93, 0, top * 0.55], [r, 0, top]]
+    )
     ribs = [tube(bow, wire, 5).turned("z", 360.0 * i / 28) for i in range(28)]
     hoops = [hollow([(x + 0.003, z), (x + 0.003, z + 0.006)], 0.006, 36)
              for x, z in ((r * 0.7, 0.0), (r * 0.87, top * 0.3), (r * 0.95, top * 0.64), (r, top))]  # fmt: skip
-    base = [tube([[-r * 0.68, y, wire], [r * 0.68, y, wire]], wire, 5) for y in np.linspace(-0.4, 0.4, 5) * r]
+    base = [
+        tube([[-r * 0.68, y, wire], [r * 0.68, y, wire]], wire, 5)
+        for y in np.linspace(-0.4, 0.4, 5) * r
+    ]
     grips = [tube([[x, -0.05, top + 0.004], [x, 0.05, top + 0.004]], 0.009, 8) for x in (-r, r)]
     return (
         Part("Wire", joined([*ribs, *hoops, *base]), "weave", felt=(cylinder(r, top),)),
@@ -140,7 +172,17 @@ def pedal_bin(size_m: Size) -> tuple[Part, ...]:
     y = (width - length) / 2
     body = cylinder(r, height - 0.055, 0.003, 40).moved(z=0.016)
     foot = cylinder(r + 0.0, 0.022, 0.004, 40)
-    lid = lathe([(r - 0.002, 0.0), (r, 0.004), (r, 0.018), (r * 0.86, 0.034), (r * 0.4, 0.043), (0.0, 0.044)], 40)
+    lid = lathe(
+        [
+            (r - 0.002, 0.0),
+            (r, 0.004),
+            (r, 0.018),
+            (r * 0.86, 0.034),
+            (r * 0.4, 0.043),
+            (0.0, 0.044),
+        ],
+        40,
+    )
     pedal = block((0.07, 0.05, 0.012), 0.004).moved(y=-width / 2 + 0.025, z=0.006)
     hinge = block((0.06, 0.014, 0.03), 0.004).moved(y=y + r - 0.004, z=height - 0.07)
     return (
@@ -156,8 +198,20 @@ def paper_bin(size_m: Size) -> tuple[Part, ...]:
     """An open waste basket, a rolled rim, some paper at its bottom."""
     length, width, height = size_m
     r = length / 2
-    wall = cup([(0.0, 0.0), (r * 0.8, 0.0), (r * 0.82, 0.006), (r - 0.004, height - 0.004)], 0.004, 0.01, 40)
-    rim = tube([[(r - 0.005) * math.cos(a), (r - 0.005) * math.sin(a), height - 0.005] for a in np.linspace(0, 2 * math.pi * 0.985, 41)], 0.005, 6)
+    wall = cup(
+        [(0.0, 0.0), (r * 0.8, 0.0), (r * 0.82, 0.006), (r - 0.004, height - 0.004)],
+        0.004,
+        0.01,
+        40,
+    )
+    rim = tube(
+        [
+            [(r - 0.005) * math.cos(a), (r - 0.005) * math.sin(a), height - 0.005]
+            for a in np.linspace(0, 2 * math.pi * 0.985, 41)
+        ],
+        0.005,
+        6,
+    )
     balls = []
     for index, (x, y) in enumerate(((-0.3, 0.2), (0.35, 0.1), (0.0, -0.35))):
         crumple = lathe([(0.0, 0.0), (0.026, 0.01), (0.036, 0.032), (0.024, 0.056), (0.0, 0.06)], 9)
@@ -172,10 +226,24 @@ def paper_bin(size_m: Size) -> tuple[Part, ...]:
 def swing_bin(size_m: Size) -> tuple[Part, ...]:
     """A tall rectangular bin with a sloping lid flap."""
     length, width, height = size_m
-    body = lofted(_rectangle(length, width, [(0.015, 0.0), (0.012, 0.004), (0.0, height - 0.09)], 0.03))
-    collar = lofted(_rectangle(length, width, [(0.0, height - 0.088), (0.0, height - 0.06), (0.02, height)], 0.03))
-    flap = rounded_slab((length - 0.09, width - 0.1, 0.01), 0.012, 0.003, 4).turned("x", -4).moved(z=height - 0.005)
-    return Part("Body", body, "metal"), Part("Collar", collar, "plastic", None), Part("Flap", flap.moved(z=-0.004), "metal", None)
+    body = lofted(
+        _rectangle(length, width, [(0.015, 0.0), (0.012, 0.004), (0.0, height - 0.09)], 0.03)
+    )
+    collar = lofted(
+        _rectangle(
+            length, width, [(0.0, height - 0.088), (0.0, height - 0.06), (0.02, height)], 0.03
+        )
+    )
+    flap = (
+        rounded_slab((length - 0.09, width - 0.1, 0.01), 0.012, 0.003, 4)
+        .turned("x", -4)
+        .moved(z=height - 0.005)
+    )
+    return (
+        Part("Body", body, "metal"),
+        Part("Collar", collar, "plastic", None),
+        Part("Flap", flap.moved(z=-0.004), "metal", None),
+    )
 
 
 def slat_bin(size_m: Size) -> tuple[Part, ...]:
@@ -184,8 +252,13 @@ def slat_bin(size_m: Size) -> tuple[Part, ...]:
     r, count = length / 2, 30
     slat = block((0.008, 2 * math.pi * r / count * 0.8, height), 0.002).moved(x=r - 0.004)
     slats = [slat.turned("z", 360.0 * i / count) for i in range(count)]
-    pail = cup([(0.0, 0.0), (r - 0.012, 0.0), (r - 0.0085, height - 0.012)], 0.003, 0.01, 36).moved(z=0.004)
-    hoops = [hollow([(r - 0.007, z), (r - 0.007, z + 0.016)], 0.004, 36) for z in (height * 0.15, height * 0.8)]
+    pail = cup([(0.0, 0.0), (r - 0.012, 0.0), (r - 0.0085, height - 0.012)], 0.003, 0.01, 36).moved(
+        z=0.004
+    )
+    hoops = [
+        hollow([(r - 0.007, z), (r - 0.007, z + 0.016)], 0.004, 36)
+        for z in (height * 0.15, height * 0.8)
+    ]
     return (
         Part("Slats", joined(slats), "wood", felt=(cylinder(r, height),)),
         Part("Pail", pail, "plastic", None),
@@ -198,15 +271,27 @@ def _umbrella(tall_m: float, *, crook: bool = True) -> tuple[Solid, Solid, Solid
     sides, folds = 24, 8
     turn = np.linspace(0, 2 * math.pi, sides, endpoint=False)
     rings = []
-    for share, radius in ((0.07, 0.004), (0.12, 0.011), (0.4, 0.024), (0.62, 0.031), (0.68, 0.026), (0.7, 0.006)):
+    for share, radius in (
+        (0.07, 0.004),
+        (0.12, 0.011),
+        (0.4, 0.024),
+        (0.62, 0.031),
+        (0.68, 0.026),
+        (0.7, 0.006),
+    ):
         r = radius * (1.0 + 0.22 * np.cos(folds * turn + 5 * share))
-        rings.append(np.stack([r * np.cos(turn), r * np.sin(turn), np.full(sides, share * tall_m)], -1))
+        rings.append(
+            np.stack([r * np.cos(turn), r * np.sin(turn), np.full(sides, share * tall_m)], -1)
+        )
     cloth = lofted(rings)
     shaft = cylinder(0.004, 0.86 * tall_m, 0.0, 8)
     high = 0.82 * tall_m
     if crook:
         top = tall_m - 0.046
-        path = [[0, 0, high]] + [[0.036 - 0.036 * math.cos(a), 0.0, top + 0.036 * math.sin(a)] for a in np.linspace(0, 3.4, 9)]
+        path = [[0, 0, high]] + [
+            [0.036 - 0.036 * math.cos(a), 0.0, top + 0.036 * math.sin(a)]
+            for a in np.linspace(0, 3.4, 9)
+        ]
         handle = tube(path, 0.009, 8)
     else:
         handle = cylinder(0.012, 0.18 * tall_m, 0.004, 12).moved(z=high)
@@ -222,14 +307,31 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
     if kind == "frame":
         bar = 0.012
         side = 2 * r
-        posts = [block((bar, bar, tall), 0.002).moved(sx * (side - bar) / 2, sy * (side - bar) / 2) for sx in (-1, 1) for sy in (-1, 1)]
+        posts = [
+            block((bar, bar, tall), 0.002).moved(sx * (side - bar) / 2, sy * (side - bar) / 2)
+            for sx in (-1, 1)
+            for sy in (-1, 1)
+        ]
         rails = []
         for z in (tall - bar, tall * 0.55, 0.03):
             for s in (-1, 1):
-                rails.append(block((side - 2 * bar + 0.002, bar * 0.8, bar), 0.002).moved(y=s * (side - bar) / 2, z=z))
-                rails.append(block((bar * 0.8, side - 2 * bar + 0.002, bar), 0.002).moved(x=s * (side - bar) / 2, z=z))
-        tray = _tub(side - 2 * bar + 0.004, side - 2 * bar + 0.004, 0.03, 0.003, 0.006).moved(z=0.01)
-        parts += [Part("Frame", joined([*posts, *rails]), "body", felt=(box((side, side, tall)),)), Part("Tray", tray, "tray", None)]
+                rails.append(
+                    block((side - 2 * bar + 0.002, bar * 0.8, bar), 0.002).moved(
+                        y=s * (side - bar) / 2, z=z
+                    )
+                )
+                rails.append(
+                    block((bar * 0.8, side - 2 * bar + 0.002, bar), 0.002).moved(
+                        x=s * (side - bar) / 2, z=z
+                    )
+                )
+        tray = _tub(side - 2 * bar + 0.004, side - 2 * bar + 0.004, 0.03, 0.003, 0.006).moved(
+            z=0.01
+        )
+        parts += [
+            Part("Frame", joined([*posts, *rails]), "body", felt=(box((side, side, tall)),)),
+            Part("Tray", tray, "tray", None),
+        ]
     else:
         profile = {
             "cylinder": [(0.0, 0.0), (r - 0.006, 0.0), (r, 0.008), (r, tall)],
@@ -238,14 +340,31 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
         body = cup(profile, 0.007, 0.02, 40)
         parts.append(Part("Body", body, "body", felt=(cylinder(r, tall),)))
         if kind == "cylinder":
-            bands = [hollow([(r + 0.0015, z), (r + 0.0015, z + 0.012)], 0.004, 40) for z in (tall - 0.03, 0.03)]
+            bands = [
+                hollow([(r + 0.0015, z), (r + 0.0015, z + 0.012)], 0.004, 40)
+                for z in (tall - 0.03, 0.03)
+            ]
             parts.append(Part("Bands", joined(bands), "tray", None))
     reach = r * 0.42
-    for name, slot, lean, turn, crook, share in (("Dark", "cloth_a", 5.0, 20.0, True, 1.0), ("Light", "cloth_b", -6.0, 130.0, False, 0.94)):
+    for name, slot, lean, turn, crook, share in (
+        ("Dark", "cloth_a", 5.0, 20.0, True, 1.0),
+        ("Light", "cloth_b", -6.0, 130.0, False, 0.94),
+    ):
         cloth, shaft, handle = _umbrella((height - 0.022) * share, crook=crook)
         at = (-math.copysign(reach, lean) * 0.7, 0.0, 0.022)
-        for part, solid, wear in (("Umbrella", cloth, slot), ("Shaft", shaft, "metal"), ("Handle", handle, "wood")):
-            parts.append(Part(f"{part}_{name}", solid.turned("y", lean).moved(*at).turned("z", turn), wear, None))
+        for part, solid, wear in (
+            ("Umbrella", cloth, slot),
+            ("Shaft", shaft, "metal"),
+            ("Handle", handle, "wood"),
+        ):
+            parts.append(
+                Part(
+                    f"{part}_{name}",
+                    solid.turned("y", lean).moved(*at).turned("z", turn),
+                    wear,
+                    None,
+                )
+            )
     return tuple(parts)
 
 
@@ -273,9 +392,25 @@ def open_box(size_m: Size) -> tuple[Part, ...]:
     tub = _tub(length, width - 0.008, height, 0.006, 0.02, 0.008).moved(y=0.004)
     y = -width / 2
     z = height * 0.62
-    strap = tube([[-0.04, y + 0.009, z], [-0.028, y + 0.0035, z - 0.012], [0.028, y + 0.0035, z - 0.012], [0.04, y + 0.009, z]], 0.0035, 7)
-    studs = [cylinder(0.007, 0.005, 0.0015, 14).turned("x", 90).moved(x, y + 0.0095, z) for x in (-0.04, 0.04)]
-    return Part("Tub", tub, "cloth", felt=(box((length, width - 0.01, height)),)), Part("Strap", strap, "grip", None), Part("Studs", joined(studs), "metal", None)
+    strap = tube(
+        [
+            [-0.04, y + 0.009, z],
+            [-0.028, y + 0.0035, z - 0.012],
+            [0.028, y + 0.0035, z - 0.012],
+            [0.04, y + 0.009, z],
+        ],
+        0.0035,
+        7,
+    )
+    studs = [
+        cylinder(0.007, 0.005, 0.0015, 14).turned("x", 90).moved(x, y + 0.0095, z)
+        for x in (-0.04, 0.04)
+    ]
+    return (
+        Part("Tub", tub, "cloth", felt=(box((length, width - 0.01, height)),)),
+        Part("Strap", strap, "grip", None),
+        Part("Studs", joined(studs), "metal", None),
+    )
 
 
 def wooden_box(size_m: Size) -> tuple[Part, ...]:
@@ -283,23 +418,36 @@ def wooden_box(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     t = 0.012
     long = block((length, t, height), 0.0015)
-    hole = np.stack([0.035 * np.cos(a := np.linspace(0, 2 * np.pi, 20, endpoint=False)), 0.011 * np.sin(a)], -1)
+    hole = np.stack(
+        [0.035 * np.cos(a := np.linspace(0, 2 * np.pi, 20, endpoint=False)), 0.011 * np.sin(a)], -1
+    )
     half = (width - 2 * t) / 2
-    outline = np.array([[-half, 0.0], [half, 0.0], [half, height - 0.0015], [-half, height - 0.0015]])
+    outline = np.array(
+        [[-half, 0.0], [half, 0.0], [half, height - 0.0015], [-half, height - 0.0015]]
+    )
     end = extruded(outline, t, [hole + [0.0, height * 0.74]]).turned("x", 90).turned("z", 90)
     x0 = float(end.bounds_m().mean(axis=0)[0])
     ends = [end.moved(x=s * (length - t) / 2 - x0) for s in (-1, 1)]
     floor = block((length - 2 * t + 0.002, width - 2 * t + 0.002, 0.008), 0.001).moved(z=0.004)
     sides = [long.moved(y=s * (width - t) / 2) for s in (-1, 1)]
     return (
-        Part("Boards", joined([*sides, *ends, floor]), "wood", felt=(box((length, width, height)),)),
+        Part(
+            "Boards", joined([*sides, *ends, floor]), "wood", felt=(box((length, width, height)),)
+        ),
     )
 
 
 def woven_box(size_m: Size) -> tuple[Part, ...]:
     """A rectangular woven tray with round corners."""
     length, width, height = size_m
-    round_ = woven_skin([(0.47, 0.0), (0.5, height * 0.5), (0.49, height - 0.006)], 0.03, 0.012, strands=48, rows=7, depth_m=0.012)
+    round_ = woven_skin(
+        [(0.47, 0.0), (0.5, height * 0.5), (0.49, height - 0.006)],
+        0.03,
+        0.012,
+        strands=48,
+        rows=7,
+        depth_m=0.012,
+    )
     points = round_.points_m.copy()
     # A circle drawn out to a squircle, then to the box.
     flat = points[:, :2]
@@ -317,15 +465,45 @@ def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
     return {name: {**base, **way} for name, way in ways.items()}
 
 
-_WOVEN = _looks(seagrass={"weave": "seagrass"}, rattan={}, dark={"weave": "dark_rattan"}, white={"weave": "white_rattan"})
-_ROPE = _looks(rope={"weave": "rope", "cloth": "grey_cloth"}, grey={"weave": "felt_grey"}, rust={"weave": "rope", "cloth": "rust_cloth"})
-_WIRE = _looks(black_metal={"weave": "black_metal", "grip": "oak"}, brass={"weave": "antique_brass", "grip": "walnut"})
-_SLATS = _looks(oak={"weave": "oak"}, bamboo={"weave": "bamboo_wood"}, walnut={"weave": "walnut", "cloth": "linen"})
-_BIN = _looks(steel={}, black={"metal": "black"}, white={"metal": "white", "plastic": "light_grey"}, sage={"metal": "sage"})
-_WOODEN = _looks(oak={}, walnut={"wood": "walnut"}, bamboo={"wood": "bamboo_wood"}, black_stain={"wood": "black_stain"})
+_WOVEN = _looks(
+    seagrass={"weave": "seagrass"},
+    rattan={},
+    dark={"weave": "dark_rattan"},
+    white={"weave": "white_rattan"},
+)
+_ROPE = _looks(
+    rope={"weave": "rope", "cloth": "grey_cloth"},
+    grey={"weave": "felt_grey"},
+    rust={"weave": "rope", "cloth": "rust_cloth"},
+)
+_WIRE = _looks(
+    black_metal={"weave": "black_metal", "grip": "oak"},
+    brass={"weave": "antique_brass", "grip": "walnut"},
+)
+_SLATS = _looks(
+    oak={"weave": "oak"},
+    bamboo={"weave": "bamboo_wood"},
+    walnut={"weave": "walnut", "cloth": "linen"},
+)
+_BIN = _looks(
+    steel={},
+    black={"metal": "black"},
+    white={"metal": "white", "plastic": "light_grey"},
+    sage={"metal": "sage"},
+)
+_WOODEN = _looks(
+    oak={},
+    walnut={"wood": "walnut"},
+    bamboo={"wood": "bamboo_wood"},
+    black_stain={"wood": "black_stain"},
+)
 _STAND = _looks(black_metal={}, brass={"body": "antique_brass", "tray": "antique_brass", "cloth_a": "coat_olive"},
                 white={"body": "white", "tray": "oak", "cloth_a": "charcoal_cloth", "cloth_b": "mustard_cloth"})  # fmt: skip
-_POT = _looks(indigo={"body": "indigo_glaze"}, white={"body": "stoneware", "cloth_a": "coat_olive"}, black={"body": "dark_stoneware"})
+_POT = _looks(
+    indigo={"body": "indigo_glaze"},
+    white={"body": "stoneware", "cloth_a": "coat_olive"},
+    black={"body": "dark_stoneware"},
+)
 _CLOTH = _looks(linen={"cloth": "canvas_cloth", "metal": "antique_brass"}, grey={"cloth": "felt_grey"},
                 green={"cloth": "green_cloth", "metal": "antique_brass"}, charcoal={"cloth": "felt_dark"})  # fmt: skip
 _KRAFT = _looks(kraft={"cloth": "kraft", "metal": "black_metal"}, black={"cloth": "black", "metal": "antique_brass"},
@@ -334,7 +512,9 @@ _KRAFT = _looks(kraft={"cloth": "kraft", "metal": "black_metal"}, black={"cloth"
 _MSJ = (MODERN, SCANDINAVIAN, JAPANESE)
 
 
-def _design(name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()) -> Design:
+def _design(
+    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
+) -> Design:
     return Design(name, category, size_m, draw, looks, DRY, styles)
 
 

@@ -17,6 +17,19 @@ from chord_usd.assets.dressing import (
     wall_lamps,
 )
 
-_MODULES = (ceiling_lamps, pendants, mirrors, shelves, pictures, plants, wall_fittings, books, standing_lamps, wall_lamps, containers, ornaments)
+_MODULES = (
+    ceiling_lamps,
+    pendants,
+    mirrors,
+    shelves,
+    pictures,
+    plants,
+    wall_fittings,
+    books,
+    standing_lamps,
+    wall_lamps,
+    containers,
+    ornaments,
+)
 
 DESIGNS = tuple(design for module in _MODULES for design in module.DESIGNS)

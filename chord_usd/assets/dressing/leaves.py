@@ -192,7 +192,9 @@ def _fluted(body: Solid, radius_m: float) -> Solid:
     flat = np.hypot(points[:, 0], points[:, 1])
     angle = np.arctan2(points[:, 1], points[:, 0])
     outside = flat > 0.7 * radius_m
-    points[:, :2] *= np.where(outside, 1.0 - 0.03 * (np.round(angle * 20 / math.pi) % 2), 1.0)[:, None]
+    points[:, :2] *= np.where(outside, 1.0 - 0.03 * (np.round(angle * 20 / math.pi) % 2), 1.0)[
+        :, None
+    ]
     return Solid(frozen_array(points), body.faces)
 
 
@@ -257,11 +259,15 @@ def woven_skin(
                                    np.full(strands, z)], -1))  # fmt: skip
     rim = np.interp(heights[-1], heights, radii)
     for radius, z in ((rim, heights[-1] - 0.004), (rim - thick_m, heights[-1] - 0.004)):
-        rings.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1))
+        rings.append(
+            np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1)
+        )
     for share in (0.66, 0.33, 0.0):
         z = floor_m + share * (heights[-1] - floor_m)
         radius = np.interp(z, heights, radii) - thick_m - depth_m
-        rings.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1))
+        rings.append(
+            np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1)
+        )
     rings.append(np.zeros((strands, 3)) + [0, 0, floor_m])
     return outward(loft(rings))
 

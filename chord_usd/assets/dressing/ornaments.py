@@ -23,7 +23,18 @@ from chord_usd.assets.dressing.forms import (
     outward,
     rng_of,
 )
-from chord_usd.assets.dressing.leaves import HEART, LANCE, OVAL, bow, foliage, grown, leaf, pot, tapered, turned
+from chord_usd.assets.dressing.leaves import (
+    HEART,
+    LANCE,
+    OVAL,
+    bow,
+    foliage,
+    grown,
+    leaf,
+    pot,
+    tapered,
+    turned,
+)
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import (
     Size,
@@ -43,18 +54,56 @@ Draw = Callable[[Size], tuple[Part, ...]]
 
 _FORMS: dict[str, list[tuple[float, float]]] = {
     # (share of the radius, share of the height), foot to rim
-    "bottle": [(0.0, 0.0), (0.62, 0.0), (0.9, 0.1), (1.0, 0.3), (0.86, 0.52), (0.36, 0.68), (0.28, 0.86), (0.36, 1.0)],
-    "ball": [(0.0, 0.0), (0.5, 0.0), (0.92, 0.22), (1.0, 0.5), (0.82, 0.78), (0.42, 0.92), (0.4, 1.0)],
+    "bottle": [
+        (0.0, 0.0),
+        (0.62, 0.0),
+        (0.9, 0.1),
+        (1.0, 0.3),
+        (0.86, 0.52),
+        (0.36, 0.68),
+        (0.28, 0.86),
+        (0.36, 1.0),
+    ],
+    "ball": [
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (0.92, 0.22),
+        (1.0, 0.5),
+        (0.82, 0.78),
+        (0.42, 0.92),
+        (0.4, 1.0),
+    ],
     "cone": [(0.0, 0.0), (0.5, 0.0), (0.56, 0.04), (1.0, 1.0)],
-    "urn": [(0.0, 0.0), (0.6, 0.0), (0.52, 0.05), (0.3, 0.12), (0.34, 0.18), (0.9, 0.46), (1.0, 0.7), (0.7, 0.88), (0.82, 1.0)],
+    "urn": [
+        (0.0, 0.0),
+        (0.6, 0.0),
+        (0.52, 0.05),
+        (0.3, 0.12),
+        (0.34, 0.18),
+        (0.9, 0.46),
+        (1.0, 0.7),
+        (0.7, 0.88),
+        (0.82, 1.0),
+    ],
     "cylinder": [(0.0, 0.0), (0.94, 0.0), (1.0, 0.03), (1.0, 1.0)],
-    "tear": [(0.0, 0.0), (0.6, 0.0), (0.96, 0.14), (1.0, 0.28), (0.6, 0.58), (0.3, 0.8), (0.26, 0.94), (0.36, 1.0)],
+    "tear": [
+        (0.0, 0.0),
+        (0.6, 0.0),
+        (0.96, 0.14),
+        (1.0, 0.28),
+        (0.6, 0.58),
+        (0.3, 0.8),
+        (0.26, 0.94),
+        (0.36, 1.0),
+    ],
     "ring": [],
 }
 _SMOOTH = ("bottle", "ball", "urn", "tear")
 
 
-def _body(form: str, radius_m: float, height_m: float, thick_m: float = 0.005, sides: int = 26) -> Solid:
+def _body(
+    form: str, radius_m: float, height_m: float, thick_m: float = 0.005, sides: int = 26
+) -> Solid:
     profile = [(r * radius_m, z * height_m) for r, z in _FORMS[form]]
     if form in _SMOOTH:
         profile = [profile[0], *rounded_profile(profile[1:], 1)]
@@ -94,56 +143,133 @@ def ring_vase(size_m: Size) -> tuple[Part, ...]:
     rings = []
     for a in turn:
         r = outer - bar + bar * np.cos(section)
-        rings.append(np.stack([r * math.cos(a), width / 2 * np.sin(section), outer + r * math.sin(a)], -1))
+        rings.append(
+            np.stack([r * math.cos(a), width / 2 * np.sin(section), outer + r * math.sin(a)], -1)
+        )
     hoop = lofted(rings, loop=True)
-    spout = cup([(0.0, 0.0), (bar * 0.6, 0.0), (bar * 0.5, neck * 0.6), (bar * 0.66, neck + 0.014)], 0.004, neck * 0.5, 20)
-    return (Part("Vase", joined([hoop, spout.moved(z=2 * outer - 0.014)]).scaled(length / (2 * outer), 1, 1), "pot"),)
+    spout = cup(
+        [(0.0, 0.0), (bar * 0.6, 0.0), (bar * 0.5, neck * 0.6), (bar * 0.66, neck + 0.014)],
+        0.004,
+        neck * 0.5,
+        20,
+    )
+    return (
+        Part(
+            "Vase",
+            joined([hoop, spout.moved(z=2 * outer - 0.014)]).scaled(length / (2 * outer), 1, 1),
+            "pot",
+        ),
+    )
 
 
-def _tulips(top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator) -> list:
+def _tulips(
+    top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator
+) -> list:
     stems, heads, grids = [], [], []
     for index in range(count):
         yaw = 137.5 * index
         share = math.sqrt((index + 0.3) / count)
-        path = bow((0.0, 0.0, top[2] - 0.06), yaw, spread * share * 0.8, (rise * (0.92 - 0.3 * share)) + 0.06, 0.06)
+        path = bow(
+            (0.0, 0.0, top[2] - 0.06),
+            yaw,
+            spread * share * 0.8,
+            (rise * (0.92 - 0.3 * share)) + 0.06,
+            0.06,
+        )
         stems.append(tapered(path, 0.0034, 0.003, 6))
-        profile = [(0.003, 0.0), (0.016, 0.008), (0.021, 0.024), (0.018, 0.044), (0.009, 0.054), (0.0, 0.05)]
+        profile = [
+            (0.003, 0.0),
+            (0.016, 0.008),
+            (0.021, 0.024),
+            (0.018, 0.044),
+            (0.009, 0.054),
+            (0.0, 0.05),
+        ]
         head = outward(lathe(profile, 12))
         points = head.points_m.copy()
         angle = np.arctan2(points[:, 1], points[:, 0])
         points[:, :2] *= (1 + 0.14 * np.cos(3 * angle))[:, None]
         tilt = 8 + 26 * share
-        heads.append(Solid(points, head.faces).turned("y", tilt).turned("z", yaw).moved(*map(float, path[-1] - [0, 0, 0.004])))
+        heads.append(
+            Solid(points, head.faces)
+            .turned("y", tilt)
+            .turned("z", yaw)
+            .moved(*map(float, path[-1] - [0, 0, 0.004]))
+        )
         for side in (0, 1):
             at = path[2 + side]
-            grid = leaf(float(rng.uniform(0.11, 0.16)), 0.03, LANCE, pitch_deg=74, droop_deg=float(rng.uniform(30, 80)), fold=0.35, rows=6)
+            grid = leaf(
+                float(rng.uniform(0.11, 0.16)),
+                0.03,
+                LANCE,
+                pitch_deg=74,
+                droop_deg=float(rng.uniform(30, 80)),
+                fold=0.35,
+                rows=6,
+            )
             grids.append(turned(grid, yaw + 120 + 140 * side, at))
-    return [("Stems", joined(stems), "stem", False), ("Heads", joined(heads), "flower", False), ("Leaves", foliage(grids), "leaf", True)]
+    return [
+        ("Stems", joined(stems), "stem", False),
+        ("Heads", joined(heads), "flower", False),
+        ("Leaves", foliage(grids), "leaf", True),
+    ]
 
 
-def _pampas(top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator) -> list:
+def _pampas(
+    top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator
+) -> list:
     stems, plumes = [], []
     for index in range(count):
         yaw = 137.5 * index
         share = math.sqrt((index + 0.3) / count)
-        path = bow((0.0, 0.0, top[2] - 0.06), yaw, spread * share, rise * (0.97 - 0.22 * share) + 0.06, 0.0, 8)
+        path = bow(
+            (0.0, 0.0, top[2] - 0.06),
+            yaw,
+            spread * share,
+            rise * (0.97 - 0.22 * share) + 0.06,
+            0.0,
+            8,
+        )
         stems.append(tapered(path, 0.0022, 0.001, 5))
         for step in range(26):
             t = 0.52 + 0.48 * step / 25
             low = min(int(t * 8), 7)
             at = path[low] + (t * 8 - low) * (path[low + 1] - path[low])
             long = 0.085 * math.sin(math.pi * (0.12 + 0.82 * (t - 0.52) / 0.48)) + 0.012
-            grid = leaf(long, 0.009, (0.5, 1.0, 0.6, 0.0), pitch_deg=float(rng.uniform(52, 72)), droop_deg=float(rng.uniform(30, 90)), rows=4, columns=2)
+            grid = leaf(
+                long,
+                0.009,
+                (0.5, 1.0, 0.6, 0.0),
+                pitch_deg=float(rng.uniform(52, 72)),
+                droop_deg=float(rng.uniform(30, 90)),
+                rows=4,
+                columns=2,
+            )
             plumes.append(turned(grid, 137.5 * step + yaw, at))
     return [("Stems", joined(stems), "twig", False), ("Plumes", foliage(plumes), "plume", True)]
 
 
-def _boughs(top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator, *, bloom: bool = False) -> list:
+def _boughs(
+    top: FloatArray,
+    rise: float,
+    spread: float,
+    count: int,
+    rng: np.random.Generator,
+    *,
+    bloom: bool = False,
+) -> list:
     wood, grids, buds = [], [], []
     for index in range(count):
         yaw = 137.5 * index + 20
         share = (index + 0.5) / count
-        path = bow((0.0, 0.0, top[2] - 0.06), yaw, spread * (0.35 + 0.65 * share), rise * (0.98 - 0.4 * share) + 0.06, 0.05, 9)
+        path = bow(
+            (0.0, 0.0, top[2] - 0.06),
+            yaw,
+            spread * (0.35 + 0.65 * share),
+            rise * (0.98 - 0.4 * share) + 0.06,
+            0.05,
+            9,
+        )
         path[2:-1] += 0.007 * rng.standard_normal((len(path) - 3, 3))
         wood.append(tapered(path, 0.0034, 0.0012, 5))
         for step in range(3, 10):
@@ -151,11 +277,33 @@ def _boughs(top: FloatArray, rise: float, spread: float, count: int, rng: np.ran
             for side in (-1, 1):
                 if bloom:
                     for petal in range(5):
-                        grid = leaf(0.014, 0.013, (0.4, 1.0, 0.8, 0.2), pitch_deg=35, droop_deg=10, rows=3, columns=2)
-                        buds.append(turned(grid, 72.0 * petal + 30 * step, at + [0.008 * side, 0.006 * side, 0.002]))
+                        grid = leaf(
+                            0.014,
+                            0.013,
+                            (0.4, 1.0, 0.8, 0.2),
+                            pitch_deg=35,
+                            droop_deg=10,
+                            rows=3,
+                            columns=2,
+                        )
+                        buds.append(
+                            turned(
+                                grid,
+                                72.0 * petal + 30 * step,
+                                at + [0.008 * side, 0.006 * side, 0.002],
+                            )
+                        )
                 else:
                     long = float(rng.uniform(0.035, 0.05))
-                    grid = leaf(long, long * 0.72, OVAL, pitch_deg=float(rng.uniform(5, 50)), droop_deg=30, rows=4, columns=3)
+                    grid = leaf(
+                        long,
+                        long * 0.72,
+                        OVAL,
+                        pitch_deg=float(rng.uniform(5, 50)),
+                        droop_deg=30,
+                        rows=4,
+                        columns=3,
+                    )
                     grids.append(turned(grid, yaw + side * 75 + float(rng.uniform(-20, 20)), at))
     named = [("Twigs", joined(wood), "twig", False)]
     if grids:
@@ -165,10 +313,23 @@ def _boughs(top: FloatArray, rise: float, spread: float, count: int, rng: np.ran
     return named
 
 
-_STEMS: dict[str, Callable] = {"tulips": _tulips, "pampas": _pampas, "boughs": _boughs, "blossom": partial(_boughs, bloom=True)}
+_STEMS: dict[str, Callable] = {
+    "tulips": _tulips,
+    "pampas": _pampas,
+    "boughs": _boughs,
+    "blossom": partial(_boughs, bloom=True),
+}
 
 
-def filled_vase(size_m: Size, *, form: str, stems: str, count: int, vase_share: float = 0.45, radius_share: float = 0.5) -> tuple[Part, ...]:
+def filled_vase(
+    size_m: Size,
+    *,
+    form: str,
+    stems: str,
+    count: int,
+    vase_share: float = 0.45,
+    radius_share: float = 0.5,
+) -> tuple[Part, ...]:
     """A vase with flowers, grass or twigs in it."""
     length, width, height = size_m
     tall = height * vase_share
@@ -188,7 +349,9 @@ def knot(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     foot = height * 0.14
     t = np.linspace(0, 2 * math.pi, 61)[:-1]
-    path = np.stack([np.sin(t) + 2 * np.sin(2 * t), 0.9 * -np.sin(3 * t), np.cos(t) - 2 * np.cos(2 * t)], -1)
+    path = np.stack(
+        [np.sin(t) + 2 * np.sin(2 * t), 0.9 * -np.sin(3 * t), np.cos(t) - 2 * np.cos(2 * t)], -1
+    )
     tangent = np.roll(path, -1, 0) - np.roll(path, 1, 0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     section = np.linspace(0, 2 * math.pi, 10, endpoint=False)
@@ -201,8 +364,13 @@ def knot(size_m: Size) -> tuple[Part, ...]:
     solid = lofted(rings, loop=True)
     low, high = solid.bounds_m()
     tall = height - foot + 0.006
-    solid = solid.moved(*(-(low + high) / 2)).scaled(*(np.array([length, width, tall]) / (high - low)))
-    return (_stand(length * 0.5, width * 0.8, foot), Part("Knot", solid.moved(z=foot - 0.006 + tall / 2), "body", collider="convexHull"))
+    solid = solid.moved(*(-(low + high) / 2)).scaled(
+        *(np.array([length, width, tall]) / (high - low))
+    )
+    return (
+        _stand(length * 0.5, width * 0.8, foot),
+        Part("Knot", solid.moved(z=foot - 0.006 + tall / 2), "body", collider="convexHull"),
+    )
 
 
 def arch_stack(size_m: Size) -> tuple[Part, ...]:
@@ -214,9 +382,21 @@ def arch_stack(size_m: Size) -> tuple[Part, ...]:
         thick = length * 0.14
         top = height * (1.0 if index == 0 else 0.64)
         turn = np.linspace(0, math.pi, 17)
-        outer = np.concatenate([[[half, 0.0]], np.stack([half * np.cos(turn), top - half + half * np.sin(turn)], -1), [[-half, 0.0]]])
+        outer = np.concatenate(
+            [
+                [[half, 0.0]],
+                np.stack([half * np.cos(turn), top - half + half * np.sin(turn)], -1),
+                [[-half, 0.0]],
+            ]
+        )
         inner_r = half - thick
-        inner = np.concatenate([[[inner_r, 0.0]], np.stack([inner_r * np.cos(turn), top - half + inner_r * np.sin(turn)], -1), [[-inner_r, 0.0]]])
+        inner = np.concatenate(
+            [
+                [[inner_r, 0.0]],
+                np.stack([inner_r * np.cos(turn), top - half + inner_r * np.sin(turn)], -1),
+                [[-inner_r, 0.0]],
+            ]
+        )
         deep = width * (1.0 - 0.12 * index) / 2
         rings = [np.column_stack([loop[:, 0], np.full(len(loop), y), loop[:, 1]]) for loop, y in
                  ((outer, -deep + 0.003), (outer * [0.985, 0.995], -deep), (inner * [1.02, 1.0], -deep), (inner, -deep + 0.003),
@@ -240,14 +420,21 @@ def pebbles(size_m: Size) -> tuple[Part, ...]:
         wide = (1.0, 0.78, 0.6, 0.42)[index]
         stone = ball(0.5, 10, 18)
         points = stone.points_m.copy()
-        points[:, :2] *= 1.0 + 0.08 * np.sin(2 * np.arctan2(points[:, 1], points[:, 0]) + index)[:, None]
+        points[:, :2] *= (
+            1.0 + 0.08 * np.sin(2 * np.arctan2(points[:, 1], points[:, 0]) + index)[:, None]
+        )
         points[:, 2] = np.sign(points[:, 2]) * np.abs(points[:, 2] * 2) ** 0.8 / 2
         solid = Solid(points, stone.faces).scaled(length * wide * 0.93, width * wide * 0.93, tall)
         shift = float(rng.uniform(-0.03, 0.03)) * length * (index > 0)
         stones["body" if index % 2 == 0 else "stone"].append(solid.moved(shift, 0.0, z + tall / 2))
         z += height * share * 0.99
     return (
-        Part("Stones", joined(stones["body"]), "body", felt=(box((length * 0.6, width * 0.6, height)),)),
+        Part(
+            "Stones",
+            joined(stones["body"]),
+            "body",
+            felt=(box((length * 0.6, width * 0.6, height)),),
+        ),
         Part("Stones_Between", joined(stones["stone"]), "stone", None),
     )
 
@@ -267,9 +454,20 @@ def bust(size_m: Size) -> tuple[Part, ...]:
         if 0.4 < z < 0.7:
             nose = np.exp(-(((turn - 1.5 * math.pi) / 0.24) ** 2)) * (0.1 if z == 0.45 else 0.06)
             y = y - nose
-        rings.append(np.stack([x * length, 0.88 * y * width, np.full(sides, foot - 0.004 + z * (height - foot + 0.004))], -1))
+        rings.append(
+            np.stack(
+                [
+                    x * length,
+                    0.88 * y * width,
+                    np.full(sides, foot - 0.004 + z * (height - foot + 0.004)),
+                ],
+                -1,
+            )
+        )
     plinth = rounded_slab((length * 0.62, width * 0.62, foot), 0.004, 0.003, 3)
-    return Part("Plinth", plinth, "stone"), Part("Head", lofted(rings), "body", collider="convexHull")
+    return Part("Plinth", plinth, "stone"), Part(
+        "Head", lofted(rings), "body", collider="convexHull"
+    )
 
 
 def discs(size_m: Size) -> tuple[Part, ...]:
@@ -278,11 +476,21 @@ def discs(size_m: Size) -> tuple[Part, ...]:
     foot = height * 0.1
     r = (height - foot) / 2
     thick = width * 0.3
-    big = cylinder(r * 0.98, thick, 0.004, 40).turned("x", 90).moved(-length / 2 + r * 0.98, thick / 2, foot + r * 0.98 - 0.005)
+    big = (
+        cylinder(r * 0.98, thick, 0.004, 40)
+        .turned("x", 90)
+        .moved(-length / 2 + r * 0.98, thick / 2, foot + r * 0.98 - 0.005)
+    )
     small_r = min(length - 1.55 * r, r * 1.1) * 0.62
     small = hollow([(small_r, 0.0), (small_r, thick * 0.8)], small_r * 0.4, 32).turned("x", 90)
-    small = small.moved(length / 2 - small_r, -width / 2 + thick * 0.8 + 0.003, foot + small_r - 0.005)
-    return _stand(length * 0.8, width, foot), Part("Disc", big, "body", collider="convexHull"), Part("Hoop", small, "accent", None)
+    small = small.moved(
+        length / 2 - small_r, -width / 2 + thick * 0.8 + 0.003, foot + small_r - 0.005
+    )
+    return (
+        _stand(length * 0.8, width, foot),
+        Part("Disc", big, "body", collider="convexHull"),
+        Part("Hoop", small, "accent", None),
+    )
 
 
 def pillars(size_m: Size) -> tuple[Part, ...]:
@@ -294,10 +502,25 @@ def pillars(size_m: Size) -> tuple[Part, ...]:
     candles, wicks = [], []
     for x, y, share in spots:
         tall = (height - 0.024) * share
-        profile = [(r - 0.002, 0.0), (r, 0.003), (r, tall - 0.003), (r - 0.002, tall), (r * 0.7, tall - 0.004), (0.0, tall - 0.006)]
+        profile = [
+            (r - 0.002, 0.0),
+            (r, 0.003),
+            (r, tall - 0.003),
+            (r - 0.002, tall),
+            (r * 0.7, tall - 0.004),
+            (0.0, tall - 0.006),
+        ]
         candles.append(outward(lathe(profile, 24)).moved(x * length, y * width, 0.0115))
-        wicks.append(tube([[0, 0, 0], [0.001, 0, 0.008], [0.003, 0.001, 0.016]], 0.0012, 6).moved(x * length, y * width, tall + 0.004))
-    return Part("Tray", tray, "holder"), Part("Candles", joined(candles), "wax"), Part("Wicks", joined(wicks), "wick", None)
+        wicks.append(
+            tube([[0, 0, 0], [0.001, 0, 0.008], [0.003, 0.001, 0.016]], 0.0012, 6).moved(
+                x * length, y * width, tall + 0.004
+            )
+        )
+    return (
+        Part("Tray", tray, "holder"),
+        Part("Candles", joined(candles), "wax"),
+        Part("Wicks", joined(wicks), "wick", None),
+    )
 
 
 def tapers(size_m: Size) -> tuple[Part, ...]:
@@ -312,10 +535,21 @@ def tapers(size_m: Size) -> tuple[Part, ...]:
         profile = [(0.0, 0.0), (r, 0.0), (r, 0.006), (r * 0.35, 0.016), (0.006, 0.026), (0.006, stem - 0.022), (0.016, stem - 0.012),
                    (0.014, stem), (0.0, stem)]  # fmt: skip
         holders.append(outward(lathe(profile, 28)).moved(at))
-        candles.append(cylinder(0.0105, tall - stem + 0.006, 0.003, 14, top_m=0.008).moved(at, 0.0, stem - 0.006))
+        candles.append(
+            cylinder(0.0105, tall - stem + 0.006, 0.003, 14, top_m=0.008).moved(
+                at, 0.0, stem - 0.006
+            )
+        )
         wicks.append(cylinder(0.001, 0.013, 0.0, 6).moved(at, 0.0, tall - 0.001))
-    felt = tuple(box((width * 0.98, width * 0.98, height * 0.9)).moved(x * (length - width * 0.98)) for x in (-0.5, 0.5))
-    return Part("Holders", joined(holders), "holder", felt=felt), Part("Candles", joined(candles), "wax", None), Part("Wicks", joined(wicks), "wick", None)
+    felt = tuple(
+        box((width * 0.98, width * 0.98, height * 0.9)).moved(x * (length - width * 0.98))
+        for x in (-0.5, 0.5)
+    )
+    return (
+        Part("Holders", joined(holders), "holder", felt=felt),
+        Part("Candles", joined(candles), "wax", None),
+        Part("Wicks", joined(wicks), "wick", None),
+    )
 
 
 def lantern(size_m: Size) -> tuple[Part, ...]:
@@ -323,21 +557,54 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     bar, foot = 0.009, 0.012
     top = height * 0.78
-    posts = [block((bar, bar, top - foot), 0.001).moved(sx * (length / 2 - bar), sy * (width / 2 - bar), foot - 0.001) for sx in (-1, 1) for sy in (-1, 1)]
+    posts = [
+        block((bar, bar, top - foot), 0.001).moved(
+            sx * (length / 2 - bar), sy * (width / 2 - bar), foot - 0.001
+        )
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
     base = block((length, width, foot), 0.002)
     roof = lofted([np.array([[sx * length / 2 * s, sy * width / 2 * s, z] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
                    for s, z in ((1.0, top - 0.012), (1.0, top), (0.34, top + height * 0.1), (0.34, top + height * 0.12))])  # fmt: skip
-    loop = tube([[0.02 * math.cos(a), 0.0, top + height * 0.12 + 0.02 * math.sin(a)] for a in np.linspace(-0.2, math.pi + 0.2, 11)], 0.0025, 6)
+    loop = tube(
+        [
+            [0.02 * math.cos(a), 0.0, top + height * 0.12 + 0.02 * math.sin(a)]
+            for a in np.linspace(-0.2, math.pi + 0.2, 11)
+        ],
+        0.0025,
+        6,
+    )
     scale = (height - top - height * 0.12) / 0.0225
     loop = loop.moved(z=-(top + height * 0.12)).scaled(1.0, 1.0, scale).moved(z=top + height * 0.12)
-    panes = [box((length - 2 * bar, 0.002, top - foot - 0.01)).moved(y=s * (width / 2 - bar), z=foot - 0.001) for s in (-1, 1)]
-    panes += [box((0.002, width - 2 * bar, top - foot - 0.01)).moved(x=s * (length / 2 - bar), z=foot - 0.001) for s in (-1, 1)]
+    panes = [
+        box((length - 2 * bar, 0.002, top - foot - 0.01)).moved(
+            y=s * (width / 2 - bar), z=foot - 0.001
+        )
+        for s in (-1, 1)
+    ]
+    panes += [
+        box((0.002, width - 2 * bar, top - foot - 0.01)).moved(
+            x=s * (length / 2 - bar), z=foot - 0.001
+        )
+        for s in (-1, 1)
+    ]
     wax = cylinder(length * 0.24, height * 0.3, 0.003, 24).moved(z=foot - 0.001)
     return (
-        Part("Frame", joined([base, *posts, roof, loop]), "holder", felt=(box((length, width, height * 0.8)),)),
+        Part(
+            "Frame",
+            joined([base, *posts, roof, loop]),
+            "holder",
+            felt=(box((length, width, height * 0.8)),),
+        ),
         Part("Glass", joined(panes), "glass", None),
         Part("Candle", wax, "wax", None),
-        Part("Wick", cylinder(0.0012, 0.014, 0.0, 6).moved(z=foot + height * 0.3 - 0.002), "wick", None),
+        Part(
+            "Wick",
+            cylinder(0.0012, 0.014, 0.0, 6).moved(z=foot + height * 0.3 - 0.002),
+            "wick",
+            None,
+        ),
     )
 
 
@@ -369,10 +636,18 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
         share = (index + 0.5) / count
         reach = length / 2 * (0.5 + 0.45 * share)
         peak = vessel.soil_m + (height - vessel.soil_m) * (0.9 - 0.65 * share)
-        end = max(0.012, vessel.soil_m * (0.9 - 1.3 * share)) if kind != "fern" else vessel.soil_m * 0.9
+        end = (
+            max(0.012, vessel.soil_m * (0.9 - 1.3 * share))
+            if kind != "fern"
+            else vessel.soil_m * 0.9
+        )
         t = np.linspace(0, 1, 9)
         out = reach * t**0.8
-        z = vessel.soil_m + (peak - vessel.soil_m) * np.sin(math.pi * np.clip(t * 1.25, 0, 1)) + (end - vessel.soil_m) * t**2.4
+        z = (
+            vessel.soil_m
+            + (peak - vessel.soil_m) * np.sin(math.pi * np.clip(t * 1.25, 0, 1))
+            + (end - vessel.soil_m) * t**2.4
+        )
         # Over the rim, not through it.
         z = np.where((out < r * 1.25) & (out > r * 0.6), np.maximum(z, h + 0.008), z)
         z = np.maximum(z, 0.008)
@@ -385,20 +660,47 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
                 for half in (0.0, 0.5):
                     low = min(step, 8)
                     at = path[low - 1] + half * (path[low] - path[low - 1])
-                    pearls.append(ball(0.006, 3, 6).moved(*map(float, at + 0.004 * rng.standard_normal(3) * [1, 1, 0] + [0, 0, 0.004])))
+                    pearls.append(
+                        ball(0.006, 3, 6).moved(
+                            *map(
+                                float,
+                                at + 0.004 * rng.standard_normal(3) * [1, 1, 0] + [0, 0, 0.004],
+                            )
+                        )
+                    )
             continue
         for step in range(1, 9):
             for side in (-1, 1):
                 if kind == "fern":
                     long = 0.045 * math.sin(math.pi * (0.2 + 0.75 * step / 9)) * length / 0.3
-                    grid = leaf(long, long * 0.34, LANCE, pitch_deg=12, droop_deg=40, rows=3, columns=3)
+                    grid = leaf(
+                        long, long * 0.34, LANCE, pitch_deg=12, droop_deg=40, rows=3, columns=3
+                    )
                 elif kind == "ivy":
                     long = float(rng.uniform(0.028, 0.04)) * length / 0.3
-                    grid = leaf(long, long * 1.05, (0.5, 1.0, 0.5, 0.62, 0.3, 0.0), pitch_deg=float(rng.uniform(0, 40)), droop_deg=60, columns=3)
+                    grid = leaf(
+                        long,
+                        long * 1.05,
+                        (0.5, 1.0, 0.5, 0.62, 0.3, 0.0),
+                        pitch_deg=float(rng.uniform(0, 40)),
+                        droop_deg=60,
+                        columns=3,
+                    )
                 else:
                     long = float(rng.uniform(0.045, 0.062)) * length / 0.3
-                    grid = leaf(long, long * 0.8, HEART, pitch_deg=float(rng.uniform(5, 45)), droop_deg=80, columns=3)
-                grids.append(turned(grid, yaw + side * float(rng.uniform(35, 85)), path[step] + [0, 0, 0.003]))
+                    grid = leaf(
+                        long,
+                        long * 0.8,
+                        HEART,
+                        pitch_deg=float(rng.uniform(5, 45)),
+                        droop_deg=80,
+                        columns=3,
+                    )
+                grids.append(
+                    turned(
+                        grid, yaw + side * float(rng.uniform(35, 85)), path[step] + [0, 0, 0.003]
+                    )
+                )
     named = [("Stems", joined(stems), "stem", False)]
     if grids:
         named.append(("Leaves", foliage(grids), "leaf", True))
@@ -424,7 +726,12 @@ def _looks(*pots: tuple[str, str], **more: str) -> dict[str, dict[str, str]]:
     return {name: {**base, **more, "pot": finish} for name, finish in pots}
 
 
-_CERAMIC = (("white", "chalk"), ("stoneware", "stoneware"), ("black", "dark_stoneware"), ("clay", "clay"))
+_CERAMIC = (
+    ("white", "chalk"),
+    ("stoneware", "stoneware"),
+    ("black", "dark_stoneware"),
+    ("clay", "clay"),
+)
 _GLAZED = (("celadon", "celadon"), ("indigo", "indigo_glaze"), ("black", "dark_stoneware"))
 _GLASS = (("clear", "clear_glass"), ("green", "bottle_green"), ("amber", "amber_glass"))
 _FINE = (("white", "ceramic"), ("celadon", "celadon"), ("blue", "indigo_glaze"))
@@ -454,7 +761,9 @@ _JAR = {
 _MS = (MODERN, SCANDINAVIAN)
 
 
-def _design(name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()) -> Design:
+def _design(
+    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
+) -> Design:
     return Design(name, category, size_m, draw, looks, DRY, styles)
 
 

@@ -43,7 +43,9 @@ GOLDEN_DEG = 137.508
 Named = list[tuple[str, "object", str, bool]]
 
 
-def _potted(size_m: Size, kind: PotKind, radius_m: float, height_m: float, draw: Callable) -> tuple[Part, ...]:
+def _potted(
+    size_m: Size, kind: PotKind, radius_m: float, height_m: float, draw: Callable
+) -> tuple[Part, ...]:
     length, width, height = size_m
     vessel = pot(kind, radius_m, height_m)
     named = draw(size_m, vessel)
@@ -71,7 +73,9 @@ def _tree(size_m: Size, vessel, *, outline=FIDDLE, leaves=34, long=0.24, wide=0.
             share = bare + (1.0 - bare) * (index + 0.5) / count
             at = _along(path, share)
             top = (share - bare) / (1 - bare)
-            size = (0.72 + 0.5 * math.sin(math.pi * (0.25 + 0.6 * top))) * float(rng.uniform(0.88, 1.1))
+            size = (0.72 + 0.5 * math.sin(math.pi * (0.25 + 0.6 * top))) * float(
+                rng.uniform(0.88, 1.1)
+            )
             grid = leaf(long * size, wide * size, outline, droop_deg=droop * float(rng.uniform(0.8, 1.25)),
                         pitch_deg=pitch - 22 + 52 * top + float(rng.uniform(-9, 9)), fold=0.2,
                         columns=5 if leaves < 40 else 3)  # fmt: skip
@@ -141,8 +145,14 @@ def _palm(size_m: Size, vessel, *, fronds: int = 13) -> list:
     for index in range(fronds):
         share = (index + 0.5) / fronds
         yaw = GOLDEN_DEG * index + float(rng.uniform(-10, 10))
-        path = bow((0.012 * math.cos(index), 0.012 * math.sin(index), foot - 0.01), yaw,
-                   size_m[0] * (0.2 + 0.34 * share), (height - foot) * (0.98 - 0.46 * share), 0.3, 10)
+        path = bow(
+            (0.012 * math.cos(index), 0.012 * math.sin(index), foot - 0.01),
+            yaw,
+            size_m[0] * (0.2 + 0.34 * share),
+            (height - foot) * (0.98 - 0.46 * share),
+            0.3,
+            10,
+        )
         stalks.append(tapered(path, 0.006, 0.002, 5))
         for step in range(14):
             t = 0.36 + 0.64 * step / 13
@@ -180,7 +190,13 @@ def _olive(size_m: Size, vessel, *, twigs: int = 44, leaves: int = 10, long: flo
             size = float(rng.uniform(0.8, 1.15))
             grid = leaf(long * size, wide * size, outline, pitch_deg=float(rng.uniform(-20, 60)), droop_deg=25,
                         rows=4, columns=2)  # fmt: skip
-            grids.append(turned(grid, math.degrees(yaw) + (step % 2 * 2 - 1) * 62 + float(rng.uniform(-25, 25)), at))
+            grids.append(
+                turned(
+                    grid,
+                    math.degrees(yaw) + (step % 2 * 2 - 1) * 62 + float(rng.uniform(-25, 25)),
+                    at,
+                )
+            )
     return [("Wood", joined(wood), "bark", False), ("Leaves", foliage(grids), "leaf", True)]
 
 
@@ -193,7 +209,11 @@ def _bamboo(size_m: Size, vessel, *, canes: int = 7) -> list:
         yaw = GOLDEN_DEG * cane
         spot = 0.55 * vessel.radius_m * math.sqrt((cane + 0.5) / canes)
         tall = (height - foot) * float(rng.uniform(0.72, 0.97))
-        start = (spot * math.cos(math.radians(yaw)), spot * math.sin(math.radians(yaw)), foot - 0.01)
+        start = (
+            spot * math.cos(math.radians(yaw)),
+            spot * math.sin(math.radians(yaw)),
+            foot - 0.01,
+        )
         path = bow(start, yaw, size_m[0] * 0.2, tall, steps=8)
         wood.append(tapered(path, 0.0085, 0.004, 6))
         for joint in range(3, 9):
@@ -202,7 +222,15 @@ def _bamboo(size_m: Size, vessel, *, canes: int = 7) -> list:
                 turn = yaw + 120 * spray + 47 * joint + float(rng.uniform(-20, 20))
                 for blade in range(4):
                     long = float(rng.uniform(0.11, 0.17))
-                    grid = leaf(long, 0.017, LANCE, pitch_deg=20 + 16 * blade, droop_deg=78, rows=4, columns=2)
+                    grid = leaf(
+                        long,
+                        0.017,
+                        LANCE,
+                        pitch_deg=20 + 16 * blade,
+                        droop_deg=78,
+                        rows=4,
+                        columns=2,
+                    )
                     grid[..., 0] += 0.04 + 0.02 * blade
                     grid[..., 2] += 0.02 * blade
                     grids.append(turned(grid, turn + (blade - 1.5) * 20, at))
@@ -213,12 +241,24 @@ def _cactus(size_m: Size, vessel) -> list:
     """Ribbed columns, one tall, two short."""
     foot, height = vessel.soil_m, size_m[2]
     columns = []
-    for x, y, tall, wide in ((0.0, 0.0, 1.0, 1.0), (0.085, 0.03, 0.56, 0.75), (-0.06, -0.06, 0.34, 0.62)):
+    for x, y, tall, wide in (
+        (0.0, 0.0, 1.0, 1.0),
+        (0.085, 0.03, 0.56, 0.75),
+        (-0.06, -0.06, 0.34, 0.62),
+    ):
         ribs, sides = 9, 36
         turn = np.linspace(0, 2 * math.pi, sides, endpoint=False)
         rings = []
         top = (height - foot) * tall
-        for share, swell in ((0.0, 0.8), (0.2, 0.96), (0.6, 1.0), (0.84, 0.92), (0.94, 0.68), (0.985, 0.34), (1.0, 0.0)):
+        for share, swell in (
+            (0.0, 0.8),
+            (0.2, 0.96),
+            (0.6, 1.0),
+            (0.84, 0.92),
+            (0.94, 0.68),
+            (0.985, 0.34),
+            (1.0, 0.0),
+        ):
             radius = 0.062 * wide * swell * (1.0 + 0.13 * np.cos(ribs * turn))
             rings.append(np.stack([x + radius * np.cos(turn), y + radius * np.sin(turn),
                                    np.full(sides, foot - 0.01 + top * share)], -1))  # fmt: skip
@@ -236,11 +276,23 @@ def _looks(leaf_: str, *pots: tuple[str, str, str], stem: str = "green_stem",
     }  # fmt: skip
 
 
-_CERAMIC = (("white", "stoneware", "oak"), ("black", "dark_stoneware", "walnut"), ("sage", "celadon", "oak"))
-_CLAY = (("clay", "clay", "oak"), ("white", "chalk", "oak"), ("concrete", "raw_concrete", "black_metal"))
+_CERAMIC = (
+    ("white", "stoneware", "oak"),
+    ("black", "dark_stoneware", "walnut"),
+    ("sage", "celadon", "oak"),
+)
+_CLAY = (
+    ("clay", "clay", "oak"),
+    ("white", "chalk", "oak"),
+    ("concrete", "raw_concrete", "black_metal"),
+)
 _GLAZE = (("celadon", "celadon", "bamboo_wood"), ("indigo", "indigo_glaze", "bamboo_wood"),
           ("black", "dark_stoneware", "black_stain"))  # fmt: skip
-_WOVEN = (("seagrass", "clay", "seagrass"), ("rattan", "clay", "rattan"), ("dark", "clay", "dark_rattan"))
+_WOVEN = (
+    ("seagrass", "clay", "seagrass"),
+    ("rattan", "clay", "rattan"),
+    ("dark", "clay", "dark_rattan"),
+)
 
 _ALL = ()
 _MS, _SJ = (MODERN, SCANDINAVIAN), (SCANDINAVIAN, JAPANESE)
@@ -252,9 +304,22 @@ def _design(name: str, size_m: Size, draw: Callable, kind: PotKind, radius_m: fl
     return Design(name, "floor_plant", size_m, made, looks, DRY, styles)
 
 
-_RUBBER = partial(_tree, outline=OVAL, leaves=42, long=0.2, wide=0.1, stems=3, bare=0.2, seed="rubber")
-_STRELITZIA = partial(monstera, leaves=11, slits=0, outline=PADDLE, long=0.56, wide=0.27, pitch=74.0, seed="strelitzia")
-_FICUS = partial(_olive, twigs=60, leaves=10, long=0.075, wide=0.045, outline=OVAL, crown=0.4, seed="ficus")
+_RUBBER = partial(
+    _tree, outline=OVAL, leaves=42, long=0.2, wide=0.1, stems=3, bare=0.2, seed="rubber"
+)
+_STRELITZIA = partial(
+    monstera,
+    leaves=11,
+    slits=0,
+    outline=PADDLE,
+    long=0.56,
+    wide=0.27,
+    pitch=74.0,
+    seed="strelitzia",
+)
+_FICUS = partial(
+    _olive, twigs=60, leaves=10, long=0.075, wide=0.045, outline=OVAL, crown=0.4, seed="ficus"
+)
 
 DESIGNS = (
     _design("Plant_Fiddle_Leaf", (0.7, 0.7, 1.6), partial(_tree, seed="fiddle"), "basket", 0.19, 0.32,

@@ -42,7 +42,9 @@ def bulb(radius_m: float = 0.03) -> Solid:
 
 def _disc_foot(radius_m: float) -> Solid:
     r = radius_m
-    return lathe([(r, 0.0), (r, 0.014), (r - 0.006, 0.02), (0.03, 0.026), (0.012, 0.034), (0.0105, 0.05)], 36)
+    return lathe(
+        [(r, 0.0), (r, 0.014), (r - 0.006, 0.02), (0.03, 0.026), (0.012, 0.034), (0.0105, 0.05)], 36
+    )
 
 
 def _felt(foot: Solid, height_m: float) -> tuple[Solid, ...]:
@@ -111,8 +113,14 @@ def tripod(size_m: Size) -> tuple[Part, ...]:
         legs.append(Solid(points, leg.faces))
         for share in (0.15, 0.5, 0.85):
             at = foot + share * (head - foot)
-            felt.append(box((0.05, 0.05, 0.3 * low)).moved(float(at[0]), float(at[1]), max(share - 0.15, 0.0) * low))
-    hub = lathe([(0.03, 0.0), (0.045, 0.008), (0.045, 0.04), (0.02, 0.05), (0.01, 0.07), (0.01, 0.16)], 24)
+            felt.append(
+                box((0.05, 0.05, 0.3 * low)).moved(
+                    float(at[0]), float(at[1]), max(share - 0.15, 0.0) * low
+                )
+            )
+    hub = lathe(
+        [(0.03, 0.0), (0.045, 0.008), (0.045, 0.04), (0.02, 0.05), (0.01, 0.07), (0.01, 0.16)], 24
+    )
     return (
         Part("Legs", joined(legs), "wood", felt=tuple(felt)),
         Part("Hub", hub.moved(z=low - 0.055), "metal", None),
@@ -157,14 +165,23 @@ def reader(size_m: Size) -> tuple[Part, ...]:
             *(tube([(waist + [0, s * 0.014, 0]).tolist(), (elbow + [0, s * 0.014, 0]).tolist()], 0.005, 8) for s in (-1, 1)),
             *(tube([(elbow + [0, s * 0.014, 0]).tolist(), (hand + [0, s * 0.014, 0]).tolist()], 0.005, 8) for s in (-1, 1))]  # fmt: skip
     knuckle = cylinder(0.018, 0.044, 0.003, 18).moved(z=-0.022).turned("x", 90)
-    joints = [knuckle.moved(*map(float, spot)) for spot in (waist, elbow - [0, 0, 0.018 - 0.02], hand)]
+    joints = [
+        knuckle.moved(*map(float, spot)) for spot in (waist, elbow - [0, 0, 0.018 - 0.02], hand)
+    ]
     cone = [(head_r, 0.0), (0.04, 0.13), (0.034, 0.18), (0.02, 0.19)]
     inner = [(head_r - 0.004, -0.002), (0.036, 0.126)]
     tilt = 16.0
     parts = []
     for name, solid, slot in (("Cone", hollow(cone, 0.0025, 32), "metal"), ("Inside", hollow(inner, 0.0012, 32), "lining"),
                               ("Bulb", bulb(0.03).turned("x", 180).moved(z=0.12), "bulb")):  # fmt: skip
-        parts.append(Part(name, solid.moved(z=-0.17).turned("y", tilt).moved(float(hand[0]), 0.0, float(hand[2])), slot, None))
+        parts.append(
+            Part(
+                name,
+                solid.moved(z=-0.17).turned("y", tilt).moved(float(hand[0]), 0.0, float(hand[2])),
+                slot,
+                None,
+            )
+        )
     felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.9)).moved(foot_x))
     return (
         Part("Post", joined([foot, *rods]), "metal", felt=felt),
@@ -178,15 +195,31 @@ def column(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     post = 0.018
     at_x, at_y = (length - post) / 2, (width - post) / 2
-    posts = [block((post, post, height), 0.002).moved(sx * at_x, sy * at_y) for sx in (-1, 1) for sy in (-1, 1)]
+    posts = [
+        block((post, post, height), 0.002).moved(sx * at_x, sy * at_y)
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
     rails = []
     for z in (0.1, 0.36, 0.62, 0.88):
         for s in (-1, 1):
-            rails.append(block((length - 2 * post + 0.002, 0.008, 0.012), 0.001).moved(y=s * at_y, z=z * height))
-            rails.append(block((0.008, width - 2 * post + 0.002, 0.0115), 0.001).moved(x=s * at_x, z=z * height))
+            rails.append(
+                block((length - 2 * post + 0.002, 0.008, 0.012), 0.001).moved(
+                    y=s * at_y, z=z * height
+                )
+            )
+            rails.append(
+                block((0.008, width - 2 * post + 0.002, 0.0115), 0.001).moved(
+                    x=s * at_x, z=z * height
+                )
+            )
     for s in (-1, 1):
-        rails.append(block((0.007, 0.007, 0.78 * height), 0.001).moved(y=s * at_y, z=0.1 * height + 0.002))
-        rails.append(block((0.007, 0.007, 0.78 * height), 0.001).moved(x=s * at_x, z=0.1 * height + 0.002))
+        rails.append(
+            block((0.007, 0.007, 0.78 * height), 0.001).moved(y=s * at_y, z=0.1 * height + 0.002)
+        )
+        rails.append(
+            block((0.007, 0.007, 0.78 * height), 0.001).moved(x=s * at_x, z=0.1 * height + 0.002)
+        )
     walls = [block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(y=s * (at_y - 0.006), z=0.105 * height)
              for s in (-1, 1)]  # fmt: skip
     walls += [block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(x=s * (at_x - 0.006), z=0.105 * height)
@@ -195,7 +228,12 @@ def column(size_m: Size) -> tuple[Part, ...]:
         Part("Frame", joined([*posts, *rails]), "wood"),
         Part("Paper", joined(walls), "paper", None),
         Part("Bulb", bulb(0.04).moved(z=height * 0.45), "bulb", None),
-        Part("Base", block((length - post, width - post, 0.014), 0.002).moved(z=0.1 * height - 0.004), "wood", None),
+        Part(
+            "Base",
+            block((length - post, width - post, 0.014), 0.002).moved(z=0.1 * height - 0.004),
+            "wood",
+            None,
+        ),
     )
 
 
@@ -206,11 +244,20 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
     out = []
     for index in range(2 * ribs + 1):
         share = index / (2 * ribs)
-        swell = radius * (0.62 + 0.38 * math.sin(math.pi * (0.1 + 0.8 * share))) * (1.0 if index % 2 == 0 else 0.96)
+        swell = (
+            radius
+            * (0.62 + 0.38 * math.sin(math.pi * (0.1 + 0.8 * share)))
+            * (1.0 if index % 2 == 0 else 0.96)
+        )
         out.append((swell, low + share * (height - low)))
     peak = max(r for r, _ in out)
     out = [(r * radius / peak, z) for r, z in out]
-    feet = [tube([[out[0][0] * 0.9, 0, 0.004], [out[0][0] * 0.9, 0, low + 0.02]], 0.004, 8).turned("z", a) for a in (30, 150, 270)]
+    feet = [
+        tube([[out[0][0] * 0.9, 0, 0.004], [out[0][0] * 0.9, 0, low + 0.02]], 0.004, 8).turned(
+            "z", a
+        )
+        for a in (30, 150, 270)
+    ]
     ring_ = hollow([(out[0][0] * 0.93, 0.0), (out[0][0] * 0.93, 0.008)], 0.008, 32)
     return (
         Part("Paper", hollow(out, 0.002, 28), "paper", None),
@@ -226,14 +273,21 @@ def globes(size_m: Size) -> tuple[Part, ...]:
     foot = _disc_foot(min(width, length) / 2)
     high = height - r * 0.9
     arm_z, arm_x = height * 0.66, length / 2 - 0.085
-    bend = bent_path([[0, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.05]], 0.07, 5)
+    bend = bent_path(
+        [[0, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.05]], 0.07, 5
+    )
     post = cylinder(0.009, high - r - 0.02, 0.0, 12).moved(z=0.03)
     cups = [lathe([(0.012, 0.0), (0.034, 0.012), (0.036, 0.02)], 20).moved(x, z=z)
             for x, z in ((0.0, high - r - 0.01), (arm_x, arm_z - 0.06))]  # fmt: skip
     balls = [outward(lathe(sphere_profile(radius, steps=14), 28)).moved(x, z=z)
              for radius, x, z in ((r * 0.9, 0.0, high), (0.085, arm_x, arm_z + 0.035))]  # fmt: skip
     return (
-        Part("Post", joined([foot, post, tube(bend, 0.007, 10), *cups]), "metal", felt=_felt(cylinder(width * 0.45, 0.03), high - r)),
+        Part(
+            "Post",
+            joined([foot, post, tube(bend, 0.007, 10), *cups]),
+            "metal",
+            felt=_felt(cylinder(width * 0.45, 0.03), high - r),
+        ),
         Part("Globes", joined(balls), "opal", None),
     )
 
@@ -246,12 +300,16 @@ def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
 
 _CLOTH = _looks(black={"shade": "white_shade", "trim": "white"}, brass={"metal": "brass"},
                 grey={"shade": "grey_shade", "trim": "charcoal_cloth"})  # fmt: skip
-_CLASSIC = _looks(brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"})
+_CLASSIC = _looks(
+    brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"}
+)
 _WOOD = _looks(oak={}, walnut={"wood": "walnut", "metal": "brass"}, black_stain={"wood": "black_stain"},
                bamboo={"wood": "bamboo_wood"})  # fmt: skip
 _METAL = _looks(black={"metal": "black", "trim": "brass"}, brass={"metal": "brass", "trim": "brass"},
                 white={"metal": "white", "trim": "white"})  # fmt: skip
-_RAW = _looks(black_metal={"trim": "antique_brass"}, gunmetal={"metal": "gunmetal", "trim": "copper"})
+_RAW = _looks(
+    black_metal={"trim": "antique_brass"}, gunmetal={"metal": "gunmetal", "trim": "copper"}
+)
 _PAPER = _looks(white={}, black_metal={"paper": "paper_shade", "metal": "gunmetal"})
 
 Draw = Callable[[Size], tuple[Part, ...]]

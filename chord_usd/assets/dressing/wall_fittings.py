@@ -117,7 +117,10 @@ def square_clock(size_m: Size) -> tuple[Part, ...]:
     """A square wooden plate with four marks."""
     length, width, height = size_m
     plate = rounded_slab((length, height, width * 0.6), 0.012, 0.004, 5)
-    marks = [block((0.008, 0.03, 0.0014), 0.0004).moved(y=0.39 * height).turned("z", a) for a in (0, 90, 180, 270)]
+    marks = [
+        block((0.008, 0.03, 0.0014), 0.0004).moved(y=0.39 * height).turned("z", a)
+        for a in (0, 90, 180, 270)
+    ]
     face = width * 0.6
     hands = [_hand(length * 0.24, 0.012, 10.17, face + 0.003), _hand(length * 0.36, 0.008, 2.0, face + 0.006),
              cylinder(0.009, width - face, 0.001, 16).moved(z=face - 0.0003)]  # fmt: skip
@@ -131,7 +134,9 @@ def square_clock(size_m: Size) -> tuple[Part, ...]:
 
 def _pipes(x_m: float, back_y_m: float, z_m: float, valve_z_m: float) -> Solid:
     """A feed from the wall with its rose, and a valve's head."""
-    path = bent_path([[x_m, back_y_m - 0.001, z_m], [x_m, 0.0, z_m], [x_m, 0.0, valve_z_m]], 0.02, 3)
+    path = bent_path(
+        [[x_m, back_y_m - 0.001, z_m], [x_m, 0.0, z_m], [x_m, 0.0, valve_z_m]], 0.02, 3
+    )
     rose = cylinder(0.018, 0.008, 0.002, 16).turned("x", 90).moved(x_m, back_y_m, z_m)
     return tube(path, 0.0075, 8) + rose
 
@@ -153,12 +158,21 @@ def panel_radiator(size_m: Size) -> tuple[Part, ...]:
     count = max(6, round((wide - 0.08) / 0.05))
     step = (wide - 0.06) / count
     rib = block((step * 0.62, 0.007, height - 0.1), 0.003)
-    ribs = [rib.moved(x0 - (wide - 0.06) / 2 + step * (i + 0.5), front_y + 0.0035, 0.05) for i in range(count)]
-    back = box((wide - 0.03, depth - 0.026, height - 0.05)).moved(x0, front_y + 0.016 + (depth - 0.026) / 2, 0.02)
+    ribs = [
+        rib.moved(x0 - (wide - 0.06) / 2 + step * (i + 0.5), front_y + 0.0035, 0.05)
+        for i in range(count)
+    ]
+    back = box((wide - 0.03, depth - 0.026, height - 0.05)).moved(
+        x0, front_y + 0.016 + (depth - 0.026) / 2, 0.02
+    )
     sides = [block((0.006, depth, height - 0.012), 0.002).moved(x0 + s * (wide - 0.006) / 2, front_y + 0.004 + depth / 2, 0.004)
              for s in (-1, 1)]  # fmt: skip
     fins = max(10, round(wide / 0.03))
-    top = [block((wide - 0.008, depth - 0.004, 0.004), 0.001).moved(x0, front_y + 0.004 + depth / 2, height - 0.0125)]
+    top = [
+        block((wide - 0.008, depth - 0.004, 0.004), 0.001).moved(
+            x0, front_y + 0.004 + depth / 2, height - 0.0125
+        )
+    ]
     slot = [box((0.005, depth - 0.03, 0.0025)).moved(x0 - wide / 2 + 0.02 + (wide - 0.04) * (i + 0.5) / fins,
             front_y + 0.004 + depth / 2, height - 0.0085) for i in range(fins)]  # fmt: skip
     frame = [block((wide - 0.014, 0.008, 0.011), 0.002).moved(x0, front_y + 0.0045 + s, height - 0.0115)
@@ -205,11 +219,16 @@ def column_radiator(size_m: Size) -> tuple[Part, ...]:
             rings.append(scaled)
         columns.append(lofted(rings, loop=True))
         columns.append(box((step * 0.66, 2 * r * 0.9, height - 2 * r)).moved(x, -0.015, r))
-    hubs = [tube([[-length / 2 + 0.004, 0.0, z], [length / 2 - 0.052, 0.0, z]], 0.016, 12) for z in (0.05, height - 0.05)]
+    hubs = [
+        tube([[-length / 2 + 0.004, 0.0, z], [length / 2 - 0.052, 0.0, z]], 0.016, 12)
+        for z in (0.05, height - 0.05)
+    ]
     brackets = [cylinder(0.008, width / 2, 0.0, 10).turned("x", -90).moved(s * wide * 0.3, 0.0, height - 0.09)
                 for s in (-1, 1)]  # fmt: skip
     at = length / 2 - 0.04
-    wheel = lathe([(0.005, 0.0), (0.006, 0.016), (0.022, 0.018), (0.022, 0.028), (0.008, 0.032)], 18)
+    wheel = lathe(
+        [(0.005, 0.0), (0.006, 0.016), (0.022, 0.018), (0.022, 0.028), (0.008, 0.032)], 18
+    )
     return (
         Part("Columns", joined(columns), "paint", None),
         Part("Hubs", joined([*hubs, *brackets]), "paint", None),
@@ -226,7 +245,12 @@ def tubular_radiator(size_m: Size) -> tuple[Part, ...]:
     step = height / count
     bars = [rounded_slab((length, 0.016, step * 0.8), 0.004, 0.006, 3).moved(y=-width / 2 + 0.008, z=step * (i + 0.1))
             for i in range(count)]  # fmt: skip
-    posts = [block((0.035, 0.03, height - 0.02), 0.006).moved(s * (length / 2 - 0.08), -width / 2 + 0.03, 0.01) for s in (-1, 1)]
+    posts = [
+        block((0.035, 0.03, height - 0.02), 0.006).moved(
+            s * (length / 2 - 0.08), -width / 2 + 0.03, 0.01
+        )
+        for s in (-1, 1)
+    ]
     stays = [box((0.03, width - 0.04, 0.03)).moved(s * (length / 2 - 0.08), 0.02, z)
              for s in (-1, 1) for z in (0.05, height - 0.09)]  # fmt: skip
     valve = _valve(length / 2 - 0.056, 0.03, -width / 2 + 0.035)
@@ -241,7 +265,9 @@ def switch(size_m: Size, *, rockers: int = 1) -> tuple[Part, ...]:
     """A plate with rockers, a little tilted as they are."""
     length, width, height = size_m
     back = width / 2
-    plate = _upright(rounded_slab((length, height, width * 0.62), 0.006, 0.002, 4), back, height / 2)
+    plate = _upright(
+        rounded_slab((length, height, width * 0.62), 0.006, 0.002, 4), back, height / 2
+    )
     wide = (length - 0.022) / rockers
     keys = []
     for index in range(rockers):
@@ -260,7 +286,9 @@ def toggle(size_m: Size) -> tuple[Part, ...]:
     """A metal plate with two screws and a little lever."""
     length, width, height = size_m
     back = width / 2
-    plate = _upright(rounded_slab((length, height, width * 0.4), 0.004, 0.0015, 3), back, height / 2)
+    plate = _upright(
+        rounded_slab((length, height, width * 0.4), 0.004, 0.0015, 3), back, height / 2
+    )
     collar = lathe([(0.011, 0.0), (0.012, 0.001), (0.009, 0.003)], 20)
     screws = [cylinder(0.0035, 0.0016, 0.0005, 12).moved(y=s * height * 0.36) for s in (-1, 1)]
     lift = back - width * 0.4 + 0.0004
@@ -286,17 +314,32 @@ def socket(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
         rim = np.stack([well * np.cos(turn), well * np.sin(turn)], -1)
         outer = ring(wide - 0.0006, height, 0.006, 0.0, 3)[:, :2]
         collar = ring(0.052, 0.052, 0.008, 0.0, 4)[:, :2]
-        plates += [extruded(outer, width * 0.78, [rim]).moved(x), extruded(collar, width * 0.22 + 0.0004, [rim]).moved(x, z=width * 0.78 - 0.0004)]
+        plates += [
+            extruded(outer, width * 0.78, [rim]).moved(x),
+            extruded(collar, width * 0.22 + 0.0004, [rim]).moved(x, z=width * 0.78 - 0.0004),
+        ]
         cup_ = [(well + 0.001, 0.0), (well + 0.001, width * 0.7), (well - 0.0006, width * 0.7),
                 (well - 0.001, width - deep), (0.0, width - deep)]  # fmt: skip
         wells.append(outward(lathe(cup_, 20)).moved(x))
         for s in (-1, 1):
-            holes.append(cylinder(0.0026, 0.0006, 0.0, 10).moved(x + s * 0.0095, 0.0, width - deep - 0.0002))
-            clips.append(block((0.005, 0.0022, width * 0.4), 0.0004).moved(x, s * (well - 0.0016), width - deep))
+            holes.append(
+                cylinder(0.0026, 0.0006, 0.0, 10).moved(x + s * 0.0095, 0.0, width - deep - 0.0002)
+            )
+            clips.append(
+                block((0.005, 0.0022, width * 0.4), 0.0004).moved(
+                    x, s * (well - 0.0016), width - deep
+                )
+            )
     back = width / 2
-    parts = ((("Plate", plates, "plate")), ("Wells", wells, "plate"), ("Holes", holes, "shadow"), ("Clips", clips, "metal"))
+    parts = (
+        (("Plate", plates, "plate")),
+        ("Wells", wells, "plate"),
+        ("Holes", holes, "shadow"),
+        ("Clips", clips, "metal"),
+    )
     return tuple(
-        Part(name, _upright(joined(solids), back, height / 2), slot, None) for name, solids, slot in parts
+        Part(name, _upright(joined(solids), back, height / 2), slot, None)
+        for name, solids, slot in parts
     )
 
 
@@ -309,7 +352,10 @@ _CLOCK = {
 }  # fmt: skip
 _DARK_CLOCK = {
     name: {"rim": rim, "dial": "black", "mark": mark, "hand": mark}
-    for name, rim, mark in (("black_metal", "black_metal", "antique_brass"), ("rust", "copper", "cream"))
+    for name, rim, mark in (
+        ("black_metal", "black_metal", "antique_brass"),
+        ("rust", "copper", "cream"),
+    )
 }
 _PAINT = {
     name: {"paint": paint, "shadow": "light_grey" if paint == "white" else "graphite",
@@ -334,7 +380,9 @@ _PLATE = {
 _MOST = (MODERN, SCANDINAVIAN, JAPANESE)
 
 
-def _design(name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()) -> Design:
+def _design(
+    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
+) -> Design:
     return Design(name, category, size_m, draw, looks, DRY, styles)
 
 

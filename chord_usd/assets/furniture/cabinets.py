@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
+from chord_usd.assets.dressing.books import bound
+from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.forms import cup, rng_of
 from chord_usd.assets.furniture.joinery import (
     FRONT_M,
     HANDLE_M,
@@ -18,7 +22,16 @@ from chord_usd.assets.furniture.joinery import (
     shifted,
 )
 from chord_usd.assets.model import Part, Style, editions, steps
-from chord_usd.assets.solids import Size, Solid, block, box, joined, mirrored_pair, rounded_slab
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    block,
+    box,
+    joined,
+    mirrored_pair,
+    rounded_profile,
+    rounded_slab,
+)
 
 BOARD_M = 0.022
 
@@ -168,30 +181,73 @@ def bookcase(size_m: Size, *, low: float = 0.5) -> tuple[Part, ...]:
     )
 
 
-_BOOK_SLOTS = ("book_red", "book_blue", "book_pale")
+_BOOK_SLOTS = ("book_red", "book_blue", "book_pale", "book_dark")
 
 
 def _books(bay: float, bays: int, levels: list[float], clear: float, y: float) -> tuple[Part, ...]:
-    """Rows of books of unlike height that fill half of each shelf, left and right in turn."""
+    """What stands in shelves: rows of unlike books, a lying pile, a vase, a box, room to breathe."""
     rows: dict[str, list[Solid]] = {slot: [] for slot in _BOOK_SLOTS}
+    pages: list[Solid] = []
+    things: list[Solid] = []
+    # Large shelves hold relatively less: their triangles are limited.
+    spare = 0.45 if bays * len(levels) > 8 else 0.0
     for shelf, z in enumerate(levels):
         for column in range(bays):
+            rng = rng_of(f"bookcase/{shelf}/{column}/{bay:.3f}")
+            middle = bay * (column - (bays - 1) / 2)
             rightwards = 1.0 if (shelf + column) % 2 == 0 else -1.0
             edge = bay / 2 - 0.03
             x, count = -edge, 0
-            while x < edge * (0.1 if shelf % 3 else 0.75):
-                spell = (7 * shelf + 5 * column + 3 * count) % 11
-                thick, tall = 0.022 + 0.0025 * spell, clear * (0.62 + 0.026 * ((spell * 4) % 11))
-                centre = rightwards * (x + thick / 2) + bay * (column - (bays - 1) / 2)
-                book = box((thick - 0.002, 0.17, tall)).moved(centre, y - 0.02, z + BOARD_M)
-                rows[_BOOK_SLOTS[(spell + count) % 3]].append(book)
+            until = edge * ((-0.3, 0.4, 0.05)[(shelf + 2 * column) % 3] - spare)
+            while x < until:
+                thick = float(rng.choice([0.022, 0.028, 0.035, 0.044]))
+                tall = min(clear * 0.9, float(rng.choice([0.17, 0.19, 0.21, 0.23, 0.25])))
+                deep = min(0.75 * tall, 0.19)
+                cover, leaves = bound(thick - 0.001, deep, tall, 2)
+                at = (
+                    middle + rightwards * (x + thick / 2),
+                    y - 0.02 - (0.17 - deep) / 2,
+                    z + BOARD_M,
+                )
+                slot = _BOOK_SLOTS[int(rng.integers(4))]
+                rows[slot].append(cover.moved(*at))
+                pages.append(leaves.moved(*at))
                 x, count = x + thick, count + 1
-    names = ("Books_Red", "Books_Blue", "Books_Pale")
-    return tuple(
+            spot = middle + rightwards * (x + edge) / 2
+            if edge - x > 0.22:
+                things.append(_thing(shelf + column, clear).moved(spot, y - 0.03, z + BOARD_M))
+    names = ("Books_Red", "Books_Blue", "Books_Pale", "Books_Dark")
+    parts = [
         Part(name, joined(rows[slot]), slot, collider=None)
         for name, slot in zip(names, _BOOK_SLOTS, strict=True)
         if rows[slot]
-    )
+    ]
+    parts.append(Part("Pages", joined(pages), "page", collider=None))
+    if things:
+        parts.append(Part("Things", joined(things), "thing", collider=None))
+    return tuple(parts)
+
+
+def _thing(number: int, clear: float) -> Solid:
+    """A vase, a bowl or a covered box, between books."""
+    if number % 3 == 0:
+        profile = [
+            (0.0, 0.0),
+            (0.035, 0.0),
+            (0.06, 0.05),
+            (0.062, 0.09),
+            (0.024, 0.15),
+            (0.02, 0.18),
+            (0.026, 0.19),
+        ]
+        vase = cup([profile[0], *rounded_profile(profile[1:], 1)], 0.004, 0.12, 14)
+        return vase.scaled(*(min(1.0, clear / 0.26),) * 3)
+    if number % 3 == 1:
+        return cup(
+            [(0.0, 0.0), (0.03, 0.0), (0.034, 0.006), (0.07, 0.03), (0.09, 0.065)], 0.004, 0.01, 16
+        )
+    lid = block((0.17, 0.15, 0.03), 0.003).moved(z=0.07)
+    return block((0.164, 0.144, 0.075), 0.003) + lid
 
 
 ShoeKind = Literal["flaps", "louvres", "bench"]
@@ -275,9 +331,10 @@ def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
 def _look(body: str, fronts: str, handle: str, **more: str) -> dict[str, str]:
     base = {
         "body": body, "front": fronts, "top": body, "plinth": "graphite", "leg": body,
-        "handle": handle, "glass": "smoked_glass", "back": body, "plate": "ceramic",
+        "handle": handle, "glass": "smoked_glass", "pane": "glass", "back": body, "plate": "ceramic",
         "cushion": "beige_cloth", "tv": "plastic_black", "screen": "screen",
-        "book_red": "red_cover", "book_blue": "blue_cover", "book_pale": "paper",
+        "book_red": "book_clay", "book_blue": "book_slate", "book_pale": "book_sand",
+        "book_dark": "book_ink", "page": "paper", "thing": "stoneware",
     }  # fmt: skip
     return {**base, **more}
 
@@ -305,13 +362,33 @@ _HALL = {
 
 
 _WARDROBES = (
-    Style("Wardrobe_Hinged", wardrobe, _WARDROBE, 2.2),
-    Style("Wardrobe_Framed", partial(wardrobe, framed=True, handle="knob"), FRAMED, 2.15),
+    Style(
+        "Wardrobe_Hinged",
+        wardrobe,
+        _WARDROBE,
+        2.2,
+        ("modern", "scandinavian", "industrial", "japanese"),
+    ),
+    Style(
+        "Wardrobe_Framed",
+        partial(wardrobe, framed=True, handle="knob"),
+        FRAMED,
+        2.15,
+        ("classic", "scandinavian"),
+    ),
 )
-_SLIDING = Style("Wardrobe_Sliding", sliding_wardrobe, _WARDROBE, 2.35)
+_SLIDING = Style(
+    "Wardrobe_Sliding", sliding_wardrobe, _WARDROBE, 2.35, ("modern", "japanese", "industrial")
+)
 _LOW = (
-    Style("Chest", partial(chest, rows=(1.2, 1, 0.8)), LIVING, 0.86),
-    Style("Low_Cabinet", low_cabinet, FRAMED, 0.84),
+    Style(
+        "Chest",
+        partial(chest, rows=(1.2, 1, 0.8)),
+        LIVING,
+        0.86,
+        ("modern", "scandinavian", "industrial", "japanese"),
+    ),
+    Style("Low_Cabinet", low_cabinet, FRAMED, 0.84, ("classic", "scandinavian")),
     Style("Low_Bookcase", partial(bookcase, low=0.34), LIVING, 1.0),
 )
 _BOOKCASE = Style("Bookcase", bookcase, LIVING, 2.05)
@@ -324,7 +401,7 @@ _SHOE_BENCH = Style("Shoe_Cabinet_Bench", partial(shoe_cabinet, kind="bench"), _
 
 # Shallow cabinets are low, so that they may stand under windows; deep ones are wardrobes. Most shoe
 # cabinets are higher than a sill, so there are low ones of every length.
-DESIGNS = (
+_DRAWN = (
     *editions("cabinet", _LOW, steps(0.65, 2.75), (0.41,)),
     *editions("cabinet", (_BOOKCASE,), (0.8, 1.2, 1.6, 2.0), (0.48,)),
     *editions("cabinet", _WARDROBES, steps(0.65, 1.35), (0.55, 0.63)),
@@ -333,3 +410,5 @@ DESIGNS = (
     *editions("shoe_cabinet", (*_SHOES, _SHOE_BENCH), steps(1.25, 1.55), (0.29, 0.38)),
     *editions("shoe_cabinet", (_LOW_SHOES,), steps(0.65, 1.55), (0.34,)),
 )
+
+DESIGNS = tuple(replace(design, finishes=DRY) for design in _DRAWN)

@@ -80,8 +80,15 @@ def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
 
 def _titles(length: float, width: float, thick: float, index: int) -> list[Solid]:
     """Print on a cover, and on the spine to the left of a lying book."""
-    lines = ((0.0, 0.22, 0.5, 0.03), (0.0, 0.14, 0.34, 0.012)) if index % 2 == 0 else ((0.0, 0.0, 0.4, 0.05),)
-    flat = [box((length * wide, width * tall, 0.0004)).moved(length * x, width * y, thick - 0.00035) for x, y, wide, tall in lines]
+    lines = (
+        ((0.0, 0.22, 0.5, 0.03), (0.0, 0.14, 0.34, 0.012))
+        if index % 2 == 0
+        else ((0.0, 0.0, 0.4, 0.05),)
+    )
+    flat = [
+        box((length * wide, width * tall, 0.0004)).moved(length * x, width * y, thick - 0.00035)
+        for x, y, wide, tall in lines
+    ]
     spine = [box((0.0016, width * long, thick * 0.34)).moved(-length / 2 + 0.0006, width * y, thick * 0.33)
              for y, long in ((0.12, 0.3), (-0.32, 0.06))]  # fmt: skip
     return [*flat, *spine]
@@ -123,7 +130,9 @@ def standing_books(size_m: Size, *, seed: str = "row") -> tuple[Part, ...]:
         pages.append(leaves.moved(**at))
         wide = (thick - 0.001) * 0.55
         for z, part in ((0.74, 0.14), (0.16, 0.02), (0.12, 0.01))[: 1 + count % 3]:
-            titles.append(box((wide, 0.002, tall * part)).moved(at["x"], -width / 2 + 0.0004, tall * z))
+            titles.append(
+                box((wide, 0.002, tall * part)).moved(at["x"], -width / 2 + 0.0004, tall * z)
+            )
         x, count = x + thick, count + 1
     end = block((end_m, width, height * 0.62), 0.001).moved((length - end_m) / 2)
     row = [
@@ -157,7 +166,15 @@ def magazine(size_m: Size) -> tuple[Part, ...]:
     uvs = np.clip(corners[:, :2] / size + 0.5, 0.002, 0.998)
     back = rounded_slab((length, width, thick * 0.14), 0.002, 0.0001, 6).moved(z=thick * 0.86)
     parts.append(Part("Lower_Cover", back, "cover_a", collider=None))
-    parts.append(Part("Cover", sheet.turned("z", turn).moved(z=height - thick * 0.14), "picture", collider=None, uvs=uvs))
+    parts.append(
+        Part(
+            "Cover",
+            sheet.turned("z", turn).moved(z=height - thick * 0.14),
+            "picture",
+            collider=None,
+            uvs=uvs,
+        )
+    )
     return tuple(parts)
 
 
@@ -166,18 +183,31 @@ def pen_holder(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     cup_h = height * 0.56
     r = 0.5
-    vessel = cup([(0.0, 0.0), (r - 0.03, 0.0), (r, 0.004), (r, cup_h - 0.002), (r - 0.012, cup_h)], 0.035, 0.006, 36)
+    vessel = cup(
+        [(0.0, 0.0), (r - 0.03, 0.0), (r, 0.004), (r, cup_h - 0.002), (r - 0.012, cup_h)],
+        0.035,
+        0.006,
+        36,
+    )
     pencils, tips, leads = [], [], []
     spread = min(length, width) * 0.3
-    for index, (tall, turn) in enumerate(((1.0, 20.0), (0.92, 100.0), (0.96, 170.0), (0.88, 250.0), (0.94, 310.0))):
+    for index, (tall, turn) in enumerate(
+        ((1.0, 20.0), (0.92, 100.0), (0.96, 170.0), (0.88, 250.0), (0.94, 310.0))
+    ):
         a = math.radians(turn)
         foot = np.array([-0.8 * spread * math.cos(a), -0.8 * spread * math.sin(a), 0.008])
-        top = np.array([0.95 * spread * math.cos(a), 0.95 * spread * math.sin(a), height * tall - 0.003])
+        top = np.array(
+            [0.95 * spread * math.cos(a), 0.95 * spread * math.sin(a), height * tall - 0.003]
+        )
         along = (top - foot) / np.linalg.norm(top - foot)
         pencils.append(tube([foot, top - 0.018 * along], 0.0038, 6))
-        tips.append(tapered(np.array([top - 0.0181 * along, top - 0.004 * along]), 0.0036, 0.0012, 6))
+        tips.append(
+            tapered(np.array([top - 0.0181 * along, top - 0.004 * along]), 0.0036, 0.0012, 6)
+        )
         leads.append(tapered(np.array([top - 0.0045 * along, top]), 0.0011, 0.0003, 5))
-    ruler = block((0.026, 0.0018, height * 0.93), 0.0005).turned("x", -3).moved(0.0, 0.3 * width, 0.006)
+    ruler = (
+        block((0.026, 0.0018, height * 0.93), 0.0005).turned("x", -3).moved(0.0, 0.3 * width, 0.006)
+    )
     return (
         Part("Cup", vessel.scaled(length, width, 1.0), "cup"),
         Part("Pencils_A", joined(pencils[::2]), "cover_a", collider=None),
@@ -197,7 +227,9 @@ def photo_frame(size_m: Size, *, mount_m: float = 0.018) -> tuple[Part, ...]:
     frame = frame_rails(length, tall, flat_rail(rail, deep, 0.002)).moved(y=deep / 2)
     inner_l, inner_h = length - 2 * rail, tall - 2 * rail
     board = block((inner_l + 0.006, 0.005, inner_h + 0.006), 0.001).moved(y=0.0035, z=rail - 0.003)
-    mount = frame_rails(inner_l + 0.004, inner_h + 0.004, flat_rail(mount_m + 0.002, 0.0018, 0.0008))
+    mount = frame_rails(
+        inner_l + 0.004, inner_h + 0.004, flat_rail(mount_m + 0.002, 0.0018, 0.0008)
+    )
     seen_l, seen_h = inner_l - 2 * mount_m + 0.003, inner_h - 2 * mount_m + 0.003
     low = rail + mount_m - 0.0015
     seen = box((seen_l, 0.0008, seen_h)).moved(y=0.0007, z=low)
@@ -240,7 +272,11 @@ _CUP = {
 
 def _frames(photo: str) -> dict[str, dict[str, str]]:
     base = {"mount": "mount_board", "photo": photo, "ink": "black"}
-    return {"oak": {"wood": "oak", **base}, "black": {"wood": "black_stain", **base}, "brass": {"wood": "antique_brass", **base}}
+    return {
+        "oak": {"wood": "oak", **base},
+        "black": {"wood": "black_stain", **base},
+        "brass": {"wood": "antique_brass", **base},
+    }
 
 
 DESIGNS = (

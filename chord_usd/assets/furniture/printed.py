@@ -13,7 +13,14 @@ from chord_usd.assets.dressing.dry_finishes import DRY
 from chord_usd.assets.dressing.forms import rng_of
 from chord_usd.assets.finishes import Finish
 
-_ICONS = ((214, 92, 74), (236, 178, 76), (96, 150, 110), (84, 132, 184), (150, 110, 170), (230, 226, 218))
+_ICONS = (
+    (214, 92, 74),
+    (236, 178, 76),
+    (96, 150, 110),
+    (84, 132, 184),
+    (150, 110, 170),
+    (230, 226, 218),
+)
 
 
 def _finish(image: Image.Image, roughness: float, glow: float = 0.0) -> Finish:
@@ -30,7 +37,9 @@ def _window(pen: ImageDraw.ImageDraw, box: tuple[int, int, int, int], dark: bool
     for index, tone in enumerate(((222, 100, 88), (226, 180, 84), (112, 176, 104))):
         pen.ellipse((left + 8 + 11 * index, top + 6, left + 14 + 11 * index, top + 12), fill=tone)
     side = left + (right - left) // 4
-    pen.rectangle((left + 2, top + 18, side, bottom - 6), fill=tuple(max(c - 12, 0) for c in ground))
+    pen.rectangle(
+        (left + 2, top + 18, side, bottom - 6), fill=tuple(max(c - 12, 0) for c in ground)
+    )
     rng = rng_of(f"window/{box}")
     for row, y in enumerate(range(top + 26, bottom - 10, 9)):
         wide = float(rng.uniform(0.35, 0.95)) * (right - side - 24)
@@ -115,7 +124,9 @@ def cover() -> Finish:
         pen.rectangle((left, 28, left + wide, 74), fill=(52, 48, 46))
         pen.rectangle((left + 9, 40, left + wide - 9, 62), fill=art.EARTH[0])
     for row in range(5):
-        pen.rectangle((30, 116 + 15 * row, 30 + (110, 84, 0, 120, 96)[row], 121 + 15 * row), fill=(92, 84, 78))
+        pen.rectangle(
+            (30, 116 + 15 * row, 30 + (110, 84, 0, 120, 96)[row], 121 + 15 * row), fill=(92, 84, 78)
+        )
     for bar in range(18):
         pen.rectangle((300 + 2 * bar, 440, 300 + 2 * bar + bar % 2, 464), fill=(30, 30, 30))
     return _finish(image, 0.3)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
+from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.forms import cup
 from chord_usd.assets.furniture.cabinets import (
     BOARD_M,
     FRAMED,
@@ -83,9 +86,12 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
         for c in glass
     ]
     plates = [
-        block((0.2, 0.012, 0.2), 0.004).turned("x", -12).moved(x, width / 2 - 0.06, z)
-        for x in (-length / 4, length / 4)
-        for z in (upper_z + BOARD_M, upper_z + tall * 0.5 + BOARD_M)
+        _dishes(index).moved(x, width / 2 - depth / 2 + 0.02, z)
+        for index, (x, z) in enumerate(
+            (x, z)
+            for x in (-length / 4, length / 4)
+            for z in (upper_z + BOARD_M, upper_z + tall * 0.5 + BOARD_M)
+        )
     ]
     cornice = block((length, depth + 0.03, top), 0.01)
     return (
@@ -96,11 +102,22 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
         Part("Counter", counter.moved(y=HANDLE_M / 2 - 0.005, z=low), "top"),
         Part("Upper_Cabinet", joined(shell), "body", collider="none"),
         Part("Plates", joined(plates), "plate", collider=None),
-        Part("Glazing", joined(panes), "glass", collider=None),
+        Part("Glazing", joined(panes), "pane", collider=None),
         Part("Glazed_Doors", joined([_sash(c.x_m, y_up, c.z_m, c.length_m, c.height_m)
                                      for c in glass]), "front", collider=None),
         Part("Cornice", cornice.moved(y=width / 2 - (depth + 0.03) / 2, z=height - top), "body"),
     )  # fmt: skip
+
+
+def _dishes(number: int) -> Solid:
+    """A pile of plates, or of bowls with a cup beside it."""
+    if number % 2 == 0:
+        plate = cup([(0.0, 0.0), (0.05, 0.0), (0.055, 0.004), (0.1, 0.014)], 0.003, 0.004, 24)
+        return joined([plate.moved(z=0.009 * index) for index in range(6)])
+    bowl = cup([(0.0, 0.0), (0.028, 0.0), (0.05, 0.02), (0.062, 0.045)], 0.003, 0.006, 20)
+    mug = cup([(0.0, 0.0), (0.036, 0.0), (0.038, 0.004), (0.038, 0.085)], 0.003, 0.006, 20)
+    pile = [bowl.moved(-0.05, z=0.022 * index) for index in range(4)]
+    return joined([*pile, mug.moved(0.07), mug.moved(0.04, 0.07)])
 
 
 def _sash(x: float, y: float, z: float, length: float, height: float) -> Solid:
@@ -205,12 +222,12 @@ def _slatted(cell: Cell, y: float) -> Solid:
 def television(length: float, y: float, z: float) -> tuple[Part, ...]:
     """A flat screen on two feet, its back at about y; stands on height z."""
     tall = length * 9 / 16 + 0.02
-    case = block((length, 0.032, tall), 0.006).moved(y=y, z=z + 0.07)
-    bulge = block((length * 0.7, 0.05, tall * 0.6), 0.012).moved(y=y + 0.03, z=z + 0.09)
-    glass = box((length - 0.016, 0.002, tall - 0.022)).moved(y=y - 0.0165, z=z + 0.083)
+    case = block((length, 0.018, tall), 0.004).moved(y=y - 0.007, z=z + 0.055)
+    bulge = block((length * 0.62, 0.045, tall * 0.5), 0.016).moved(y=y + 0.02, z=z + 0.07)
+    glass = box((length - 0.01, 0.002, tall - 0.018)).moved(y=y - 0.0165, z=z + 0.068)
     foot = [
-        block((0.03, 0.16, 0.012)).moved(length * 0.34, y),
-        block((0.022, 0.022, 0.08)).moved(length * 0.34, y, 0.008),
+        block((0.026, 0.2, 0.009), 0.003).moved(length * 0.34, y),
+        block((0.03, 0.014, 0.07), 0.003).moved(length * 0.34, y, 0.008),
     ]
     feet = mirrored_pair(joined(foot)).moved(z=z - 0.001)
     return (
@@ -221,24 +238,48 @@ def television(length: float, y: float, z: float) -> tuple[Part, ...]:
 
 
 _BEDSIDE = (
-    Style("Bedside_Drawers", bedside_table, LIVING, 0.52),
-    Style("Bedside_Open", partial(bedside_table, kind="open"), LIVING, 0.5),
+    Style("Bedside_Drawers", bedside_table, LIVING, 0.52, ("scandinavian", "classic", "modern")),
+    Style(
+        "Bedside_Open",
+        partial(bedside_table, kind="open"),
+        LIVING,
+        0.5,
+        ("modern", "japanese", "industrial", "scandinavian"),
+    ),
 )
-_BEDSIDE_ROUND = Style("Bedside_Round", partial(bedside_table, kind="round"), LIVING, 0.5)
+_BEDSIDE_ROUND = Style(
+    "Bedside_Round", partial(bedside_table, kind="round"), LIVING, 0.5, ("modern", "scandinavian")
+)
 _TV = (
-    Style("TV_Cabinet_Drawers", tv_cabinet, LIVING, 0.46),
-    Style("TV_Cabinet_Slats", partial(tv_cabinet, kind="slats"), LIVING, 0.45),
+    Style("TV_Cabinet_Drawers", tv_cabinet, LIVING, 0.46, ("modern", "industrial", "classic")),
+    Style(
+        "TV_Cabinet_Slats",
+        partial(tv_cabinet, kind="slats"),
+        LIVING,
+        0.45,
+        ("scandinavian", "japanese", "modern"),
+    ),
 )
-_DRESSER = Style("Dresser", hutch, FRAMED, 2.1)
+_DRESSER = Style("Dresser", hutch, FRAMED, 2.1, ("classic",))
 _SIDEBOARDS = (
-    Style("Sideboard", sideboard, LIVING, 0.85),
-    Style("Sideboard_Framed", partial(sideboard, framed=True, handle="knob"), FRAMED, 0.85),
+    Style(
+        "Sideboard", sideboard, LIVING, 0.85, ("modern", "scandinavian", "industrial", "japanese")
+    ),
+    Style(
+        "Sideboard_Framed",
+        partial(sideboard, framed=True, handle="knob"),
+        FRAMED,
+        0.85,
+        ("classic", "scandinavian"),
+    ),
 )
 
-DESIGNS = (
+_DRAWN = (
     *editions("bedside_table", _BEDSIDE, steps(0.4, 0.6, 0.05), (0.37, 0.46)),
     *editions("bedside_table", (_BEDSIDE_ROUND,), (0.4, 0.45, 0.5), (0.42,)),
     *editions("tv_cabinet", _TV, steps(1.05, 2.55), (0.33, 0.4, 0.47)),
     *editions("dining_cabinet", (_DRESSER, *_SIDEBOARDS), steps(0.85, 1.45), (0.37, 0.43)),
     *editions("dining_cabinet", _SIDEBOARDS, steps(1.55, 1.95), (0.37, 0.43)),
 )
+
+DESIGNS = tuple(replace(design, finishes=DRY) for design in _DRAWN)

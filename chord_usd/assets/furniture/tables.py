@@ -233,30 +233,40 @@ _DESK = {
     "sage": {**_pair("pale_oak", "black_metal"), "body": "sage", "front": "sage"},
 }
 
-_DESK_PLAIN = Style("Desk_Plain", partial(legged_table, leg_m=0.045), _WOOD, 0.74)
-_DESK_PORTAL = Style("Desk_Portal", trestle_table, _METAL, 0.75)
-_DESK_DRAWERS = Style("Desk_Drawers", drawer_desk, _DESK, 0.75)
-_DESK_LEFT = Style("Desk_Drawers_Left", partial(drawer_desk, side="left"), _DESK, 0.75)
+_SMJ = ("scandinavian", "modern", "japanese")
+_IM = ("industrial", "modern")
+_CSM = ("classic", "scandinavian", "modern")
+_CJM = ("classic", "japanese", "modern")
+_CJI = ("classic", "japanese", "industrial")
+_MJ = ("modern", "japanese")
+_MC = ("modern", "classic")
+
+_DESK_PLAIN = Style("Desk_Plain", partial(legged_table, leg_m=0.045), _WOOD, 0.74, _SMJ)
+_DESK_PORTAL = Style("Desk_Portal", trestle_table, _METAL, 0.75, _IM)
+_DESK_DRAWERS = Style("Desk_Drawers", drawer_desk, _DESK, 0.75, _CSM)
+_DESK_LEFT = Style("Desk_Drawers_Left", partial(drawer_desk, side="left"), _DESK, 0.75, _CSM)
 _DINING = (
-    Style("Dining_Table_Square_Legs", partial(legged_table, leg_m=0.06), _WOOD, 0.75),
+    Style("Dining_Table_Square_Legs", partial(legged_table, leg_m=0.06), _WOOD, 0.75, _CJM),
     Style(
         "Dining_Table_Splayed", partial(legged_table, leg_m=0.07, top_m=0.035, is_round=True),
-        _WOOD, 0.75,
+        _WOOD, 0.75, _SMJ,
     ),
-    Style("Dining_Table_Trestle", trestle_table, _METAL, 0.76),
+    Style("Dining_Table_Trestle", trestle_table, _METAL, 0.76, _IM),
 )  # fmt: skip
-_DINING_ROUND = Style("Dining_Table_Round", partial(pedestal_table, foot_m=0.3), _STONE, 0.75)
+_DINING_ROUND = Style("Dining_Table_Round", partial(pedestal_table, foot_m=0.3), _STONE, 0.75, _MC)
 _COFFEE = (
-    Style("Coffee_Table_Shelf", shelf_coffee_table, _WOOD, 0.42),
-    Style("Coffee_Table_Splayed", partial(legged_table, leg_m=0.05, is_round=True), _WOOD, 0.42),
-    Style("Coffee_Table_Waterfall", waterfall_table, _WOOD, 0.4),
+    Style("Coffee_Table_Shelf", shelf_coffee_table, _WOOD, 0.42, _CJI),
+    Style(
+        "Coffee_Table_Splayed", partial(legged_table, leg_m=0.05, is_round=True), _WOOD, 0.42, _SMJ
+    ),
+    Style("Coffee_Table_Waterfall", waterfall_table, _WOOD, 0.4, _MJ),
 )
-_COFFEE_ROUND = Style("Coffee_Table_Round", pedestal_table, _STONE, 0.4)
-_COFFEE_DRUMS = Style("Coffee_Table_Drums", nest_of_drums, _STONE, 0.44)
+_COFFEE_ROUND = Style("Coffee_Table_Round", pedestal_table, _STONE, 0.4, _MC)
+_COFFEE_DRUMS = Style("Coffee_Table_Drums", nest_of_drums, _STONE, 0.44, ("modern", "japanese"))
 _SIDE = (
-    Style("Side_Table_Tray", tray_table, _METAL, 0.52),
-    Style("Side_Table_Cube", cube_table, _WOOD, 0.5),
-    Style("Side_Table_Pedestal", pedestal_table, _STONE, 0.55),
+    Style("Side_Table_Tray", tray_table, _METAL, 0.52, ("scandinavian", "industrial", "modern")),
+    Style("Side_Table_Cube", cube_table, _WOOD, 0.5, ("japanese", "modern")),
+    Style("Side_Table_Pedestal", pedestal_table, _STONE, 0.55, _MC),
 )
 
 DESIGNS = (
