@@ -16,6 +16,8 @@ _OVER_TAP_M = 0.08
 _PAPER_BASE_M = 0.66
 _TOWEL_BASE_M = 0.95
 _NEAR_TOILET_M = 0.55
+_SHIFTS_M = (0.0, 0.03, -0.03, 0.06, -0.06, 0.1, -0.1)
+"""How far a mirror hangs beside the middle of its basin, where that is in a corner."""
 
 
 def dress_bathroom(frame: RoomFrame) -> None:
@@ -62,20 +64,25 @@ def _mirror(frame: RoomFrame, basin: Item) -> None:
     middle = (low + high) / 2
     base_m = max(_MIRROR_BASE_M, float(frame.relief(basin).heights_m.max()) + _OVER_TAP_M)
     widest = max(high - low, 0.5) + 0.1
-    mirrors = within(frame.stock.offered("mirror"), (widest, 0.2, _MIRROR_TOP_M - base_m),
-                     (0.3, 0.0, 0.35))  # fmt: skip
+    most_m = (widest, 0.2, _MIRROR_TOP_M - base_m)
+    mirrors = within(frame.stock.offered("mirror"), most_m, (0.3, 0.0, 0.35))
     mirrors = list(frame.stock.family(mirrors, "mirror/basin")) + mirrors
     wanted = 0.8 * (high - low)
     ranked = sorted(
         dict.fromkeys(mirrors), key=lambda a: (round(abs(a.size_m[0] - wanted), 3), a.id)
     )
+    # A basin without a mirror is worse than a mirror of another style.
+    others = within(frame.stock.every("mirror"), (widest, 0.2, _MIRROR_TOP_M - base_m),
+                    (0.3, 0.0, 0.35))  # fmt: skip
+    ranked += sorted((a for a in others if a not in ranked), key=lambda a: (a.size_m[0], a.id))
     for mirror in ranked:
         centre = max(base_m + mirror.size_m[2] / 2, 1.5)
-        box = face.box(middle, centre - mirror.size_m[2] / 2, mirror.size_m)
-        item = frame.put_where_free(mirror, box)
-        if item is not None:
-            _mirror_lamp(frame, face, item, middle)
-            return
+        for shift in _SHIFTS_M:
+            box = face.box(middle + shift, centre - mirror.size_m[2] / 2, mirror.size_m)
+            item = frame.put_where_free(mirror, box)
+            if item is not None:
+                _mirror_lamp(frame, face, item, middle + shift)
+                return
 
 
 def _mirror_lamp(frame: RoomFrame, face: WallFace, mirror: Item, middle: float) -> None:

@@ -162,9 +162,15 @@ def can_lie(frame: RoomFrame, box: Box) -> bool:
     )
 
 
+def _indoor_mats(frame: RoomFrame) -> list[Asset]:
+    """Mats but for those that shoes are wiped on."""
+    offered = frame.stock.offered("mat")
+    return [asset for asset in offered if "Door" not in asset.id.split("_")]
+
+
 def _bath_mat(frame: RoomFrame) -> None:
     """Before the tub or the shower, else before the basin."""
-    mats = frame.stock.family(frame.stock.offered("mat"), "mat/bath")
+    mats = frame.stock.family(_indoor_mats(frame), "mat/bath")
     for piece in frame.of("bathtub", "shower", "washbasin"):
         for asset in sorted(mats, key=lambda a: (-a.size_m[0], a.id)):
             for way in _ways(piece.box):
@@ -195,7 +201,7 @@ def _before(piece: Box, way: tuple[int, int], asset: Asset) -> Box:
 def _kitchen_mat(frame: RoomFrame) -> None:
     if not frame.draws.chance("kitchen_mat", 0.6):
         return
-    mats = [*frame.stock.offered("mat"), *within(frame.stock.offered("rug"), (1.6, 0.75, 1.0))]
+    mats = [*_indoor_mats(frame), *within(frame.stock.offered("rug"), (1.6, 0.75, 1.0))]
     for piece in frame.of("sink_cabinet"):
         for asset in frame.stock.some(mats, frame.draws.rng("kitchen_mat"), 4):
             box = _before(piece.box, (0, -1), asset)

@@ -41,6 +41,10 @@ class Stock:
             return found
         return tuple(asset for asset in found if word in asset.id.split("_"))
 
+    def every(self, category: str) -> tuple[Asset, ...]:
+        """Assets of a category whatever their style."""
+        return self._database.of_category(category) if category in CATEGORIES else ()
+
     def _suiting(self, category: str) -> tuple[Asset, ...]:
         if category not in CATEGORIES:
             return ()
