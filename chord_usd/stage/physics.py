@@ -1,9 +1,9 @@
 """What can move and how heavy it is; doors on their hinges.
 
 Furniture and dressing bring their colliders. A piece that people move becomes a rigid body; what
-is built in or too heavy to push stays a collider without a body. Walls and floors are sheets, which no solver
-takes for a collider (MuJoCo makes hulls of meshes, and closes the doors with them): unseen boxes
-behind them do that.
+is built in or too heavy to push stays a collider without a body. Walls and floors are sheets,
+which no solver takes for a collider (MuJoCo makes hulls of meshes, and closes the doors with
+them): unseen boxes behind them do that.
 """
 
 from __future__ import annotations
