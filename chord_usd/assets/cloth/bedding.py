@@ -19,6 +19,9 @@ MATTRESS_INSET_M = 0.08
 
 _CELL_M = 0.025
 
+Made = tuple[FloatArray, np.ndarray, FloatArray]
+"""Points, faces, cloth coordinates."""
+
 
 @dataclass(frozen=True)
 class Duvet:
@@ -38,7 +41,7 @@ class Duvet:
     """How much of the upper end is turned back."""
 
 
-def laid(duvet: Duvet) -> dict[str, tuple[FloatArray, np.ndarray, FloatArray]]:
+def laid(duvet: Duvet) -> dict[str, Made]:
     """Points, faces, cloth coordinates of the "duvet" and, where it is turned back, the "band"."""
     half = duvet.length_m / 2 - MATTRESS_INSET_M
     bed = [
@@ -49,14 +52,37 @@ def laid(duvet: Duvet) -> dict[str, tuple[FloatArray, np.ndarray, FloatArray]]:
     middle_y = (duvet.reach_m - duvet.hang_m) / 2
     top = _dropped(wide, deep, (0.0, middle_y, 0.05), duvet, bed)
     whole = _finished(*top, duvet.thick_m, (0.0, 0.6, -0.12))
-    found = {"duvet": whole}
+    found = {"duvet": stuffed_unevenly(whole, duvet.bending > 1.0, duvet.seed)}
     if duvet.turned_m:
         under = [*bed, Solid(whole[0], whole[1])]
         y = duvet.reach_m - duvet.turned_m / 2 + 0.015
         lift = float(whole[0][:, 2].max()) + 0.01
         band = _dropped(wide - 0.04, duvet.turned_m, (0.0, y, lift), duvet, under)
-        found["band"] = _finished(*band, 0.6 * duvet.thick_m, (0.0, y, -0.1))
+        end = _finished(*band, 0.6 * duvet.thick_m, (0.0, y, -0.1))
+        found["band"] = stuffed_unevenly(end, duvet.bending > 1.0, duvet.seed)
     return found
+
+
+def stuffed_unevenly(made: Made, is_smooth: bool, seed: int, share: float = 1.0) -> Made:
+    """The same cloth with its filling shaken into soft hills: broad ones, or many small ones.
+
+    Layers with the same seed stay on each other. share: of the usual height of the hills.
+    """
+    points, faces, uvs = made
+    rng = np.random.default_rng(seed)
+    count, size_m, depth_m = (26, 0.16, 0.022) if is_smooth else (60, 0.075, 0.024)
+    corners = np.array([(-0.9, -0.1), (0.9, 1.6)])
+    x, y = points[:, 0], points[:, 1]
+    hills = np.zeros_like(x)
+    for _ in range(count):
+        (cx, cy), turn = rng.uniform(*corners), rng.uniform(0.0, np.pi)
+        u = (x - cx) * np.cos(turn) + (y - cy) * np.sin(turn)
+        v = (y - cy) * np.cos(turn) - (x - cx) * np.sin(turn)
+        hills += rng.uniform(-0.7, 1.0) * np.exp(-((u / size_m) ** 2) - (v / (3 * size_m)) ** 2)
+    above = np.clip(1.0 + points[:, 2] / 0.06, 0.0, 1.0)
+    lifted = points.copy()
+    lifted[:, 2] += share * depth_m * hills * above
+    return lifted, faces, uvs
 
 
 def _dropped(
@@ -93,21 +119,23 @@ def _bumps(
 
 def _finished(
     grid: FloatArray, flat: FloatArray, thick_m: float, core_m: tuple[float, float, float]
-) -> tuple[FloatArray, np.ndarray, FloatArray]:
+) -> Made:
     points, faces, owner = thickened(grid, thick_m, core_m)
     return points, faces, flat.reshape(-1, 2)[owner]
 
 
-def thrown(length_m: float, width_m: float, hang_m: float, seed: int) -> tuple:
+def thrown(length_m: float, width_m: float, hang_m: float, seed: int) -> Made:
     """A throw across a made bed of this length; its hems hang down at both sides."""
     body = soft_block((length_m, 1.4, 0.6), 0.075, (8, 6, 2)).moved(z=-0.6)
     blanket = Duvet(length_m, 0.0, 0.0, 0.6, 0.035, 0.014, seed)
     wide = length_m - 0.08 + 2 * hang_m
     grid, flat = _dropped(wide, width_m, (0.0, 0.0, 0.06), blanket, [body])
-    return _finished(grid, flat, 0.014, (0.0, 0.0, -0.05))
+    made = _finished(grid, flat, 0.014, (0.0, 0.0, -0.05))
+    # A throw lies on duvets of other shapes: it must be flatter than what it covers.
+    return stuffed_unevenly(made, False, seed, 0.25)
 
 
-def over_rail(length_m: float, drop_m: float, seed: int) -> tuple:
+def over_rail(length_m: float, drop_m: float, seed: int) -> Made:
     """A towel over a rail along x at z = 0; it hangs a little longer in front."""
     rng = np.random.default_rng(seed)
     bar = cylinder(0.012, length_m + 0.4, 0.0, 16).moved(z=-length_m / 2 - 0.2).turned("y", 90)

@@ -51,8 +51,10 @@ class Bag:
 def _turned(index: np.ndarray) -> np.ndarray:
     a, b = index[:-1, :-1].ravel(), index[1:, :-1].ravel()
     c, d = index[1:, 1:].ravel(), index[:-1, 1:].ravel()
-    # Diagonals alternate, so that no direction of wrinkles is preferred.
-    odd = (np.add.outer(np.arange(len(index) - 1), np.arange(index.shape[1] - 1)) % 2 == 1).ravel()
+    # Diagonals run out of the corners: cut off, a corner of a bag would be a face twice.
+    rows, columns = len(index) - 1, index.shape[1] - 1
+    is_left, is_upper = np.arange(columns) < columns / 2, np.arange(rows) < rows / 2
+    odd = (is_upper[:, None] == is_left[None, :]).ravel()
     first = np.where(odd[:, None], np.stack([a, b, c], -1), np.stack([a, b, d], -1))
     second = np.where(odd[:, None], np.stack([a, c, d], -1), np.stack([b, c, d], -1))
     return np.concatenate([first, second])
@@ -96,10 +98,10 @@ def thickened(
     inner = edge
     for level in range(len(rolls)):
         outer = start + level * count + np.arange(count)
-        faces.append(np.stack([inner[here], outer[here], outer[after]], -1))
-        faces.append(np.stack([inner[here], outer[after], inner[after]], -1))
+        faces.append(np.stack([inner[here], outer[after], outer[here]], -1))
+        faces.append(np.stack([inner[here], inner[after], outer[after]], -1))
         inner = outer
-    faces.append(np.stack([inner[here], np.full(count, len(points) - 1), inner[after]], -1))
+    faces.append(np.stack([inner[here], inner[after], np.full(count, len(points) - 1)], -1))
     return points, np.concatenate(faces), owner
 
 
@@ -124,3 +126,15 @@ def smoothed(grid_m: FloatArray, rounds: int) -> FloatArray:
         mean = (padded[:-2, 1:-1] + padded[2:, 1:-1] + padded[1:-1, :-2] + padded[1:-1, 2:]) / 4
         grid = 0.5 * grid + 0.5 * mean
     return grid
+
+
+def relaxed(points_m: FloatArray, faces: np.ndarray, rounds: int) -> FloatArray:
+    """Each point drawn a third of the way to the mean of its neighbours, so many times."""
+    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    points = points_m.copy()
+    count = np.maximum(np.bincount(pairs[:, 0], minlength=len(points)), 1)[:, None]
+    for _ in range(rounds):
+        total = np.zeros_like(points)
+        np.add.at(total, pairs[:, 0], points[pairs[:, 1]])
+        points = points * (2 / 3) + total / count / 3
+    return points

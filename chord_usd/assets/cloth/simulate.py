@@ -35,11 +35,11 @@ _HANGINGS = {
 
 
 _STUFFED = {
-    "pillow_full": Stuffed(0.74, 0.5, (44, 30), pressure=6.5, seed=1),
-    "pillow_slack": Stuffed(0.74, 0.5, (44, 30), pressure=4.5, bending=0.1, seed=2),
-    "cushion_square": Stuffed(0.5, 0.5, (36, 36), pressure=7.0, seed=3),
-    "cushion_slack": Stuffed(0.5, 0.5, (36, 36), pressure=5.0, bending=0.1, seed=4),
-    "cushion_lumbar": Stuffed(0.58, 0.36, (42, 26), pressure=7.0, seed=5),
+    "pillow_full": Stuffed(0.74, 0.5, (32, 22), pressure=6.5, seed=1),
+    "pillow_slack": Stuffed(0.74, 0.5, (32, 22), pressure=4.5, bending=0.1, seed=2),
+    "cushion_square": Stuffed(0.5, 0.5, (32, 32), pressure=7.0, seed=3),
+    "cushion_slack": Stuffed(0.5, 0.5, (32, 32), pressure=5.0, bending=0.1, seed=4),
+    "cushion_lumbar": Stuffed(0.58, 0.36, (36, 22), pressure=7.0, seed=5),
 }
 
 _DUVETS = {

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.assets.cloth.blender_cloth import Fabric, draped
-from chord_usd.assets.cloth.cloth_grids import bag, compact
+from chord_usd.assets.cloth.cloth_grids import bag, compact, relaxed
 from chord_usd.assets.solids import box
 from chord_usd.scene.types import FloatArray
+
+_RELAXED = 3
+"""Rounds that take the sharpest of the wrinkles away, which a coarse mesh shows as dents."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,7 @@ def filled(stuffed: Stuffed) -> tuple[FloatArray, np.ndarray, FloatArray]:
     table = box((2.0, 2.0, 0.5)).moved(z=-0.5)
     found = draped(start, made.faces(), fabric, stuffed.frames, obstacles=[table])
     points, faces, uvs = compact(found, made.faces(2), made.points_m[:, :2])
+    points = relaxed(points, faces, _RELAXED)
     low, high = points.min(axis=0), points.max(axis=0)
     points = points - [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]
     return points, faces, uvs

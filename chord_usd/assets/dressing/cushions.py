@@ -72,7 +72,7 @@ def _cord(bag: Cloth) -> Solid:
         for a in np.linspace(0.0, 2 * math.pi, 6, endpoint=False)
     ]
     sections = np.stack(rings, axis=1)
-    return loft(list(sections), loop=True)
+    return loft(list(sections[::-1]), loop=True)
 
 
 def bolster(size_m: Size) -> tuple[Part, ...]:

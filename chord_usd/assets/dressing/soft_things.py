@@ -6,10 +6,12 @@ from chord_usd.assets.dressing import (
     blinds,
     curtain_rails,
     curtains,
+    cushions,
     rugs,
+    towels,
 )
 from chord_usd.assets.model import Design
 
-DESIGNS: tuple[Design, ...] = tuple(
-    design for module in (curtains, curtain_rails, blinds, rugs) for design in module.DESIGNS
-)
+_MODULES = (curtains, curtain_rails, blinds, rugs, cushions, towels)
+
+DESIGNS: tuple[Design, ...] = tuple(design for module in _MODULES for design in module.DESIGNS)

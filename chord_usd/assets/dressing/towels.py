@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -15,15 +16,23 @@ from chord_usd.assets.solids import Size, Solid, block, cylinder, joined, tube
 from chord_usd.scene.types import FloatArray, frozen_array
 
 _BAR_M = 0.009
+_SIDE_M = (0.02, 0.038)
+"""From the bar outwards: where a towel keeps its form, and how far it may flare."""
 
 
 def _towel(name: str, length: float) -> Cloth:
-    """A towel over a bar at the origin, this long along the bar."""
+    """A towel over a bar at the origin, this long along the bar, and no thicker than a rail's."""
     cloth = stored(name)
     low, high = cloth.solid.bounds_m()
-    return cloth.scaled(x=length / float(high[0] - low[0])).moved(
-        x=-float(low[0] + high[0]) / 2 * length / float(high[0] - low[0])
-    )
+    share = length / float(high[0] - low[0])
+    cloth = cloth.scaled(x=share).moved(x=-share * float(low[0] + high[0]) / 2)
+    points = cloth.solid.points_m.copy()
+    side = np.abs(points[:, 1])
+    most = max(float(side.max()), _SIDE_M[1])
+    flare = (_SIDE_M[1] - _SIDE_M[0]) / (most - _SIDE_M[0])
+    near = np.minimum(side, _SIDE_M[0]) + (side - _SIDE_M[0]).clip(0.0) * flare
+    points[:, 1] = np.sign(points[:, 1]) * near
+    return replace(cloth, solid=Solid(frozen_array(points), cloth.solid.faces))
 
 
 def rail(size_m: Size, *, square: bool = False) -> tuple[Part, ...]:
@@ -40,9 +49,10 @@ def rail(size_m: Size, *, square: bool = False) -> tuple[Part, ...]:
     front = min(float(one.solid.bounds_m()[0, 1]) for one in towels)
     y, z = -width / 2 - front, height - high
     if square:
-        bar = block((length, 0.016, 0.016), 0.002).moved(y=y, z=z - 0.008)
+        bar = block((length - 0.004, 0.016, 0.016), 0.002).moved(y=y, z=z - 0.008)
     else:
-        bar = cylinder(_BAR_M, length, 0.001, 16).turned("y", 90).moved(-length / 2, y, z)
+        bar = cylinder(_BAR_M, length - 0.004, 0.001, 16).turned("y", 90)
+        bar = bar.moved(-length / 2 + 0.002, y, z)
     return (
         Part("Bar", bar, "metal", None),
         Part("Brackets", _brackets(length, width / 2, y, z), "metal", None),
@@ -211,7 +221,7 @@ def _towels() -> Iterator[Design]:
     )  # fmt: skip
     for name, draw, metals, styles in rails:
         for length in (0.44, 0.54, 0.66, 0.8):
-            size_m = (length, 0.1, 0.55)
+            size_m = (length, 0.1, 0.52)
             id_ = f"Towel_Rail_{name}_{100 * length:.0f}"
             yield Design(id_, "towel_rail", size_m, draw, _ways(metals), TEXTILES, styles)
     for length, height in ((0.45, 0.8), (0.5, 1.2), (0.6, 1.5)):

@@ -1,182 +1,263 @@
-"""Beds: frame, headboard, mattress, duvet with a turned sheet, pillows."""
+"""Beds: frame, headboard, mattress, pillows and a duvet with the folds of cloth."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
+import numpy as np
+
+from chord_usd.assets.cloth.bedding import MATTRESS_INSET_M
+from chord_usd.assets.cloth.stored import Cloth, stored
+from chord_usd.assets.dressing.textiles import TEXTILES
+from chord_usd.assets.furniture.headboards import THICK_M, Headboard, headboard
 from chord_usd.assets.furniture.joinery import four_legs
-from chord_usd.assets.model import Part, Style, editions
-from chord_usd.assets.solids import (
-    Size,
-    Solid,
-    block,
-    creased,
-    cushion,
-    joined,
-    pillow,
-    piped_cushion,
-    rounded_slab,
-    soft_block,
-)
+from chord_usd.assets.model import Design, Part, Style, editions
+from chord_usd.assets.solids import Size, Solid, block, joined, rounded_slab, soft_block
+from chord_usd.scene.types import frozen_array
 
-Headboard = Literal["panel", "slats", "channels", "cushions"]
+Bedding = Literal["smooth", "rumpled"]
+Base = Literal["rails", "box", "platform", "tubes"]
 
-_RAIL_TOP_M = 0.3
-_MATTRESS_TOP_M = 0.5
+_TOP_M: dict[str, float] = {"rails": 0.5, "box": 0.52, "platform": 0.42, "tubes": 0.5}
+"""Upper side of the mattress."""
+
+_HANG_M: dict[str, float] = {"rails": 0.3, "box": 0.3, "platform": 0.17, "tubes": 0.3}
+"""How far the duvet may hang down."""
+
+_MATTRESS_M = 0.22
+_DOUBLE_FROM_M = 1.3
 
 
-def bed(size_m: Size, *, headboard: Headboard = "panel", throw: bool = True) -> tuple[Part, ...]:
-    """A bed with its head at the back (+y); length runs across the bed, width along it."""
-    length, width, height = size_m
-    head = {"channels": 0.1, "cushions": 0.13}.get(headboard, 0.06)
-    lying = width - head
-    y = -head / 2
-    rail = rounded_slab((length, lying, _RAIL_TOP_M - 0.12), 0.03, 0.012).moved(y=y, z=0.12)
-    mattress = cushion((length - 0.09, lying - 0.05, 0.24), 0.08, 0.05, 0.015)
-    return (
-        *four_legs(length - 0.08, width - 0.08, 0.13, 0.058, "leg"),
-        Part("Rail", rail, "frame"),
-        *_headboard(headboard, length, height, head, width / 2),
-        Part("Mattress", mattress.moved(y=y, z=_MATTRESS_TOP_M - 0.24), "mattress"),
-        *_bedding(length, lying, y, throw=throw),
-        *_pillows(length, width / 2 - head),
-    )
-
-
-def _headboard(
-    kind: Headboard, length: float, height: float, thick: float, back: float
+def bed(
+    size_m: Size, *, board: Headboard, bedding: Bedding, base: Base = "rails", rows: int = 2
 ) -> tuple[Part, ...]:
-    y, rise = back - thick / 2, height - 0.1
-    if kind == "panel":
-        board = rounded_slab((length, rise, thick), 0.04, 0.015, 6, 2)
-        return (Part("Headboard", _upright(board).moved(y=back, z=0.1), "frame"),)
-    if kind == "channels":
-        count = max(round(length / 0.2), 4)
-        wide = length / count
-        pads = [
-            rounded_slab((wide - 0.001, thick, rise), 0.045, 0.015, 3).moved(
-                -length / 2 + wide * (i + 0.5), y, 0.1
-            )
-            for i in range(count)
-        ]
-        return (Part("Headboard", joined(pads), "frame"),)
-    if kind == "cushions":
-        return _cushioned(length, height, thick, back)
-    posts = [block((0.06, thick, height)).moved(s * (length - 0.06) / 2, y) for s in (-1, 1)]
-    rails = [block((length - 0.1, 0.035, 0.08)).moved(y=y, z=z) for z in (0.42, height - 0.1)]
-    count = max(round(length / 0.13), 5)
-    step = (length - 0.12) / count
-    bars = [
-        block((0.035, 0.02, height - 0.56)).moved(-(length - 0.12) / 2 + step * (i + 0.5), y, 0.48)
-        for i in range(count)
-    ]
-    return (Part("Headboard", joined([*posts, *rails, *bars]), "frame"),)
+    """A bed with its head at the back (+y); length runs across the bed, width along it.
 
-
-def _cushioned(length: float, height: float, thick: float, back: float) -> tuple[Part, ...]:
-    """Loose back cushions with piped edges, hung on a board."""
-    board_m = 0.03
-    board = block((length, board_m, height - 0.08), 0.006).moved(y=back - board_m / 2, z=0.1)
-    count = 2 if length >= 1.3 else 1
-    wide = length / count
-    deep = thick - board_m + 0.012
-    pad = piped_cushion((wide - 0.012, height - 0.5, deep), 0.06, 0.03, 0.02).turned("x", 90)
-    high = pad.bounds_m()[1]
-    pad = pad.moved(0.0, back - board_m + 0.012 - float(high[1]), height - float(high[2]))
-    pads = [pad.moved(x=(i - (count - 1) / 2) * wide) for i in range(count)]
+    rows: of pillows, where two sleep.
+    """
+    length, width, height = size_m
+    head, top = THICK_M[board], _TOP_M[base]
+    foot = -width / 2 + MATTRESS_INSET_M
+    lying = width / 2 - head - foot
+    wide = length - 2 * MATTRESS_INSET_M
+    mattress = soft_block((wide, lying - 0.01, _MATTRESS_M), 0.05, (4, 4, 1))
+    mattress = mattress.moved(y=foot + (lying - 0.01) / 2, z=top - _MATTRESS_M)
     return (
-        Part("Headboard", board.moved(z=-0.02), "frame"),
-        Part("Back_Cushions", joined(pads), "frame", collider=None),
+        *_base(base, length, width, head),
+        *headboard(board, length, height, width / 2),
+        Part("Mattress", mattress, "sheet"),
+        *_bedding(bedding, length, foot, top, _HANG_M[base]),
+        *_pillows(length, width / 2 - head, top, rows, flat=base == "platform"),
     )
 
 
-def _upright(plate: Solid) -> Solid:
-    """A plate drawn lying down, stood up with its underside to the back and its width rising."""
-    lifted = plate.turned("x", 90)
-    return lifted.moved(z=-float(lifted.bounds_m()[0, 2]))
+def _base(kind: Base, length: float, width: float, head: float) -> tuple[Part, ...]:
+    inset = MATTRESS_INSET_M - 0.027
+    wide, deep = length - 2 * inset, width - inset - head
+    y = (inset - head) / 2
+    if kind == "platform":
+        deck = block((length - 0.004, width - head - 0.004, 0.05), 0.004).moved(y=-head / 2, z=0.17)
+        foot = block((length - 0.3, width - 0.4, 0.17), 0.003)
+        return (Part("Rail", deck, "frame"), Part("Plinth", foot, "leg"))
+    if kind == "box":
+        body = rounded_slab((wide, deep, 0.26), 0.03, 0.014, 4, 2)
+        return (
+            *four_legs(wide - 0.08, width - 0.14, 0.06, 0.05, "leg"),
+            Part("Rail", body.moved(y=y, z=0.05), "pad"),
+        )
+    if kind == "tubes":
+        sides = [
+            block((0.035, deep, 0.045), 0.004).moved(s * (wide - 0.035) / 2, y, 0.235)
+            for s in (-1, 1)
+        ]
+        ends = block((wide - 0.06, 0.035, 0.045), 0.004)
+        slat, step = block((wide - 0.05, 0.06, 0.018), 0.003), (deep - 0.2) / 9
+        slats = [slat.moved(y=y + (i - 4.5) * step, z=0.265) for i in range(10)]
+        frame = joined([*sides, ends.moved(y=y - (deep - 0.035) / 2, z=0.235), *slats])
+        return (
+            *four_legs(wide, width - 0.12, 0.24, 0.034, "frame", is_round=True),
+            Part("Rail", frame, "frame"),
+        )
+    rail = rounded_slab((wide, deep, 0.12), 0.02, 0.008, 4, 2).moved(y=y, z=0.18)
+    return (
+        *four_legs(wide - 0.03, width - 0.12, 0.19, 0.052, "leg", is_round=True, splay_m=0.012),
+        Part("Rail", rail, "frame"),
+    )
 
 
-def _bedding(length: float, lying: float, y: float, *, throw: bool) -> tuple[Part, ...]:
-    """Duvet over the lower two thirds, its upper edge turned back, perhaps a throw at the foot."""
-    reach = lying * 0.64
-    foot = y - lying / 2
-    duvet = soft_block((length - 0.045, reach, 0.23), 0.075, (8, 7, 1))
-    duvet = _folded(duvet.moved(y=foot + 0.015 + reach / 2, z=_RAIL_TOP_M + 0.012))
-    turned = soft_block((length - 0.03, 0.26, 0.225), 0.06, (8, 1, 1))
-    turned = _folded(turned.moved(y=foot + reach - 0.08, z=_RAIL_TOP_M + 0.032))
-    parts = [Part("Duvet", duvet, "duvet"), Part("Turned_Sheet", turned, "sheet", collider=None)]
-    if throw:
-        blanket = soft_block((length - 0.028, 0.48, 0.222), 0.07, (8, 2, 1))
-        blanket = _folded(blanket.moved(y=foot + 0.42, z=_RAIL_TOP_M + 0.034))
-        parts.append(Part("Throw", blanket, "throw", collider=None))
+def _bedding(
+    kind: Bedding, length: float, foot: float, top: float, hang: float
+) -> tuple[Part, ...]:
+    """The duvet and, where it is turned back, its end: as they fell on a bed of their size."""
+    simulated = 1.6 if length >= _DOUBLE_FROM_M else 1.0
+    name = f"{kind}_{100 * simulated:.0f}"
+    parts = []
+    for part, slot in (("duvet", "duvet"), ("band", "sheet")):
+        if part == "band" and kind != "smooth":
+            continue
+        cloth = _stretched(stored(f"{part}_{name}"), simulated, length, hang)
+        cloth = cloth.moved(y=foot, z=top)
+        collider = "boundingCube" if part == "duvet" else None
+        parts.append(Part(part.capitalize(), cloth.solid, slot, collider, uvs=cloth.corner_uvs_m()))
     return tuple(parts)
 
 
-def _folded(cloth: Solid) -> Solid:
-    """The same folds at the same place on the bed, so that layers of cloth follow each other."""
-    return creased(cloth, 0.009, 0.55)
+def _stretched(cloth: Cloth, simulated: float, length: float, hang: float) -> Cloth:
+    """Wider or narrower in its middle; what hangs keeps its folds and ends within the bed."""
+    inner = simulated / 2 - MATTRESS_INSET_M
+    more = length / 2 - MATTRESS_INSET_M - inner
+
+    def widened(x: np.ndarray) -> np.ndarray:
+        return x + more * np.clip(x / (inner - 0.1), -1.0, 1.0)
+
+    points, uvs = cloth.solid.points_m.copy(), cloth.uvs_m.copy()
+    points[:, 0], uvs[:, 0] = widened(points[:, 0]), widened(uvs[:, 0])
+    edge = length / 2 - MATTRESS_INSET_M
+    room = MATTRESS_INSET_M - 0.002
+    out = np.abs(points[:, 0]) - edge
+    share = room / max(float(out.max()), 1e-6)
+    points[:, 0] = np.sign(points[:, 0]) * (edge + np.where(out > 0.0, out * share, out))
+    beyond = -points[:, 1]
+    share = room / max(float(beyond.max()), 1e-6)
+    points[:, 1] = np.where(beyond > 0.0, -beyond * share, points[:, 1])
+    below = -points[:, 2] - 0.03
+    share = min((hang - 0.03) / max(float(below.max()), 1e-6), 1.0)
+    points[:, 2] = np.where(below > 0.0, -0.03 - below * share, points[:, 2])
+    return Cloth(replace(cloth.solid, points_m=frozen_array(points)), frozen_array(uvs))
 
 
-def _pillows(length: float, head_y: float) -> tuple[Part, ...]:
-    """One or two pillows leaning on the headboard, each with a small cushion before it."""
-    count = 2 if length >= 1.3 else 1
-    wide = min(0.7, (length - 0.12) / count - 0.03)
-    main = pillow((wide, 0.46, 0.17)).turned("x", 38)
-    small = pillow((wide * 0.66, 0.36, 0.14)).turned("x", 46)
-    sleepers, accents = [], []
-    for index in range(count):
-        x = (index - (count - 1) / 2) * (length - 0.12) / count
-        sleepers.append(_resting(main, x, head_y - 0.01))
-        accents.append(_resting(small, x, head_y - 0.19))
-    return (
-        Part("Pillows", joined(sleepers), "sheet", collider=None),
-        Part("Cushions", joined(accents), "accent", collider=None),
-    )
+def _pillows(
+    length: float, head_y: float, top: float, rows: int, *, flat: bool
+) -> tuple[Part, ...]:
+    """Pillows that lean on the headboard, a second row before them; low beds have one, lying."""
+    count = 2 if length >= _DOUBLE_FROM_M else 1
+    wide = min(0.72, (length - 0.2) / count - 0.02)
+    step = (length - 0.16) / count
+    leans = (8.0,) if flat else (64.0, 34.0)[: rows if count == 2 else 1]
+    if count == 1 and not flat:
+        leans = (36.0,)
+    parts = []
+    back = head_y
+    for row, lean in enumerate(leans):
+        pieces = []
+        for index in range(count):
+            x = (index - (count - 1) / 2) * step
+            kind = "pillow_full" if (row + index) % 2 == 0 else "pillow_slack"
+            pieces.append(_leaning(kind, wide * (1.0 - 0.08 * row), x, back, top, lean, index))
+        uvs = np.concatenate([uvs for _, uvs in pieces])
+        slot = "pillow" if row == 0 and len(leans) > 1 else "sheet"
+        name = "Pillows" if row == 0 else "Front_Pillows"
+        parts.append(Part(name, joined([one for one, _ in pieces]), slot, None, uvs=uvs))
+        back -= 0.17
+    return tuple(parts)
 
 
-def _resting(piece: Solid, x: float, back: float) -> Solid:
-    low, high = piece.bounds_m()
-    return piece.moved(x, back - float(high[1]), _MATTRESS_TOP_M - 0.025 - float(low[2]))
+def _leaning(
+    kind: str, wide: float, x: float, back: float, top: float, lean: float, index: int
+) -> tuple[Solid, np.ndarray]:
+    cloth = stored(kind)
+    low, high = cloth.solid.bounds_m()
+    factor = wide / float(high[0] - low[0])
+    if index % 2:
+        # The other way round: no two pillows have the same wrinkles.
+        turned = cloth.solid.turned("z", 180.0)
+        cloth = Cloth(turned, cloth.uvs_m)
+    cloth = cloth.scaled(factor, min(factor, 1.0), min(factor, 1.0))
+    solid = cloth.solid.turned("x", lean).turned("z", (-1.0, 1.6)[index % 2])
+    low, high = solid.bounds_m()
+    solid = solid.moved(x, back + 0.006 - float(high[1]), top - 0.03 - float(low[2]))
+    return solid, cloth.corner_uvs_m()
 
 
-_BARE = {"mattress": "mattress", "sheet": "white_cloth"}
-_WOODEN = {
-    "oak_linen": {
-        **_BARE, "frame": "oak", "leg": "oak", "duvet": "linen", "throw": "rust_cloth",
-        "accent": "rust_cloth",
-    },
-    "walnut_blue": {
-        **_BARE, "frame": "walnut", "leg": "walnut", "duvet": "white_cloth", "throw": "blue_cloth",
-        "accent": "blue_cloth",
-    },
-    "white_green": {
-        **_BARE, "frame": "white", "leg": "white", "duvet": "white_cloth", "throw": "green_cloth",
-        "accent": "green_cloth",
-    },
-}  # fmt: skip
-_UPHOLSTERED = {
-    "grey_white": {
-        **_BARE, "frame": "grey_cloth", "leg": "black_stain", "duvet": "white_cloth",
-        "throw": "charcoal_cloth", "accent": "mustard_cloth",
-    },
-    "beige_linen": {
-        **_BARE, "frame": "beige_cloth", "leg": "oak", "duvet": "cream_cloth",
-        "throw": "green_cloth", "accent": "green_cloth",
-    },
-    "teal_grey": {
-        **_BARE, "frame": "teal_cloth", "leg": "walnut", "duvet": "linen", "throw": "teal_cloth",
-        "accent": "pink_cloth",
-    },
-}  # fmt: skip
+def _ways(
+    woods: tuple[str, ...], pads: tuple[str, ...], covers: tuple[tuple[str, str, str], ...],
+    leg: str = "",
+) -> dict[str, dict[str, str]]:  # fmt: skip
+    """Colourways: each wood or pad with duvet, pillow and sheet in turn; named by wood, duvet."""
+    found = {}
+    for index in range(max(len(woods), len(pads)) * 2):
+        wood, pad = woods[index % len(woods)], pads[(index + index // 2) % len(pads)]
+        duvet, pillow, sheet = covers[index % len(covers)]
+        name = f"{wood if len(woods) > 1 else pad.rsplit('_', 1)[0]}_{duvet.rsplit('_', 1)[0]}"
+        found[name] = {
+            "frame": wood, "leg": leg or wood, "pad": pad, "duvet": duvet, "pillow": pillow,
+            "sheet": sheet,
+        }  # fmt: skip
+    return found
 
-_SLATS = Style("Bed_Slats", partial(bed, headboard="slats"), _WOODEN, 0.9)
-_PANEL = Style("Bed_Panel", bed, _WOODEN, 0.95)
-_PLAIN = Style("Bed_Plain", partial(bed, throw=False), _WOODEN, 1.0)
-_CHANNELS = Style("Bed_Channels", partial(bed, headboard="channels"), _UPHOLSTERED, 1.1)
-_CUSHIONS = Style("Bed_Cushions", partial(bed, headboard="cushions"), _UPHOLSTERED, 1.0)
 
-DESIGNS = (
-    *editions("bed", (_SLATS, _PANEL), (0.9, 1.0, 1.2), (1.97, 2.07)),
-    *editions("bed", (_CHANNELS, _PANEL, _CUSHIONS, _PLAIN), (1.35, 1.5, 1.8, 2.0), (2.07, 2.17)),
+_SCANDI = _ways(
+    ("pale_oak", "birch", "oak", "white"), ("linen",),
+    (("white_cloth", "sage_linen", "white_cloth"), ("linen", "white_cloth", "cream_cloth"),
+     ("white_cloth", "blush_linen", "linen"), ("sage_linen", "white_cloth", "white_cloth"),
+     ("oat_linen", "linen", "white_cloth")),
+)  # fmt: skip
+_MODERN = _ways(
+    ("black_stain",), ("grey_cloth", "charcoal_cloth", "cream_cloth", "teal_velvet"),
+    (("white_cloth", "grey_linen", "white_cloth"), ("grey_linen", "charcoal_linen", "white_cloth"),
+     ("white_cloth", "oat_linen", "cream_cloth")),
+)  # fmt: skip
+_MODERN_WOOD = _ways(
+    ("oak", "walnut", "black_stain"), ("grey_cloth",),
+    (("white_cloth", "grey_linen", "white_cloth"), ("oat_linen", "charcoal_linen", "white_cloth"),
+     ("grey_linen", "white_cloth", "white_cloth")),
+)  # fmt: skip
+_CLASSIC = _ways(
+    ("dark_walnut",), ("cream_cloth", "navy_velvet", "forest_velvet", "burgundy_velvet"),
+    (("white_cotton", "cream_cloth", "white_cloth"), ("cream_cotton", "gold_velvet", "white_cloth"),
+     ("white_cotton", "beige_linen", "cream_cloth")),
+)  # fmt: skip
+_CLASSIC_WOOD = _ways(
+    ("walnut", "cherry", "dark_walnut"), ("cream_cloth", "beige_cloth"),
+    (("cream_cotton", "beige_linen", "white_cloth"), ("white_cotton", "navy_cotton", "white_cloth"),
+     ("white_cotton", "burgundy_cotton", "cream_cloth")),
+)  # fmt: skip
+_INDUSTRIAL = _ways(
+    ("black_metal", "steel"), ("tan_leather",),
+    (("charcoal_linen", "grey_linen", "grey_cloth"), ("grey_linen", "rust_linen", "white_cloth"),
+     ("white_cloth", "charcoal_linen", "linen"), ("oat_linen", "charcoal_linen", "white_cloth")),
+)  # fmt: skip
+_JAPANESE = _ways(
+    ("oak", "pale_oak", "walnut", "black_stain"), ("linen",),
+    (("linen", "white_cloth", "white_cloth"), ("white_cloth", "linen", "linen"),
+     ("indigo_linen", "linen", "white_cloth"), ("moss_linen", "linen", "white_cloth")),
+)  # fmt: skip
+
+_SPINDLES = Style("Bed_Spindles", partial(bed, board="spindles", bedding="rumpled"), _SCANDI, 0.95)
+_PANEL = Style("Bed_Panel", partial(bed, board="panel", bedding="smooth"), _MODERN_WOOD, 0.9)
+_CHANNELS = Style(
+    "Bed_Channels", partial(bed, board="channels", bedding="smooth", base="box"), _MODERN, 1.1
 )
+_TUFTED = Style(
+    "Bed_Tufted", partial(bed, board="tufted", bedding="smooth", base="box"), _CLASSIC, 1.2
+)
+_FRAMED = Style("Bed_Framed", partial(bed, board="frame", bedding="smooth"), _CLASSIC_WOOD, 1.1)
+_TUBES = Style(
+    "Bed_Tubes", partial(bed, board="tubes", bedding="rumpled", base="tubes"), _INDUSTRIAL, 1.05
+)
+_LOW = Style(
+    "Bed_Low", partial(bed, board="low", bedding="smooth", base="platform", rows=1), _JAPANESE, 0.85
+)
+_STYLES: dict[str, tuple[str, ...]] = {
+    "Bed_Spindles": ("scandinavian",), "Bed_Panel": ("modern", "scandinavian"),
+    "Bed_Channels": ("modern",), "Bed_Tufted": ("classic",), "Bed_Framed": ("classic",),
+    "Bed_Tubes": ("industrial",), "Bed_Low": ("japanese",),
+}  # fmt: skip
+
+
+def _every_size() -> tuple[Design, ...]:
+    """Each form in every size, so that a home's style never has to give way to a size."""
+    made = []
+    for style in (_SPINDLES, _PANEL, _CHANNELS, _TUFTED, _FRAMED, _TUBES, _LOW):
+        for lengths, widths in (
+            ((0.9, 1.0, 1.2), (1.97, 2.07)),
+            ((1.35, 1.5, 1.8, 2.0), (2.07, 2.17)),
+        ):
+            for design in editions("bed", (style,), lengths, widths):
+                made.append(replace(design, finishes=TEXTILES, styles=_STYLES[style.name]))
+    return tuple(made)
+
+
+DESIGNS = _every_size()

@@ -146,7 +146,7 @@ def _tufted(length: float, height: float, thick: float, back: float) -> tuple[Pa
         near = (np.abs(u) < dx) & (np.abs(v) < dz)
         return -0.034 * np.maximum(pit, np.where(near, seams, 0.0).max(axis=-1))
 
-    cells = (4 * (columns + 1), 22)
+    cells = (4 * (columns + 1), 18)
     board = _relief_board(length, rise, thick, cells, sunk, arch_m=0.1)
     stud = lathe([(0.012, 0.0), (0.013, 0.004), (0.008, 0.008), (0.0, 0.009)], 8).turned("x", 90)
     studs = joined([stud.moved(x, back - thick + 0.032, 0.12 + z) for x, z in buttons])
