@@ -381,7 +381,7 @@ PAINTS: dict[str, tuple[str, str, str]] = {
     "blue": ("#cddae2", "#86a0b4", "#4c6479"),
     "burgundy": ("#d9bdb8", "#8a4a4c", "#5c2b32"),
     "forest": ("#c3cfc2", "#587560", "#2f4a3c"),
-    "gold": ("#e9dcb8", "#c0a26a", "#a08a5c"),
+    "gold": ("#e9dfc4", "#bfa878", "#8f8468"),
     "tan": ("#e2cdb4", "#b08a62", "#7a5a3c"),
     "moss": ("#cfd0b8", "#8d9270", "#585f44"),
     "indigo": ("#c2c8d6", "#56628a", "#333d5e"),
