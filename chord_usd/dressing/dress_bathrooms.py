@@ -157,6 +157,13 @@ def _stand_beside(frame: RoomFrame, piece: Item, asset: Asset) -> bool:
     return False
 
 
+def _towel_base_m(height_m: float) -> float:
+    """A bare rail; one whose towels hang down; a ladder."""
+    if height_m < 0.3:
+        return _TOWEL_BASE_M + 0.3
+    return max(0.2, (1.38 if height_m < 0.8 else 1.75) - height_m)
+
+
 def _towels(frame: RoomFrame) -> None:
     """A rail with towels near basin, tub or shower; a radiator for towels where there is none."""
     family = list(frame.stock.family(frame.stock.offered("towel_rail"), "towel_rail"))
@@ -165,7 +172,7 @@ def _towels(frame: RoomFrame) -> None:
         return
     best = None
     for asset in family:
-        base_m = _TOWEL_BASE_M if asset.size_m[2] < 0.5 else max(0.25, 1.75 - asset.size_m[2])
+        base_m = _towel_base_m(asset.size_m[2])
         for face in frame.faces:
             spans = face.free_spans(
                 frame.taken, base_m - 0.05, base_m + max(asset.size_m[2], 0.1) + 0.05,

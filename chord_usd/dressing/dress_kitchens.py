@@ -17,6 +17,7 @@ WORKTOP = (
 
 _PLAIN = ("single_door_floor_cabinet", "double_door_floor_cabinet")
 _CABINET_BASE_M = 1.44
+_CABINET_M = 0.7
 _HOOD_BASE_M = 1.62
 _CHIMNEY_FROM_M = 0.75
 """Higher hoods have a chimney, which reaches the ceiling."""
@@ -88,7 +89,8 @@ def _hood(frame: RoomFrame, face: WallFace, low: float, high: float) -> None:
     if hood is None:
         return
     length, depth, height = hood.size_m
-    base_m = _CABINET_BASE_M
+    # One that is built in ends where the cabinets beside it do.
+    base_m = max(_CABINET_BASE_M, _CABINET_BASE_M + _CABINET_M - height)
     if height > _CHIMNEY_FROM_M:
         base_m = _HOOD_BASE_M
         height = stretched(height, ROOM_HEIGHT_M - 0.002 - base_m, 0.4)

@@ -17,6 +17,9 @@ _RISE_M = 0.07
 _SINKS_M = 0.012
 """How far a cushion sinks into what it lies on."""
 
+_TALL_M = 0.36
+"""Lower cushions lie before others."""
+
 _GAP_M = 0.03
 _SEATS = ("sofa", "single_sofa", "leisure_sofa")
 
@@ -99,13 +102,17 @@ def _cushions_on_sofa(frame: RoomFrame, item: Item, seat: Seat) -> None:
 
 
 def _choice(frame: RoomFrame, rng: np.random.Generator, count: int) -> list[Asset]:
-    """Cushions of two or three kinds that repeat, the larger first."""
+    """Square cushions of one or two kinds, in pairs, and for an odd one a long or a small one."""
     offered = within(frame.stock.offered("cushion"), (0.7, 0.4, 0.6))
-    kinds = frame.stock.some(offered, rng, min(count, 2 if count < 4 else 3))
+    tall = [asset for asset in offered if asset.size_m[2] >= _TALL_M]
+    low = [asset for asset in offered if asset.size_m[2] < _TALL_M]
+    kinds = frame.stock.some(tall or offered, rng, 1 + (count >= 4))
     if not kinds:
         return []
-    chosen = [kinds[index % len(kinds)] for index in range(count)]
-    return sorted(chosen, key=lambda a: (-a.size_m[0], a.id))
+    chosen = [kinds[(index // 2) % len(kinds)] for index in range(count)]
+    if count % 2 and count > 1:
+        chosen[-1:] = frame.stock.some(low or tall, rng, 1)
+    return chosen
 
 
 def _places(seat: Seat, lengths: list[float], *, symmetric: bool, mirrored: bool) -> list[float]:
