@@ -211,21 +211,24 @@ def fruit_bowl(size_m: Size) -> tuple[Part, ...]:
     rim = tall * 0.68
     dish = _bowl(radius, rim)
     places = [(0.0, 0.0)] + [
-        (0.62 * radius * np.cos(a), 0.62 * radius * np.sin(a))
+        (0.55 * radius * np.cos(a), 0.55 * radius * np.sin(a))
         for a in np.radians((20, 92, 164, 236, 308))
     ]
-    lemons, apples, pears = [], [], []
+    lemons: list[Solid] = []
+    apples: list[Solid] = []
+    pears: list[Solid] = []
     size = radius * 0.3
     for index, (x, y) in enumerate(places):
-        z = rim * 0.3 if index else rim * 0.16
+        z = rim * 0.36 if index else rim * 0.16
         if index % 3 == 0:
             apples.append(_apple(size).turned("x", 14.0 * index).moved(x, y, z))
         elif index % 3 == 1:
             lemons.append(_orange(size * 0.95).moved(x, y, z))
         else:
-            pears.append(
-                _pear(size).turned("x", 64).turned("z", 70.0 * index).moved(x, y, z + size * 0.7)
-            )
+            # Along the rim: across it they would come through the bowl.
+            along = float(np.degrees(np.arctan2(y, x)))
+            lying = _pear(0.88 * size).turned("x", 76).turned("z", along)
+            pears.append(lying.moved(0.88 * x, 0.88 * y, z + size))
     for index, (x, y) in enumerate(
         ((0.3 * radius, 0.16 * radius), (-0.28 * radius, -0.14 * radius))
     ):
