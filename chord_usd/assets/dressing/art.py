@@ -16,14 +16,38 @@ SizePx = tuple[int, int]
 Rng = np.random.Generator
 Draw = Callable[[Rng, SizePx], Image.Image]
 
-EARTH: Palette = ((236, 226, 208), (196, 112, 76), (58, 70, 78), (214, 172, 110), (122, 132, 108),
-                  (150, 82, 60))  # fmt: skip
-PALE: Palette = ((240, 236, 228), (204, 196, 184), (160, 172, 172), (222, 196, 180), (120, 132, 134),
-                 (84, 92, 98))  # fmt: skip
-PRIMARY: Palette = ((238, 230, 212), (196, 60, 44), (34, 60, 104), (228, 176, 62), (28, 28, 30),
-                    (118, 142, 150))  # fmt: skip
-DEEP: Palette = ((224, 212, 190), (44, 62, 66), (112, 52, 42), (176, 128, 70), (26, 32, 36),
-                 (92, 104, 92))  # fmt: skip
+EARTH: Palette = (
+    (236, 226, 208),
+    (196, 112, 76),
+    (58, 70, 78),
+    (214, 172, 110),
+    (122, 132, 108),
+    (150, 82, 60),
+)
+PALE: Palette = (
+    (240, 236, 228),
+    (204, 196, 184),
+    (160, 172, 172),
+    (222, 196, 180),
+    (120, 132, 134),
+    (84, 92, 98),
+)
+PRIMARY: Palette = (
+    (238, 230, 212),
+    (196, 60, 44),
+    (34, 60, 104),
+    (228, 176, 62),
+    (28, 28, 30),
+    (118, 142, 150),
+)
+DEEP: Palette = (
+    (224, 212, 190),
+    (44, 62, 66),
+    (112, 52, 42),
+    (176, 128, 70),
+    (26, 32, 36),
+    (92, 104, 92),
+)
 PAPER: Rgb = (242, 237, 226)
 INK: Rgb = (34, 34, 38)
 
@@ -91,8 +115,15 @@ def arches(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:
     for index, share in enumerate((0.4, 0.31, 0.22, 0.13)):
         reach = share * width
         colour = palette[1 + index % (len(palette) - 1)]
-        pen.ellipse((middle - reach, foot - height * 0.42 - reach,
-                     middle + reach, foot - height * 0.42 + reach), fill=colour)  # fmt: skip
+        pen.ellipse(
+            (
+                middle - reach,
+                foot - height * 0.42 - reach,
+                middle + reach,
+                foot - height * 0.42 + reach,
+            ),
+            fill=colour,
+        )
         pen.rectangle((middle - reach, foot - height * 0.42, middle + reach, foot), fill=colour)
     sun = width * 0.12
     at = (width * (0.2 if middle > width / 2 else 0.8), height * 0.18)
@@ -121,8 +152,12 @@ def bauhaus(rng: Rng, size: SizePx, palette: Palette = PRIMARY) -> Image.Image:
                 turn = int(rng.integers(4))
                 at_x, at_y = x - side * (turn % 2), y - side * (turn // 2)
                 start = {0: 180, 1: 270, 2: 90, 3: 0}[turn]
-                pen.pieslice((at_x + (turn % 2) * 0, at_y, at_x + 2 * side, at_y + 2 * side),
-                             start, start + 90, fill=fill)  # fmt: skip
+                pen.pieslice(
+                    (at_x + (turn % 2) * 0, at_y, at_x + 2 * side, at_y + 2 * side),
+                    start,
+                    start + 90,
+                    fill=fill,
+                )
             elif kind == 3:
                 pen.pieslice((x, y + side / 2, x + side, y + 1.5 * side), 180, 360, fill=fill)
             elif kind == 4:
@@ -162,15 +197,41 @@ def _curve(points: FloatArray, steps: int = 24) -> list[tuple[float, float]]:
     for index in range(len(points) - 1):
         a, b, c, d = padded[index : index + 4]
         for t in np.linspace(0, 1, steps, endpoint=False):
-            path.append(0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2
-                               + (3 * b - a - 3 * c + d) * t**3))  # fmt: skip
+            path.append(
+                0.5
+                * (
+                    2 * b
+                    + (c - a) * t
+                    + (2 * a - 5 * b + 4 * c - d) * t**2
+                    + (3 * b - a - 3 * c + d) * t**3
+                )
+            )
     return [(float(x), float(y)) for x, y in [*path, points[-1]]]
 
 
-_FACE = ((0.3, 0.95), (0.36, 0.8), (0.27, 0.72), (0.24, 0.55), (0.3, 0.34), (0.5, 0.24), (0.68, 0.3),
-         (0.72, 0.42), (0.75, 0.47), (0.71, 0.53), (0.79, 0.6), (0.73, 0.635), (0.74, 0.67),
-         (0.77, 0.69), (0.725, 0.71), (0.76, 0.74), (0.715, 0.765), (0.72, 0.81), (0.66, 0.85),
-         (0.53, 0.83), (0.55, 0.97))  # fmt: skip
+_FACE = (
+    (0.3, 0.95),
+    (0.36, 0.8),
+    (0.27, 0.72),
+    (0.24, 0.55),
+    (0.3, 0.34),
+    (0.5, 0.24),
+    (0.68, 0.3),
+    (0.72, 0.42),
+    (0.75, 0.47),
+    (0.71, 0.53),
+    (0.79, 0.6),
+    (0.73, 0.635),
+    (0.74, 0.67),
+    (0.77, 0.69),
+    (0.725, 0.71),
+    (0.76, 0.74),
+    (0.715, 0.765),
+    (0.72, 0.81),
+    (0.66, 0.85),
+    (0.53, 0.83),
+    (0.55, 0.97),
+)
 _HAIR = (
     (0.71, 0.36),
     (0.6, 0.16),
@@ -350,8 +411,16 @@ def moons(rng: Rng, size: SizePx, palette: Palette = PALE) -> Image.Image:
         disc = np.clip((1.0 - np.hypot(dx, dy)) * r, 0, 1)
         phase = (-0.75, -0.2, 1.0, 0.2, 0.75)[index]
         edge = np.sqrt(np.clip(1 - dy**2, 0, 1))
-        lit = np.ones_like(dx) if index == 2 else np.clip((np.sign(phase) * dx / np.maximum(edge, 0.05)
-               + (0.5 if abs(phase) < 0.5 else -0.1)) * 8, 0, 1)  # fmt: skip
+        lit = (
+            np.ones_like(dx)
+            if index == 2
+            else np.clip(
+                (np.sign(phase) * dx / np.maximum(edge, 0.05) + (0.5 if abs(phase) < 0.5 else -0.1))
+                * 8,
+                0,
+                1,
+            )
+        )
         tone = np.array((228, 220, 200), dtype=np.float64) + 12.0 * crater[..., None]
         image = masked(image, tone, disc * (0.1 + 0.9 * lit))
     return textured(image, rng, 5.0, 0.0)

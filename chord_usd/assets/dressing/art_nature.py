@@ -92,8 +92,11 @@ def ink_hills(rng: Rng, size: SizePx) -> Image.Image:
         fill=(238, 226, 208),
         width=1,
     )
-    pen.line([(left + seal * 0.55, top + seal * 0.4), (left + seal - 2, top + seal * 0.4)],
-             fill=(238, 226, 208), width=1)  # fmt: skip
+    pen.line(
+        [(left + seal * 0.55, top + seal * 0.4), (left + seal - 2, top + seal * 0.4)],
+        fill=(238, 226, 208),
+        width=1,
+    )
     return textured(image, rng, 5.0, 0.0)
 
 
@@ -115,8 +118,15 @@ def enso(rng: Rng, size: SizePx) -> Image.Image:
     return textured(masked(image, (30, 29, 30), mask), rng, 4.0, 0.0)
 
 
-def _leaf(pen: ImageDraw.ImageDraw, at: FloatArray, angle: float, long: float, wide: float,
-          fill: Rgb, vein: Rgb) -> None:  # fmt: skip
+def _leaf(
+    pen: ImageDraw.ImageDraw,
+    at: FloatArray,
+    angle: float,
+    long: float,
+    wide: float,
+    fill: Rgb,
+    vein: Rgb,
+) -> None:
     """A pointed leaf from its stalk at `at`, towards angle."""
     share = np.linspace(0, 1, 24)
     half = wide / 2 * np.sin(math.pi * share**0.8)
@@ -207,8 +217,15 @@ def bamboo(rng: Rng, size: SizePx) -> Image.Image:
                     )
                     long = side * float(rng.uniform(0.13, 0.22))
                     tone = int(rng.integers(30, 110))
-                    _leaf(pen, np.array([nx, y - step]), angle, long, long * 0.17,
-                          (tone, tone, tone), (tone, tone, tone))  # fmt: skip
+                    _leaf(
+                        pen,
+                        np.array([nx, y - step]),
+                        angle,
+                        long,
+                        long * 0.17,
+                        (tone, tone, tone),
+                        (tone, tone, tone),
+                    )
             x, y = nx, y - step
     return textured(image.resize(size, Image.Resampling.LANCZOS), rng, 5.0, 0.0)
 
@@ -222,8 +239,11 @@ def sea(rng: Rng, size: SizePx, palette: Palette = PALE) -> Image.Image:
     sky = high + (low - high) * np.clip(y / horizon, 0, 1)[..., None] ** 1.4
     cloud = np.clip(noise(rng, size, 3, 5) * 0.9 - 0.1, 0, 1) * np.clip((horizon - y) * 4, 0, 1)
     sky += (np.array((246, 240, 230)) - sky) * cloud[..., None]
-    water = np.array((86, 118, 130), float) + (np.array((44, 72, 86)) - (86, 118, 130)) * (
-        np.clip((y - horizon) / (1 - horizon), 0, 1)[..., None])  # fmt: skip
+    water = (
+        np.array((86, 118, 130), float)
+        + (np.array((44, 72, 86)) - (86, 118, 130))
+        * (np.clip((y - horizon) / (1 - horizon), 0, 1)[..., None])
+    )
     flat = Image.fromarray(noise(rng, (size[0] // 6 + 2, size[1]), 20, 3).astype(np.float32))
     waves = np.asarray(flat.resize(size, Image.Resampling.BICUBIC), dtype=np.float64)
     water += 26.0 * np.clip(waves, -0.4, 1)[..., None]
@@ -237,7 +257,8 @@ def old_landscape(rng: Rng, size: SizePx) -> Image.Image:
     width, height = size
     x, y = grid(size)
     sky = np.array((206, 186, 146), float) + (np.array((122, 134, 134)) - (206, 186, 146)) * (
-        np.clip(1 - y / 0.5, 0, 1)[..., None] ** 1.5)  # fmt: skip
+        np.clip(1 - y / 0.5, 0, 1)[..., None] ** 1.5
+    )
     sky += 30.0 * (np.clip(noise(rng, size, 3, 5), 0, 1) * (y < 0.55))[..., None]
     image = Image.fromarray(np.clip(sky, 0, 255).astype(np.uint8))
     for index, tone in enumerate(((136, 132, 104), (100, 98, 66), (74, 72, 44))):
@@ -288,8 +309,11 @@ def still_life(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:
         half = np.interp(rise, knots[:, 0], knots[:, 1]) * wide
         off = (x - at) * width / side
         mask = np.clip((half - np.abs(off)) * side / 1.5, 0, 1) * (rise > 0) * (rise < 1)
-        shade = np.array(colour, float) * (1.06 - 0.34 * np.clip(off / np.maximum(half, 1e-3) * 0.5 + 0.5, 0, 1)
-                                           )[..., None] + 8 * noise(rng, size, 8, 3)[..., None]  # fmt: skip
+        shade = (
+            np.array(colour, float)
+            * (1.06 - 0.34 * np.clip(off / np.maximum(half, 1e-3) * 0.5 + 0.5, 0, 1))[..., None]
+            + 8 * noise(rng, size, 8, 3)[..., None]
+        )
         cast = np.exp(-(((off - 0.1) / 0.16) ** 2 + ((y - foot) * 26) ** 2)) * 0.35
         image = masked(image, (60, 44, 36), cast)
         image = masked(image, shade, mask)
@@ -333,8 +357,10 @@ def branch(rng: Rng, size: SizePx) -> Image.Image:
                         (px - r * 0.8, py - r * 0.8, px + r * 0.8, py + r * 0.8),
                         fill=(206, 108, 104),
                     )
-                pen.ellipse((spot[0] - r * 0.4, spot[1] - r * 0.4, spot[0] + r * 0.4, spot[1] + r * 0.4),
-                            fill=(244, 222, 190))  # fmt: skip
+                pen.ellipse(
+                    (spot[0] - r * 0.4, spot[1] - r * 0.4, spot[0] + r * 0.4, spot[1] + r * 0.4),
+                    fill=(244, 222, 190),
+                )
 
     bough(np.array([width * -0.02, height * 0.62]), -0.35, side * 1.05, side * 0.024, 2)
     return textured(image.resize(size, Image.Resampling.LANCZOS), rng, 5.0, 0.0)

@@ -59,8 +59,12 @@ def _bands(thick_m: float, deep_m: float, tall_m: float, kind: int) -> list[Soli
         spots = ((0.86, 0.004, 1.25), (0.66, 0.14, 0.5), (0.14, 0.004, 1.25))
     else:
         spots = ((0.78, 0.02, 1.0), (0.72, 0.02, 0.8), (0.1, 0.03, 0.5))
-    return [box((min(wide * share, thick_m * 0.8), 0.002, tall_m * tall)).moved(y=y, z=tall_m * at - tall_m * tall / 2)
-            for at, tall, share in spots]  # fmt: skip
+    return [
+        box((min(wide * share, thick_m * 0.8), 0.002, tall_m * tall)).moved(
+            y=y, z=tall_m * at - tall_m * tall / 2
+        )
+        for at, tall, share in spots
+    ]
 
 
 def book_row(
@@ -107,8 +111,18 @@ def book_row(
         room = end - x
         angle = math.degrees(math.asin(min((room - thick) / tall, 0.4)))
         deep = width * 0.84
-        _stand(covers, pages, prints, (thick, deep, tall), SLOTS[count % 4], rng, x, -width / 2 + deep / 2, -angle,
-               foot=end)  # fmt: skip
+        _stand(
+            covers,
+            pages,
+            prints,
+            (thick, deep, tall),
+            SLOTS[count % 4],
+            rng,
+            x,
+            -width / 2 + deep / 2,
+            -angle,
+            foot=end,
+        )
     z = 0.0
     for index in range(4 if lying else 0):
         thick = float(rng.uniform(0.018, 0.034))
@@ -136,8 +150,18 @@ def book_row(
     return tuple(parts)
 
 
-def _stand(covers: dict, pages: list, prints: list, size: Size, slot: str, rng: np.random.Generator, x: float,
-           y: float, lean_deg: float, foot: float = 0.0) -> None:  # fmt: skip
+def _stand(
+    covers: dict,
+    pages: list,
+    prints: list,
+    size: Size,
+    slot: str,
+    rng: np.random.Generator,
+    x: float,
+    y: float,
+    lean_deg: float,
+    foot: float = 0.0,
+) -> None:
     """Put one book in the row; a leaning one has its right lower edge at foot."""
     cover, leaves = bound(*size)
     marks = _bands(*size, int(rng.integers(4)))

@@ -1,4 +1,4 @@
-"""Baskets, bins, umbrella stands, boxes."""
+"""Baskets and bins."""
 
 from __future__ import annotations
 
@@ -29,7 +29,6 @@ from chord_usd.assets.solids import (
     block,
     box,
     cylinder,
-    extruded,
     joined,
     lathe,
     ring,
@@ -42,8 +41,16 @@ Draw = Callable[[Size], tuple[Part, ...]]
 
 def _ear(wide_m: float, tall_m: float, thick_m: float) -> Solid:
     """A handle that stands up from z = 0, along y."""
-    path = bent_path([[0, -wide_m / 2, -0.02], [0, -wide_m / 2, tall_m], [0, wide_m / 2, tall_m], [0, wide_m / 2, -0.02]],
-                     0.4 * wide_m, 4)  # fmt: skip
+    path = bent_path(
+        [
+            [0, -wide_m / 2, -0.02],
+            [0, -wide_m / 2, tall_m],
+            [0, wide_m / 2, tall_m],
+            [0, wide_m / 2, -0.02],
+        ],
+        0.4 * wide_m,
+        4,
+    )
     return tube(path, thick_m, 7)
 
 
@@ -73,7 +80,7 @@ def _folded(radius_m: float, z_m: float, rise_m: float) -> Solid:
 
 def round_basket(size_m: Size, *, has_throw: bool = False, belly: float = 1.0) -> tuple[Part, ...]:
     """A woven basket with two ears; perhaps with a blanket in it."""
-    length, width, height = size_m
+    length, _width, height = size_m
     r = length / 2 - 0.008
     top = height - 0.07
     profile = [
@@ -108,8 +115,14 @@ def _tub(
     length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0
 ) -> Solid:
     """A hollow box with round corners, open above."""
-    levels = [(taper + 0.003, 0.0), (taper, 0.004), (0.0, height - 0.002), (0.001, height), (thick, height),
-              (taper + thick, 0.012)]  # fmt: skip
+    levels = [
+        (taper + 0.003, 0.0),
+        (taper, 0.004),
+        (0.0, height - 0.002),
+        (0.001, height),
+        (thick, height),
+        (taper + thick, 0.012),
+    ]
     return lofted(_rectangle(length, width, levels, corner))
 
 
@@ -131,11 +144,32 @@ def laundry(size_m: Size) -> tuple[Part, ...]:
             slats.append(
                 block((0.008, 0.016, height - 0.02), 0.002).moved(s * (length / 2 - 0.006), y, 0.01)
             )
-    hoops = [lofted(_rectangle(length, width, [(0.0, z), (0.0, z + 0.022), (0.014, z + 0.022), (0.014, z)], 0.01, 2), loop=True)
-             for z in (0.0, height * 0.5, height - 0.05)]  # fmt: skip
+    hoops = [
+        lofted(
+            _rectangle(
+                length, width, [(0.0, z), (0.0, z + 0.022), (0.014, z + 0.022), (0.014, z)], 0.01, 2
+            ),
+            loop=True,
+        )
+        for z in (0.0, height * 0.5, height - 0.05)
+    ]
     bag = _tub(length - 0.032, width - 0.032, height - 0.02, 0.004, 0.02).moved(z=0.012)
-    cuff = lofted(_rectangle(length - 0.004, width - 0.004, [(0.0, height - 0.04), (0.0, height - 0.004), (0.004, height), (0.02, height - 0.002),
-                                                              (0.02, height - 0.04)], 0.016, 3), loop=True)  # fmt: skip
+    cuff = lofted(
+        _rectangle(
+            length - 0.004,
+            width - 0.004,
+            [
+                (0.0, height - 0.04),
+                (0.0, height - 0.004),
+                (0.004, height),
+                (0.02, height - 0.002),
+                (0.02, height - 0.04),
+            ],
+            0.016,
+            3,
+        ),
+        loop=True,
+    )
     return (
         Part("Slats", joined(slats), "weave", felt=(box((length, width, height)),)),
         Part("Hoops", joined(hoops), "weave", None),
@@ -145,15 +179,17 @@ def laundry(size_m: Size) -> tuple[Part, ...]:
 
 def wire_basket(size_m: Size) -> tuple[Part, ...]:
     """A basket of steel wire with wooden grips."""
-    length, width, height = size_m
+    length, _width, height = size_m
     r, wire = length / 2 - 0.004, 0.0028
     top = height - 0.012
     bow = np.array(
         [[r * 0.7, 0.0, wire], [r * 0.8, 0.0, 0.02], [r * 0.93, 0, top * 0.55], [r, 0, top]]
     )
     ribs = [tube(bow, wire, 5).turned("z", 360.0 * i / 28) for i in range(28)]
-    hoops = [hollow([(x + 0.003, z), (x + 0.003, z + 0.006)], 0.006, 36)
-             for x, z in ((r * 0.7, 0.0), (r * 0.87, top * 0.3), (r * 0.95, top * 0.64), (r, top))]  # fmt: skip
+    hoops = [
+        hollow([(x + 0.003, z), (x + 0.003, z + 0.006)], 0.006, 36)
+        for x, z in ((r * 0.7, 0.0), (r * 0.87, top * 0.3), (r * 0.95, top * 0.64), (r, top))
+    ]
     base = [
         tube([[-r * 0.68, y, wire], [r * 0.68, y, wire]], wire, 5)
         for y in np.linspace(-0.4, 0.4, 5) * r
@@ -196,7 +232,7 @@ def pedal_bin(size_m: Size) -> tuple[Part, ...]:
 
 def paper_bin(size_m: Size) -> tuple[Part, ...]:
     """An open waste basket, a rolled rim, some paper at its bottom."""
-    length, width, height = size_m
+    length, _width, height = size_m
     r = length / 2
     wall = cup(
         [(0.0, 0.0), (r * 0.8, 0.0), (r * 0.82, 0.006), (r - 0.004, height - 0.004)],
@@ -248,7 +284,7 @@ def swing_bin(size_m: Size) -> tuple[Part, ...]:
 
 def slat_bin(size_m: Size) -> tuple[Part, ...]:
     """A bin of upright wooden slats around a dark pail."""
-    length, width, height = size_m
+    length, _width, height = size_m
     r, count = length / 2, 30
     slat = block((0.008, 2 * math.pi * r / count * 0.8, height), 0.002).moved(x=r - 0.004)
     slats = [slat.turned("z", 360.0 * i / count) for i in range(count)]
@@ -266,202 +302,21 @@ def slat_bin(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def _umbrella(tall_m: float, *, crook: bool = True) -> tuple[Solid, Solid, Solid]:
-    """(folded cloth, shaft, handle) of an umbrella that stands on its tip."""
-    sides, folds = 24, 8
-    turn = np.linspace(0, 2 * math.pi, sides, endpoint=False)
-    rings = []
-    for share, radius in (
-        (0.07, 0.004),
-        (0.12, 0.011),
-        (0.4, 0.024),
-        (0.62, 0.031),
-        (0.68, 0.026),
-        (0.7, 0.006),
-    ):
-        r = radius * (1.0 + 0.22 * np.cos(folds * turn + 5 * share))
-        rings.append(
-            np.stack([r * np.cos(turn), r * np.sin(turn), np.full(sides, share * tall_m)], -1)
-        )
-    cloth = lofted(rings)
-    shaft = cylinder(0.004, 0.86 * tall_m, 0.0, 8)
-    high = 0.82 * tall_m
-    if crook:
-        top = tall_m - 0.046
-        path = [[0, 0, high]] + [
-            [0.036 - 0.036 * math.cos(a), 0.0, top + 0.036 * math.sin(a)]
-            for a in np.linspace(0, 3.4, 9)
-        ]
-        handle = tube(path, 0.009, 8)
-    else:
-        handle = cylinder(0.012, 0.18 * tall_m, 0.004, 12).moved(z=high)
-    return cloth, shaft, handle
-
-
-def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
-    """A tall vessel, or a frame of bars, with two umbrellas leaning in it."""
-    length, width, height = size_m
-    r = min(length, width) / 2
-    tall = height * 0.68
-    parts: list[Part] = []
-    if kind == "frame":
-        bar = 0.012
-        side = 2 * r
-        posts = [
-            block((bar, bar, tall), 0.002).moved(sx * (side - bar) / 2, sy * (side - bar) / 2)
-            for sx in (-1, 1)
-            for sy in (-1, 1)
-        ]
-        rails = []
-        for z in (tall - bar, tall * 0.55, 0.03):
-            for s in (-1, 1):
-                rails.append(
-                    block((side - 2 * bar + 0.002, bar * 0.8, bar), 0.002).moved(
-                        y=s * (side - bar) / 2, z=z
-                    )
-                )
-                rails.append(
-                    block((bar * 0.8, side - 2 * bar + 0.002, bar), 0.002).moved(
-                        x=s * (side - bar) / 2, z=z
-                    )
-                )
-        tray = _tub(side - 2 * bar + 0.004, side - 2 * bar + 0.004, 0.03, 0.003, 0.006).moved(
-            z=0.01
-        )
-        parts += [
-            Part("Frame", joined([*posts, *rails]), "body", felt=(box((side, side, tall)),)),
-            Part("Tray", tray, "tray", None),
-        ]
-    else:
-        profile = {
-            "cylinder": [(0.0, 0.0), (r - 0.006, 0.0), (r, 0.008), (r, tall)],
-            "vase": [(0.0, 0.0), (r * 0.7, 0.0), (r * 0.74, 0.02), (r * 0.96, tall * 0.5), (r, tall * 0.66), (r * 0.86, tall * 0.92), (r * 0.94, tall)],
-        }[kind]  # fmt: skip
-        body = cup(profile, 0.007, 0.02, 40)
-        parts.append(Part("Body", body, "body", felt=(cylinder(r, tall),)))
-        if kind == "cylinder":
-            bands = [
-                hollow([(r + 0.0015, z), (r + 0.0015, z + 0.012)], 0.004, 40)
-                for z in (tall - 0.03, 0.03)
-            ]
-            parts.append(Part("Bands", joined(bands), "tray", None))
-    reach = r * 0.42
-    for name, slot, lean, turn, crook, share in (
-        ("Dark", "cloth_a", 5.0, 20.0, True, 1.0),
-        ("Light", "cloth_b", -6.0, 130.0, False, 0.94),
-    ):
-        cloth, shaft, handle = _umbrella((height - 0.022) * share, crook=crook)
-        at = (-math.copysign(reach, lean) * 0.7, 0.0, 0.022)
-        for part, solid, wear in (
-            ("Umbrella", cloth, slot),
-            ("Shaft", shaft, "metal"),
-            ("Handle", handle, "wood"),
-        ):
-            parts.append(
-                Part(
-                    f"{part}_{name}",
-                    solid.turned("y", lean).moved(*at).turned("z", turn),
-                    wear,
-                    None,
-                )
-            )
-    return tuple(parts)
-
-
-def lidded_box(size_m: Size) -> tuple[Part, ...]:
-    """A cloth-covered box with an overlapping lid and a label holder."""
-    length, width, height = size_m
-    lid_h = min(0.05, height * 0.3)
-    body = block((length - 0.006, width - 0.009, height - 0.004), 0.003).moved(y=0.0015)
-    lid = block((length, width - 0.003, lid_h), 0.004).moved(y=0.0015, z=height - lid_h)
-    y = -width / 2
-    label_z = (height - lid_h) * 0.42
-    frame = block((0.075, 0.003, 0.045), 0.001).moved(y=y + 0.0045, z=label_z)
-    card = block((0.064, 0.0036, 0.034), 0.0008).moved(y=y + 0.0042, z=label_z + 0.0055)
-    return (
-        Part("Body", body, "cloth"),
-        Part("Lid", lid, "cloth"),
-        Part("Label_Frame", frame, "metal", None),
-        Part("Card", card.moved(y=-0.0022), "card", None),
-    )
-
-
-def open_box(size_m: Size) -> tuple[Part, ...]:
-    """An open box of felt or cloth with a leather grip."""
-    length, width, height = size_m
-    tub = _tub(length, width - 0.008, height, 0.006, 0.02, 0.008).moved(y=0.004)
-    y = -width / 2
-    z = height * 0.62
-    strap = tube(
-        [
-            [-0.04, y + 0.009, z],
-            [-0.028, y + 0.0035, z - 0.012],
-            [0.028, y + 0.0035, z - 0.012],
-            [0.04, y + 0.009, z],
-        ],
-        0.0035,
-        7,
-    )
-    studs = [
-        cylinder(0.007, 0.005, 0.0015, 14).turned("x", 90).moved(x, y + 0.0095, z)
-        for x in (-0.04, 0.04)
-    ]
-    return (
-        Part("Tub", tub, "cloth", felt=(box((length, width - 0.01, height)),)),
-        Part("Strap", strap, "grip", None),
-        Part("Studs", joined(studs), "metal", None),
-    )
-
-
-def wooden_box(size_m: Size) -> tuple[Part, ...]:
-    """A box of boards with finger holes at its ends and open above."""
-    length, width, height = size_m
-    t = 0.012
-    long = block((length, t, height), 0.0015)
-    hole = np.stack(
-        [0.035 * np.cos(a := np.linspace(0, 2 * np.pi, 20, endpoint=False)), 0.011 * np.sin(a)], -1
-    )
-    half = (width - 2 * t) / 2
-    outline = np.array(
-        [[-half, 0.0], [half, 0.0], [half, height - 0.0015], [-half, height - 0.0015]]
-    )
-    end = extruded(outline, t, [hole + [0.0, height * 0.74]]).turned("x", 90).turned("z", 90)
-    x0 = float(end.bounds_m().mean(axis=0)[0])
-    ends = [end.moved(x=s * (length - t) / 2 - x0) for s in (-1, 1)]
-    floor = block((length - 2 * t + 0.002, width - 2 * t + 0.002, 0.008), 0.001).moved(z=0.004)
-    sides = [long.moved(y=s * (width - t) / 2) for s in (-1, 1)]
-    return (
-        Part(
-            "Boards", joined([*sides, *ends, floor]), "wood", felt=(box((length, width, height)),)
-        ),
-    )
-
-
-def woven_box(size_m: Size) -> tuple[Part, ...]:
-    """A rectangular woven tray with round corners."""
-    length, width, height = size_m
-    round_ = woven_skin(
-        [(0.47, 0.0), (0.5, height * 0.5), (0.49, height - 0.006)],
-        0.03,
-        0.012,
-        strands=48,
-        rows=7,
-        depth_m=0.012,
-    )
-    points = round_.points_m.copy()
-    # A circle drawn out to a squircle, then to the box.
-    flat = points[:, :2]
-    norm = np.maximum((np.abs(flat) ** 4).sum(axis=1) ** 0.25, 1e-9)
-    radius = np.hypot(flat[:, 0], flat[:, 1])
-    points[:, :2] = flat / norm[:, None] * radius[:, None] * [length * 0.99, width * 0.99]
-    skin = Solid(points, round_.faces)
-    return (Part("Wall", skin, "weave", felt=(box((length * 0.98, width * 0.98, height)),)),)
-
-
 def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
-    base = {"weave": "rattan", "cloth": "canvas_cloth", "grip": "tan_leather", "metal": "steel", "plastic": "plastic_black",
-            "paper": "paper", "wood": "oak", "body": "black_metal", "tray": "black_metal", "cloth_a": "coat_navy",
-            "cloth_b": "beige_cloth", "card": "paper"}  # fmt: skip
+    base = {
+        "weave": "rattan",
+        "cloth": "canvas_cloth",
+        "grip": "tan_leather",
+        "metal": "steel",
+        "plastic": "plastic_black",
+        "paper": "paper",
+        "wood": "oak",
+        "body": "black_metal",
+        "tray": "black_metal",
+        "cloth_a": "coat_navy",
+        "cloth_b": "beige_cloth",
+        "card": "paper",
+    }
     return {name: {**base, **way} for name, way in ways.items()}
 
 
@@ -471,43 +326,43 @@ _WOVEN = _looks(
     dark={"weave": "dark_rattan"},
     white={"weave": "white_rattan"},
 )
+
+
 _ROPE = _looks(
     rope={"weave": "rope", "cloth": "grey_cloth"},
     grey={"weave": "felt_grey"},
     rust={"weave": "rope", "cloth": "rust_cloth"},
 )
+
+
 _WIRE = _looks(
     black_metal={"weave": "black_metal", "grip": "oak"},
     brass={"weave": "antique_brass", "grip": "walnut"},
 )
+
+
 _SLATS = _looks(
     oak={"weave": "oak"},
     bamboo={"weave": "bamboo_wood"},
     walnut={"weave": "walnut", "cloth": "linen"},
 )
+
+
 _BIN = _looks(
     steel={},
     black={"metal": "black"},
     white={"metal": "white", "plastic": "light_grey"},
     sage={"metal": "sage"},
 )
+
+
 _WOODEN = _looks(
     oak={},
     walnut={"wood": "walnut"},
     bamboo={"wood": "bamboo_wood"},
     black_stain={"wood": "black_stain"},
 )
-_STAND = _looks(black_metal={}, brass={"body": "antique_brass", "tray": "antique_brass", "cloth_a": "coat_olive"},
-                white={"body": "white", "tray": "oak", "cloth_a": "charcoal_cloth", "cloth_b": "mustard_cloth"})  # fmt: skip
-_POT = _looks(
-    indigo={"body": "indigo_glaze"},
-    white={"body": "stoneware", "cloth_a": "coat_olive"},
-    black={"body": "dark_stoneware"},
-)
-_CLOTH = _looks(linen={"cloth": "canvas_cloth", "metal": "antique_brass"}, grey={"cloth": "felt_grey"},
-                green={"cloth": "green_cloth", "metal": "antique_brass"}, charcoal={"cloth": "felt_dark"})  # fmt: skip
-_KRAFT = _looks(kraft={"cloth": "kraft", "metal": "black_metal"}, black={"cloth": "black", "metal": "antique_brass"},
-                cream={"cloth": "cream", "metal": "antique_brass"})  # fmt: skip
+
 
 _MSJ = (MODERN, SCANDINAVIAN, JAPANESE)
 
@@ -519,23 +374,30 @@ def _design(
 
 
 DESIGNS = (
-    _design("Basket_Round", "basket", (0.42, 0.4, 0.4), round_basket, _WOVEN, (SCANDINAVIAN, JAPANESE, CLASSIC)),
-    _design("Basket_Throw", "basket", (0.46, 0.45, 0.42), partial(round_basket, has_throw=True), _ROPE, (SCANDINAVIAN, MODERN)),
+    _design(
+        "Basket_Round",
+        "basket",
+        (0.42, 0.4, 0.4),
+        round_basket,
+        _WOVEN,
+        (SCANDINAVIAN, JAPANESE, CLASSIC),
+    ),
+    _design(
+        "Basket_Throw",
+        "basket",
+        (0.46, 0.45, 0.42),
+        partial(round_basket, has_throw=True),
+        _ROPE,
+        (SCANDINAVIAN, MODERN),
+    ),
     _design("Basket_Small", "basket", (0.3, 0.28, 0.28), round_basket, _WOVEN, ()),
     _design("Basket_Laundry", "basket", (0.42, 0.32, 0.58), laundry, _SLATS, _MSJ),
     _design("Basket_Wire", "basket", (0.4, 0.4, 0.32), wire_basket, _WIRE, (INDUSTRIAL, MODERN)),
-    _design("Bin_Pedal", "bin", (0.25, 0.29, 0.4), pedal_bin, _BIN, (MODERN, SCANDINAVIAN, INDUSTRIAL)),
+    _design(
+        "Bin_Pedal", "bin", (0.25, 0.29, 0.4), pedal_bin, _BIN, (MODERN, SCANDINAVIAN, INDUSTRIAL)
+    ),
     _design("Bin_Pedal_Small", "bin", (0.19, 0.23, 0.27), pedal_bin, _BIN, ()),
     _design("Bin_Paper", "bin", (0.26, 0.26, 0.3), paper_bin, _BIN, (MODERN, INDUSTRIAL, CLASSIC)),
     _design("Bin_Swing", "bin", (0.38, 0.28, 0.62), swing_bin, _BIN, (MODERN, INDUSTRIAL)),
     _design("Bin_Slats", "bin", (0.26, 0.26, 0.32), slat_bin, _WOODEN, (JAPANESE, SCANDINAVIAN)),
-    _design("Umbrella_Stand_Round", "umbrella_stand", (0.23, 0.23, 0.86), umbrella_stand, _STAND, (MODERN, CLASSIC)),
-    _design("Umbrella_Stand_Vase", "umbrella_stand", (0.26, 0.26, 0.86), partial(umbrella_stand, kind="vase"), _POT, (JAPANESE, CLASSIC)),
-    _design("Umbrella_Stand_Frame", "umbrella_stand", (0.22, 0.22, 0.86), partial(umbrella_stand, kind="frame"), _STAND, (INDUSTRIAL, SCANDINAVIAN, MODERN)),
-    _design("Box_Lidded", "storage_box", (0.34, 0.25, 0.18), lidded_box, _KRAFT, (MODERN, CLASSIC, INDUSTRIAL)),
-    _design("Box_Lidded_Small", "storage_box", (0.25, 0.18, 0.13), lidded_box, _KRAFT, (MODERN, CLASSIC, INDUSTRIAL)),
-    _design("Box_Felt", "storage_box", (0.3, 0.3, 0.26), open_box, _CLOTH, (MODERN, SCANDINAVIAN)),
-    _design("Box_Felt_Small", "storage_box", (0.24, 0.18, 0.15), open_box, _CLOTH, (MODERN, SCANDINAVIAN)),
-    _design("Box_Wooden", "storage_box", (0.34, 0.22, 0.16), wooden_box, _WOODEN, (SCANDINAVIAN, JAPANESE, INDUSTRIAL)),
-    _design("Box_Woven", "storage_box", (0.32, 0.24, 0.16), woven_box, _WOVEN, (SCANDINAVIAN, JAPANESE, CLASSIC)),
-)  # fmt: skip
+)

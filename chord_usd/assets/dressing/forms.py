@@ -14,8 +14,12 @@ from chord_usd.assets.solids import Size, Solid, joined, lathe, loft, welded
 from chord_usd.scene.types import FloatArray, frozen_array
 
 MODERN, SCANDINAVIAN, CLASSIC, INDUSTRIAL, JAPANESE = (
-    "modern", "scandinavian", "classic", "industrial", "japanese",
-)  # fmt: skip
+    "modern",
+    "scandinavian",
+    "classic",
+    "industrial",
+    "japanese",
+)
 
 
 def rng_of(name: str) -> np.random.Generator:
@@ -65,17 +69,20 @@ def cup(
 
 
 def arc(
-    first: tuple[float, float], middle: tuple[float, float], last: tuple[float, float],
+    first: tuple[float, float],
+    middle: tuple[float, float],
+    last: tuple[float, float],
     steps: int = 8,
-) -> list[tuple[float, float]]:  # fmt: skip
+) -> list[tuple[float, float]]:
     """Points of a smooth curve (quadratic Bezier) from first to last, drawn towards middle."""
     at = np.linspace(0.0, 1.0, steps + 1)[:, None]
     ends = (1 - at) ** 2 * np.array(first) + at**2 * np.array(last)
     return [(float(x), float(y)) for x, y in ends + 2 * at * (1 - at) * np.array(middle)]
 
 
-def sphere_profile(radius_m: float, low: float = -1.0, high: float = 1.0, steps: int = 14,
-                   z_m: float = 0.0) -> list[tuple[float, float]]:  # fmt: skip
+def sphere_profile(
+    radius_m: float, low: float = -1.0, high: float = 1.0, steps: int = 14, z_m: float = 0.0
+) -> list[tuple[float, float]]:
     """(radius, z) of a ball around z_m between two shares of its radius, lowest first."""
     angles = np.linspace(math.asin(max(low, -1.0)), math.asin(min(high, 1.0)), steps + 1)
     return [
@@ -109,18 +116,35 @@ def frame_rails(length_m: float, height_m: float, section_m: npt.ArrayLike) -> S
 def flat_rail(rail_m: float, deep_m: float, bevel_m: float = 0.0015) -> FloatArray:
     """Section of a plain rail whose back lies at y = 0, front to -y."""
     b = bevel_m
-    return np.array([
-        [0.0, 0.0], [0.0, -deep_m + b], [b, -deep_m], [rail_m - b, -deep_m], [rail_m, -deep_m + b],
-        [rail_m, 0.0],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [0.0, 0.0],
+            [0.0, -deep_m + b],
+            [b, -deep_m],
+            [rail_m - b, -deep_m],
+            [rail_m, -deep_m + b],
+            [rail_m, 0.0],
+        ]
+    )
 
 
 def moulded_rail(rail_m: float, deep_m: float) -> FloatArray:
     """Section of a classic rail: a raised outer bead, a hollow, an inner step."""
     shape = [
-        (0.0, 0.0), (0.0, 0.62), (0.06, 0.86), (0.16, 1.0), (0.27, 0.95), (0.34, 0.78),
-        (0.5, 0.58), (0.68, 0.52), (0.76, 0.6), (0.86, 0.6), (0.92, 0.42), (1.0, 0.36), (1.0, 0.0),
-    ]  # fmt: skip
+        (0.0, 0.0),
+        (0.0, 0.62),
+        (0.06, 0.86),
+        (0.16, 1.0),
+        (0.27, 0.95),
+        (0.34, 0.78),
+        (0.5, 0.58),
+        (0.68, 0.52),
+        (0.76, 0.6),
+        (0.86, 0.6),
+        (0.92, 0.42),
+        (1.0, 0.36),
+        (1.0, 0.0),
+    ]
     return np.array([[rail_m * along, -deep_m * out] for along, out in shape])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,10 +36,18 @@ SWORD = (0.62, 0.86, 1.0, 0.96, 0.8, 0.5, 0.0)
 
 
 def leaf(
-    long_m: float, wide_m: float, outline: Sequence[float], *, pitch_deg: float, droop_deg: float,
-    fold: float = 0.18, rows: int = 0, columns: int = 3, twist_deg: float = 0.0,
+    long_m: float,
+    wide_m: float,
+    outline: Sequence[float],
+    *,
+    pitch_deg: float,
+    droop_deg: float,
+    fold: float = 0.18,
+    rows: int = 0,
+    columns: int = 3,
+    twist_deg: float = 0.0,
     slits: int = 0,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """(rows, columns, 3) grid of a leaf that grows from the origin towards +x.
 
     outline: half widths, shares of wide_m / 2, at even steps from stalk to tip. It starts at
@@ -63,9 +72,13 @@ def leaf(
     slope = np.gradient(z, x + 1e-9 * np.arange(count)) if long_m > 0 else np.zeros(count)
     tilt = np.arctan(slope)
     grid = np.stack(
-        [x[:, None] - lift * np.sin(tilt)[:, None], reach * np.cos(twist),
-         z[:, None] + lift * np.cos(tilt)[:, None]], axis=-1,
-    )  # fmt: skip
+        [
+            x[:, None] - lift * np.sin(tilt)[:, None],
+            reach * np.cos(twist),
+            z[:, None] + lift * np.cos(tilt)[:, None],
+        ],
+        axis=-1,
+    )
     return grid
 
 
@@ -88,9 +101,13 @@ def foliage(grids: Sequence[FloatArray]) -> Solid:
 
 
 def bow(
-    foot: Sequence[float], yaw_deg: float, out_m: float, rise_m: float, sag: float = 0.0,
+    foot: Sequence[float],
+    yaw_deg: float,
+    out_m: float,
+    rise_m: float,
+    sag: float = 0.0,
     steps: int = 6,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """(N, 3) path of a stem that rises first and leans out later; sag bends its end down."""
     t = np.linspace(0.0, 1.0, steps + 1)
     out, up = out_m * t**1.7, rise_m * (t - sag * t**3) / (1.0 - sag)
@@ -117,9 +134,13 @@ def _thinned(stem: Solid, path: FloatArray, thick_m: float, tip_m: float) -> Sol
 
 
 def reaching(
-    solid: Solid, length_m: float, width_m: float, low_m: float, high_m: float,
+    solid: Solid,
+    length_m: float,
+    width_m: float,
+    low_m: float,
+    high_m: float,
     bounds_m: FloatArray,
-) -> Solid:  # fmt: skip
+) -> Solid:
     """A plant drawn out so that bounds_m would fill its box; what is on the axis stays there."""
     low, high = bounds_m
     points = solid.points_m.copy()
@@ -132,17 +153,25 @@ def reaching(
 
 
 def grown(
-    named: Sequence[tuple[str, Solid, str, bool]], length_m: float, width_m: float, low_m: float,
+    named: Sequence[tuple[str, Solid, str, bool]],
+    length_m: float,
+    width_m: float,
+    low_m: float,
     high_m: float,
-) -> tuple[Part, ...]:  # fmt: skip
+) -> tuple[Part, ...]:
     """Parts of the plant above its pot: (name, solid, slot, two-sided), brought to its box."""
     corners = np.array([solid.bounds_m() for _, solid, _, _ in named])
     bounds = np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
     return tuple(
-        Part(name, reaching(solid, length_m, width_m, low_m, high_m, bounds), slot, None,
-             two_sided=two_sided)
+        Part(
+            name,
+            reaching(solid, length_m, width_m, low_m, high_m, bounds),
+            slot,
+            None,
+            two_sided=two_sided,
+        )
         for name, solid, slot, two_sided in named
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True)
@@ -167,10 +196,13 @@ def pot(kind: PotKind, radius_m: float, height_m: float) -> Pot:
         "taper": [(0.0, 0.0), (0.68 * r, 0.0), (0.72 * r, 0.012), (r, h)],
         "cylinder": [(0.0, 0.0), (r - 0.008, 0.0), (r, 0.008), (r, h)],
         "rim": [(0.0, 0.0), (0.66 * r, 0.0), (0.9 * r, 0.8 * h), (r, 0.8 * h), (r, h)],
-        "belly": [(0.0, 0.0), (0.6 * r, 0.0),
-                  *arc((0.62 * r, 0.01), (1.2 * r, 0.55 * h), (0.82 * r, h), 9)],
+        "belly": [
+            (0.0, 0.0),
+            (0.6 * r, 0.0),
+            *arc((0.62 * r, 0.01), (1.2 * r, 0.55 * h), (0.82 * r, h), 9),
+        ],
         "fluted": [(0.0, 0.0), (0.8 * r, 0.0), (0.84 * r, 0.01), (r, h)],
-    }[kind]  # fmt: skip
+    }[kind]
     floor = h - min(0.03, 0.18 * h) - 0.012
     body = cup(profile, thick, floor, 40 if kind == "fluted" else 32)
     if kind == "fluted":
@@ -181,8 +213,16 @@ def pot(kind: PotKind, radius_m: float, height_m: float) -> Pot:
 
 
 def _soil(radius_m: float, floor_m: float) -> Part:
-    crumbs = lathe([(radius_m, 0.0), (radius_m, 0.008), (radius_m * 0.6, 0.012),
-                    (radius_m * 0.3, 0.009), (0.0, 0.013)], 20)  # fmt: skip
+    crumbs = lathe(
+        [
+            (radius_m, 0.0),
+            (radius_m, 0.008),
+            (radius_m * 0.6, 0.012),
+            (radius_m * 0.3, 0.009),
+            (0.0, 0.013),
+        ],
+        20,
+    )
     return Part("Soil", crumbs.moved(z=floor_m + 0.0005), "soil", None)
 
 
@@ -209,11 +249,14 @@ def _cube(r: float, h: float) -> Pot:
     ] + [
         block((0.016, side - 0.03, 0.0295), 0.003).moved(x=s * (side - 0.016) / 2, z=h - 0.028)
         for s in (-1, 1)
-    ]  # fmt: skip
+    ]
     body = outer.scaled(1.0, 1.0, (h - 0.022) / h)
     soil = Part("Soil", inner.moved(z=-0.014), "soil", None)
-    return Pot((Part("Pot", body, "pot"), Part("Rim", joined(walls), "pot", None), soil),
-               h - 0.008, side / 2 - 0.02)  # fmt: skip
+    return Pot(
+        (Part("Pot", body, "pot"), Part("Rim", joined(walls), "pot", None), soil),
+        h - 0.008,
+        side / 2 - 0.02,
+    )
 
 
 def _on_stand(r: float, h: float) -> Pot:
@@ -226,20 +269,31 @@ def _on_stand(r: float, h: float) -> Pot:
     leg = block((0.026, 0.026, 0.82 * h), 0.005)
     at = inner + 0.012
     legs = [leg.moved(x=at).turned("z", turn) for turn in (45, 135, 225, 315)]
-    bars = [block((2 * at, 0.022, 0.022), 0.003).turned("z", turn).moved(z=low - 0.0215 - i * 0.001)
-            for i, turn in enumerate((45, 135))]  # fmt: skip
+    bars = [
+        block((2 * at, 0.022, 0.022), 0.003).turned("z", turn).moved(z=low - 0.0215 - i * 0.001)
+        for i, turn in enumerate((45, 135))
+    ]
     felt = (cylinder(inner, h - low).moved(z=low), cylinder(0.7 * inner, low))
     return Pot(
-        (Part("Pot", body, "pot", felt=felt), Part("Stand", joined([*legs, *bars]), "stand", None),
-         _soil(inner - 0.01, floor)),
-        floor + 0.012, inner - 0.01,
-    )  # fmt: skip
+        (
+            Part("Pot", body, "pot", felt=felt),
+            Part("Stand", joined([*legs, *bars]), "stand", None),
+            _soil(inner - 0.01, floor),
+        ),
+        floor + 0.012,
+        inner - 0.01,
+    )
 
 
 def woven_skin(
-    profile_m: Sequence[tuple[float, float]], thick_m: float, floor_m: float, *, strands: int = 36,
-    depth_m: float = 0.004, rows: int = 11,
-) -> Solid:  # fmt: skip
+    profile_m: Sequence[tuple[float, float]],
+    thick_m: float,
+    floor_m: float,
+    *,
+    strands: int = 36,
+    depth_m: float = 0.004,
+    rows: int = 11,
+) -> Solid:
     """A basket's wall: strands that go over and under upright rods, row by row.
 
     profile_m: (radius, z) of the outside from the foot to the rim.
@@ -247,16 +301,17 @@ def woven_skin(
     heights = np.array([z for _, z in profile_m])
     radii = np.array([r for r, _ in profile_m])
     levels = np.linspace(heights[0], heights[-1], rows + 1)
-    rings = [np.zeros((strands, 3)) + [0, 0, heights[0]]]
+    rings = [np.zeros((strands, 3)) + np.array([0.0, 0.0, heights[0]])]
     turn = np.linspace(0, 2 * math.pi, strands, endpoint=False)
     over = np.where(np.arange(strands) % 2 == 0, 1.0, -1.0)
-    for row, (low, high) in enumerate(zip(levels[:-1], levels[1:], strict=True)):
+    for row, (low, high) in enumerate(itertools.pairwise(levels)):
         for share, push in ((0.04, -0.7), (0.5, 1.0)):
             z = low + share * (high - low)
             weave = over * (1 if row % 2 == 0 else -1) if push > 0 else 0.0
             radius = np.interp(z, heights, radii) + depth_m * (push * 0.4 + 0.8 * weave) - depth_m
-            rings.append(np.stack([radius * np.cos(turn), radius * np.sin(turn),
-                                   np.full(strands, z)], -1))  # fmt: skip
+            rings.append(
+                np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1)
+            )
     rim = np.interp(heights[-1], heights, radii)
     for radius, z in ((rim, heights[-1] - 0.004), (rim - thick_m, heights[-1] - 0.004)):
         rings.append(
@@ -268,7 +323,7 @@ def woven_skin(
         rings.append(
             np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(strands, z)], -1)
         )
-    rings.append(np.zeros((strands, 3)) + [0, 0, floor_m])
+    rings.append(np.zeros((strands, 3)) + np.array([0.0, 0.0, floor_m]))
     return outward(loft(rings))
 
 
@@ -279,11 +334,19 @@ def _basket(r: float, h: float) -> Pot:
     rim = hollow([(0.935 * r, h - 0.014), (0.945 * r, h - 0.006), (0.935 * r, h)], 0.014, 36)
     ears = []
     for s in (-1, 1):
-        path = np.array([[0.03 * c, 0.0, 0.03 * d] for c, d in
-                         ((-1, -0.2), (-0.9, 0.7), (0, 1.1), (0.9, 0.7), (1, -0.2))])  # fmt: skip
+        path = np.array(
+            [
+                [0.03 * c, 0.0, 0.03 * d]
+                for c, d in ((-1, -0.2), (-0.9, 0.7), (0, 1.1), (0.9, 0.7), (1, -0.2))
+            ]
+        )
         ears.append(tube(path, 0.005, 6).turned("z", 90).moved(s * 0.93 * r, 0.0, h - 0.01))
     return Pot(
-        (Part("Pot", wall, "basket"), Part("Rim", joined([rim, *ears]), "basket", None),
-         _soil(0.9 * r - 0.012, floor)),
-        floor + 0.012, 0.85 * r,
-    )  # fmt: skip
+        (
+            Part("Pot", wall, "basket"),
+            Part("Rim", joined([rim, *ears]), "basket", None),
+            _soil(0.9 * r - 0.012, floor),
+        ),
+        floor + 0.012,
+        0.85 * r,
+    )

@@ -34,11 +34,25 @@ def round_mirror(size_m: Size) -> tuple[Part, ...]:
     """A round glass in a slim round rim."""
     length, width, height = size_m
     radius, rim = length / 2, 0.014
-    section = [(radius, 0.0), (radius, width - 0.002), (radius - 0.003, width),
-               (radius - rim + 0.002, width), (radius - rim, width - 0.003), (radius - rim, 0.0)]  # fmt: skip
+    section = [
+        (radius, 0.0),
+        (radius, width - 0.002),
+        (radius - 0.003, width),
+        (radius - rim + 0.002, width),
+        (radius - rim, width - 0.003),
+        (radius - rim, 0.0),
+    ]
     hoop = outward(lathe(section, 64, loop=True)).turned("x", 90)
-    glass = outward(lathe([(radius - rim + 0.004, 0.0), (radius - rim + 0.004, width - 0.008),
-                           (0.0, width - 0.008)], 64)).turned("x", 90)  # fmt: skip
+    glass = outward(
+        lathe(
+            [
+                (radius - rim + 0.004, 0.0),
+                (radius - rim + 0.004, width - 0.008),
+                (0.0, width - 0.008),
+            ],
+            64,
+        )
+    ).turned("x", 90)
     at = {"y": width / 2, "z": height / 2}
     return (
         Part("Frame", hoop.moved(**at), "frame", None),
@@ -76,8 +90,11 @@ def framed(size_m: Size, *, rail_m: float = 0.025, moulded: bool = False) -> tup
     parts = [Part("Frame", frame, "frame", None), Part("Glass", glass, "mirror", None)]
     if moulded:
         thin = rail_m * 0.16
-        slip = frame_rails(length - 2 * rail_m + 0.004, height - 2 * rail_m + 0.004,
-                           flat_rail(thin, width * 0.42, 0.001))  # fmt: skip
+        slip = frame_rails(
+            length - 2 * rail_m + 0.004,
+            height - 2 * rail_m + 0.004,
+            flat_rail(thin, width * 0.42, 0.001),
+        )
         parts.append(Part("Slip", slip.moved(y=width / 2, z=rail_m - 0.002), "slip", None))
     return tuple(parts)
 
@@ -139,8 +156,19 @@ def sunburst(size_m: Size) -> tuple[Part, ...]:
         reach = (outer - inner) * (1.0 if index % 2 == 0 else 0.72)
         ray = block((reach + 0.02, 0.012, 0.008), 0.002).moved(x=inner - 0.02 + (reach + 0.02) / 2)
         rays.append(ray.turned("z", 9.0 * index))
-    hoop = outward(lathe([(inner, 0.0), (inner, 0.016), (inner - 0.008, width), (inner - 0.022, width),
-                          (inner - 0.024, 0.0)], 48, loop=True))  # fmt: skip
+    hoop = outward(
+        lathe(
+            [
+                (inner, 0.0),
+                (inner, 0.016),
+                (inner - 0.008, width),
+                (inner - 0.022, width),
+                (inner - 0.024, 0.0),
+            ],
+            48,
+            loop=True,
+        )
+    )
     glass = outward(
         lathe([(inner - 0.018, 0.0), (inner - 0.018, width * 0.6), (0, width * 0.6)], 48)
     )
@@ -189,25 +217,81 @@ def _designs(
 
 
 DESIGNS = (
-    *_designs("Round", tuple((d, 0.026, d) for d in (0.5, 0.6, 0.8)), round_mirror, _METAL,
-              (MODERN, SCANDINAVIAN, INDUSTRIAL)),
-    *_designs("Round_Wood", tuple((d, 0.03, d) for d in (0.5, 0.7)), round_mirror, _WOOD,
-              (SCANDINAVIAN, JAPANESE)),
-    *_designs("Arched", ((0.55, 0.025, 0.85), (0.7, 0.025, 1.1), (0.75, 0.028, 1.8)), arched, _METAL,
-              (MODERN, CLASSIC)),
-    *_designs("Arched_Wood", ((0.5, 0.028, 0.8), (0.65, 0.028, 1.65)), partial(arched, rail_m=0.035),
-              _WOOD, (SCANDINAVIAN, JAPANESE)),
-    *_designs("Framed", ((0.45, 0.025, 0.65), (0.6, 0.025, 0.9), (0.8, 0.025, 0.6),
-                         (0.55, 0.028, 1.6)), framed, _WOOD, (SCANDINAVIAN, MODERN, JAPANESE)),
-    *_designs("Steel", ((0.5, 0.022, 0.7), (0.7, 0.022, 1.0), (1.0, 0.022, 0.7), (0.6, 0.022, 1.7)),
-              partial(framed, rail_m=0.014), _STEEL, (INDUSTRIAL, MODERN)),
-    *_designs("Moulded", ((0.55, 0.04, 0.75), (0.7, 0.045, 1.0), (0.9, 0.045, 0.65), (0.7, 0.05, 1.7)),
-              partial(framed, rail_m=0.075, moulded=True), _GILT, (CLASSIC,)),
-    *_designs("Bare", ((0.45, 0.025, 0.6), (0.6, 0.025, 0.8), (0.8, 0.025, 0.65), (1.0, 0.025, 0.7),
-                       (1.2, 0.025, 0.7)), bare, _BARE, (MODERN, INDUSTRIAL)),
-    *_designs("Shelf", ((0.5, 0.12, 0.65), (0.6, 0.12, 0.75), (0.8, 0.12, 0.75)), with_shelf, _BATH,
-              _ALL_BUT_CLASSIC),
-    *_designs("Cabinet", ((0.45, 0.14, 0.65), (0.6, 0.14, 0.7), (0.8, 0.14, 0.7)), cabinet, _BATH,
-              (MODERN, SCANDINAVIAN)),
+    *_designs(
+        "Round",
+        tuple((d, 0.026, d) for d in (0.5, 0.6, 0.8)),
+        round_mirror,
+        _METAL,
+        (MODERN, SCANDINAVIAN, INDUSTRIAL),
+    ),
+    *_designs(
+        "Round_Wood",
+        tuple((d, 0.03, d) for d in (0.5, 0.7)),
+        round_mirror,
+        _WOOD,
+        (SCANDINAVIAN, JAPANESE),
+    ),
+    *_designs(
+        "Arched",
+        ((0.55, 0.025, 0.85), (0.7, 0.025, 1.1), (0.75, 0.028, 1.8)),
+        arched,
+        _METAL,
+        (MODERN, CLASSIC),
+    ),
+    *_designs(
+        "Arched_Wood",
+        ((0.5, 0.028, 0.8), (0.65, 0.028, 1.65)),
+        partial(arched, rail_m=0.035),
+        _WOOD,
+        (SCANDINAVIAN, JAPANESE),
+    ),
+    *_designs(
+        "Framed",
+        ((0.45, 0.025, 0.65), (0.6, 0.025, 0.9), (0.8, 0.025, 0.6), (0.55, 0.028, 1.6)),
+        framed,
+        _WOOD,
+        (SCANDINAVIAN, MODERN, JAPANESE),
+    ),
+    *_designs(
+        "Steel",
+        ((0.5, 0.022, 0.7), (0.7, 0.022, 1.0), (1.0, 0.022, 0.7), (0.6, 0.022, 1.7)),
+        partial(framed, rail_m=0.014),
+        _STEEL,
+        (INDUSTRIAL, MODERN),
+    ),
+    *_designs(
+        "Moulded",
+        ((0.55, 0.04, 0.75), (0.7, 0.045, 1.0), (0.9, 0.045, 0.65), (0.7, 0.05, 1.7)),
+        partial(framed, rail_m=0.075, moulded=True),
+        _GILT,
+        (CLASSIC,),
+    ),
+    *_designs(
+        "Bare",
+        (
+            (0.45, 0.025, 0.6),
+            (0.6, 0.025, 0.8),
+            (0.8, 0.025, 0.65),
+            (1.0, 0.025, 0.7),
+            (1.2, 0.025, 0.7),
+        ),
+        bare,
+        _BARE,
+        (MODERN, INDUSTRIAL),
+    ),
+    *_designs(
+        "Shelf",
+        ((0.5, 0.12, 0.65), (0.6, 0.12, 0.75), (0.8, 0.12, 0.75)),
+        with_shelf,
+        _BATH,
+        _ALL_BUT_CLASSIC,
+    ),
+    *_designs(
+        "Cabinet",
+        ((0.45, 0.14, 0.65), (0.6, 0.14, 0.7), (0.8, 0.14, 0.7)),
+        cabinet,
+        _BATH,
+        (MODERN, SCANDINAVIAN),
+    ),
     *_designs("Sunburst", ((0.75, 0.03, 0.75),), sunburst, _GILT, (CLASSIC,)),
-)  # fmt: skip
+)

@@ -1,10 +1,9 @@
-"""What stands on shelves and sills: vases, sculptures, candles, trailing plants."""
+"""Sculptures and candles for shelves and sills."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -15,25 +14,12 @@ from chord_usd.assets.dressing.forms import (
     JAPANESE,
     MODERN,
     SCANDINAVIAN,
-    arc,
     ball,
     cup,
     hollow,
     lofted,
     outward,
     rng_of,
-)
-from chord_usd.assets.dressing.leaves import (
-    HEART,
-    LANCE,
-    OVAL,
-    bow,
-    foliage,
-    grown,
-    leaf,
-    pot,
-    tapered,
-    turned,
 )
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import (
@@ -44,300 +30,11 @@ from chord_usd.assets.solids import (
     cylinder,
     joined,
     lathe,
-    rounded_profile,
     rounded_slab,
     tube,
 )
-from chord_usd.scene.types import FloatArray
 
 Draw = Callable[[Size], tuple[Part, ...]]
-
-_FORMS: dict[str, list[tuple[float, float]]] = {
-    # (share of the radius, share of the height), foot to rim
-    "bottle": [
-        (0.0, 0.0),
-        (0.62, 0.0),
-        (0.9, 0.1),
-        (1.0, 0.3),
-        (0.86, 0.52),
-        (0.36, 0.68),
-        (0.28, 0.86),
-        (0.36, 1.0),
-    ],
-    "ball": [
-        (0.0, 0.0),
-        (0.5, 0.0),
-        (0.92, 0.22),
-        (1.0, 0.5),
-        (0.82, 0.78),
-        (0.42, 0.92),
-        (0.4, 1.0),
-    ],
-    "cone": [(0.0, 0.0), (0.5, 0.0), (0.56, 0.04), (1.0, 1.0)],
-    "urn": [
-        (0.0, 0.0),
-        (0.6, 0.0),
-        (0.52, 0.05),
-        (0.3, 0.12),
-        (0.34, 0.18),
-        (0.9, 0.46),
-        (1.0, 0.7),
-        (0.7, 0.88),
-        (0.82, 1.0),
-    ],
-    "cylinder": [(0.0, 0.0), (0.94, 0.0), (1.0, 0.03), (1.0, 1.0)],
-    "tear": [
-        (0.0, 0.0),
-        (0.6, 0.0),
-        (0.96, 0.14),
-        (1.0, 0.28),
-        (0.6, 0.58),
-        (0.3, 0.8),
-        (0.26, 0.94),
-        (0.36, 1.0),
-    ],
-    "ring": [],
-}
-_SMOOTH = ("bottle", "ball", "urn", "tear")
-
-
-def _body(
-    form: str, radius_m: float, height_m: float, thick_m: float = 0.005, sides: int = 26
-) -> Solid:
-    profile = [(r * radius_m, z * height_m) for r, z in _FORMS[form]]
-    if form in _SMOOTH:
-        profile = [profile[0], *rounded_profile(profile[1:], 1)]
-    neck = max(height_m * (0.55 if form in _SMOOTH else 0.1), 0.012)
-    return cup(profile, thick_m, neck, sides)
-
-
-def _rim_radius(form: str, radius_m: float) -> float:
-    return _FORMS[form][-1][0] * radius_m - 0.006
-
-
-def vase(size_m: Size, *, form: str = "bottle") -> tuple[Part, ...]:
-    """An empty vase."""
-    length, width, height = size_m
-    body = _body(form, 0.5, height, 0.5 * 0.012 / length + 0.02).scaled(length, width, 1.0)
-    return (Part("Vase", body, "pot"),)
-
-
-def fluted_vase(size_m: Size) -> tuple[Part, ...]:
-    """A vase with upright ribs."""
-    length, width, height = size_m
-    body = _body("ball", length / 2, height, 0.005, 60)
-    points = body.points_m.copy()
-    angle = np.arctan2(points[:, 1], points[:, 0])
-    points[:, :2] *= (1.0 - 0.035 * (np.round(angle * 30 / math.pi) % 2))[:, None]
-    return (Part("Vase", Solid(points, body.faces), "pot"),)
-
-
-def ring_vase(size_m: Size) -> tuple[Part, ...]:
-    """A flat hoop with a short neck (a donut vase)."""
-    length, width, height = size_m
-    neck = height * 0.14
-    outer = (height - neck) / 2
-    bar = outer * 0.34
-    turn = np.linspace(0, 2 * math.pi, 37)[:-1]
-    section = np.linspace(0, 2 * math.pi, 13)[:-1]
-    rings = []
-    for a in turn:
-        r = outer - bar + bar * np.cos(section)
-        rings.append(
-            np.stack([r * math.cos(a), width / 2 * np.sin(section), outer + r * math.sin(a)], -1)
-        )
-    hoop = lofted(rings, loop=True)
-    spout = cup(
-        [(0.0, 0.0), (bar * 0.6, 0.0), (bar * 0.5, neck * 0.6), (bar * 0.66, neck + 0.014)],
-        0.004,
-        neck * 0.5,
-        20,
-    )
-    return (
-        Part(
-            "Vase",
-            joined([hoop, spout.moved(z=2 * outer - 0.014)]).scaled(length / (2 * outer), 1, 1),
-            "pot",
-        ),
-    )
-
-
-def _tulips(
-    top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator
-) -> list:
-    stems, heads, grids = [], [], []
-    for index in range(count):
-        yaw = 137.5 * index
-        share = math.sqrt((index + 0.3) / count)
-        path = bow(
-            (0.0, 0.0, top[2] - 0.06),
-            yaw,
-            spread * share * 0.8,
-            (rise * (0.92 - 0.3 * share)) + 0.06,
-            0.06,
-        )
-        stems.append(tapered(path, 0.0034, 0.003, 6))
-        profile = [
-            (0.003, 0.0),
-            (0.016, 0.008),
-            (0.021, 0.024),
-            (0.018, 0.044),
-            (0.009, 0.054),
-            (0.0, 0.05),
-        ]
-        head = outward(lathe(profile, 12))
-        points = head.points_m.copy()
-        angle = np.arctan2(points[:, 1], points[:, 0])
-        points[:, :2] *= (1 + 0.14 * np.cos(3 * angle))[:, None]
-        tilt = 8 + 26 * share
-        heads.append(
-            Solid(points, head.faces)
-            .turned("y", tilt)
-            .turned("z", yaw)
-            .moved(*map(float, path[-1] - [0, 0, 0.004]))
-        )
-        for side in (0, 1):
-            at = path[2 + side]
-            grid = leaf(
-                float(rng.uniform(0.11, 0.16)),
-                0.03,
-                LANCE,
-                pitch_deg=74,
-                droop_deg=float(rng.uniform(30, 80)),
-                fold=0.35,
-                rows=6,
-            )
-            grids.append(turned(grid, yaw + 120 + 140 * side, at))
-    return [
-        ("Stems", joined(stems), "stem", False),
-        ("Heads", joined(heads), "flower", False),
-        ("Leaves", foliage(grids), "leaf", True),
-    ]
-
-
-def _pampas(
-    top: FloatArray, rise: float, spread: float, count: int, rng: np.random.Generator
-) -> list:
-    stems, plumes = [], []
-    for index in range(count):
-        yaw = 137.5 * index
-        share = math.sqrt((index + 0.3) / count)
-        path = bow(
-            (0.0, 0.0, top[2] - 0.06),
-            yaw,
-            spread * share,
-            rise * (0.97 - 0.22 * share) + 0.06,
-            0.0,
-            8,
-        )
-        stems.append(tapered(path, 0.0022, 0.001, 5))
-        for step in range(26):
-            t = 0.52 + 0.48 * step / 25
-            low = min(int(t * 8), 7)
-            at = path[low] + (t * 8 - low) * (path[low + 1] - path[low])
-            long = 0.085 * math.sin(math.pi * (0.12 + 0.82 * (t - 0.52) / 0.48)) + 0.012
-            grid = leaf(
-                long,
-                0.009,
-                (0.5, 1.0, 0.6, 0.0),
-                pitch_deg=float(rng.uniform(52, 72)),
-                droop_deg=float(rng.uniform(30, 90)),
-                rows=4,
-                columns=2,
-            )
-            plumes.append(turned(grid, 137.5 * step + yaw, at))
-    return [("Stems", joined(stems), "twig", False), ("Plumes", foliage(plumes), "plume", True)]
-
-
-def _boughs(
-    top: FloatArray,
-    rise: float,
-    spread: float,
-    count: int,
-    rng: np.random.Generator,
-    *,
-    bloom: bool = False,
-) -> list:
-    wood, grids, buds = [], [], []
-    for index in range(count):
-        yaw = 137.5 * index + 20
-        share = (index + 0.5) / count
-        path = bow(
-            (0.0, 0.0, top[2] - 0.06),
-            yaw,
-            spread * (0.35 + 0.65 * share),
-            rise * (0.98 - 0.4 * share) + 0.06,
-            0.05,
-            9,
-        )
-        path[2:-1] += 0.007 * rng.standard_normal((len(path) - 3, 3))
-        wood.append(tapered(path, 0.0034, 0.0012, 5))
-        for step in range(3, 10):
-            at = path[step]
-            for side in (-1, 1):
-                if bloom:
-                    for petal in range(5):
-                        grid = leaf(
-                            0.014,
-                            0.013,
-                            (0.4, 1.0, 0.8, 0.2),
-                            pitch_deg=35,
-                            droop_deg=10,
-                            rows=3,
-                            columns=2,
-                        )
-                        buds.append(
-                            turned(
-                                grid,
-                                72.0 * petal + 30 * step,
-                                at + [0.008 * side, 0.006 * side, 0.002],
-                            )
-                        )
-                else:
-                    long = float(rng.uniform(0.035, 0.05))
-                    grid = leaf(
-                        long,
-                        long * 0.72,
-                        OVAL,
-                        pitch_deg=float(rng.uniform(5, 50)),
-                        droop_deg=30,
-                        rows=4,
-                        columns=3,
-                    )
-                    grids.append(turned(grid, yaw + side * 75 + float(rng.uniform(-20, 20)), at))
-    named = [("Twigs", joined(wood), "twig", False)]
-    if grids:
-        named.append(("Leaves", foliage(grids), "leaf", True))
-    if buds:
-        named.append(("Blossom", foliage(buds), "flower", True))
-    return named
-
-
-_STEMS: dict[str, Callable] = {
-    "tulips": _tulips,
-    "pampas": _pampas,
-    "boughs": _boughs,
-    "blossom": partial(_boughs, bloom=True),
-}
-
-
-def filled_vase(
-    size_m: Size,
-    *,
-    form: str,
-    stems: str,
-    count: int,
-    vase_share: float = 0.45,
-    radius_share: float = 0.5,
-) -> tuple[Part, ...]:
-    """A vase with flowers, grass or twigs in it."""
-    length, width, height = size_m
-    tall = height * vase_share
-    radius = min(length, width) / 2 * radius_share
-    body = _body(form, radius, tall)
-    top = np.array([0.0, 0.0, tall])
-    named = _STEMS[stems](top, height - tall, length / 2, count, rng_of(f"{form}/{stems}/{size_m}"))
-    return (Part("Vase", body, "pot"), *grown(named, length, width, tall, height))
 
 
 def _stand(length: float, width: float, height: float, slot: str = "stone") -> Part:
@@ -398,9 +95,19 @@ def arch_stack(size_m: Size) -> tuple[Part, ...]:
             ]
         )
         deep = width * (1.0 - 0.12 * index) / 2
-        rings = [np.column_stack([loop[:, 0], np.full(len(loop), y), loop[:, 1]]) for loop, y in
-                 ((outer, -deep + 0.003), (outer * [0.985, 0.995], -deep), (inner * [1.02, 1.0], -deep), (inner, -deep + 0.003),
-                  (inner, deep - 0.003), (inner * [1.02, 1.0], deep), (outer * [0.985, 0.995], deep), (outer, deep - 0.003))]  # fmt: skip
+        rings = [
+            np.column_stack([loop[:, 0], np.full(len(loop), y), loop[:, 1]])
+            for loop, y in (
+                (outer, -deep + 0.003),
+                (outer * [0.985, 0.995], -deep),
+                (inner * [1.02, 1.0], -deep),
+                (inner, -deep + 0.003),
+                (inner, deep - 0.003),
+                (inner * [1.02, 1.0], deep),
+                (outer * [0.985, 0.995], deep),
+                (outer, deep - 0.003),
+            )
+        ]
         # Sections across the arch, one after another along it.
         across = np.stack(rings, axis=1)
         parts.append(Part(f"Arch_{index + 1}", lofted(list(across)), ("body", "stone")[index]))
@@ -447,9 +154,19 @@ def bust(size_m: Size) -> tuple[Part, ...]:
     turn = np.linspace(0, 2 * math.pi, sides, endpoint=False)
     rings = []
     # share of height, half width, half depth, forward shift, chin
-    for z, wide, deep, ahead in ((0.0, 0.3, 0.26, 0.02), (0.1, 0.24, 0.25, 0.0), (0.2, 0.22, 0.24, -0.03), (0.27, 0.25, 0.3, -0.09),
-                                 (0.33, 0.33, 0.4, -0.1), (0.45, 0.42, 0.46, -0.06), (0.6, 0.47, 0.49, -0.02), (0.75, 0.48, 0.5, 0.01),
-                                 (0.88, 0.4, 0.43, 0.02), (0.96, 0.24, 0.27, 0.02), (1.0, 0.0, 0.0, 0.02)):  # fmt: skip
+    for z, wide, deep, ahead in (
+        (0.0, 0.3, 0.26, 0.02),
+        (0.1, 0.24, 0.25, 0.0),
+        (0.2, 0.22, 0.24, -0.03),
+        (0.27, 0.25, 0.3, -0.09),
+        (0.33, 0.33, 0.4, -0.1),
+        (0.45, 0.42, 0.46, -0.06),
+        (0.6, 0.47, 0.49, -0.02),
+        (0.75, 0.48, 0.5, 0.01),
+        (0.88, 0.4, 0.43, 0.02),
+        (0.96, 0.24, 0.27, 0.02),
+        (1.0, 0.0, 0.0, 0.02),
+    ):
         x, y = wide * np.cos(turn), deep * np.sin(turn) + ahead
         if 0.4 < z < 0.7:
             nose = np.exp(-(((turn - 1.5 * math.pi) / 0.24) ** 2)) * (0.1 if z == 0.45 else 0.06)
@@ -532,8 +249,17 @@ def tapers(size_m: Size) -> tuple[Part, ...]:
         at = x * (length - 2 * r)
         tall = (height - 0.012) * share
         stem = tall * 0.42
-        profile = [(0.0, 0.0), (r, 0.0), (r, 0.006), (r * 0.35, 0.016), (0.006, 0.026), (0.006, stem - 0.022), (0.016, stem - 0.012),
-                   (0.014, stem), (0.0, stem)]  # fmt: skip
+        profile = [
+            (0.0, 0.0),
+            (r, 0.0),
+            (r, 0.006),
+            (r * 0.35, 0.016),
+            (0.006, 0.026),
+            (0.006, stem - 0.022),
+            (0.016, stem - 0.012),
+            (0.014, stem),
+            (0.0, stem),
+        ]
         holders.append(outward(lathe(profile, 28)).moved(at))
         candles.append(
             cylinder(0.0105, tall - stem + 0.006, 0.003, 14, top_m=0.008).moved(
@@ -565,8 +291,22 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
         for sy in (-1, 1)
     ]
     base = block((length, width, foot), 0.002)
-    roof = lofted([np.array([[sx * length / 2 * s, sy * width / 2 * s, z] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-                   for s, z in ((1.0, top - 0.012), (1.0, top), (0.34, top + height * 0.1), (0.34, top + height * 0.12))])  # fmt: skip
+    roof = lofted(
+        [
+            np.array(
+                [
+                    [sx * length / 2 * s, sy * width / 2 * s, z]
+                    for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+                ]
+            )
+            for s, z in (
+                (1.0, top - 0.012),
+                (1.0, top),
+                (0.34, top + height * 0.1),
+                (0.34, top + height * 0.12),
+            )
+        ]
+    )
     loop = tube(
         [
             [0.02 * math.cos(a), 0.0, top + height * 0.12 + 0.02 * math.sin(a)]
@@ -610,7 +350,7 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
 
 def jar_candle(size_m: Size) -> tuple[Part, ...]:
     """A scented candle in a glass with a label."""
-    length, width, height = size_m
+    length, _width, height = size_m
     r = length / 2
     glass = cup([(0.0, 0.0), (r - 0.003, 0.0), (r, 0.004), (r, height)], 0.003, 0.006, 32)
     wax = cylinder(r - 0.0036, height * 0.66, 0.0, 32).moved(z=0.0065)
@@ -623,142 +363,42 @@ def jar_candle(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
-    """A pot from which vines spill over and lie around it."""
-    length, width, height = size_m
-    rng = rng_of(f"{kind}/{size_m}")
-    r, h = min(length, width) * 0.26, height * 0.5
-    vessel = pot("taper" if kind != "pearls" else "cylinder", r, h)
-    stems, grids, pearls = [], [], []
-    count = {"pothos": 12, "ivy": 11, "pearls": 13, "fern": 16}[kind]
-    for index in range(count):
-        yaw = 137.5 * index
-        share = (index + 0.5) / count
-        reach = length / 2 * (0.5 + 0.45 * share)
-        peak = vessel.soil_m + (height - vessel.soil_m) * (0.9 - 0.65 * share)
-        end = (
-            max(0.012, vessel.soil_m * (0.9 - 1.3 * share))
-            if kind != "fern"
-            else vessel.soil_m * 0.9
-        )
-        t = np.linspace(0, 1, 9)
-        out = reach * t**0.8
-        z = (
-            vessel.soil_m
-            + (peak - vessel.soil_m) * np.sin(math.pi * np.clip(t * 1.25, 0, 1))
-            + (end - vessel.soil_m) * t**2.4
-        )
-        # Over the rim, not through it.
-        z = np.where((out < r * 1.25) & (out > r * 0.6), np.maximum(z, h + 0.008), z)
-        z = np.maximum(z, 0.008)
-        a = math.radians(yaw) + 0.5 * (t - 0.3) * float(rng.uniform(-1, 1))
-        path = np.stack([out * np.cos(a), out * np.sin(a), z], -1)
-        path[0] = [0.3 * r * math.cos(a[0]), 0.3 * r * math.sin(a[0]), vessel.soil_m - 0.008]
-        stems.append(tapered(path, 0.0018, 0.001, 4))
-        if kind == "pearls":
-            for step in range(2, 9):
-                for half in (0.0, 0.5):
-                    low = min(step, 8)
-                    at = path[low - 1] + half * (path[low] - path[low - 1])
-                    pearls.append(
-                        ball(0.006, 3, 6).moved(
-                            *map(
-                                float,
-                                at + 0.004 * rng.standard_normal(3) * [1, 1, 0] + [0, 0, 0.004],
-                            )
-                        )
-                    )
-            continue
-        for step in range(1, 9):
-            for side in (-1, 1):
-                if kind == "fern":
-                    long = 0.045 * math.sin(math.pi * (0.2 + 0.75 * step / 9)) * length / 0.3
-                    grid = leaf(
-                        long, long * 0.34, LANCE, pitch_deg=12, droop_deg=40, rows=3, columns=3
-                    )
-                elif kind == "ivy":
-                    long = float(rng.uniform(0.028, 0.04)) * length / 0.3
-                    grid = leaf(
-                        long,
-                        long * 1.05,
-                        (0.5, 1.0, 0.5, 0.62, 0.3, 0.0),
-                        pitch_deg=float(rng.uniform(0, 40)),
-                        droop_deg=60,
-                        columns=3,
-                    )
-                else:
-                    long = float(rng.uniform(0.045, 0.062)) * length / 0.3
-                    grid = leaf(
-                        long,
-                        long * 0.8,
-                        HEART,
-                        pitch_deg=float(rng.uniform(5, 45)),
-                        droop_deg=80,
-                        columns=3,
-                    )
-                grids.append(
-                    turned(
-                        grid, yaw + side * float(rng.uniform(35, 85)), path[step] + [0, 0, 0.003]
-                    )
-                )
-    named = [("Stems", joined(stems), "stem", False)]
-    if grids:
-        named.append(("Leaves", foliage(grids), "leaf", True))
-    if pearls:
-        named.append(("Pearls", joined(pearls), "leaf", False))
-    corners = np.array([solid.bounds_m() for _, solid, _, _ in named])
-    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
-    parts = list(vessel.parts)
-    for name, solid, slot, two_sided in named:
-        points = solid.points_m.copy()
-        for axis, side in ((0, length / 2), (1, width / 2)):
-            points[:, axis] *= np.where(points[:, axis] > 0, side / high[axis], side / -low[axis])
-        above = points[:, 2] > h
-        points[above, 2] = h + (points[above, 2] - h) * (height - h) / (high[2] - h)
-        points[:, 2] = np.maximum(points[:, 2], 0.002 + 0.004 * (points[:, 2] - low[2]))
-        parts.append(Part(name, Solid(points, solid.faces), slot, None, two_sided=two_sided))
-    return tuple(parts)
-
-
-def _looks(*pots: tuple[str, str], **more: str) -> dict[str, dict[str, str]]:
-    base = {"soil": "earth", "leaf": "leaf_fresh", "stem": "green_stem", "twig": "twig", "plume": "pampas", "flower": "tulip_pink",
-            "wick": "ink", "glass": "clear_glass", "label": "cream", "wax": "wax", "basket": "seagrass", "stand": "oak"}  # fmt: skip
-    return {name: {**base, **more, "pot": finish} for name, finish in pots}
-
-
-_CERAMIC = (
-    ("white", "chalk"),
-    ("stoneware", "stoneware"),
-    ("black", "dark_stoneware"),
-    ("clay", "clay"),
-)
-_GLAZED = (("celadon", "celadon"), ("indigo", "indigo_glaze"), ("black", "dark_stoneware"))
-_GLASS = (("clear", "clear_glass"), ("green", "bottle_green"), ("amber", "amber_glass"))
-_FINE = (("white", "ceramic"), ("celadon", "celadon"), ("blue", "indigo_glaze"))
-
 _SCULPTURE = {
     name: {"body": body, "stone": stone, "accent": accent}
     for name, body, stone, accent in (
-        ("white", "chalk", "walnut", "brass"), ("black", "dark_stoneware", "oak", "antique_brass"),
-        ("bronze", "bronze", "dark_stone", "antique_brass"), ("clay", "clay", "chalk", "brass"),
+        ("white", "chalk", "walnut", "brass"),
+        ("black", "dark_stoneware", "oak", "antique_brass"),
+        ("bronze", "bronze", "dark_stone", "antique_brass"),
+        ("clay", "clay", "chalk", "brass"),
     )
-}  # fmt: skip
+}
+
+
 _STONES = {
     "grey": {"body": "raw_concrete", "stone": "stoneware"},
     "black": {"body": "dark_stoneware", "stone": "raw_concrete"},
 }
+
+
 _CANDLE = {
     name: {"holder": holder, "wax": wax, "wick": "ink", "glass": "clear_glass", "label": "cream"}
     for name, holder, wax in (
-        ("brass", "antique_brass", "wax"), ("black", "black_metal", "wax"), ("oak", "oak", "wax_sage"), ("rust", "black_metal", "wax_rust"),
+        ("brass", "antique_brass", "wax"),
+        ("black", "black_metal", "wax"),
+        ("oak", "oak", "wax_sage"),
+        ("rust", "black_metal", "wax_rust"),
     )
-}  # fmt: skip
+}
+
+
 _JAR = {
     name: {"glass": glass, "wax": "wax", "wick": "ink", "label": label}
-    for name, glass, label in (("clear", "clear_glass", "cream"), ("amber", "amber_glass", "cream"), ("smoke", "smoked_glass", "book_ink"))
-}  # fmt: skip
-
-_MS = (MODERN, SCANDINAVIAN)
+    for name, glass, label in (
+        ("clear", "clear_glass", "cream"),
+        ("amber", "amber_glass", "cream"),
+        ("smoke", "smoked_glass", "book_ink"),
+    )
+}
 
 
 def _design(
@@ -768,36 +408,47 @@ def _design(
 
 
 DESIGNS = (
-    _design("Vase_Bottle", "vase", (0.14, 0.14, 0.3), partial(vase, form="bottle"), _looks(*_CERAMIC), ()),
-    _design("Vase_Ball", "vase", (0.18, 0.18, 0.19), partial(vase, form="ball"), _looks(*_CERAMIC), _MS),
-    _design("Vase_Tear", "vase", (0.13, 0.13, 0.36), partial(vase, form="tear"), _looks(*_GLASS), (MODERN, INDUSTRIAL)),
-    _design("Vase_Fluted", "vase", (0.17, 0.17, 0.22), fluted_vase, _looks(*_CERAMIC), (MODERN, CLASSIC)),
-    _design("Vase_Ring", "vase", (0.22, 0.08, 0.25), ring_vase, _looks(*_CERAMIC), _MS),
-    _design("Vase_Urn", "vase", (0.18, 0.18, 0.28), partial(vase, form="urn"), _looks(*_FINE), (CLASSIC,)),
-    _design("Vase_Glazed", "vase", (0.15, 0.15, 0.24), partial(vase, form="bottle"), _looks(*_GLAZED), (JAPANESE,)),
-    _design("Vase_Tulips", "vase", (0.26, 0.26, 0.4), partial(filled_vase, form="cylinder", stems="tulips", count=11, vase_share=0.48, radius_share=0.42),
-            {**_looks(*_GLASS[:1]), **_looks(("white", "chalk"), flower="tulip_white"), **_looks(("yellow", "celadon"), flower="tulip_yellow")},
-            (SCANDINAVIAN, MODERN, CLASSIC)),
-    _design("Vase_Pampas", "vase", (0.3, 0.3, 0.7), partial(filled_vase, form="bottle", stems="pampas", count=9, vase_share=0.36, radius_share=0.5),
-            _looks(*_CERAMIC), (SCANDINAVIAN, MODERN)),
-    _design("Vase_Eucalyptus", "vase", (0.3, 0.3, 0.52), partial(filled_vase, form="ball", stems="boughs", count=9, vase_share=0.34, radius_share=0.52),
-            _looks(*_CERAMIC, leaf="leaf_dusty"), ()),
-    _design("Vase_Boughs", "vase", (0.3, 0.3, 0.6), partial(filled_vase, form="tear", stems="boughs", count=6, vase_share=0.44, radius_share=0.44),
-            _looks(*_GLASS), (INDUSTRIAL, MODERN, SCANDINAVIAN)),
-    _design("Vase_Blossom", "vase", (0.3, 0.3, 0.56), partial(filled_vase, form="bottle", stems="blossom", count=4, vase_share=0.4, radius_share=0.46),
-            _looks(*_GLAZED, flower="blossom"), (JAPANESE, CLASSIC)),
-    _design("Sculpture_Knot", "sculpture", (0.22, 0.1, 0.26), knot, _SCULPTURE, (MODERN, SCANDINAVIAN)),
-    _design("Sculpture_Arches", "sculpture", (0.18, 0.07, 0.2), arch_stack, _SCULPTURE, (MODERN, SCANDINAVIAN)),
-    _design("Sculpture_Pebbles", "sculpture", (0.14, 0.1, 0.24), pebbles, _STONES, (JAPANESE, SCANDINAVIAN)),
-    _design("Sculpture_Bust", "sculpture", (0.16, 0.2, 0.32), bust, _SCULPTURE, (CLASSIC, INDUSTRIAL)),
-    _design("Sculpture_Discs", "sculpture", (0.26, 0.08, 0.24), discs, _SCULPTURE, (MODERN, INDUSTRIAL)),
+    _design(
+        "Sculpture_Knot", "sculpture", (0.22, 0.1, 0.26), knot, _SCULPTURE, (MODERN, SCANDINAVIAN)
+    ),
+    _design(
+        "Sculpture_Arches",
+        "sculpture",
+        (0.18, 0.07, 0.2),
+        arch_stack,
+        _SCULPTURE,
+        (MODERN, SCANDINAVIAN),
+    ),
+    _design(
+        "Sculpture_Pebbles",
+        "sculpture",
+        (0.14, 0.1, 0.24),
+        pebbles,
+        _STONES,
+        (JAPANESE, SCANDINAVIAN),
+    ),
+    _design(
+        "Sculpture_Bust", "sculpture", (0.16, 0.2, 0.32), bust, _SCULPTURE, (CLASSIC, INDUSTRIAL)
+    ),
+    _design(
+        "Sculpture_Discs", "sculpture", (0.26, 0.08, 0.24), discs, _SCULPTURE, (MODERN, INDUSTRIAL)
+    ),
     _design("Candles_Tray", "candle", (0.2, 0.15, 0.14), pillars, _CANDLE, ()),
-    _design("Candles_Tapers", "candle", (0.19, 0.08, 0.3), tapers, _CANDLE, (SCANDINAVIAN, CLASSIC, MODERN)),
-    _design("Candle_Lantern", "candle", (0.14, 0.14, 0.28), lantern, _CANDLE, (INDUSTRIAL, SCANDINAVIAN, JAPANESE)),
+    _design(
+        "Candles_Tapers",
+        "candle",
+        (0.19, 0.08, 0.3),
+        tapers,
+        _CANDLE,
+        (SCANDINAVIAN, CLASSIC, MODERN),
+    ),
+    _design(
+        "Candle_Lantern",
+        "candle",
+        (0.14, 0.14, 0.28),
+        lantern,
+        _CANDLE,
+        (INDUSTRIAL, SCANDINAVIAN, JAPANESE),
+    ),
     _design("Candle_Jar", "candle", (0.085, 0.085, 0.1), jar_candle, _JAR, ()),
-    _design("Trailing_Pothos", "trailing_plant", (0.36, 0.36, 0.24), trailing, _looks(*_CERAMIC), ()),
-    _design("Trailing_Ivy", "trailing_plant", (0.34, 0.34, 0.22), partial(trailing, kind="ivy"), _looks(("clay", "clay"), *_CERAMIC[:3], leaf="leaf_deep"),
-            (CLASSIC, SCANDINAVIAN, INDUSTRIAL)),
-    _design("Trailing_Pearls", "trailing_plant", (0.24, 0.24, 0.16), partial(trailing, kind="pearls"), _looks(*_CERAMIC), _MS),
-    _design("Trailing_Fern", "trailing_plant", (0.4, 0.4, 0.3), partial(trailing, kind="fern"), _looks(*_GLAZED, *_CERAMIC[:1]), ()),
-)  # fmt: skip
+)

@@ -56,8 +56,10 @@ def dome(size_m: Size) -> tuple[Part, ...]:
     """A metal dome, pale inside."""
     radius, height = size_m[0] / 2, size_m[2]
     tall = radius * 1.05
-    out = [*arc((radius, 0.0), (radius * 0.98, tall * 0.72), (radius * 0.36, tall * 0.84), 7),
-           *arc((radius * 0.3, tall * 0.86), (radius * 0.15, tall * 0.9), (0.022, tall), 3)]  # fmt: skip
+    out = [
+        *arc((radius, 0.0), (radius * 0.98, tall * 0.72), (radius * 0.36, tall * 0.84), 7),
+        *arc((radius * 0.3, tall * 0.86), (radius * 0.15, tall * 0.9), (0.022, tall), 3),
+    ]
     rim = [(radius + 0.002, -0.001), (radius + 0.002, 0.011)]
     inner = [(r - 0.0045, z - 0.002) for r, z in out[:8]]
     shade = (
@@ -73,8 +75,14 @@ def factory(size_m: Size) -> tuple[Part, ...]:
     """An enamelled factory shade: a wide cone under a cylinder neck."""
     radius, height = size_m[0] / 2, size_m[2]
     tall = radius * 0.95
-    out = [(radius, 0.0), (radius, 0.012), *arc((radius * 0.96, 0.02), (radius * 0.5, tall * 0.38),
-           (0.07, tall * 0.6), 7), (0.055, tall * 0.66), (0.055, tall * 0.95), (0.03, tall)]  # fmt: skip
+    out = [
+        (radius, 0.0),
+        (radius, 0.012),
+        *arc((radius * 0.96, 0.02), (radius * 0.5, tall * 0.38), (0.07, tall * 0.6), 7),
+        (0.055, tall * 0.66),
+        (0.055, tall * 0.95),
+        (0.03, tall),
+    ]
     inner = [(r - 0.0045, z - 0.002) for r, z in out[1:9]]
     shade = (
         Part("Shade", hollow(out, 0.003, 32), "metal", None),
@@ -100,12 +108,16 @@ def woven(size_m: Size) -> tuple[Part, ...]:
     """A rattan bell: close ribs over hoops."""
     radius, height = size_m[0] / 2, size_m[2]
     tall = radius * 1.05
-    bell = [*arc((radius * 0.9, 0.0), (radius * 1.12, tall * 0.36), (radius * 0.78, tall * 0.62), 6),
-            *arc((radius * 0.7, tall * 0.69), (radius * 0.4, tall * 0.94), (0.03, tall), 4)]  # fmt: skip
+    bell = [
+        *arc((radius * 0.9, 0.0), (radius * 1.12, tall * 0.36), (radius * 0.78, tall * 0.62), 6),
+        *arc((radius * 0.7, tall * 0.69), (radius * 0.4, tall * 0.94), (0.03, tall), 4),
+    ]
     path = np.array([[r, 0.0, z] for r, z in bell])
     ribs = [tube(path[::2], 0.003, 4).turned("z", 360.0 * i / 36) for i in range(36)]
-    rings = [hollow([(r + 0.006, z - 0.005), (r + 0.006, z + 0.005)], 0.012, 28)
-             for r, z in (bell[0], bell[3], bell[6], bell[9])]  # fmt: skip
+    rings = [
+        hollow([(r + 0.006, z - 0.005), (r + 0.006, z + 0.005)], 0.012, 28)
+        for r, z in (bell[0], bell[3], bell[6], bell[9])
+    ]
     shade = (
         Part("Ribs", joined(ribs), "weave", None),
         Part("Hoops", joined(rings), "weave", None),
@@ -123,8 +135,10 @@ def paper(size_m: Size) -> tuple[Part, ...]:
         angle = math.asin(-0.97 + 1.94 * index / (2 * ribs))
         swell = 1.0 if index % 2 == 0 else 0.985
         out.append((radius * math.cos(angle) * swell, tall / 2 * (1 + math.sin(angle) / 0.97)))
-    rings = [hollow([(radius * 0.245, z), (radius * 0.245, z + 0.006)], 0.006, 24)
-             for z in (0.0, tall - 0.006)]  # fmt: skip
+    rings = [
+        hollow([(radius * 0.245, z), (radius * 0.245, z + 0.006)], 0.006, 24)
+        for z in (0.0, tall - 0.006)
+    ]
     bow = [[-radius * 0.24, 0, tall - 0.004], [0, 0, tall + 0.03], [radius * 0.24, 0, tall - 0.004]]
     shade = (
         Part("Paper", hollow(out, 0.002, 30), "paper", None),
@@ -139,18 +153,35 @@ def layers(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     tall = radius * 1.0
     tiers = []
-    for low, high, wide, narrow in ((0.0, 0.42, 0.52, 0.3), (0.28, 0.6, 0.78, 0.36),
-                                    (0.5, 0.9, 1.0, 0.3)):  # fmt: skip
-        bow = arc((wide * radius, low * tall), (wide * radius * 0.9, high * tall * 0.9),
-                  (narrow * radius, high * tall), 5)  # fmt: skip
+    for low, high, wide, narrow in (
+        (0.0, 0.42, 0.52, 0.3),
+        (0.28, 0.6, 0.78, 0.36),
+        (0.5, 0.9, 1.0, 0.3),
+    ):
+        bow = arc(
+            (wide * radius, low * tall),
+            (wide * radius * 0.9, high * tall * 0.9),
+            (narrow * radius, high * tall),
+            5,
+        )
         tiers.append(hollow(bow, 0.003, 36))
     struts = [
-        tube(np.array([[0.3 * radius, 0, 0.41 * tall], [0.34 * radius, 0, 0.6 * tall],
-                       [0.31 * radius, 0, 0.9 * tall]]), 0.003, 6).turned("z", turn)
+        tube(
+            np.array(
+                [
+                    [0.3 * radius, 0, 0.41 * tall],
+                    [0.34 * radius, 0, 0.6 * tall],
+                    [0.31 * radius, 0, 0.9 * tall],
+                ]
+            ),
+            0.003,
+            6,
+        ).turned("z", turn)
         for turn in (90, 210, 330)
-    ]  # fmt: skip
-    crown = lathe([(0.31 * radius, 0.0), (0.31 * radius, 0.012), (0.1 * radius, 0.06),
-                   (0.02, 0.08)], 28).moved(z=0.89 * tall)  # fmt: skip
+    ]
+    crown = lathe(
+        [(0.31 * radius, 0.0), (0.31 * radius, 0.012), (0.1 * radius, 0.06), (0.02, 0.08)], 28
+    ).moved(z=0.89 * tall)
     shade = (
         Part("Tiers", joined(tiers), "metal", None),
         Part("Struts", joined(struts), "trim", None),
@@ -165,9 +196,22 @@ def chandelier(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     shade_r = radius * 0.17
     reach = radius - shade_r
-    stem = [(0.0, 0.0), (0.012, 0.006), (0.018, 0.02), (0.008, 0.034), (0.03, 0.05), (0.045, 0.075),
-            (0.03, 0.1), (0.012, 0.12), (0.012, 0.18), (0.026, 0.2), (0.034, 0.23), (0.014, 0.26),
-            (0.008, 0.34), (0.008, 0.36)]  # fmt: skip
+    stem = [
+        (0.0, 0.0),
+        (0.012, 0.006),
+        (0.018, 0.02),
+        (0.008, 0.034),
+        (0.03, 0.05),
+        (0.045, 0.075),
+        (0.03, 0.1),
+        (0.012, 0.12),
+        (0.012, 0.18),
+        (0.026, 0.2),
+        (0.034, 0.23),
+        (0.014, 0.26),
+        (0.008, 0.34),
+        (0.008, 0.36),
+    ]
     arms, pans, candles, shades = [], [], [], []
     for turn in range(0, 360, 60):
         bow = arc((0.03, 0.09), (reach * 0.55, -0.06), (reach, 0.1), 9)
@@ -178,11 +222,20 @@ def chandelier(size_m: Size) -> tuple[Part, ...]:
         cone = hollow([(shade_r, 0.0), (shade_r * 0.55, shade_r * 1.35)], 0.002, 16)
         shades.append(cone.moved(reach, z=0.16).turned("z", turn))
     links = [
-        tube(np.array([[0.011 * math.cos(a), 0.0, 0.02 * math.sin(a)]
-                       for a in np.linspace(0, 2 * math.pi * 0.97, 7)]), 0.0025, 4)
-        .turned("z", 90.0 * i).moved(z=0.375 + 0.036 * i)
+        tube(
+            np.array(
+                [
+                    [0.011 * math.cos(a), 0.0, 0.02 * math.sin(a)]
+                    for a in np.linspace(0, 2 * math.pi * 0.97, 7)
+                ]
+            ),
+            0.0025,
+            4,
+        )
+        .turned("z", 90.0 * i)
+        .moved(z=0.375 + 0.036 * i)
         for i in range(max(1, int((height - 0.03 - 0.375) / 0.036)))
-    ]  # fmt: skip
+    ]
     return (
         Part("Stem", outward(lathe(stem, 20)), "metal", None),
         Part("Arms", joined(arms), "metal", None),
@@ -216,15 +269,20 @@ def cluster(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     glasses, bulbs, cords, caps = [], [], [], []
     ball_r = min(0.075, radius * 0.45)
-    spots = [(0.0, 0.0)] + [((radius - ball_r) * math.cos(a), (radius - ball_r) * math.sin(a))
-                            for a in np.radians((20, 110, 200, 290))]  # fmt: skip
+    spots = [(0.0, 0.0)] + [
+        ((radius - ball_r) * math.cos(a), (radius - ball_r) * math.sin(a))
+        for a in np.radians((20, 110, 200, 290))
+    ]
     for index, (x, y) in enumerate(spots):
         z = (0.0, 0.26, 0.09, 0.34, 0.18)[index] * height * 0.8
         skin = sphere_profile(ball_r, -0.98, 0.94, 7, ball_r)
         glasses.append(hollow(skin, 0.002, 14).moved(x, y, z))
         bulbs.append(_bulb(0.022).moved(x, y, z + ball_r * 0.9))
-        caps.append(lathe([(0.018, 0.0), (0.028, 0.004), (0.024, 0.05), (0.006, 0.06)], 16)
-                    .moved(x, y, z + 1.9 * ball_r))  # fmt: skip
+        caps.append(
+            lathe([(0.018, 0.0), (0.028, 0.004), (0.024, 0.05), (0.006, 0.06)], 16).moved(
+                x, y, z + 1.9 * ball_r
+            )
+        )
         top = height - 0.02
         bend = [[x, y, z + 1.9 * ball_r + 0.05], [x, y, top - 0.06], [x * 0.4, y * 0.4, top]]
         cords.append(tube(bent_path(bend, 0.05, 3), 0.003, 6))
@@ -243,8 +301,10 @@ def slatted(size_m: Size) -> tuple[Part, ...]:
     tall, count = radius * 1.25, 30
     slat = block((0.008, 0.006, tall), 0.0015).moved(x=radius - 0.006)
     fins = [slat.turned("z", 360.0 * i / count) for i in range(count)]
-    hoops = [hollow([(radius - 0.01, z), (radius - 0.01, z + 0.012)], 0.008, 40)
-             for z in (tall * 0.08, tall * 0.92 - 0.012)]  # fmt: skip
+    hoops = [
+        hollow([(radius - 0.01, z), (radius - 0.01, z + 0.012)], 0.008, 40)
+        for z in (tall * 0.08, tall * 0.92 - 0.012)
+    ]
     paper_ = hollow([(radius - 0.02, 0.012), (radius - 0.02, tall - 0.012)], 0.002, 40)
     spider = block((2 * radius - 0.02, 0.008, 0.004), 0.001).moved(z=tall * 0.9)
     shade = (
@@ -258,8 +318,16 @@ def slatted(size_m: Size) -> tuple[Part, ...]:
 
 
 def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    base = {"bulb": "bulb", "opal": "opal_glass", "paper": "paper_shade", "cord": "black_metal",
-            "lining": "warm_white", "glass": "clear_glass", "wax": "wax", "shade": "linen_shade"}  # fmt: skip
+    base = {
+        "bulb": "bulb",
+        "opal": "opal_glass",
+        "paper": "paper_shade",
+        "cord": "black_metal",
+        "lining": "warm_white",
+        "glass": "clear_glass",
+        "wax": "wax",
+        "shade": "linen_shade",
+    }
     return {name: {**base, **way} for name, way in ways.items()}
 
 
@@ -267,46 +335,74 @@ def _metal(main: str, trim: str = "brass", **more: str) -> dict[str, str]:
     return {"metal": main, "trim": trim, "wood": main, "weave": main, **more}
 
 
-_PAINTED = _looks(black=_metal("black", "brass"), white=_metal("white", "oak", cord="light_grey"),
-                  sage=_metal("sage", "brass"), rust=_metal("terracotta", "brass"))  # fmt: skip
-_ENAMEL = _looks(black_metal=_metal("black_metal", "antique_brass"),
-                 gunmetal=_metal("gunmetal", "copper"), green=_metal("forest", "brass"))  # fmt: skip
-_GLASS = _looks(brass=_metal("brass"), black_metal=_metal("black_metal", "black_metal"),
-                chrome=_metal("chrome", "chrome"))  # fmt: skip
-_AMBER = _looks(black_metal=_metal("black_metal"), brass=_metal("antique_brass"),
-                amber=_metal("black_metal", glass="amber_glass"))  # fmt: skip
-_WOVEN = _looks(rattan=_metal("black_metal", weave="rattan"),
-                dark=_metal("black_metal", weave="dark_rattan"),
-                white=_metal("white", weave="white_rattan", cord="light_grey"))  # fmt: skip
-_WOOD = _looks(oak=_metal("black_metal", wood="oak"), bamboo=_metal("black_metal", wood="bamboo_wood"),
-               walnut=_metal("brass", wood="walnut"))  # fmt: skip
+_PAINTED = _looks(
+    black=_metal("black", "brass"),
+    white=_metal("white", "oak", cord="light_grey"),
+    sage=_metal("sage", "brass"),
+    rust=_metal("terracotta", "brass"),
+)
+_ENAMEL = _looks(
+    black_metal=_metal("black_metal", "antique_brass"),
+    gunmetal=_metal("gunmetal", "copper"),
+    green=_metal("forest", "brass"),
+)
+_GLASS = _looks(
+    brass=_metal("brass"),
+    black_metal=_metal("black_metal", "black_metal"),
+    chrome=_metal("chrome", "chrome"),
+)
+_AMBER = _looks(
+    black_metal=_metal("black_metal"),
+    brass=_metal("antique_brass"),
+    amber=_metal("black_metal", glass="amber_glass"),
+)
+_WOVEN = _looks(
+    rattan=_metal("black_metal", weave="rattan"),
+    dark=_metal("black_metal", weave="dark_rattan"),
+    white=_metal("white", weave="white_rattan", cord="light_grey"),
+)
+_WOOD = _looks(
+    oak=_metal("black_metal", wood="oak"),
+    bamboo=_metal("black_metal", wood="bamboo_wood"),
+    walnut=_metal("brass", wood="walnut"),
+)
 _PAPER = _looks(white=_metal("white", cord="light_grey"), black_metal=_metal("black_metal"))
-_CANDLES = _looks(brass=_metal("antique_brass"), black_metal=_metal("black_metal"),
-                  white=_metal("chalk", shade="grey_shade"))  # fmt: skip
+_CANDLES = _looks(
+    brass=_metal("antique_brass"),
+    black_metal=_metal("black_metal"),
+    white=_metal("chalk", shade="grey_shade"),
+)
 
 
 def _design(
-    name: str, size_m: Size, draw: Callable[[Size], tuple[Part, ...]], looks: dict,
-    styles: tuple[str, ...], light_m: float, lumens: float = 800.0,
-) -> Design:  # fmt: skip
+    name: str,
+    size_m: Size,
+    draw: Callable[[Size], tuple[Part, ...]],
+    looks: dict,
+    styles: tuple[str, ...],
+    light_m: float,
+    lumens: float = 800.0,
+) -> Design:
     light = Light((0.0, 0.0, light_m), 0.05, lumens)
     return Design(name, "pendant_lamp", size_m, draw, looks, DRY, styles, light)
 
 
 DESIGNS = (
     _design("Pendant_Dome", (0.4, 0.4, 1.0), dome, _PAINTED, (MODERN, SCANDINAVIAN), 0.1),
-    _design("Pendant_Dome_Large", (0.55, 0.55, 1.05), dome, _PAINTED, (MODERN, SCANDINAVIAN), 0.12,
-            1000),
+    _design(
+        "Pendant_Dome_Large", (0.55, 0.55, 1.05), dome, _PAINTED, (MODERN, SCANDINAVIAN), 0.12, 1000
+    ),
     _design("Pendant_Factory", (0.42, 0.42, 1.0), factory, _ENAMEL, (INDUSTRIAL,), 0.06),
     _design("Pendant_Globe", (0.3, 0.3, 0.95), opal, _GLASS, (MODERN, CLASSIC), 0.15),
     _design("Pendant_Globe_Small", (0.2, 0.2, 0.85), opal, _GLASS, (MODERN, CLASSIC), 0.1, 500),
     _design("Pendant_Rattan", (0.5, 0.5, 1.0), woven, _WOVEN, (SCANDINAVIAN, JAPANESE), 0.15),
     _design("Pendant_Paper", (0.6, 0.6, 1.05), paper, _PAPER, (JAPANESE, SCANDINAVIAN), 0.27, 1000),
-    _design("Pendant_Paper_Small", (0.42, 0.42, 0.9), paper, _PAPER, (JAPANESE, SCANDINAVIAN),
-            0.19),
+    _design(
+        "Pendant_Paper_Small", (0.42, 0.42, 0.9), paper, _PAPER, (JAPANESE, SCANDINAVIAN), 0.19
+    ),
     _design("Pendant_Layers", (0.48, 0.48, 0.95), layers, _PAINTED, (SCANDINAVIAN, MODERN), 0.1),
     _design("Pendant_Chandelier", (0.72, 0.64, 0.95), chandelier, _CANDLES, (CLASSIC,), 0.2, 1400),
     _design("Pendant_Beam", (1.2, 0.15, 0.95), beam, _GLASS, (MODERN, INDUSTRIAL), 0.006, 2000),
     _design("Pendant_Cluster", (0.42, 0.42, 1.1), cluster, _AMBER, (INDUSTRIAL, MODERN), 0.3, 1000),
     _design("Pendant_Slats", (0.38, 0.38, 0.95), slatted, _WOOD, (JAPANESE, SCANDINAVIAN), 0.2),
-)  # fmt: skip
+)

@@ -95,8 +95,16 @@ class ArtFinishes(Mapping[str, Finish]):
         return len(DRY) + len(self.drawings)
 
 
-def _art(name: str, slot: str, length: float, height: float, y: float, z: float, thick: float,
-         x: float = 0.0) -> Part:  # fmt: skip
+def _art(
+    name: str,
+    slot: str,
+    length: float,
+    height: float,
+    y: float,
+    z: float,
+    thick: float,
+    x: float = 0.0,
+) -> Part:
     """A picture whose front lies in the plane y, standing on z."""
     sheet = box((length, thick, height)).moved(x, y + thick / 2, z)
     uvs = face_uvs(sheet, (x - length / 2, z), (x + length / 2, z + height))
@@ -112,9 +120,16 @@ def framed(
 
 
 def _frame(
-    length: float, width: float, height: float, rail: float, mount: float, moulded: bool, end: str,
-    slot: str, x: float,
-) -> tuple[Part, ...]:  # fmt: skip
+    length: float,
+    width: float,
+    height: float,
+    rail: float,
+    mount: float,
+    moulded: bool,
+    end: str,
+    slot: str,
+    x: float,
+) -> tuple[Part, ...]:
     section = moulded_rail(rail, width) if moulded else flat_rail(rail, width)
     frame = frame_rails(length, height, section).moved(x, width / 2)
     inner_l, inner_h = length - 2 * rail, height - 2 * rail
@@ -159,8 +174,15 @@ def floating(size_m: Size) -> tuple[Part, ...]:
     frame = frame_rails(length, height, flat_rail(rail, width, 0.001)).moved(y=width / 2)
     tray = box((length - 0.008, 0.008, height - 0.008)).moved(y=width / 2 - 0.006, z=0.004)
     inset = rail + gap
-    canvas = _art("Art", "art", length - 2 * inset, height - 2 * inset, -width / 2 + 0.004, inset,
-                  width - 0.013)  # fmt: skip
+    canvas = _art(
+        "Art",
+        "art",
+        length - 2 * inset,
+        height - 2 * inset,
+        -width / 2 + 0.004,
+        inset,
+        width - 0.013,
+    )
     return Part("Frame", frame, "frame", None), Part("Tray", tray, "back", None), canvas
 
 
@@ -170,17 +192,23 @@ def scroll(size_m: Size) -> tuple[Part, ...]:
     rod = 0.014
     wide = length - 0.05
     silk = box((wide, 0.0015, height - 0.045)).moved(y=width / 2 - 0.003, z=0.015)
-    band = [box((wide - 0.0, 0.0009, 0.05)).moved(y=width / 2 - 0.0042, z=z)
-            for z in (0.075, height - 0.17)]  # fmt: skip
+    band = [
+        box((wide - 0.0, 0.0009, 0.05)).moved(y=width / 2 - 0.0042, z=z)
+        for z in (0.075, height - 0.17)
+    ]
     bar = cylinder(rod, length - 0.03, 0.0, 16).turned("y", 90).moved(-(length - 0.03) / 2)
-    knobs = [cylinder(rod * 0.8, 0.02, 0.003, 14).turned("y", 90).moved(x)
-             for x in (-length / 2, length / 2 - 0.02)]  # fmt: skip
+    knobs = [
+        cylinder(rod * 0.8, 0.02, 0.003, 14).turned("y", 90).moved(x)
+        for x in (-length / 2, length / 2 - 0.02)
+    ]
     foot = {"y": width / 2 - rod - 0.001, "z": rod}
     top = block((wide + 0.006, 0.012, 0.016), 0.003).moved(y=width / 2 - 0.007, z=height - 0.046)
     strings = [
-        block((0.002, 0.002, 0.19 * length), 0.0004).turned("y", s * 76).moved(s * length * 0.185, width / 2 - 0.006)
+        block((0.002, 0.002, 0.19 * length), 0.0004)
+        .turned("y", s * 76)
+        .moved(s * length * 0.185, width / 2 - 0.006)
         for s in (-1, 1)
-    ]  # fmt: skip
+    ]
     cord = joined(strings)
     cord = cord.moved(z=height - float(cord.bounds_m()[1, 2]))
     art_l, art_z = wide - 0.08, 0.15
@@ -197,10 +225,17 @@ def scroll(size_m: Size) -> tuple[Part, ...]:
 
 def _looks(*frames: str, mount: str = "mount_board") -> dict[str, dict[str, str]]:
     return {
-        name: {"frame": name, "mount": mount, "back": "black", "art": "art", "art_b": "art_b",
-               "silk": "linen", "band": "beige_cloth"}
+        name: {
+            "frame": name,
+            "mount": mount,
+            "back": "black",
+            "art": "art",
+            "art_b": "art_b",
+            "silk": "linen",
+            "band": "beige_cloth",
+        }
         for name in frames
-    }  # fmt: skip
+    }
 
 
 _THIN = _looks("black_metal", "oak", "walnut", "white")
@@ -293,7 +328,7 @@ _ROWS = (
     _Row(40, 110, "Scroll", ("bamboo",), _J),
     _Row(60, 45, "Plain", ("branch",), _J),
     _Row(45, 60, "Plain", ("still_life_pale",), _MS),
-)  # fmt: skip
+)
 
 
 def _design(row: _Row) -> Design:

@@ -52,8 +52,11 @@ def corbelled(size_m: Size) -> tuple[Part, ...]:
     low = height - _BOARD_M
     board = block((length, width, _BOARD_M), 0.006).moved(z=low)
     cornice = block((length - 0.03, width - 0.015, 0.014), 0.005).moved(y=0.0075, z=low - 0.013)
-    bow = [(0.0, 0.0), *arc((0.0, 0.0), (-0.03, low * 0.55), (-width * 0.72, low - 0.012), 7)[1:],
-           (0.0, low - 0.012)]  # fmt: skip
+    bow = [
+        (0.0, 0.0),
+        *arc((0.0, 0.0), (-0.03, low * 0.55), (-width * 0.72, low - 0.012), 7)[1:],
+        (0.0, low - 0.012),
+    ]
     corbel = extruded(np.array([[y, z] for y, z in bow])[::-1], 0.035)
     # Drawn over (y, z) and lying: stood up, its thickness runs along x.
     stood = corbel.turned("x", 90).turned("z", 90).moved(y=width / 2)
@@ -77,10 +80,14 @@ def ladder(size_m: Size) -> tuple[Part, ...]:
         x = s * (length - rod) / 2
         frames.append(block((rod, rod, height), 0.001).moved(x, (width - rod) / 2))
         frames.append(block((rod, rod, height), 0.001).moved(x, -(width - rod) / 2))
-        frames += [block((rod - 0.001, width - 2 * rod, rod), 0.001).moved(x, z=z - 0.026)
-                   for z in _ladder_boards(height)]  # fmt: skip
-        frames += [block((0.012, width - 0.02, 0.006), 0.001).moved(s * (length / 2 - 0.014), z=z - 0.023)
-                   for z in _ladder_boards(height)]  # fmt: skip
+        frames += [
+            block((rod - 0.001, width - 2 * rod, rod), 0.001).moved(x, z=z - 0.026)
+            for z in _ladder_boards(height)
+        ]
+        frames += [
+            block((0.012, width - 0.02, 0.006), 0.001).moved(s * (length / 2 - 0.014), z=z - 0.023)
+            for z in _ladder_boards(height)
+        ]
     return (
         Part("Boards", joined(boards), "board", collider="none"),
         Part("Sides", joined(frames), "metal", None),
@@ -97,8 +104,10 @@ def box_shelf(size_m: Size) -> tuple[Part, ...]:
     side = block((0.018, width - 0.002, height - 0.034), 0.0015)
     boards = [block((length, width, 0.018), 0.002).moved(z=z) for z in (0.0, height - 0.018)]
     back = box((length - 0.01, 0.006, height - 0.02)).moved(y=width / 2 - 0.005, z=0.01)
-    uprights = [side.moved(x, 0.0, 0.017) for x in (-(length - 0.02) / 2, (length - 0.02) / 2,
-                                                    length * 0.12)]  # fmt: skip
+    uprights = [
+        side.moved(x, 0.0, 0.017)
+        for x in (-(length - 0.02) / 2, (length - 0.02) / 2, length * 0.12)
+    ]
     return (
         Part("Boards", joined(boards), "board", collider="none"),
         Part("Uprights", joined(uprights), "board", collider="none"),
@@ -114,8 +123,12 @@ def peg_rail(size_m: Size) -> tuple[Part, ...]:
     pegs = []
     for index in range(count):
         x = ((index + 0.5) / count - 0.5) * (length - 0.04)
-        peg = joined([cylinder(0.007, width - 0.024, 0.0, 12),
-                      cylinder(0.011, 0.014, 0.004, 14).moved(z=width - 0.034)])  # fmt: skip
+        peg = joined(
+            [
+                cylinder(0.007, width - 0.024, 0.0, 12),
+                cylinder(0.011, 0.014, 0.004, 14).moved(z=width - 0.034),
+            ]
+        )
         pegs.append(peg.turned("x", 100).moved(x, width / 2 - 0.016, height * 0.5))
     return Part("Board", board, "board", None), Part("Pegs", joined(pegs), "board", None)
 
@@ -126,8 +139,10 @@ def _hook(out_m: float, drop_m: float) -> Solid:
     low = arc((0.0, -0.014), (-out_m * 0.9, -drop_m * 1.5), (-out_m, -0.002), 6)
     high = arc((0.0, 0.012), (-out_m * 0.7, 0.006), (-out_m * 1.15, 0.05), 5)
     bars = [tube(np.array([[0.0, y - 0.003, z] for y, z in bow]), 0.0038, 7) for bow in (low, high)]
-    knobs = [cylinder(0.006, 0.008, 0.002, 10).moved(0.0, bow[-1][0] - 0.003, bow[-1][1] - 0.003)
-             for bow in (low, high)]  # fmt: skip
+    knobs = [
+        cylinder(0.006, 0.008, 0.002, 10).moved(0.0, bow[-1][0] - 0.003, bow[-1][1] - 0.003)
+        for bow in (low, high)
+    ]
     return joined([plate, *bars, *knobs])
 
 
@@ -137,8 +152,10 @@ def hooks(size_m: Size) -> tuple[Part, ...]:
     board = block((length, 0.018, height * 0.75), 0.005).moved(y=width / 2 - 0.009, z=height * 0.1)
     count = max(3, round(length / 0.16))
     one = _hook((width - 0.022) / 1.2, height * 0.36)
-    row = [one.moved(((i + 0.5) / count - 0.5) * length, width / 2 - 0.018, height * 0.52)
-           for i in range(count)]  # fmt: skip
+    row = [
+        one.moved(((i + 0.5) / count - 0.5) * length, width / 2 - 0.018, height * 0.52)
+        for i in range(count)
+    ]
     return Part("Board", board, "board", None), Part("Hooks", joined(row), "metal", None)
 
 
@@ -146,20 +163,36 @@ def _looks(**ways: tuple[str, str]) -> dict[str, dict[str, str]]:
     return {n: {"board": wood, "metal": metal, "back": wood} for n, (wood, metal) in ways.items()}
 
 
-_WOOD = _looks(oak=("oak", "black_metal"), walnut=("walnut", "brass"),
-               white=("white", "white"), black_stain=("black_stain", "black_metal"))  # fmt: skip
-_RAW = _looks(walnut=("walnut", "black_metal"), oak=("oak", "black_metal"),
-              dark_walnut=("dark_walnut", "gunmetal"))  # fmt: skip
-_FINE = _looks(white=("warm_white", "brass"), walnut=("walnut", "antique_brass"),
-               cherry=("cherry", "antique_brass"))  # fmt: skip
+_WOOD = _looks(
+    oak=("oak", "black_metal"),
+    walnut=("walnut", "brass"),
+    white=("white", "white"),
+    black_stain=("black_stain", "black_metal"),
+)
+_RAW = _looks(
+    walnut=("walnut", "black_metal"),
+    oak=("oak", "black_metal"),
+    dark_walnut=("dark_walnut", "gunmetal"),
+)
+_FINE = _looks(
+    white=("warm_white", "brass"),
+    walnut=("walnut", "antique_brass"),
+    cherry=("cherry", "antique_brass"),
+)
 
 _RAIL_M = 0.1
 
 Draw = Callable[[Size], tuple[Part, ...]]
 
 
-def _row(name: str, category: str, sizes_m: tuple[Size, ...], draw: Draw, looks: dict,
-         styles: tuple[str, ...]) -> tuple[Design, ...]:  # fmt: skip
+def _row(
+    name: str,
+    category: str,
+    sizes_m: tuple[Size, ...],
+    draw: Draw,
+    looks: dict,
+    styles: tuple[str, ...],
+) -> tuple[Design, ...]:
     return tuple(
         Design(f"{name}_{100 * size[0]:.0f}", category, size, draw, looks, DRY, styles)
         for size in sizes_m
@@ -167,21 +200,63 @@ def _row(name: str, category: str, sizes_m: tuple[Size, ...], draw: Draw, looks:
 
 
 DESIGNS = (
-    *_row("Shelf_Floating", "wall_shelf", tuple((x, 0.2, 0.035) for x in (0.5, 0.6, 0.8, 1.0, 1.2)),
-          floating, _WOOD, (MODERN, SCANDINAVIAN, JAPANESE)),
-    *_row("Shelf_Brackets", "wall_shelf", tuple((x, 0.21, 0.17) for x in (0.6, 0.8, 1.0, 1.2)),
-          bracketed, _RAW, (INDUSTRIAL, SCANDINAVIAN)),
-    *_row("Shelf_Corbels", "wall_shelf", tuple((x, 0.2, 0.16) for x in (0.6, 0.8, 1.0)), corbelled,
-          _FINE, (CLASSIC,)),
-    *_row("Shelf_Ladder", "wall_shelf", tuple((x, 0.22, 0.88) for x in (0.6, 0.8)), ladder, _RAW,
-          (INDUSTRIAL, MODERN, SCANDINAVIAN)),
-    *_row("Shelf_Box", "wall_shelf", tuple((x, 0.22, 0.3) for x in (0.6, 0.9)), box_shelf, _WOOD,
-          (MODERN, JAPANESE, SCANDINAVIAN)),
-    *_row("Peg_Rail", "hook_rail", tuple((x, 0.075, 0.09) for x in (0.45, 0.6, 0.9)), peg_rail, _WOOD,
-          (SCANDINAVIAN, JAPANESE, MODERN)),
-    *_row("Hook_Rail", "hook_rail", tuple((x, 0.085, _RAIL_M) for x in (0.48, 0.64, 0.96)), hooks,
-          {**_FINE, **_RAW}, (CLASSIC, INDUSTRIAL)),
-)  # fmt: skip
+    *_row(
+        "Shelf_Floating",
+        "wall_shelf",
+        tuple((x, 0.2, 0.035) for x in (0.5, 0.6, 0.8, 1.0, 1.2)),
+        floating,
+        _WOOD,
+        (MODERN, SCANDINAVIAN, JAPANESE),
+    ),
+    *_row(
+        "Shelf_Brackets",
+        "wall_shelf",
+        tuple((x, 0.21, 0.17) for x in (0.6, 0.8, 1.0, 1.2)),
+        bracketed,
+        _RAW,
+        (INDUSTRIAL, SCANDINAVIAN),
+    ),
+    *_row(
+        "Shelf_Corbels",
+        "wall_shelf",
+        tuple((x, 0.2, 0.16) for x in (0.6, 0.8, 1.0)),
+        corbelled,
+        _FINE,
+        (CLASSIC,),
+    ),
+    *_row(
+        "Shelf_Ladder",
+        "wall_shelf",
+        tuple((x, 0.22, 0.88) for x in (0.6, 0.8)),
+        ladder,
+        _RAW,
+        (INDUSTRIAL, MODERN, SCANDINAVIAN),
+    ),
+    *_row(
+        "Shelf_Box",
+        "wall_shelf",
+        tuple((x, 0.22, 0.3) for x in (0.6, 0.9)),
+        box_shelf,
+        _WOOD,
+        (MODERN, JAPANESE, SCANDINAVIAN),
+    ),
+    *_row(
+        "Peg_Rail",
+        "hook_rail",
+        tuple((x, 0.075, 0.09) for x in (0.45, 0.6, 0.9)),
+        peg_rail,
+        _WOOD,
+        (SCANDINAVIAN, JAPANESE, MODERN),
+    ),
+    *_row(
+        "Hook_Rail",
+        "hook_rail",
+        tuple((x, 0.085, _RAIL_M) for x in (0.48, 0.64, 0.96)),
+        hooks,
+        {**_FINE, **_RAW},
+        (CLASSIC, INDUSTRIAL),
+    ),
+)
 
 
 def board_heights_m(asset_id: str, height_m: float) -> tuple[float, ...]:

@@ -29,7 +29,6 @@ from chord_usd.assets.solids import (
     cylinder,
     joined,
     lathe,
-    rounded_slab,
     tube,
 )
 
@@ -55,10 +54,16 @@ def _felt(foot: Solid, height_m: float) -> tuple[Solid, ...]:
 def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
     """A cloth shade with its rims and the ring that carries it."""
     skin = hollow([(wide, low), (narrow, high)], 0.0025, 40)
-    rims = [hollow([(wide + 0.001, low - 0.0006), (wide + 0.001, low + 0.007)], 0.005, 40),
-            hollow([(narrow + 0.001, high - 0.007), (narrow + 0.001, high + 0.0006)], 0.005, 40)]  # fmt: skip
-    spokes = [block((2 * narrow - 0.004, 0.004, 0.003), 0.001).turned("z", turn).moved(z=high - 0.022 + 0.004 * i)
-              for i, turn in enumerate((0, 90))]  # fmt: skip
+    rims = [
+        hollow([(wide + 0.001, low - 0.0006), (wide + 0.001, low + 0.007)], 0.005, 40),
+        hollow([(narrow + 0.001, high - 0.007), (narrow + 0.001, high + 0.0006)], 0.005, 40),
+    ]
+    spokes = [
+        block((2 * narrow - 0.004, 0.004, 0.003), 0.001)
+        .turned("z", turn)
+        .moved(z=high - 0.022 + 0.004 * i)
+        for i, turn in enumerate((0, 90))
+    ]
     return (
         Part("Shade", skin, "shade", None),
         Part("Rims", joined(rims), "trim", None),
@@ -83,9 +88,25 @@ def classic(size_m: Size) -> tuple[Part, ...]:
     """A turned column under an empire shade."""
     radius, height = size_m[0] / 2, size_m[2]
     low = height - 0.3
-    profile = [(0.15, 0.0), (0.15, 0.016), (0.13, 0.03), (0.06, 0.05), (0.03, 0.09), (0.045, 0.12), (0.022, 0.16),
-               (0.016, 0.3), (0.015, low * 0.55), (0.03, low * 0.58), (0.034, low * 0.61), (0.015, low * 0.65),
-               (0.012, low - 0.05), (0.024, low - 0.02), (0.012, low + 0.01), (0.01, low + 0.12), (0.0, low + 0.12)]  # fmt: skip
+    profile = [
+        (0.15, 0.0),
+        (0.15, 0.016),
+        (0.13, 0.03),
+        (0.06, 0.05),
+        (0.03, 0.09),
+        (0.045, 0.12),
+        (0.022, 0.16),
+        (0.016, 0.3),
+        (0.015, low * 0.55),
+        (0.03, low * 0.58),
+        (0.034, low * 0.61),
+        (0.015, low * 0.65),
+        (0.012, low - 0.05),
+        (0.024, low - 0.02),
+        (0.012, low + 0.01),
+        (0.01, low + 0.12),
+        (0.0, low + 0.12),
+    ]
     finial = lathe([(0.004, 0.0), (0.009, 0.008), (0.004, 0.014), (0.0, 0.024)], 12)
     return (
         Part("Column", outward(lathe(profile, 28)), "metal", felt=_felt(cylinder(0.15, 0.03), low)),
@@ -137,8 +158,16 @@ def bow_lamp(size_m: Size) -> tuple[Part, ...]:
     foot_x, head_x = length / 2 - foot_r, -length / 2 + dome_r
     foot = _disc_foot(foot_r).moved(foot_x)
     low = height - 0.3
-    path = bent_path([[foot_x, 0, 0.03], [foot_x, 0, height - 0.008], [head_x, 0, height - 0.008],
-                      [head_x, 0, low + 0.19]], 0.28, 9)  # fmt: skip
+    path = bent_path(
+        [
+            [foot_x, 0, 0.03],
+            [foot_x, 0, height - 0.008],
+            [head_x, 0, height - 0.008],
+            [head_x, 0, low + 0.19],
+        ],
+        0.28,
+        9,
+    )
     out = arc((dome_r, 0.0), (dome_r, dome_r * 0.95), (0.02, dome_r * 0.98), 7)
     inner = [(r - 0.004, z - 0.002) for r, z in out[:-1]]
     at = {"x": head_x, "z": low + 0.19 - dome_r * 0.98}
@@ -161,9 +190,31 @@ def reader(size_m: Size) -> tuple[Part, ...]:
     elbow = np.array([foot_x - 0.04, 0.0, height - 0.02])
     hand = np.array([-length / 2 + head_r + 0.02, 0.0, height - 0.2])
     waist = np.array([foot_x, 0.0, height * 0.42])
-    rods = [tube([[foot_x, 0, 0.03], waist.tolist()], 0.011, 10),
-            *(tube([(waist + [0, s * 0.014, 0]).tolist(), (elbow + [0, s * 0.014, 0]).tolist()], 0.005, 8) for s in (-1, 1)),
-            *(tube([(elbow + [0, s * 0.014, 0]).tolist(), (hand + [0, s * 0.014, 0]).tolist()], 0.005, 8) for s in (-1, 1))]  # fmt: skip
+    rods = [
+        tube([[foot_x, 0, 0.03], waist.tolist()], 0.011, 10),
+        *(
+            tube(
+                [
+                    (waist + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                    (elbow + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                ],
+                0.005,
+                8,
+            )
+            for s in (-1, 1)
+        ),
+        *(
+            tube(
+                [
+                    (elbow + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                    (hand + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                ],
+                0.005,
+                8,
+            )
+            for s in (-1, 1)
+        ),
+    ]
     knuckle = cylinder(0.018, 0.044, 0.003, 18).moved(z=-0.022).turned("x", 90)
     joints = [
         knuckle.moved(*map(float, spot)) for spot in (waist, elbow - [0, 0, 0.018 - 0.02], hand)
@@ -172,8 +223,11 @@ def reader(size_m: Size) -> tuple[Part, ...]:
     inner = [(head_r - 0.004, -0.002), (0.036, 0.126)]
     tilt = 16.0
     parts = []
-    for name, solid, slot in (("Cone", hollow(cone, 0.0025, 32), "metal"), ("Inside", hollow(inner, 0.0012, 32), "lining"),
-                              ("Bulb", bulb(0.03).turned("x", 180).moved(z=0.12), "bulb")):  # fmt: skip
+    for name, solid, slot in (
+        ("Cone", hollow(cone, 0.0025, 32), "metal"),
+        ("Inside", hollow(inner, 0.0012, 32), "lining"),
+        ("Bulb", bulb(0.03).turned("x", 180).moved(z=0.12), "bulb"),
+    ):
         parts.append(
             Part(
                 name,
@@ -220,10 +274,18 @@ def column(size_m: Size) -> tuple[Part, ...]:
         rails.append(
             block((0.007, 0.007, 0.78 * height), 0.001).moved(x=s * at_x, z=0.1 * height + 0.002)
         )
-    walls = [block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(y=s * (at_y - 0.006), z=0.105 * height)
-             for s in (-1, 1)]  # fmt: skip
-    walls += [block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(x=s * (at_x - 0.006), z=0.105 * height)
-              for s in (-1, 1)]  # fmt: skip
+    walls = [
+        block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(
+            y=s * (at_y - 0.006), z=0.105 * height
+        )
+        for s in (-1, 1)
+    ]
+    walls += [
+        block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(
+            x=s * (at_x - 0.006), z=0.105 * height
+        )
+        for s in (-1, 1)
+    ]
     return (
         Part("Frame", joined([*posts, *rails]), "wood"),
         Part("Paper", joined(walls), "paper", None),
@@ -277,10 +339,14 @@ def globes(size_m: Size) -> tuple[Part, ...]:
         [[0, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.05]], 0.07, 5
     )
     post = cylinder(0.009, high - r - 0.02, 0.0, 12).moved(z=0.03)
-    cups = [lathe([(0.012, 0.0), (0.034, 0.012), (0.036, 0.02)], 20).moved(x, z=z)
-            for x, z in ((0.0, high - r - 0.01), (arm_x, arm_z - 0.06))]  # fmt: skip
-    balls = [outward(lathe(sphere_profile(radius, steps=14), 28)).moved(x, z=z)
-             for radius, x, z in ((r * 0.9, 0.0, high), (0.085, arm_x, arm_z + 0.035))]  # fmt: skip
+    cups = [
+        lathe([(0.012, 0.0), (0.034, 0.012), (0.036, 0.02)], 20).moved(x, z=z)
+        for x, z in ((0.0, high - r - 0.01), (arm_x, arm_z - 0.06))
+    ]
+    balls = [
+        outward(lathe(sphere_profile(radius, steps=14), 28)).moved(x, z=z)
+        for radius, x, z in ((r * 0.9, 0.0, high), (0.085, arm_x, arm_z + 0.035))
+    ]
     return (
         Part(
             "Post",
@@ -293,20 +359,38 @@ def globes(size_m: Size) -> tuple[Part, ...]:
 
 
 def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    base = {"bulb": "bulb", "opal": "opal_glass", "paper": "paper_shade", "lining": "warm_white", "shade": "linen_shade",
-            "trim": "linen", "wood": "oak", "metal": "black_metal"}  # fmt: skip
+    base = {
+        "bulb": "bulb",
+        "opal": "opal_glass",
+        "paper": "paper_shade",
+        "lining": "warm_white",
+        "shade": "linen_shade",
+        "trim": "linen",
+        "wood": "oak",
+        "metal": "black_metal",
+    }
     return {name: {**base, **way} for name, way in ways.items()}
 
 
-_CLOTH = _looks(black={"shade": "white_shade", "trim": "white"}, brass={"metal": "brass"},
-                grey={"shade": "grey_shade", "trim": "charcoal_cloth"})  # fmt: skip
+_CLOTH = _looks(
+    black={"shade": "white_shade", "trim": "white"},
+    brass={"metal": "brass"},
+    grey={"shade": "grey_shade", "trim": "charcoal_cloth"},
+)
 _CLASSIC = _looks(
     brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"}
 )
-_WOOD = _looks(oak={}, walnut={"wood": "walnut", "metal": "brass"}, black_stain={"wood": "black_stain"},
-               bamboo={"wood": "bamboo_wood"})  # fmt: skip
-_METAL = _looks(black={"metal": "black", "trim": "brass"}, brass={"metal": "brass", "trim": "brass"},
-                white={"metal": "white", "trim": "white"})  # fmt: skip
+_WOOD = _looks(
+    oak={},
+    walnut={"wood": "walnut", "metal": "brass"},
+    black_stain={"wood": "black_stain"},
+    bamboo={"wood": "bamboo_wood"},
+)
+_METAL = _looks(
+    black={"metal": "black", "trim": "brass"},
+    brass={"metal": "brass", "trim": "brass"},
+    white={"metal": "white", "trim": "white"},
+)
 _RAW = _looks(
     black_metal={"trim": "antique_brass"}, gunmetal={"metal": "gunmetal", "trim": "copper"}
 )
@@ -315,18 +399,59 @@ _PAPER = _looks(white={}, black_metal={"paper": "paper_shade", "metal": "gunmeta
 Draw = Callable[[Size], tuple[Part, ...]]
 
 
-def _design(name: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...],
-            at_m: tuple[float, float, float], lumens: float = 800.0) -> Design:  # fmt: skip
+def _design(
+    name: str,
+    size_m: Size,
+    draw: Draw,
+    looks: dict,
+    styles: tuple[str, ...],
+    at_m: tuple[float, float, float],
+    lumens: float = 800.0,
+) -> Design:
     return Design(name, "floor_lamp", size_m, draw, looks, DRY, styles, Light(at_m, 0.05, lumens))
 
 
 DESIGNS = (
-    _design("Floor_Lamp_Drum", (0.42, 0.42, 1.55), drum, _CLOTH, (MODERN, SCANDINAVIAN), (0.0, 0.0, 1.41)),
-    _design("Floor_Lamp_Column", (0.42, 0.42, 1.6), classic, _CLASSIC, (CLASSIC,), (0.0, 0.0, 1.46)),
-    _design("Floor_Lamp_Tripod", (0.46, 0.46, 1.5), tripod, _WOOD, (SCANDINAVIAN, JAPANESE, MODERN), (0.0, 0.0, 1.37)),
-    _design("Floor_Lamp_Bow", (0.6, 0.28, 1.55), bow_lamp, _METAL, (MODERN, SCANDINAVIAN), (-0.16, 0.0, 1.35)),
-    _design("Floor_Lamp_Reader", (0.6, 0.3, 1.5), reader, _RAW, (INDUSTRIAL,), (-0.14, 0.0, 1.18), 600.0),
+    _design(
+        "Floor_Lamp_Drum",
+        (0.42, 0.42, 1.55),
+        drum,
+        _CLOTH,
+        (MODERN, SCANDINAVIAN),
+        (0.0, 0.0, 1.41),
+    ),
+    _design(
+        "Floor_Lamp_Column", (0.42, 0.42, 1.6), classic, _CLASSIC, (CLASSIC,), (0.0, 0.0, 1.46)
+    ),
+    _design(
+        "Floor_Lamp_Tripod",
+        (0.46, 0.46, 1.5),
+        tripod,
+        _WOOD,
+        (SCANDINAVIAN, JAPANESE, MODERN),
+        (0.0, 0.0, 1.37),
+    ),
+    _design(
+        "Floor_Lamp_Bow",
+        (0.6, 0.28, 1.55),
+        bow_lamp,
+        _METAL,
+        (MODERN, SCANDINAVIAN),
+        (-0.16, 0.0, 1.35),
+    ),
+    _design(
+        "Floor_Lamp_Reader", (0.6, 0.3, 1.5), reader, _RAW, (INDUSTRIAL,), (-0.14, 0.0, 1.18), 600.0
+    ),
     _design("Floor_Lamp_Paper", (0.3, 0.3, 1.25), column, _WOOD, (JAPANESE,), (0.0, 0.0, 0.62)),
-    _design("Floor_Lamp_Lantern", (0.36, 0.36, 1.2), lantern, _PAPER, (JAPANESE, SCANDINAVIAN), (0.0, 0.0, 0.65)),
-    _design("Floor_Lamp_Globes", (0.31, 0.28, 1.6), globes, _METAL, (MODERN, CLASSIC), (0.0, 0.0, 1.5)),
-)  # fmt: skip
+    _design(
+        "Floor_Lamp_Lantern",
+        (0.36, 0.36, 1.2),
+        lantern,
+        _PAPER,
+        (JAPANESE, SCANDINAVIAN),
+        (0.0, 0.0, 0.65),
+    ),
+    _design(
+        "Floor_Lamp_Globes", (0.31, 0.28, 1.6), globes, _METAL, (MODERN, CLASSIC), (0.0, 0.0, 1.5)
+    ),
+)

@@ -171,10 +171,18 @@ def washi(size_m: Size) -> tuple[Part, ...]:
         block((length - 2 * rail + 0.002, width - 0.002, rail), 0.002).moved(z=z)
         for z in (0.0, height - rail)
     ]
-    thin = [block((0.006, 0.01, height - 2 * rail + 0.002), 0.001).moved(x, -width / 2 + 0.007, rail - 0.001)
-            for x in (-length / 6, length / 6)]  # fmt: skip
-    thin += [block((length - 2 * rail + 0.002, 0.0095, 0.006), 0.001).moved(y=-width / 2 + 0.007, z=height * s)
-             for s in (0.25, 0.5, 0.75)]  # fmt: skip
+    thin = [
+        block((0.006, 0.01, height - 2 * rail + 0.002), 0.001).moved(
+            x, -width / 2 + 0.007, rail - 0.001
+        )
+        for x in (-length / 6, length / 6)
+    ]
+    thin += [
+        block((length - 2 * rail + 0.002, 0.0095, 0.006), 0.001).moved(
+            y=-width / 2 + 0.007, z=height * s
+        )
+        for s in (0.25, 0.5, 0.75)
+    ]
     paper = block((length - 2 * rail + 0.004, 0.003, height - 2 * rail + 0.004), 0.001).moved(
         y=-width / 2 + 0.014, z=rail - 0.002
     )
@@ -258,8 +266,18 @@ def dish(size_m: Size) -> tuple[Part, ...]:
 
 
 def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    base = {"bulb": "bulb", "opal": "opal_glass", "paper": "paper_shade", "lining": "warm_white", "shade": "linen_shade",
-            "trim": "brass", "wood": "oak", "metal": "black_metal", "wax": "wax", "plaster": "chalk"}  # fmt: skip
+    base = {
+        "bulb": "bulb",
+        "opal": "opal_glass",
+        "paper": "paper_shade",
+        "lining": "warm_white",
+        "shade": "linen_shade",
+        "trim": "brass",
+        "wood": "oak",
+        "metal": "black_metal",
+        "wax": "wax",
+        "plaster": "chalk",
+    }
     return {name: {**base, **way} for name, way in ways.items()}
 
 
@@ -285,19 +303,80 @@ _PLASTER = _looks(white={}, concrete={"plaster": "raw_concrete"}, clay={"plaster
 Draw = Callable[[Size], tuple[Part, ...]]
 
 
-def _design(name: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...], at_m: tuple[float, float, float],
-            lumens: float = 350.0) -> Design:  # fmt: skip
+def _design(
+    name: str,
+    size_m: Size,
+    draw: Draw,
+    looks: dict,
+    styles: tuple[str, ...],
+    at_m: tuple[float, float, float],
+    lumens: float = 350.0,
+) -> Design:
     return Design(name, "wall_lamp", size_m, draw, looks, DRY, styles, Light(at_m, 0.03, lumens))
 
 
 DESIGNS = (
-    _design("Wall_Lamp_Shade", (0.18, 0.22, 0.26), shaded, _METAL, (MODERN, SCANDINAVIAN, CLASSIC), (0.0, -0.02, 0.22)),
-    _design("Wall_Lamp_Globe", (0.14, 0.18, 0.22), opal, _METAL, (MODERN, CLASSIC, SCANDINAVIAN), (0.0, -0.02, 0.15)),
-    _design("Wall_Lamp_Up_Down", (0.1, 0.09, 0.2), up_down, _METAL, (MODERN, INDUSTRIAL), (0.0, -0.005, 0.19), 500.0),
+    _design(
+        "Wall_Lamp_Shade",
+        (0.18, 0.22, 0.26),
+        shaded,
+        _METAL,
+        (MODERN, SCANDINAVIAN, CLASSIC),
+        (0.0, -0.02, 0.22),
+    ),
+    _design(
+        "Wall_Lamp_Globe",
+        (0.14, 0.18, 0.22),
+        opal,
+        _METAL,
+        (MODERN, CLASSIC, SCANDINAVIAN),
+        (0.0, -0.02, 0.15),
+    ),
+    _design(
+        "Wall_Lamp_Up_Down",
+        (0.1, 0.09, 0.2),
+        up_down,
+        _METAL,
+        (MODERN, INDUSTRIAL),
+        (0.0, -0.005, 0.19),
+        500.0,
+    ),
     _design("Wall_Lamp_Swing", (0.16, 0.28, 0.3), swing, _RAW, (INDUSTRIAL,), (0.0, -0.06, 0.05)),
-    _design("Wall_Lamp_Bar", (0.5, 0.09, 0.08), bar, _METAL, (MODERN, SCANDINAVIAN, INDUSTRIAL), (0.0, -0.025, 0.04), 700.0),
-    _design("Wall_Lamp_Bar_Short", (0.35, 0.09, 0.08), bar, _METAL, (MODERN, SCANDINAVIAN, INDUSTRIAL), (0.0, -0.025, 0.04), 500.0),
+    _design(
+        "Wall_Lamp_Bar",
+        (0.5, 0.09, 0.08),
+        bar,
+        _METAL,
+        (MODERN, SCANDINAVIAN, INDUSTRIAL),
+        (0.0, -0.025, 0.04),
+        700.0,
+    ),
+    _design(
+        "Wall_Lamp_Bar_Short",
+        (0.35, 0.09, 0.08),
+        bar,
+        _METAL,
+        (MODERN, SCANDINAVIAN, INDUSTRIAL),
+        (0.0, -0.025, 0.04),
+        500.0,
+    ),
     _design("Wall_Lamp_Washi", (0.2, 0.09, 0.34), washi, _WOOD, (JAPANESE,), (0.0, 0.0, 0.17)),
-    _design("Wall_Lamp_Candles", (0.34, 0.18, 0.26), candles, _CLASSIC, (CLASSIC,), (0.0, -0.02, 0.24), 450.0),
-    _design("Wall_Lamp_Dish", (0.3, 0.14, 0.12), dish, _PLASTER, (MODERN, JAPANESE, SCANDINAVIAN), (0.0, 0.02, 0.1), 500.0),
-)  # fmt: skip
+    _design(
+        "Wall_Lamp_Candles",
+        (0.34, 0.18, 0.26),
+        candles,
+        _CLASSIC,
+        (CLASSIC,),
+        (0.0, -0.02, 0.24),
+        450.0,
+    ),
+    _design(
+        "Wall_Lamp_Dish",
+        (0.3, 0.14, 0.12),
+        dish,
+        _PLASTER,
+        (MODERN, JAPANESE, SCANDINAVIAN),
+        (0.0, 0.02, 0.1),
+        500.0,
+    ),
+)

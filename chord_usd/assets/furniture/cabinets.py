@@ -185,7 +185,7 @@ _BOOK_SLOTS = ("book_red", "book_blue", "book_pale", "book_dark")
 
 
 def _books(bay: float, bays: int, levels: list[float], clear: float, y: float) -> tuple[Part, ...]:
-    """What stands in shelves: rows of unlike books, a lying pile, a vase, a box, room to breathe."""
+    """What stands in shelves: rows of unlike books, a vase, a bowl, a box, room to breathe."""
     rows: dict[str, list[Solid]] = {slot: [] for slot in _BOOK_SLOTS}
     pages: list[Solid] = []
     things: list[Solid] = []
@@ -331,7 +331,8 @@ def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
 def _look(body: str, fronts: str, handle: str, **more: str) -> dict[str, str]:
     base = {
         "body": body, "front": fronts, "top": body, "plinth": "graphite", "leg": body,
-        "handle": handle, "glass": "smoked_glass", "pane": "glass", "back": body, "plate": "ceramic",
+        "handle": handle, "glass": "smoked_glass", "pane": "glass", "back": body,
+        "plate": "ceramic",
         "cushion": "beige_cloth", "tv": "plastic_black", "screen": "screen",
         "book_red": "book_clay", "book_blue": "book_slate", "book_pale": "book_sand",
         "book_dark": "book_ink", "page": "paper", "thing": "stoneware",

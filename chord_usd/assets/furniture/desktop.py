@@ -89,8 +89,12 @@ def _titles(length: float, width: float, thick: float, index: int) -> list[Solid
         box((length * wide, width * tall, 0.0004)).moved(length * x, width * y, thick - 0.00035)
         for x, y, wide, tall in lines
     ]
-    spine = [box((0.0016, width * long, thick * 0.34)).moved(-length / 2 + 0.0006, width * y, thick * 0.33)
-             for y, long in ((0.12, 0.3), (-0.32, 0.06))]  # fmt: skip
+    spine = [
+        box((0.0016, width * long, thick * 0.34)).moved(
+            -length / 2 + 0.0006, width * y, thick * 0.33
+        )
+        for y, long in ((0.12, 0.3), (-0.32, 0.06))
+    ]
     return [*flat, *spine]
 
 
@@ -146,7 +150,7 @@ def standing_books(size_m: Size, *, seed: str = "row") -> tuple[Part, ...]:
         Part("Titles", joined(titles), "print", collider=None),
         # The box around both ends is the box around the row, and stands upright.
         Part("Bookends", mirrored_pair(end), "metal"),
-    )  # fmt: skip
+    )
 
 
 def magazine(size_m: Size) -> tuple[Part, ...]:
@@ -191,7 +195,7 @@ def pen_holder(size_m: Size) -> tuple[Part, ...]:
     )
     pencils, tips, leads = [], [], []
     spread = min(length, width) * 0.3
-    for index, (tall, turn) in enumerate(
+    for _index, (tall, turn) in enumerate(
         ((1.0, 20.0), (0.92, 100.0), (0.96, 170.0), (0.88, 250.0), (0.94, 310.0))
     ):
         a = math.radians(turn)
@@ -239,25 +243,53 @@ def photo_frame(size_m: Size, *, mount_m: float = 0.018) -> tuple[Part, ...]:
     rest = [0.0, back + slope * tall * 0.55 + 0.008, tall * 0.55]
     prop = tube([rest, [0.0, width / 2 - 0.004, 0.004]], 0.004, 8)
     at = back + 0.001
-    turned_ = {name: solid.turned("x", -lean_deg).moved(y=at) for name, solid in
-               (("frame", frame), ("board", board), ("mount", mount.moved(y=0.001, z=rail - 0.002)), ("seen", seen))}  # fmt: skip
+    turned_ = {
+        name: solid.turned("x", -lean_deg).moved(y=at)
+        for name, solid in (
+            ("frame", frame),
+            ("board", board),
+            ("mount", mount.moved(y=0.001, z=rail - 0.002)),
+            ("seen", seen),
+        )
+    }
     return (
         Part("Frame", turned_["frame"], "wood"),
         Part("Board", turned_["board"], "ink", collider=None),
         Part("Mount", turned_["mount"], "mount", collider=None),
         Part("Photograph", turned_["seen"], "photo", collider=None, uvs=uvs),
         Part("Prop", prop, "ink"),
-    )  # fmt: skip
+    )
 
 
 _PRINT = {
-    "red": {"cover_a": "book_clay", "cover_b": "book_slate", "cover_c": "book_ochre", "paper": "paper", "metal": "black_metal",
-            "print": "cream", "picture": "magazine_cover"},
-    "green": {"cover_a": "book_sage", "cover_b": "book_sand", "cover_c": "book_navy", "paper": "paper", "metal": "antique_brass",
-              "print": "gilt", "picture": "magazine_cover"},
-    "pale": {"cover_a": "book_white", "cover_b": "book_blush", "cover_c": "book_ink", "paper": "paper", "metal": "steel",
-             "print": "book_slate", "picture": "magazine_cover"},
-}  # fmt: skip
+    "red": {
+        "cover_a": "book_clay",
+        "cover_b": "book_slate",
+        "cover_c": "book_ochre",
+        "paper": "paper",
+        "metal": "black_metal",
+        "print": "cream",
+        "picture": "magazine_cover",
+    },
+    "green": {
+        "cover_a": "book_sage",
+        "cover_b": "book_sand",
+        "cover_c": "book_navy",
+        "paper": "paper",
+        "metal": "antique_brass",
+        "print": "gilt",
+        "picture": "magazine_cover",
+    },
+    "pale": {
+        "cover_a": "book_white",
+        "cover_b": "book_blush",
+        "cover_c": "book_ink",
+        "paper": "paper",
+        "metal": "steel",
+        "print": "book_slate",
+        "picture": "magazine_cover",
+    },
+}
 _MAT = {
     "charcoal": {"cloth": "felt_dark", "rim": "black"},
     "tan": {"cloth": "tan_leather", "rim": "brown_leather"},
@@ -282,17 +314,49 @@ def _frames(photo: str) -> dict[str, dict[str, str]]:
 DESIGNS = (
     Design("Book_Lying", "lying_book", (0.15, 0.21, 0.025), lying_books, _PRINT, PRINTED),
     Design("Book_Lying_Small", "lying_book", (0.13, 0.2, 0.03), lying_books, _PRINT, PRINTED),
-    Design("Books_Pair", "lying_book", (0.17, 0.24, 0.04), partial(lying_books, count=2), _PRINT, PRINTED),
-    Design("Books_Pile", "lying_book", (0.2, 0.27, 0.06), partial(lying_books, count=3), _PRINT, PRINTED),
+    Design(
+        "Books_Pair",
+        "lying_book",
+        (0.17, 0.24, 0.04),
+        partial(lying_books, count=2),
+        _PRINT,
+        PRINTED,
+    ),
+    Design(
+        "Books_Pile",
+        "lying_book",
+        (0.2, 0.27, 0.06),
+        partial(lying_books, count=3),
+        _PRINT,
+        PRINTED,
+    ),
     Design("Books_Row_Short", "standing_book", (0.18, 0.18, 0.24), standing_books, _PRINT, PRINTED),
-    Design("Books_Row_Medium", "standing_book", (0.26, 0.18, 0.24), standing_books, _PRINT, PRINTED),
+    Design(
+        "Books_Row_Medium", "standing_book", (0.26, 0.18, 0.24), standing_books, _PRINT, PRINTED
+    ),
     Design("Books_Row_Long", "standing_book", (0.36, 0.2, 0.26), standing_books, _PRINT, PRINTED),
     Design("Magazine", "magazine", (0.21, 0.28, 0.008), magazine, _PRINT, PRINTED),
     Design("Desk_Mat", "big_mouse_pad", (0.8, 0.35, 0.004), mouse_pad, _MAT, PRINTED),
     Design("Desk_Mat_Small", "big_mouse_pad", (0.7, 0.32, 0.004), mouse_pad, _MAT, PRINTED),
     Design("Desk_Mat_Large", "big_mouse_pad", (0.9, 0.4, 0.004), mouse_pad, _MAT, PRINTED),
     Design("Pen_Cup", "pen_holder", (0.09, 0.09, 0.18), pen_holder, _CUP, PRINTED),
-    Design("Photo_Portrait", "photo_frame", (0.17, 0.09, 0.22), photo_frame, _frames("photo_face"), PRINTED),
-    Design("Photo_Square", "photo_frame", (0.2, 0.08, 0.2), photo_frame, _frames("photo_fern"), PRINTED),
-    Design("Photo_Landscape", "photo_frame", (0.27, 0.09, 0.2), photo_frame, _frames("photo_sea"), PRINTED),
-)  # fmt: skip
+    Design(
+        "Photo_Portrait",
+        "photo_frame",
+        (0.17, 0.09, 0.22),
+        photo_frame,
+        _frames("photo_face"),
+        PRINTED,
+    ),
+    Design(
+        "Photo_Square", "photo_frame", (0.2, 0.08, 0.2), photo_frame, _frames("photo_fern"), PRINTED
+    ),
+    Design(
+        "Photo_Landscape",
+        "photo_frame",
+        (0.27, 0.09, 0.2),
+        photo_frame,
+        _frames("photo_sea"),
+        PRINTED,
+    ),
+)

@@ -166,8 +166,10 @@ def slate(size_m: Size) -> tuple[Part, ...]:
     seen = rounded_slab(
         (length - edge, width - edge, height * 0.06), max(corner - edge / 2, 0.002), 0.0002, 7
     ).moved(z=height * 0.94)
-    buttons = [block((0.0012, long, height * 0.3), 0.0004).moved(length / 2 + 0.0003, y, height * 0.34)
-               for y, long in ((width * 0.2, width * 0.08), (width * 0.32, width * 0.05))]  # fmt: skip
+    buttons = [
+        block((0.0012, long, height * 0.3), 0.0004).moved(length / 2 + 0.0003, y, height * 0.34)
+        for y, long in ((width * 0.2, width * 0.08), (width * 0.32, width * 0.05))
+    ]
     return (
         Part("Case", case, "metal"),
         Part("Glass", glass, "bezel", collider=None),
@@ -219,13 +221,17 @@ def alarm_clock(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     body = rounded_slab((length, height - 0.004, width - 0.008), 0.02, 0.008, 6, 3).turned("x", 90)
     body = body.moved(y=width / 2, z=(height - 0.004) / 2)
-    low, high = body.bounds_m()
+    _low, high = body.bounds_m()
     body = body.moved(y=width / 2 - float(high[1]))
     face = rounded_slab((length * 0.9, height * 0.76, 0.008), 0.014, 0.002, 5).turned("x", 90)
     front = -width / 2
     face = face.moved(y=front + 0.0085, z=height * 0.48)
-    digits = [_digit("745"[index], length * 0.12, height * 0.42).moved(length * at, front + 0.0004, height * 0.27)
-              for index, at in enumerate((-0.22, 0.08, 0.25))]  # fmt: skip
+    digits = [
+        _digit("745"[index], length * 0.12, height * 0.42).moved(
+            length * at, front + 0.0004, height * 0.27
+        )
+        for index, at in enumerate((-0.22, 0.08, 0.25))
+    ]
     dots = [
         cylinder(0.003, 0.001, 0.0, 10)
         .turned("x", 90)
@@ -252,16 +258,28 @@ def _digit(sign: str, length: float, height: float) -> Solid:
     upright = box((bar, 0.001, height / 2 - 1.2 * bar))
     side, half = (length - bar) / 2, height / 2
     spots = {
-        "a": across.moved(z=height - bar), "g": across.moved(z=half - bar / 2), "d": across,
-        "b": upright.moved(side, z=half + 0.1 * bar), "c": upright.moved(side, z=bar),
-        "f": upright.moved(-side, z=half + 0.1 * bar), "e": upright.moved(-side, z=bar),
-    }  # fmt: skip
+        "a": across.moved(z=height - bar),
+        "g": across.moved(z=half - bar / 2),
+        "d": across,
+        "b": upright.moved(side, z=half + 0.1 * bar),
+        "c": upright.moved(side, z=bar),
+        "f": upright.moved(-side, z=half + 0.1 * bar),
+        "e": upright.moved(-side, z=bar),
+    }
     return joined([spots[name] for name in _SEGMENTS[sign]])
 
 
 def _device(body: str, metal: str, keys: str, cloth: str) -> dict[str, str]:
-    return {"body": body, "metal": metal, "keys": keys, "cloth": cloth, "bezel": "black_glass", "digits": "flame",
-            "screen": "desktop_screen", "page": "phone_screen"}  # fmt: skip
+    return {
+        "body": body,
+        "metal": metal,
+        "keys": keys,
+        "cloth": cloth,
+        "bezel": "black_glass",
+        "digits": "flame",
+        "screen": "desktop_screen",
+        "page": "phone_screen",
+    }
 
 
 _DEVICE = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -49,7 +49,7 @@ def _window(pen: ImageDraw.ImageDraw, box: tuple[int, int, int, int], dark: bool
             pen.rectangle((left + 10, y, left + 10 + 0.6 * (side - left - 20), y + 3), fill=line)
 
 
-@lru_cache(maxsize=None)
+@cache
 def desktop_screen() -> Finish:
     """Mountains behind two windows and a row of icons."""
     size = (512, 288)
@@ -64,7 +64,7 @@ def desktop_screen() -> Finish:
     return _finish(image, 0.15, 0.1)
 
 
-@lru_cache(maxsize=None)
+@cache
 def laptop_screen() -> Finish:
     """One wide document."""
     image = art.colour_field(rng_of("laptop"), (512, 320), art.PALE)
@@ -89,32 +89,39 @@ def _home(size: tuple[int, int], columns: int, rows: int, name: str) -> Image.Im
                 continue
             left = step * (column + 0.5) - side / 2
             top = height * 0.1 + row * step * 1.12 if row < rows - 1 else height - step * 1.05
-            pen.rounded_rectangle((left, top, left + side, top + side), side * 0.24,
-                                  fill=_ICONS[(3 * row + column) % 6])  # fmt: skip
+            pen.rounded_rectangle(
+                (left, top, left + side, top + side),
+                side * 0.24,
+                fill=_ICONS[(3 * row + column) % 6],
+            )
     return image
 
 
-@lru_cache(maxsize=None)
+@cache
 def phone_screen() -> Finish:
     """A phone's first page."""
     return _finish(_home((200, 400), 4, 6, "phone"), 0.12, 0.06)
 
 
-@lru_cache(maxsize=None)
+@cache
 def tablet_screen() -> Finish:
     """A tablet's first page."""
     return _finish(_home((280, 400), 5, 5, "tablet"), 0.12, 0.06)
 
 
-@lru_cache(maxsize=None)
+@cache
 def photo(name: str, wide: bool) -> Finish:
     """A picture for a small frame."""
-    draw = {"sea": art_nature.sea, "hills": art_nature.mountains, "fern": art_nature.fronds,
-            "face": art.line_face}[name]  # fmt: skip
+    draw = {
+        "sea": art_nature.sea,
+        "hills": art_nature.mountains,
+        "fern": art_nature.fronds,
+        "face": art.line_face,
+    }[name]
     return _finish(draw(rng_of(f"photo/{name}"), (320, 230) if wide else (230, 320)), 0.4)
 
 
-@lru_cache(maxsize=None)
+@cache
 def cover() -> Finish:
     """A magazine: a title's bar, a still life, lines of text."""
     image = art_nature.still_life(rng_of("magazine"), (360, 480), art.EARTH)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -25,9 +24,7 @@ from chord_usd.assets.model import Design, Light, Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
-    bent_path,
     block,
-    box,
     cylinder,
     joined,
     lathe,
@@ -41,10 +38,16 @@ Draw = Callable[[Size], tuple[Part, ...]]
 def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
     """A cloth shade with its rims and spokes."""
     skin = hollow([(wide, low), (narrow, high)], 0.0022, 36)
-    rims = [hollow([(wide + 0.0006, low - 0.0004), (wide + 0.0006, low + 0.005)], 0.0034, 36),
-            hollow([(narrow + 0.0006, high - 0.005), (narrow + 0.0006, high + 0.0004)], 0.0034, 36)]  # fmt: skip
-    spokes = [block((2 * narrow - 0.004, 0.003, 0.002), 0.0006).turned("z", turn).moved(z=high - 0.014 + 0.0025 * i)
-              for i, turn in enumerate((15, 105))]  # fmt: skip
+    rims = [
+        hollow([(wide + 0.0006, low - 0.0004), (wide + 0.0006, low + 0.005)], 0.0034, 36),
+        hollow([(narrow + 0.0006, high - 0.005), (narrow + 0.0006, high + 0.0004)], 0.0034, 36),
+    ]
+    spokes = [
+        block((2 * narrow - 0.004, 0.003, 0.002), 0.0006)
+        .turned("z", turn)
+        .moved(z=high - 0.014 + 0.0025 * i)
+        for i, turn in enumerate((15, 105))
+    ]
     # Nothing stands on a shade, and what is flat goes under it.
     felt = felt_round(cylinder(narrow * 0.9, high - low).moved(z=low))
     return (
@@ -97,8 +100,20 @@ def turned(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     low, r = height * 0.55, radius * 0.56
     h = low
-    profile = [(r, 0.0), (r, 0.01), (r * 0.86, 0.016), (r * 0.82, 0.024), (r * 0.4, 0.034), (r * 0.24, 0.05), (r * 0.44, h * 0.24),
-               (r * 0.6, h * 0.42), (r * 0.5, h * 0.58), (r * 0.2, h * 0.72), (r * 0.28, h * 0.76), (r * 0.16, h * 0.82)]  # fmt: skip
+    profile = [
+        (r, 0.0),
+        (r, 0.01),
+        (r * 0.86, 0.016),
+        (r * 0.82, 0.024),
+        (r * 0.4, 0.034),
+        (r * 0.24, 0.05),
+        (r * 0.44, h * 0.24),
+        (r * 0.6, h * 0.42),
+        (r * 0.5, h * 0.58),
+        (r * 0.2, h * 0.72),
+        (r * 0.28, h * 0.76),
+        (r * 0.16, h * 0.82),
+    ]
     body = [
         *profile[:4],
         *rounded_profile(profile[3:], 1)[1:],
@@ -126,8 +141,13 @@ def mushroom(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     low = height * 0.56
     tall = height - low
-    foot = [(radius * 0.62, 0.0), (radius * 0.62, 0.006), *arc((radius * 0.58, 0.016), (radius * 0.2, 0.03), (radius * 0.17, height * 0.3), 6),
-            (radius * 0.15, low + tall * 0.4), (0.0, low + tall * 0.4)]  # fmt: skip
+    foot = [
+        (radius * 0.62, 0.0),
+        (radius * 0.62, 0.006),
+        *arc((radius * 0.58, 0.016), (radius * 0.2, 0.03), (radius * 0.17, height * 0.3), 6),
+        (radius * 0.15, low + tall * 0.4),
+        (0.0, low + tall * 0.4),
+    ]
     dome = arc((radius, low), (radius, height * 0.99), (0.012, height), 10)
     inner = [(r - 0.003, z - 0.0015) for r, z in dome[:-1]]
     felt = felt_round(cylinder(radius * 0.75, tall * 0.9).moved(z=low))
@@ -186,7 +206,7 @@ def andon(size_m: Size) -> tuple[Part, ...]:
         for sy in (-1, 1)
     ]
     rails = []
-    for index, share in enumerate((0.1, 0.52, 0.9)):
+    for _index, share in enumerate((0.1, 0.52, 0.9)):
         for s in (-1, 1):
             rails.append(
                 block((length - 2 * post + 0.002, 0.007, 0.008), 0.001).moved(
@@ -229,8 +249,18 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
     foot = lathe(
         [(foot_r, 0.0), (foot_r, 0.008), (foot_r - 0.006, 0.016), (0.02, 0.02), (0.012, 0.05)], 36
     ).moved(foot_x)
-    rods = [tube([(a + [0, s * 0.009, 0]).tolist(), (b + [0, s * 0.009, 0]).tolist()], 0.0036, 8)
-            for a, b in ((waist, elbow), (elbow, hand)) for s in (-1, 1)]  # fmt: skip
+    rods = [
+        tube(
+            [
+                (a + np.array([0.0, s * 0.009, 0.0])).tolist(),
+                (b + np.array([0.0, s * 0.009, 0.0])).tolist(),
+            ],
+            0.0036,
+            8,
+        )
+        for a, b in ((waist, elbow), (elbow, hand))
+        for s in (-1, 1)
+    ]
     knuckle = cylinder(0.011, 0.028, 0.002, 16).moved(z=-0.014).turned("x", 90)
     joints = [knuckle.moved(*map(float, spot)) for spot in (waist, elbow, hand)]
     cone = [
@@ -243,8 +273,11 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
     inner = [(r - 0.0035, z - 0.001) for r, z in cone[:3]]
     tilt = 24.0
     parts = []
-    for name, solid, slot in (("Head", hollow(cone, 0.002, 32), "metal"), ("Inside", hollow(inner, 0.001, 32), "lining"),
-                              ("Bulb", bulb(0.022).turned("x", 180).moved(z=head_r * 1.15), "bulb")):  # fmt: skip
+    for name, solid, slot in (
+        ("Head", hollow(cone, 0.002, 32), "metal"),
+        ("Inside", hollow(inner, 0.001, 32), "lining"),
+        ("Bulb", bulb(0.022).turned("x", 180).moved(z=head_r * 1.15), "bulb"),
+    ):
         placed = (
             solid.moved(z=-head_r * 1.6)
             .turned("y", tilt)
@@ -261,13 +294,30 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
 
 
 def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
-    base = {"shade": "linen_shade", "trim": "linen", "metal": "brass", "bulb": "bulb", "opal": "opal_glass", "paper": "paper_shade",
-            "lining": "warm_white", "wood": "oak", "ceramic": "stoneware"}  # fmt: skip
+    base = {
+        "shade": "linen_shade",
+        "trim": "linen",
+        "metal": "brass",
+        "bulb": "bulb",
+        "opal": "opal_glass",
+        "paper": "paper_shade",
+        "lining": "warm_white",
+        "wood": "oak",
+        "ceramic": "stoneware",
+    }
     return {name: {**base, **way} for name, way in ways.items()}
 
 
-_GLAZED = _looks(brass={"ceramic": "celadon"}, black={"ceramic": "dark_stoneware", "metal": "black_metal", "shade": "white_shade", "trim": "white"},
-                 clay={"ceramic": "clay"})  # fmt: skip
+_GLAZED = _looks(
+    brass={"ceramic": "celadon"},
+    black={
+        "ceramic": "dark_stoneware",
+        "metal": "black_metal",
+        "shade": "white_shade",
+        "trim": "white",
+    },
+    clay={"ceramic": "clay"},
+)
 _TURNED = _looks(
     brass={"ceramic": "antique_brass"},
     black={"ceramic": "dark_walnut"},
@@ -278,8 +328,11 @@ _PAINTED = _looks(
     black={"metal": "black", "trim": "brass"},
     sage={"metal": "sage", "trim": "brass"},
 )
-_ARM = _looks(brass={"metal": "antique_brass", "trim": "black_metal"}, black={"metal": "black_metal", "trim": "brass"},
-              white={"metal": "white", "trim": "oak"})  # fmt: skip
+_ARM = _looks(
+    brass={"metal": "antique_brass", "trim": "black_metal"},
+    black={"metal": "black_metal", "trim": "brass"},
+    white={"metal": "white", "trim": "oak"},
+)
 _WOOD = _looks(
     brass={}, black={"wood": "black_stain", "metal": "black_metal"}, walnut={"wood": "walnut"}
 )

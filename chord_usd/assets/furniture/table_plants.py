@@ -24,7 +24,7 @@ from chord_usd.assets.dressing.leaves import (
     tapered,
     turned,
 )
-from chord_usd.assets.dressing.plants import monstera, snake
+from chord_usd.assets.dressing.species import monstera, snake
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import Size, joined
 
@@ -40,8 +40,17 @@ def potted(
     return (*vessel.parts, *grown(grow(size_m, vessel), length, width, vessel.soil_m, height))
 
 
-def _bush(size_m: Size, vessel: Pot, *, leaves: int = 26, long: float = 0.07, wide: float = 0.055, outline=HEART, droop: float = 70.0,
-          seed: str = "bush") -> list:  # fmt: skip
+def _bush(
+    size_m: Size,
+    vessel: Pot,
+    *,
+    leaves: int = 26,
+    long: float = 0.07,
+    wide: float = 0.055,
+    outline=HEART,
+    droop: float = 70.0,
+    seed: str = "bush",
+) -> list:
     """Thin stalks close together, a round leaf on each."""
     rng = rng_of(f"{seed}/{size_m}")
     foot, height = vessel.soil_m, size_m[2]
@@ -125,8 +134,16 @@ def _rosette(size_m: Size, vessel: Pot, *, leaves: int = 34) -> list:
             half = out * 0.27 * wide
             x = out * t * math.cos(pitch + 0.25 * t)
             z = out * t * math.sin(pitch + 0.25 * t)
-            rings.append(np.stack([x + 0.0 * section - half * 0.26 * thick * np.sin(section) * math.sin(pitch), half * np.cos(section),
-                                   z + half * 0.26 * thick * np.sin(section) * math.cos(pitch)], -1))  # fmt: skip
+            rings.append(
+                np.stack(
+                    [
+                        x + 0.0 * section - half * 0.26 * thick * np.sin(section) * math.sin(pitch),
+                        half * np.cos(section),
+                        z + half * 0.26 * thick * np.sin(section) * math.cos(pitch),
+                    ],
+                    -1,
+                )
+            )
         solids.append(
             lofted(rings)
             .moved(0.004 + 0.0002 * index, 0.0, foot - 0.002 + 0.2 * (height - foot) * (1 - share))
@@ -137,9 +154,17 @@ def _rosette(size_m: Size, vessel: Pot, *, leaves: int = 34) -> list:
 
 def _looks(leaf_: str, *pots: tuple[str, str]) -> dict[str, dict[str, str]]:
     return {
-        name: {"pot": finish, "soil": "earth", "leaf": leaf_, "stem": "green_stem", "edge": "leaf_fresh", "basket": "seagrass", "stand": "oak"}
+        name: {
+            "pot": finish,
+            "soil": "earth",
+            "leaf": leaf_,
+            "stem": "green_stem",
+            "edge": "leaf_fresh",
+            "basket": "seagrass",
+            "stand": "oak",
+        }
         for name, finish in pots
-    }  # fmt: skip
+    }
 
 
 _POTS = (("clay", "clay"), ("white", "chalk"), ("celadon", "celadon"))

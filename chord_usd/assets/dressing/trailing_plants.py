@@ -1,0 +1,202 @@
+"""Plants that spill over shelves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.forms import (
+    CLASSIC,
+    INDUSTRIAL,
+    MODERN,
+    SCANDINAVIAN,
+    ball,
+    rng_of,
+)
+from chord_usd.assets.dressing.leaves import (
+    HEART,
+    LANCE,
+    foliage,
+    leaf,
+    pot,
+    tapered,
+    turned,
+)
+from chord_usd.assets.model import Design, Part
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    joined,
+)
+
+Draw = Callable[[Size], tuple[Part, ...]]
+
+
+def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
+    """A pot from which vines spill over and lie around it."""
+    length, width, height = size_m
+    rng = rng_of(f"{kind}/{size_m}")
+    r, h = min(length, width) * 0.26, height * 0.5
+    vessel = pot("taper" if kind != "pearls" else "cylinder", r, h)
+    stems, grids, pearls = [], [], []
+    count = {"pothos": 12, "ivy": 11, "pearls": 13, "fern": 16}[kind]
+    for index in range(count):
+        yaw = 137.5 * index
+        share = (index + 0.5) / count
+        reach = length / 2 * (0.5 + 0.45 * share)
+        peak = vessel.soil_m + (height - vessel.soil_m) * (0.9 - 0.65 * share)
+        end = (
+            max(0.012, vessel.soil_m * (0.9 - 1.3 * share))
+            if kind != "fern"
+            else vessel.soil_m * 0.9
+        )
+        t = np.linspace(0, 1, 9)
+        out = reach * t**0.8
+        z = (
+            vessel.soil_m
+            + (peak - vessel.soil_m) * np.sin(math.pi * np.clip(t * 1.25, 0, 1))
+            + (end - vessel.soil_m) * t**2.4
+        )
+        # Over the rim, not through it.
+        z = np.where((out < r * 1.25) & (out > r * 0.6), np.maximum(z, h + 0.008), z)
+        z = np.maximum(z, 0.008)
+        a = math.radians(yaw) + 0.5 * (t - 0.3) * float(rng.uniform(-1, 1))
+        path = np.stack([out * np.cos(a), out * np.sin(a), z], -1)
+        path[0] = [0.3 * r * math.cos(a[0]), 0.3 * r * math.sin(a[0]), vessel.soil_m - 0.008]
+        stems.append(tapered(path, 0.0018, 0.001, 4))
+        if kind == "pearls":
+            for step in range(2, 9):
+                for half in (0.0, 0.5):
+                    low = min(step, 8)
+                    at = path[low - 1] + half * (path[low] - path[low - 1])
+                    pearls.append(
+                        ball(0.006, 3, 6).moved(
+                            *map(
+                                float,
+                                at + 0.004 * rng.standard_normal(3) * [1, 1, 0] + [0, 0, 0.004],
+                            )
+                        )
+                    )
+            continue
+        for step in range(1, 9):
+            for side in (-1, 1):
+                if kind == "fern":
+                    long = 0.045 * math.sin(math.pi * (0.2 + 0.75 * step / 9)) * length / 0.3
+                    grid = leaf(
+                        long, long * 0.34, LANCE, pitch_deg=12, droop_deg=40, rows=3, columns=3
+                    )
+                elif kind == "ivy":
+                    long = float(rng.uniform(0.028, 0.04)) * length / 0.3
+                    grid = leaf(
+                        long,
+                        long * 1.05,
+                        (0.5, 1.0, 0.5, 0.62, 0.3, 0.0),
+                        pitch_deg=float(rng.uniform(0, 40)),
+                        droop_deg=60,
+                        columns=3,
+                    )
+                else:
+                    long = float(rng.uniform(0.045, 0.062)) * length / 0.3
+                    grid = leaf(
+                        long,
+                        long * 0.8,
+                        HEART,
+                        pitch_deg=float(rng.uniform(5, 45)),
+                        droop_deg=80,
+                        columns=3,
+                    )
+                grids.append(
+                    turned(
+                        grid, yaw + side * float(rng.uniform(35, 85)), path[step] + [0, 0, 0.003]
+                    )
+                )
+    named = [("Stems", joined(stems), "stem", False)]
+    if grids:
+        named.append(("Leaves", foliage(grids), "leaf", True))
+    if pearls:
+        named.append(("Pearls", joined(pearls), "leaf", False))
+    corners = np.array([solid.bounds_m() for _, solid, _, _ in named])
+    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
+    parts = list(vessel.parts)
+    for name, solid, slot, two_sided in named:
+        points = solid.points_m.copy()
+        for axis, side in ((0, length / 2), (1, width / 2)):
+            points[:, axis] *= np.where(points[:, axis] > 0, side / high[axis], side / -low[axis])
+        above = points[:, 2] > h
+        points[above, 2] = h + (points[above, 2] - h) * (height - h) / (high[2] - h)
+        points[:, 2] = np.maximum(points[:, 2], 0.002 + 0.004 * (points[:, 2] - low[2]))
+        parts.append(Part(name, Solid(points, solid.faces), slot, None, two_sided=two_sided))
+    return tuple(parts)
+
+
+def _looks(*pots: tuple[str, str], **more: str) -> dict[str, dict[str, str]]:
+    base = {
+        "soil": "earth",
+        "leaf": "leaf_fresh",
+        "stem": "green_stem",
+        "twig": "twig",
+        "plume": "pampas",
+        "flower": "tulip_pink",
+        "wick": "ink",
+        "glass": "clear_glass",
+        "label": "cream",
+        "wax": "wax",
+        "basket": "seagrass",
+        "stand": "oak",
+    }
+    return {name: {**base, **more, "pot": finish} for name, finish in pots}
+
+
+_CERAMIC = (
+    ("white", "chalk"),
+    ("stoneware", "stoneware"),
+    ("black", "dark_stoneware"),
+    ("clay", "clay"),
+)
+
+
+_GLAZED = (("celadon", "celadon"), ("indigo", "indigo_glaze"), ("black", "dark_stoneware"))
+
+
+_MS = (MODERN, SCANDINAVIAN)
+
+
+def _design(
+    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
+) -> Design:
+    return Design(name, category, size_m, draw, looks, DRY, styles)
+
+
+DESIGNS = (
+    _design(
+        "Trailing_Pothos", "trailing_plant", (0.36, 0.36, 0.24), trailing, _looks(*_CERAMIC), ()
+    ),
+    _design(
+        "Trailing_Ivy",
+        "trailing_plant",
+        (0.34, 0.34, 0.22),
+        partial(trailing, kind="ivy"),
+        _looks(("clay", "clay"), *_CERAMIC[:3], leaf="leaf_deep"),
+        (CLASSIC, SCANDINAVIAN, INDUSTRIAL),
+    ),
+    _design(
+        "Trailing_Pearls",
+        "trailing_plant",
+        (0.24, 0.24, 0.16),
+        partial(trailing, kind="pearls"),
+        _looks(*_CERAMIC),
+        _MS,
+    ),
+    _design(
+        "Trailing_Fern",
+        "trailing_plant",
+        (0.4, 0.4, 0.3),
+        partial(trailing, kind="fern"),
+        _looks(*_GLAZED, *_CERAMIC[:1]),
+        (),
+    ),
+)
