@@ -148,7 +148,7 @@ def _tufted(length: float, height: float, thick: float, back: float) -> tuple[Pa
 
     cells = (4 * (columns + 1), 18)
     board = _relief_board(length, rise, thick, cells, sunk, arch_m=0.1)
-    stud = lathe([(0.012, 0.0), (0.013, 0.004), (0.008, 0.008), (0.0, 0.009)], 8).turned("x", 90)
+    stud = lathe([(0.012, 0.0), (0.012, 0.004), (0.0, 0.009)], 8).turned("x", 90)
     studs = joined([stud.moved(x, back - thick + 0.032, 0.12 + z) for x, z in buttons])
     return (
         Part("Headboard", board.moved(y=back, z=0.12), "pad"),
