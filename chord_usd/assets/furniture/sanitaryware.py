@@ -267,7 +267,7 @@ def _frame(size_m: Size, tank_w: float) -> list[Part]:
 def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
     """A hollow tub with drain, overflow and tap: with an apron, oval, or on four claws."""
     length, width, height = size_m
-    rim = {"built_in": 0.065, "oval": 0.028, "claw_foot": 0.04}[kind]
+    rim = {"built_in": 0.065, "oval": 0.028, "claw_foot": 0.06}[kind]
     inner_l, inner_w = length - 2 * rim, width - 2 * rim
     corner = min(inner_w / 2, 0.2) if kind == "built_in" else inner_w / 2
     floor = 0.1 if kind != "claw_foot" else 0.17
@@ -314,7 +314,9 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
         parts += _claws(size_m)
     if kind == "oval":
         return (*parts, *_deck_tap(size_m))
-    tap = tub_tap(cross=kind == "claw_foot").moved(0.0, width / 2 - rim / 2 - 0.003, height - 0.003)
+    tap = tub_tap(cross=kind == "claw_foot").moved(
+        0.0, width / 2 - rim / 2 - (0.011 if kind == "claw_foot" else 0.003), height - 0.003
+    )
     return (*parts, Part("Tap", tap, "metal", collider=None, above=True))
 
 
