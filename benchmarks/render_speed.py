@@ -69,7 +69,7 @@ WAYS: dict[str, Quality] = {
     "ours, light tree": replace(OURS, light_tree_lamps=0),
     "ours, shadow rays to sky and screens": replace(OURS, sample_glow=True),
     "ours, bounces off whole materials": replace(OURS, matte_bounces=False),
-    "ours, no portals": replace(OURS, portals=False),
+    "ours, portals": replace(OURS, portals=True),
     "ours, glass in the way of light": replace(OURS, clear_glass=False),
     "ours, 12 bounces": replace(OURS, bounces=12),
     "ours, 4 bounces": replace(OURS, bounces=4, diffuse_bounces=3),

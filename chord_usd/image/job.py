@@ -44,8 +44,9 @@ class Quality:
     """Take surfaces for matte and plain where scattered light meets them."""
     clear_glass: bool = True
     """In houses, let shadow rays and scattered light pass through windows as if they stood open."""
-    portals: bool = True
-    """In houses, send shadow rays to the sky through the windows' holes."""
+    portals: bool = False
+    """In houses, send shadow rays to the sky through the windows' holes: 0.6 dB more at equal
+    samples, for 1.4 times the time, in which more samples give more (one room)."""
     guiding: bool = False
     """Learn where light comes from while rendering."""
     clamp: bool = True

@@ -56,7 +56,7 @@ class RenderOptions:
     lighting: str = ""
     """Choice of the stage's variant set `lighting`; empty for the one it has selected."""
     sky: str = ""
-    """Name of a sky (scene.skies) or an HDRI's file, in place of the stage's own; empty for that."""
+    """Name of a sky (scene.skies) or an HDRI's file, in place of the stage's; empty for that."""
 
     def __post_init__(self) -> None:
         """Raises RenderError for a combination that cannot be rendered."""

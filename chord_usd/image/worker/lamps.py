@@ -15,6 +15,7 @@ from mathutils import Matrix, Vector
 from chord_usd.image.job import Job
 from chord_usd.image.joined import lit_with
 from chord_usd.image.worker.outside import panes
+from chord_usd.image.worker.scene import CEILING
 
 EVEN_SKY = 16.0
 """A sky whose brightest point is at most this many times its mean needs no shadow rays."""
@@ -25,6 +26,9 @@ FILM_K = 4300.0
 _DAYLIGHT_K = 6500.0
 _BY_LAMPS_K = 4000.0
 """Where area lights are warmer than this, lamps light the house."""
+
+_MOST_BELOW_CEILING = 24
+"""Faces of curtains, rails and lamps that may hang between a window and the ceiling."""
 
 _POWER = "chord_usd_power"
 """Property that keeps what a lamp gives when it shines."""
@@ -118,11 +122,7 @@ def _portal_matrix(scene: Any, pane: Any) -> tuple[Any, float, float] | None:
         along, across, widths = across, along, widths[::-1]
     height = float(np.ptp(corners[:, 2]))
     graph = bpy.context.evaluated_depsgraph_get()
-    indoors = []
-    for side in (1.0, -1.0):
-        probe = middle + side * across * 0.45
-        hit, _, _, _, found, _ = scene.ray_cast(graph, Vector(probe), Vector((0.0, 0.0, 1.0)))
-        indoors.append(hit and found.name.startswith("Ceiling"))
+    indoors = [_has_ceiling(scene, graph, middle + side * across * 0.45) for side in (1.0, -1.0)]
     if indoors[0] == indoors[1]:
         return None
     inwards = across if indoors[0] else -across
@@ -131,6 +131,19 @@ def _portal_matrix(scene: Any, pane: Any) -> tuple[Any, float, float] | None:
     axes = np.column_stack([np.cross(up, -inwards), up, -inwards])
     matrix = Matrix([[*axes[row], middle[row]] for row in range(3)] + [[0.0, 0.0, 0.0, 1.0]])
     return matrix, widths[0], height
+
+
+def _has_ceiling(scene: Any, graph: Any, at_m: np.ndarray) -> bool:
+    """Whether there is a ceiling above a point, whatever hangs below it."""
+    at, up = Vector(at_m), Vector((0.0, 0.0, 1.0))
+    for _ in range(_MOST_BELOW_CEILING):
+        hit, place, _, _, found, _ = scene.ray_cast(graph, at, up)
+        if not hit:
+            return False
+        if found.name.startswith(CEILING):
+            return True
+        at = place + 1e-3 * up
+    return False
 
 
 def _is_even(world: Any) -> bool:

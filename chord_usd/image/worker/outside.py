@@ -58,8 +58,7 @@ class Outside:
             ground.visible_diffuse = ground.visible_shadow = False
             self._holds += _dim_and_fade(ground)
         if job.quality.clear_glass:
-            for pane in panes():
-                pane.visible_shadow = pane.visible_diffuse = False
+            self._open_glass()
 
     def hold(self, camera: Any, exposure_ev: float) -> None:
         """Bring the view to what film can show beside a room of this exposure."""
@@ -69,6 +68,18 @@ class Outside:
             share = min(1.0, max(_LEAST, VIEW_WHITE / max(seen, 1e-9)))
         for value in self._holds:
             value.outputs[0].default_value = share
+
+    def _open_glass(self) -> None:
+        """Let light through panes as if they stood open, less what they would have kept."""
+        clear = 1.0
+        for pane in panes():
+            pane.visible_shadow = pane.visible_diffuse = False
+            clear = _clearness(pane)
+        for lamp in bpy.data.lights:
+            if lamp.type == "SUN":
+                lamp.energy *= clear
+        mix = next(n for n in self._world.node_tree.nodes if n.type == "MIX")
+        mix.inputs["A"].default_value *= clear
 
     def show_ground(self, shown: bool) -> None:
         """To the camera."""
@@ -101,6 +112,16 @@ def panes() -> Iterator[Any]:
         for thing in _meshes()
         if thing.name.startswith(GLASS) and _is_below(thing, "Architecture")
     )
+
+
+def _clearness(pane: Any) -> float:
+    """Share of light that passes both faces of a pane."""
+    for slot in pane.material_slots:
+        tree = slot.material.node_tree
+        surface = tree and next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None)
+        if surface:
+            return float((1.0 - surface.inputs["Alpha"].default_value) ** 2)
+    return 1.0
 
 
 def _meshes() -> list[Any]:

@@ -64,16 +64,18 @@ def shoot(job: Job, report: Report) -> None:
         outside.show_ground(False)
         switch_lamps(scene, job, view.room)
         key = KEY_FROM_ABOVE if view.from_above else KEY_BY_LAMPS if by_lamps else KEY
+        has_ground = not (view.from_above or view.is_alone)
         exposure_ev = 0.0
         if job.colour:
             fixed = job.exposure_ev
             exposure_ev = metered_exposure_ev(scene, job, key) if fixed is None else fixed
             expose(scene, exposure_ev, job.quality.clamp)
-            outside.show_ground(not (view.from_above or view.is_alone))
+            outside.show_ground(has_ground)
             outside.hold(scene.camera, exposure_ev)
             shades.glow(exposure_ev)
             _take_light(scene, job, view, report)
         if data is not None:
+            outside.show_ground(has_ground)
             _frame_part(data, job)
             render_data(data, Path(job.folder) / DATA_FILE.format(view.name))
         cpu_s = time.process_time() - started
