@@ -35,7 +35,7 @@ class Fabric:
 
 def draped(
     points_m: FloatArray,
-    faces: Sequence[Sequence[int]],
+    faces: np.ndarray,
     fabric: Fabric,
     frames: int,
     pinned: Sequence[int] = (),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -55,19 +56,25 @@ def makers() -> dict[str, Callable[[], dict[str, Made]]]:
     """How the stored cloths are made: some hang together and are made at once."""
     found: dict[str, Callable[[], dict[str, Made]]] = {}
     for name, hanging in _HANGINGS.items():
-        found[name] = lambda name=name, one=hanging: {name: hung(one)}
+        found[name] = partial(_alone, name, hung, hanging)
     for name, stuffed in _STUFFED.items():
-        found[name] = lambda name=name, one=stuffed: {name: filled(one)}
+        found[name] = partial(_alone, name, filled, stuffed)
     for name, duvet in _DUVETS.items():
-        found[name] = lambda name=name, one=duvet: {
-            f"{part}_{name}": made for part, made in laid(one).items()
-        }
+        found[name] = partial(_layers, name, duvet)
     for length in (1.0, 1.6):
         name = f"throw_bed_{100 * length:.0f}"
-        found[name] = lambda name=name, wide=length: {name: thrown(wide, 0.6, 0.3, 7)}
+        found[name] = partial(_alone, name, thrown, length, 0.6, 0.3, 7)
     for name, length, drop in (("towel_long", 0.46, 0.5), ("towel_short", 0.3, 0.34)):
-        found[name] = lambda name=name, one=(length, drop): {name: over_rail(*one, seed=9)}
+        found[name] = partial(_alone, name, over_rail, length, drop, 9)
     return found
+
+
+def _alone(name: str, make: Callable[..., Made], *about: object) -> dict[str, Made]:
+    return {name: make(*about)}
+
+
+def _layers(name: str, duvet: Duvet) -> dict[str, Made]:
+    return {f"{part}_{name}": made for part, made in laid(duvet).items()}
 
 
 def main(names: list[str]) -> None:

@@ -96,7 +96,7 @@ def _rectangle(length: float, width: float) -> FloatArray:
     cut = 0.006
     corners = [(x, -y + cut), (x, y - cut), (x - cut, y), (-x + cut, y), (-x, y - cut),
                (-x, -y + cut), (-x + cut, -y), (x - cut, -y)]  # fmt: skip
-    points = []
+    points: list[tuple[float, float]] = []
     for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
         count = max(round(math.hypot(bx - ax, by - ay) / 0.04), 1)
         points += [(ax + (bx - ax) * n / count, ay + (by - ay) * n / count) for n in range(count)]

@@ -13,7 +13,7 @@ from chord_usd.assets.cloth.stored import Cloth, stored
 from chord_usd.assets.dressing.textiles import TEXTILES
 from chord_usd.assets.furniture.headboards import THICK_M, Headboard, headboard
 from chord_usd.assets.furniture.joinery import four_legs
-from chord_usd.assets.model import Design, Part, Style, editions
+from chord_usd.assets.model import Collider, Design, Part, Style, editions
 from chord_usd.assets.solids import Size, Solid, block, joined, rounded_slab, soft_block
 from chord_usd.scene.types import frozen_array
 
@@ -99,7 +99,7 @@ def _bedding(
             continue
         cloth = _stretched(stored(f"{part}_{name}"), simulated, length, hang)
         cloth = cloth.moved(y=foot, z=top)
-        collider = "boundingCube" if part == "duvet" else None
+        collider: Collider | None = "boundingCube" if part == "duvet" else None
         parts.append(Part(part.capitalize(), cloth.solid, slot, collider, uvs=cloth.corner_uvs_m()))
     return tuple(parts)
 
