@@ -90,7 +90,8 @@ def masked(image: Image.Image, rgb: FloatArray | Rgb, mask: FloatArray) -> Image
 def grid(size: SizePx) -> tuple[FloatArray, FloatArray]:
     """(x, y) shares of every pixel, 0 to 1, y from the top."""
     width, height = size
-    return np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
+    x, y = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
+    return x, y
 
 
 def colour_field(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:

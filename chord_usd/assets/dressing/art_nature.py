@@ -259,7 +259,8 @@ def old_landscape(rng: Rng, size: SizePx) -> Image.Image:
     sky = np.array((206, 186, 146), float) + (np.array((122, 134, 134)) - (206, 186, 146)) * (
         np.clip(1 - y / 0.5, 0, 1)[..., None] ** 1.5
     )
-    sky += 30.0 * (np.clip(noise(rng, size, 3, 5), 0, 1) * (y < 0.55))[..., None]
+    cloud = np.clip(noise(rng, size, 3, 5), 0, 1) * (y < 0.55)
+    sky = sky + 30.0 * cloud[..., None]
     image = Image.fromarray(np.clip(sky, 0, 255).astype(np.uint8))
     for index, tone in enumerate(((136, 132, 104), (100, 98, 66), (74, 72, 44))):
         line = 0.5 + 0.09 * index + 0.035 * _ridge(rng, width, 0.5)

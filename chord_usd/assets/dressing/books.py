@@ -53,6 +53,7 @@ def _bands(thick_m: float, deep_m: float, tall_m: float, kind: int) -> list[Soli
     wide = thick_m * 0.62
     if kind == 0:
         return []
+    spots: tuple[tuple[float, float, float], ...]
     if kind == 1:
         spots = ((0.72, 0.12, 1.0), (0.2, 0.008, 1.0))
     elif kind == 2:

@@ -18,8 +18,8 @@ from chord_usd.assets.dressing.forms import (
     outward,
     sphere_profile,
 )
-from chord_usd.assets.model import Design, Light, Part
-from chord_usd.assets.solids import Size, block, cylinder, joined, lathe, rounded_slab, tube
+from chord_usd.assets.model import Design, Draw, Light, Part
+from chord_usd.assets.solids import Size, Solid, block, cylinder, joined, lathe, rounded_slab, tube
 
 
 def disc(size_m: Size) -> tuple[Part, ...]:
@@ -113,7 +113,9 @@ def spots(size_m: Size, *, count: int = 3) -> tuple[Part, ...]:
     """A bar with tilting spots: two at its ends, the others between."""
     length, width, height = size_m
     bar = block((length, min(0.06, width), 0.028), 0.006).moved(z=height - 0.028)
-    heads, glows, joints = [], [], []
+    heads: list[Solid] = []
+    glows: list[Solid] = []
+    joints: list[Solid] = []
     can_r, can_h = 0.034, 0.1
     for index in range(count):
         x = (index / (count - 1) - 0.5) * (length - 0.12)
@@ -282,7 +284,7 @@ _CLOTH = {
 
 
 def _design(
-    name: str, size_m: Size, draw: object, looks: dict, styles: tuple[str, ...], lumens: float
+    name: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...], lumens: float
 ) -> Design:
     at = (0.0, 0.0, round(size_m[2] * 0.45, 3))
     return Design(
@@ -292,7 +294,7 @@ def _design(
         draw,
         looks,
         DRY,
-        styles,  # type: ignore[arg-type]
+        styles,
         Light(at, min(0.12, size_m[0] * 0.25), lumens),
     )
 

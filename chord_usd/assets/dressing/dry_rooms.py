@@ -11,7 +11,6 @@ from chord_usd.assets.dressing import (
     mirrors,
     ornaments,
     pendants,
-    pictures,
     plants,
     radiators,
     shelves,
@@ -21,6 +20,7 @@ from chord_usd.assets.dressing import (
     vases,
     wall_fittings,
     wall_lamps,
+    wall_pictures,
 )
 
 _MODULES = (
@@ -32,7 +32,7 @@ _MODULES = (
     mirrors,
     ornaments,
     pendants,
-    pictures,
+    wall_pictures,
     plants,
     radiators,
     shelves,

@@ -82,7 +82,7 @@ def leaf(
     return grid
 
 
-def turned(grid: FloatArray, yaw_deg: float, at: Sequence[float]) -> FloatArray:
+def turned(grid: FloatArray, yaw_deg: float, at: Sequence[float] | FloatArray) -> FloatArray:
     """A grid turned about z and moved."""
     cos, sin = math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg))
     matrix = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -229,7 +229,7 @@ def pillars(size_m: Size) -> tuple[Part, ...]:
         ]
         candles.append(outward(lathe(profile, 24)).moved(x * length, y * width, 0.0115))
         wicks.append(
-            tube([[0, 0, 0], [0.001, 0, 0.008], [0.003, 0.001, 0.016]], 0.0012, 6).moved(
+            tube([[0.0, 0.0, 0.0], [0.001, 0.0, 0.008], [0.003, 0.001, 0.016]], 0.0012, 6).moved(
                 x * length, y * width, tall + 0.004
             )
         )

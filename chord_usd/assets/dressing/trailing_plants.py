@@ -124,8 +124,8 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
     parts = list(vessel.parts)
     for name, solid, slot, two_sided in named:
         points = solid.points_m.copy()
-        for axis, side in ((0, length / 2), (1, width / 2)):
-            points[:, axis] *= np.where(points[:, axis] > 0, side / high[axis], side / -low[axis])
+        for axis, half in ((0, length / 2), (1, width / 2)):
+            points[:, axis] *= np.where(points[:, axis] > 0, half / high[axis], half / -low[axis])
         above = points[:, 2] > h
         points[above, 2] = h + (points[above, 2] - h) * (height - h) / (high[2] - h)
         points[:, 2] = np.maximum(points[:, 2], 0.002 + 0.004 * (points[:, 2] - low[2]))

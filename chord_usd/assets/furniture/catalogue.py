@@ -8,8 +8,8 @@ from chord_usd.assets import dressing
 from chord_usd.assets.furniture import (
     beds,
     cabinets,
+    desk_devices,
     desktop,
-    devices,
     kitchen_units,
     laundry,
     panels,
@@ -31,7 +31,7 @@ def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seats, tables, cabinets, sideboards, panels)
     wet = (kitchen_units, sanitaryware, washbasins, showers, laundry)
-    small = (desktop, devices, table_lamps, table_plants, tableware)
+    small = (desktop, desk_devices, table_lamps, table_plants, tableware)
     found = [design for module in (*living, *wet, *small) for design in module.DESIGNS]
     found += dressing.designs()
     return tuple(sorted(found, key=lambda design: (design.category, design.id)))

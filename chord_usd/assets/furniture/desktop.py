@@ -86,7 +86,7 @@ def _titles(length: float, width: float, thick: float, index: int) -> list[Solid
         else ((0.0, 0.0, 0.4, 0.05),)
     )
     flat = [
-        box((length * wide, width * tall, 0.0004)).moved(length * x, width * y, thick - 0.00035)
+        box((length * wide, width * tall, 0.0004)).moved(length * x, width * y, thick - 0.0002)
         for x, y, wide, tall in lines
     ]
     spine = [
