@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.assets.dressing.forms import face_uvs, outward
-from chord_usd.assets.furniture.printed import PRINTED
+from chord_usd.assets.furniture.prints_and_screens import PRINTED
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import (
     Size,

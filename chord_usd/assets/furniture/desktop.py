@@ -10,7 +10,7 @@ import numpy as np
 from chord_usd.assets.dressing.books import bound
 from chord_usd.assets.dressing.forms import cup, face_uvs, flat_rail, frame_rails, rng_of
 from chord_usd.assets.dressing.leaves import tapered
-from chord_usd.assets.furniture.printed import PRINTED
+from chord_usd.assets.furniture.prints_and_screens import PRINTED
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import (
     Size,
