@@ -167,7 +167,7 @@ def add_sky(parser: Options) -> None:
 
 
 def refuse_sky(name: str) -> None:
-    """Raises ChordError for an unknown sky and a file that is no HDRI, before anything is loaded."""
+    """Raises ChordError for an unknown sky and a file that is no HDRI; loads nothing heavy."""
     from chord_usd.raster.hdri import require_picture
     from chord_usd.scene.skies import sky_named
 

@@ -9,8 +9,8 @@ import pytest
 import trimesh
 
 from chord_usd.assets.dressing import designs
-from chord_usd.assets.dressing.wall_pictures import ART_SLOTS
 from chord_usd.assets.dressing.shelves import board_heights_m
+from chord_usd.assets.dressing.wall_pictures import ART_SLOTS
 from chord_usd.assets.model import Design, Part
 from chord_usd.scene.palette import CATEGORIES, Mount, category
 from chord_usd.scene.styles import STYLES

@@ -157,10 +157,7 @@ def test_lamps_shine_where_they_stand_but_not_by_day(
 def test_a_house_stands_under_the_sky_that_was_chosen(
     name: str, staged_graph: SceneGraph, tmp_path: Path
 ) -> None:
-    houses = [
-        author_stage(staged_graph, tmp_path / folder / "h.usda", sky=name)
-        for folder in "ab"
-    ]
+    houses = [author_stage(staged_graph, tmp_path / folder / "h.usda", sky=name) for folder in "ab"]
     assert houses[0].content_hash == houses[1].content_hash
     stage = Usd.Stage.Open(str(houses[0].path))
     sky = sky_named(name)

@@ -200,8 +200,16 @@ _QUIET = {
 _MSI = (MODERN, SCANDINAVIAN, INDUSTRIAL)
 
 
-def _row(name: str, size_m: Size, looks: dict, styles: tuple[str, ...], **how: bool) -> Design:
-    return Design(name, "book_row", size_m, partial(book_row, seed=name, **how), looks, DRY, styles)
+def _row(
+    name: str,
+    size_m: Size,
+    looks: dict,
+    styles: tuple[str, ...],
+    lean: bool = True,
+    lying: bool = False,
+) -> Design:
+    draw = partial(book_row, seed=name, lean=lean, lying=lying)
+    return Design(name, "book_row", size_m, draw, looks, DRY, styles)
 
 
 DESIGNS = (

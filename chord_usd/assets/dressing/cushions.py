@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -151,7 +152,7 @@ def _cushions() -> Iterator[Design]:
     slack = partial(cushion, cloth="cushion_slack", sag=0.1)
     low = partial(cushion, cloth="cushion_lumbar")
     piped = partial(full, piped=True)
-    kinds = (
+    kinds: tuple[tuple[Any, ...], ...] = (
         ("Velvet", full, _MODERN, {}, ("modern",), ((0.5, 0.5), (0.42, 0.42))),
         ("Linen", slack, _SCANDI, {}, ("scandinavian",), ((0.5, 0.5), (0.44, 0.44))),
         ("Piped", piped, _CLASSIC, _GOLD, ("classic",), ((0.5, 0.5), (0.42, 0.42))),

@@ -67,7 +67,7 @@ def bordered(x, y, length, width, rng):
 
 def plain(x, y, length, width, rng):
     """A field of one colour with a little of the second in it."""
-    return 0.35 * _blurred_noise(rng, *x.shape, 5).clip(0.0, 1.0)
+    return 0.35 * _blurred_noise(rng, len(x), x.shape[1], 5).clip(0.0, 1.0)
 
 
 def stripes(x, y, length, width, rng):
@@ -90,7 +90,7 @@ def berber(x, y, length, width, rng):
     """Thin dark lozenges on pale wool, none quite like the next."""
     pitch = 0.42
     u, v = x / pitch, y / (pitch * 1.3)
-    skew = 0.05 * _blurred_noise(rng, *x.shape, 90)
+    skew = 0.05 * _blurred_noise(rng, len(x), x.shape[1], 90)
     a = np.abs(((u + v + skew) % 1.0) - 0.5)
     b = np.abs(((u - v - skew) % 1.0) - 0.5)
     line = np.minimum(a, b)

@@ -118,7 +118,8 @@ def _tassels(length: float, width: float, height: float) -> Solid:
     rng = np.random.default_rng(round(1000 * width))
     count = round(width / _TASSEL_EACH_M)
     y = (np.arange(count) + 0.5) / count * width - width / 2
-    points, faces = [], []
+    points: list[tuple[float, float, float]] = []
+    faces: list[tuple[int, ...]] = []
     for side in (-1.0, 1.0):
         root, tip = side * (length / 2 - _FRINGE_M), side * length / 2
         aside = rng.uniform(-0.004, 0.004, count)
