@@ -11,7 +11,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 INDEX_NAME = "index.json"
 INDEX_SCHEMA = 1
+
+TEXTURE_PX = 1024
+"""Side of the largest textures of a house unless asked otherwise."""
 
 _GENERATOR = (
     "component.py", "finishes.py", "look_noise.py", "material.py", "model.py", "shading.py",
@@ -150,8 +153,11 @@ def _retrieval_key(asset: Asset, size_m: SizeM) -> tuple[float, float, str]:
     return round(footprint, 9), round(abs(asset.size_m[2] - size_m[2]), 9), asset.id
 
 
-def load_database(folders: Sequence[Path] = (), style: str = "") -> AssetDatabase:
+def load_database(
+    folders: Sequence[Path] = (), style: str = "", texture_px: int = TEXTURE_PX
+) -> AssetDatabase:
     """The embedded database and, before it, those in folders. style: as AssetDatabase has it.
+    texture_px: of floors and walls; maps of furniture, whose tiles are smaller, have half of it.
 
     An id that occurs twice counts where it is met first, so a folder can replace an embedded
     asset. Raises AssetError for a folder without a readable index.
@@ -161,9 +167,10 @@ def load_database(folders: Sequence[Path] = (), style: str = "") -> AssetDatabas
         for asset in read_index(folder):
             found.setdefault(asset.id, asset)
     own = frozenset(found)
-    for asset in embedded_assets():
+    for asset in embedded_assets(texture_px):
         found.setdefault(asset.id, asset)
-    return AssetDatabase(tuple(found.values()), own, draw_embedded, style)
+    prepare = partial(draw_embedded, texture_px=texture_px)
+    return AssetDatabase(tuple(found.values()), own, prepare, style)
 
 
 def read_index(folder: Path) -> tuple[Asset, ...]:
@@ -257,7 +264,7 @@ def write_index(assets: Iterable[Asset], folder: Path) -> None:
     (folder / INDEX_NAME).write_text(text + "\n", encoding="utf-8")
 
 
-def embedded_assets() -> tuple[Asset, ...]:
+def embedded_assets(texture_px: int = TEXTURE_PX) -> tuple[Asset, ...]:
     """The embedded database; nothing of it is drawn, nor need it be on disk.
 
     Each asset lies in the user's cache once something has asked for it (draw_embedded).
@@ -265,7 +272,7 @@ def embedded_assets() -> tuple[Asset, ...]:
     from chord_usd.assets.furniture.catalogue import designs
     from chord_usd.scene.credits import AUTHOR, LICENCE
 
-    folder = embedded_folder()
+    folder = embedded_folder(texture_px)
     return tuple(
         Asset(
             id=design.id,
@@ -280,16 +287,16 @@ def embedded_assets() -> tuple[Asset, ...]:
     )
 
 
-def draw_embedded(asset: Asset) -> None:
+def draw_embedded(asset: Asset, texture_px: int = TEXTURE_PX) -> None:
     """Draw an embedded asset into the cache, if it is one and has not been drawn yet.
 
     Raises OutputError when the cache cannot be written.
     """
-    folder = embedded_folder()
+    folder = embedded_folder(texture_px)
     if asset.usd_path.is_file() or folder not in asset.usd_path.parents:
         return
     try:
-        _draw_into(folder, asset)
+        _draw_into(folder, asset, texture_px // 2)
     except OSError as error:
         raise OutputError(
             f"the mesh database cannot be kept ({error.strerror or error})",
@@ -304,12 +311,13 @@ def _generator_folder() -> str:
     return f"assets-{_generator_hash()}"
 
 
-def embedded_folder() -> Path:
-    """Where this version of the embedded database is kept."""
-    return cache_folder() / _generator_folder()
+def embedded_folder(texture_px: int = TEXTURE_PX) -> Path:
+    """Where this version of the embedded database is kept, with maps of a size."""
+    size = "" if texture_px == TEXTURE_PX else f"-{texture_px}"
+    return cache_folder() / f"{_generator_folder()}{size}"
 
 
-def _draw_into(folder: Path, asset: Asset) -> None:
+def _draw_into(folder: Path, asset: Asset, map_px: int) -> None:
     """Draw beside the target and rename, so that nobody ever sees half a component."""
     from chord_usd.assets.component import write_component
     from chord_usd.assets.furniture.catalogue import designs
@@ -319,7 +327,7 @@ def _draw_into(folder: Path, asset: Asset) -> None:
     design = next(design for design in designs() if design.id == asset.id)
     folder.mkdir(parents=True, exist_ok=True)
     with scratch_folder(folder) as hidden:
-        write_component(design, hidden, maps=MapShelf(folder / MAPS_FOLDER))
+        write_component(design, hidden, maps=MapShelf(folder / MAPS_FOLDER, map_px))
         try:
             (hidden / asset.id).rename(folder / asset.id)
         except OSError:

@@ -35,7 +35,7 @@ def with_found_assets(
         place = _found(path, home, allowed)
         if place is None:
             continue
-        if not _is_inside(place, allowed):
+        if not _is_inside(place, allowed) or _is_drawn_here(place):
             place = _same_here(asset, database) or place
         _require_inside(place, scene, allowed)
         found[path] = place

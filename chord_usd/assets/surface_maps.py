@@ -31,7 +31,7 @@ MAP_PX = 512
 ROUGHNESS_RANGE = 2.0
 """What white of a roughness map stands for: twice the roughness of the finish."""
 
-_DRAWN: dict[str, Callable[[np.random.Generator, int], Pattern]] = {
+SURFACES: dict[str, Callable[[np.random.Generator, int], Pattern]] = {
     "wood": surface_wood.wood,
     "rattan": surface_wood.rattan,
     "bark": surface_wood.bark,
@@ -74,7 +74,7 @@ def pattern_of(surface: str, px: int) -> Pattern:
     """The tile of a surface, px wide and high; the same every time."""
     # A seed of its own, so that adding a surface leaves the others as they are.
     seed = int.from_bytes(hashlib.sha256(surface.encode()).digest()[:8], "big")
-    return _DRAWN[surface](np.random.default_rng(seed), px)
+    return SURFACES[surface](np.random.default_rng(seed), px)
 
 
 def colour_map(finish: Finish, px: int) -> FloatArray:

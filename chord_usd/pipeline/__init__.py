@@ -364,6 +364,6 @@ def read_scene_file(scene_file: Path, settings: Settings) -> SceneGraph:
     folders = settings.asset_folders
     graph = read_scene(scene_file)
     style = style_named(settings.style or graph.style or MIXED, settings.seed)
-    database = load_database(folders, style=style.name)
+    database = load_database(folders, style.name, settings.texture_px)
     graph = with_found_assets(in_style(graph, style), scene_file, folders, database)
     return match_assets(graph, database)

@@ -54,7 +54,8 @@ def load_reader(settings: Settings) -> GraphReader:
     from chord_usd.graph.detect import load_item_detector
 
     without = frozenset() if settings.arrange else frozenset(rule.name for rule in RULES)
-    return GraphReader(load_item_detector(), load_database(settings.asset_folders), without)
+    database = load_database(settings.asset_folders, texture_px=settings.texture_px)
+    return GraphReader(load_item_detector(), database, without)
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,7 @@ class Settings:
     """Name of a style (scene.styles); `mixed` takes one of them by seed; "" keeps the one that a
     scene or a stage notes, and takes one by seed where none is noted."""
     texture_px: int = 1024
-    """Side of the largest textures of floors and walls; 256 to 4096."""
+    """Side of the textures of floors and walls, 256 to 4096; furniture has half of it."""
     sky: str = ""
     """Name of a sky or an HDRI's file; "" for the sky of the time of day."""
     lists: bool = True
