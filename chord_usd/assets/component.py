@@ -2,7 +2,7 @@
 
     Desk_A/Desk_A.usda        kind, assetInfo, class, extentsHint, colourways, payload
     Desk_A/payload.usda       sublayers: physics, materials, geometry
-    Desk_A/{physics.usda, materials.usda, geometry.usdc}
+    Desk_A/{physics.usda, materials.usdc, geometry.usdc}
 
 A closed payload still gives bounds and colourways. Structure: ASWF asset-structure guidelines.
 """
@@ -62,7 +62,7 @@ def write_component(
     package = folder / design.id
     package.mkdir(parents=True)
     _write_geometry(design, parts, package / "geometry.usdc")
-    _write_materials(design, parts, worn, package / "materials.usda")
+    _write_materials(design, parts, worn, package / "materials.usdc")
     _write_physics(design, parts, package / "physics.usda")
     _write_payload(design, package / "payload.usda")
     interface = package / f"{design.id}.usda"
@@ -196,7 +196,7 @@ def _define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> None:
 
 def _write_payload(design: Design, path: Path) -> None:
     layer = _detached(_new_stage(design))
-    layer.subLayerPaths = ["./physics.usda", "./materials.usda", "./geometry.usdc"]
+    layer.subLayerPaths = ["./physics.usda", "./materials.usdc", "./geometry.usdc"]
     layer.Export(str(path))
 
 
