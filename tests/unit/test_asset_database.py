@@ -149,7 +149,7 @@ def test_half_a_component_is_never_left_behind(
 ) -> None:
     monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path))
 
-    def interrupted(design: Design, folder: Path) -> Path:
+    def interrupted(design: Design, folder: Path, maps: object = None) -> Path:
         (folder / design.id).mkdir()
         raise OSError(28, "No space left on device")
 
