@@ -58,6 +58,8 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "assets show": ("Bed",),
     "assets add": ("library",),
     "assets build": (),
+    "looks sheet": (),
+    "looks show": ("planks",),
 }
 """What each verb that writes is given to read."""
 

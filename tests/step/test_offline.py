@@ -50,6 +50,9 @@ QUICK: dict[str, str] = {
     "assets nearest": "table --size 1x1x1",
     "assets show": "Lamp_Shade --sheet {out}/sheet.png",
     "assets add": "{models} -o {out}/own",
+    "looks list": "",
+    "looks show": "planks --picture {out}/planks.png",
+    "looks sheet": "plaster -o {out}/sheet.png",
 }
 """A small working example of each verb."""
 
