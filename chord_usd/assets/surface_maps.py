@@ -54,6 +54,16 @@ SURFACES: dict[str, Callable[[np.random.Generator, int], Pattern]] = {
 }
 
 
+def _encoded(linear: FloatArray) -> FloatArray:
+    """sRGB, 0 to 255, of linear light."""
+    low, high = 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, low, high) * 255.0
+
+
+_SRGB = _encoded(np.linspace(0.0, 1.0, 1 << 14))
+"""A table: powers of a quarter of a million pixels take longer than all the rest."""
+
+
 @dataclass(frozen=True)
 class MapFiles:
     """Names of the files of a finish in the folder of maps, and the size of their tile."""
@@ -86,13 +96,18 @@ def colour_map(finish: Finish, px: int) -> FloatArray:
     # Light that goes deeper into the material loses most of what it has least of.
     weight = np.clip(darkness / -np.log(min(luminance, 0.97)), 0.4, 2.2)
     weight = 1.0 + pattern.tinted * (weight - 1.0)
-    depth = finish.contrast * pattern.depth
-    linear = base * np.exp(-1.6 * depth[..., None] * weight)
-    if pattern.warmth is not None:
-        linear = linear * (1.0 + pattern.warmth[..., None] * np.array([1.0, 0.0, -1.4]))
-    for _ in range(3):  # again, since what is cut off at white is missing in the mean
-        linear = np.clip(linear * (base / linear.mean(axis=(0, 1))), 0.0, 1.0)
-    return _srgb(linear) * 255.0
+    depth = (finish.contrast * pattern.depth).astype(np.float32)
+    warmth = None if pattern.warmth is None else pattern.warmth.astype(np.float32)
+    channels = []
+    for mean, share, warmed in zip(base.tolist(), weight.tolist(), (1.0, 0.0, -1.4), strict=True):
+        linear = mean * np.exp(-1.6 * share * depth)
+        if warmth is not None and warmed:
+            linear *= 1.0 + warmed * warmth
+        for _ in range(3):  # again, since what is cut off at white is missing in the mean
+            linear *= mean / linear.mean()
+            np.clip(linear, 0.0, 1.0, out=linear)
+        channels.append(_SRGB[np.rint(linear * (len(_SRGB) - 1)).astype(np.uint16)])
+    return np.stack(channels, axis=-1)
 
 
 def map_files(finish: Finish, folder: Path, px: int = MAP_PX) -> MapFiles:
@@ -126,9 +141,20 @@ def tile_of(surface: str) -> TileM:
 
 def _kept(folder: Path, name: str, draw: Callable[[], FloatArray], quality: int) -> str:
     """Name of the file that begins so, drawn if none is there."""
+    known = _KNOWN.get((folder, name))
+    if known and (folder / known).is_file():
+        return known
     there = sorted(folder.glob(f"{name}_*.jpg"))
-    if there:
-        return there[0].name
+    file_name = there[0].name if there else _drawn(folder, name, draw, quality)
+    _KNOWN[folder, name] = file_name
+    return file_name
+
+
+_KNOWN: dict[tuple[Path, str], str] = {}
+"""Files found before: a folder of hundreds is searched once for each."""
+
+
+def _drawn(folder: Path, name: str, draw: Callable[[], FloatArray], quality: int) -> str:
     data = _jpeg(draw(), quality)
     file = folder / f"{name}_{hashlib.sha256(data).hexdigest()[:12]}.jpg"
     folder.mkdir(parents=True, exist_ok=True)
@@ -147,10 +173,3 @@ def _jpeg(values: FloatArray, quality: int) -> bytes:
     # Full chroma where the channels are one vector, or the colour is that of single threads.
     Image.fromarray(pixels).save(buffer, "JPEG", quality=quality, subsampling=0)
     return buffer.getvalue()
-
-
-def _srgb(linear: FloatArray) -> FloatArray:
-    encoded: FloatArray = np.where(
-        linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
-    )
-    return encoded
