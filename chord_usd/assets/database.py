@@ -33,7 +33,8 @@ TEXTURE_PX = 1024
 """Side of the largest textures of a house unless asked otherwise."""
 
 _GENERATOR = (
-    "component.py", "finishes.py", "look_noise.py", "material.py", "model.py", "shading.py",
+    "component.py", "drawn.py", "finishes.py", "look_noise.py", "material.py", "model.py",
+    "shading.py",
     "solids.py", "surface_cloth.py", "surface_maps.py", "surface_mineral.py", "surface_pattern.py",
     "surface_wood.py", "furniture", "dressing", "cloth",
 )  # fmt: skip

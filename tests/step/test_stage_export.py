@@ -25,7 +25,9 @@ def bounds_m(path: Path) -> np.ndarray:
 def mesh_names(path: Path) -> set[str]:
     stage = Usd.Stage.Open(str(path))
     return {
-        str(prim.GetPath()).strip("/") for prim in stage.Traverse(PROXIES) if prim.IsA(UsdGeom.Mesh)
+        str(prim.GetPath()).strip("/")
+        for prim in stage.Traverse(PROXIES)
+        if prim.IsA(UsdGeom.Mesh) and prim.GetParent().GetName() != "Ground"
     }
 
 
@@ -57,7 +59,7 @@ def test_floors_have_their_picture_in_a_glb(glb: Path) -> None:
     for name in floors:
         mesh = scene.geometry[scene.graph[name][1]]
         assert mesh.visual.material.baseColorTexture.size[0] >= 256
-        assert np.ptp(mesh.visual.uv, axis=0).min() > 0.5  # it repeats over the floor
+        assert np.ptp(mesh.visual.uv, axis=0).min() > 0.2  # it spreads over the floor
         assert mesh.vertex_normals[:, 2].min() > 0.99  # up, in the frame of the mesh
 
 

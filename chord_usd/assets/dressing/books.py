@@ -166,15 +166,19 @@ def _stand(
     """Put one book in the row; a leaning one has its right lower edge at foot."""
     cover, leaves = bound(*size)
     marks = _bands(*size, int(rng.integers(4)))
+
+    def tipped(solid: Solid) -> Solid:
+        """Turned about its right lower edge, its left upper edge against the row."""
+        return solid.moved(x=-size[0] / 2).turned("y", lean_deg)
+
+    sunk_m = tipped(cover).bounds_m()[0, 2] if lean_deg else 0.0
     for solid, group in (
         (cover, covers[slot]),
         (leaves, pages),
         *((mark, prints) for mark in marks),
     ):
         if lean_deg:
-            # Turned about its right lower edge, its left upper edge against the row.
-            tipped = solid.moved(x=-size[0] / 2).turned("y", lean_deg)
-            group.append(tipped.moved(foot, y))
+            group.append(tipped(solid).moved(foot, y, -sunk_m))
         else:
             group.append(solid.moved(x, y))
 
