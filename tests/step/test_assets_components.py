@@ -22,7 +22,7 @@ DRESSING_NAMES = {row.name for row in DRESSING_CATEGORIES}
 """What is soft or thin needs no collider."""
 
 ALL = {design.id: design for design in designs()}
-SAMPLE = dict(list(ALL.items())[::6])
+SAMPLE = dict(list(ALL.items())[::15])
 
 
 @pytest.fixture(scope="module")
