@@ -10,7 +10,7 @@ A closed payload still gives bounds and colourways. Structure: ASWF asset-struct
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,11 +27,15 @@ from chord_usd.assets.material import (
 )
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
+from chord_usd.assets.solids import Solid
 from chord_usd.assets.surface_maps import MAPS_FOLDER
 from chord_usd.scene.credits import AUTHOR, LICENCE
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
+
+_LEAST_FACE_M2 = 2e-12
+"""What is smaller is a line; validators refuse it."""
 
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
@@ -108,6 +112,7 @@ def _write_geometry(design: Design, parts: Iterable[Part], path: Path) -> None:
 def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
     from pxr import Sdf, UsdGeom, Vt
 
+    part = _without_slivers(part)
     mesh = UsdGeom.Mesh.Define(stage, path)
     points = Vt.Vec3fArray.FromNumpy(part.solid.points_m.astype(np.float32))
     corners = part.solid.faces.reshape(-1).astype(np.int32)
@@ -127,6 +132,17 @@ def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
     )
     primvar.Set(uvs)
+
+
+def _without_slivers(part: Part) -> Part:
+    """The part without faces that have no area once their corners are in single precision."""
+    solid = part.solid
+    a, b, c = np.moveaxis(solid.points_m.astype(np.float32)[solid.faces].astype(np.float64), 1, 0)
+    is_face = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2 >= _LEAST_FACE_M2
+    if is_face.all():
+        return part
+    uvs = None if part.uvs is None else part.uvs.reshape(-1, 3, 2)[is_face].reshape(-1, 2)
+    return replace(part, solid=Solid(solid.points_m, solid.faces[is_face]), uvs=uvs)
 
 
 def _write_materials(
