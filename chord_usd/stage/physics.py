@@ -56,7 +56,6 @@ KG_PER_M3: dict[str, float] = {
     "kettle": 200.0,
     "toaster": 250.0,
     "coffee_machine": 250.0,
-    "pot": 250.0,
     "knife_block": 450.0,
     "utensil_jar": 300.0,
     "jar": 400.0,

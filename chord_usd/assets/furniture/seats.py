@@ -196,8 +196,9 @@ def barrel_chair(size_m: Size) -> tuple[Part, ...]:
     seat = cushion((length - 0.2, width - 0.15, 0.2), 0.3, 0.06, 0.03)
     foot = lathe([(0.2, 0.0), (0.22, 0.015), (0.2, 0.03), (0.06, 0.05), (0.06, 0.13)], 28)
     base = rounded_slab((length - 0.14, width - 0.14, 0.16), 0.35, 0.02, 6, 2)
-    back = box((length, 0.1, height - 0.1)).moved(y=width / 2 - 0.05, z=0.1)
-    arm = box((0.1, width * 0.8, 0.48)).moved(length / 2 - 0.05, width * 0.1, 0.1)
+    # Boxes within the round of the shell: beyond it they would touch what the chair does not.
+    back = box((length * 0.6, 0.1, height - 0.1)).moved(y=width / 2 - 0.05, z=0.1)
+    arm = box((0.1, width * 0.55, 0.48)).moved(length / 2 - 0.05, 0.0, 0.1)
     return (
         Part("Foot", foot, "leg"),
         Part("Base", base.moved(y=-0.02, z=0.12), "cloth"),
