@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import io
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
+from safetensors import SafetensorError
+from safetensors.numpy import load, save
 
 from chord_usd.errors import ChordError
 from chord_usd.runtime.files import write_atomic
@@ -31,7 +31,7 @@ def kept(asset_path: Path, name: str, source: Path, measure: Callable[[], Arrays
     if folder.parent != cache_folder():
         return measure()
     place = folder.with_name(f"{folder.name}-{name}-{_hash(source)}")
-    file = place / f"{asset_path.stem}.npz"
+    file = place / f"{asset_path.stem}.safetensors"
     arrays = _load(file)
     if arrays is None:
         _keep(file, measure())
@@ -47,17 +47,14 @@ def _hash(source: Path) -> str:
 def _load(file: Path) -> Arrays | None:
     """None where there is none, or not a whole one."""
     try:
-        with np.load(file) as arrays:
-            return {name: arrays[name].astype(np.float64) for name in arrays.files}
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        arrays = load(file.read_bytes())
+    except (OSError, SafetensorError):
         return None
+    return {name: array.astype(np.float64) for name, array in arrays.items()}
 
 
 def _keep(file: Path, arrays: Arrays) -> None:
-    packed = io.BytesIO()
-    np.savez_compressed(
-        packed, **{name: array.astype(np.float32) for name, array in arrays.items()}
-    )
+    packed = save({name: np.ascontiguousarray(a, dtype=np.float32) for name, a in arrays.items()})
     with contextlib.suppress(OSError, ChordError):
         file.parent.mkdir(parents=True, exist_ok=True)
-        write_atomic(file, packed.getvalue())
+        write_atomic(file, packed)

@@ -43,7 +43,7 @@ def test_what_was_measured_is_kept_until_its_module_changes(
     first = kept(asset, "a", source, measure)
     assert kept(asset, "a", source, measure)["a"] == first["a"]
     assert len(asked) == 1
-    next(tmp_path.rglob("Thing.npz")).write_bytes(b"half a fi")
+    next(tmp_path.rglob("Thing.safetensors")).write_bytes(b"half a fi")
     assert len(kept(asset, "a", source, measure)["a"]) == 1
     other = tmp_path / "other.py"
     other.write_text("two")
