@@ -157,7 +157,7 @@ class ChordSwap(JobOperator, bpy.types.Operator):
             raise InputError("This piece is not in the scene any more.")
         seen = save_changes(context)
         chosen = offered[self.index]
-        usd = swaps.bring_model(chosen.usd, seen.house)
+        usd = swaps.bring_model(chosen.usd, seen.house, chosen.shared)
         slot = _slot(objects[own.swap_path], seen.changes, own.swap_path)
         swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path))
         return rebuild(seen, _with_swap(context, seen.changes, swap, chosen.size_m))

@@ -6,7 +6,7 @@ import filecmp
 import math
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,8 @@ class Candidate:
     offset_m: tuple[float, float]
     colours: tuple[str, ...]
     picture: Path | None
+    shared: tuple[Path, ...] = ()
+    """Pictures beside its folder, which other models have, too."""
 
     @property
     def label(self) -> str:
@@ -62,6 +64,7 @@ def candidates(report: Mapping[str, Any]) -> list[Candidate]:
                 offset_m=(float(fits["center_m"][0]), float(fits["center_m"][1])),
                 colours=tuple(asset.get("looks", {}).get(COLOUR, ())),
                 picture=Path(asset["picture"]) if asset.get("picture") else None,
+                shared=tuple(Path(file) for file in asset.get("shared", ())),
             )
         )
     return found
@@ -103,10 +106,11 @@ def raised(matrix: Matrix, by_m: float) -> Matrix:
     return tuple(tuple(row) for row in rows)
 
 
-def bring_model(usd: Path, house: Path) -> str:
+def bring_model(usd: Path, house: Path, shared: Sequence[Path] = ()) -> str:
     """Copy a model beside the house, unless it is there; returns its relative path.
 
-    With it goes what lies in its folder and can belong to a model; nothing else, and no links. A
+    With it goes what lies in its folder and can belong to a model, and the pictures that it shares
+    with others (named by content: those that are there stay); nothing else, and no links. A
     folder of that name is completed; where it has other files under the same names, they stay, and
     the model goes into a folder of another name. Raises OSError.
     """
@@ -117,6 +121,8 @@ def bring_model(usd: Path, house: Path) -> str:
         number += 1
         target = target.with_name(f"{usd.parent.name}_{number}")
     if not (target / usd.name).is_file():
+        for picture in shared:
+            _bring(picture, [Path(picture.name)], house.parent / ASSETS / picture.parent.name)
         _bring(usd, files, target)
     return f"{ASSETS}/{target.name}/{usd.name}"
 

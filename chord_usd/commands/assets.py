@@ -123,6 +123,7 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
     from chord_usd.graph.fit import fitted_box
     from chord_usd.scene.palette import category
     from chord_usd.scene.types import Box
+    from chord_usd.stage.packages import package_files
 
     watch = stopwatch(options)
     with watch.step("assets"):
@@ -139,6 +140,7 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
                 "fits": {"center_m": list(box.center_m), "size_m": list(box.size_m)},
                 "looks": {"colour": [name for name in colourways(asset) if name]},
                 "picture": str(pictures.get(asset.id, "")),
+                "shared": [str(file) for file in package_files(asset.usd_path).shared],
             }
         )
         lines.append(f"{asset.id:<32} {_size(asset)}")
