@@ -80,7 +80,7 @@ def test_a_folder_given_replaces_what_is_embedded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shipped = stored(tmp_path / "embedded", [bed("A", (1.0, 2.0, 0.9)), bed("B", (1.5, 2.1, 1.1))])
-    monkeypatch.setattr(database, "embedded_assets", lambda: tuple(shipped))
+    monkeypatch.setattr(database, "embedded_assets", lambda texture_px: tuple(shipped))
     (mine,) = stored(tmp_path / "mine", [bed("A", (0.9, 1.9, 0.8))])
     found = load_database([tmp_path / "mine"])
     assert {asset.id: asset for asset in found.assets}["A"] == mine
