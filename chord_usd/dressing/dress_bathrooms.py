@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from chord_usd.dressing.room_frame import RoomFrame, in_world
+from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import within
 from chord_usd.dressing.wall_faces import WallFace
-from chord_usd.scene.geometry import to_own, to_world
+from chord_usd.scene.geometry import in_world, to_own, to_world
 from chord_usd.scene.types import Asset, Box, Item
 
 _MIRROR_BASE_M, _MIRROR_TOP_M = 1.02, 2.1

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.dressing.room_frame import RoomFrame, in_world
+from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import within
+from chord_usd.scene.geometry import in_world
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 
 _STANDS_M = 0.0005
@@ -37,7 +38,6 @@ _WORKTOP: tuple[Wish, ...] = (
     ("toaster", "coffee_machine"), ("jar", "bottle"), ("bowl",), ("bottle",), ("plate_stack",),
 )  # fmt: skip
 _SINK: tuple[Wish, ...] = (("soap_dispenser",), ("bottle", "utensil_jar"))
-_HOB: tuple[Wish, ...] = (("pot",),)
 _BASIN: tuple[Wish, ...] = (("soap_dispenser",), ("toothbrush_cup",), ("bottle", "candle"))
 _BATH_SHELF: tuple[Wish, ...] = (("towel_stack",), ("bottle",), ("trailing_plant", "candle"),
                                  ("bottle", "soap_dispenser"))  # fmt: skip

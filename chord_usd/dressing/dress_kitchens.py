@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from chord_usd.dressing.room_frame import RoomFrame, in_world
+from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import family_of, nearest_length, stretched
 from chord_usd.dressing.wall_faces import WallFace
+from chord_usd.scene.geometry import in_world
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 
 WORKTOP = (

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.dressing.room_frame import RoomFrame, in_world
+from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import nearest_length, stretched, within
 from chord_usd.raster.relief import Relief
+from chord_usd.scene.geometry import in_world
 from chord_usd.scene.types import Asset, Box, Item
 
 _RISE_M = 0.07

@@ -22,7 +22,7 @@ from chord_usd.dressing.wall_faces import Hole, WallFace
 from chord_usd.errors import AssetError
 from chord_usd.metrics.clear_floor import clearance_boxes
 from chord_usd.raster.relief import Relief
-from chord_usd.scene.geometry import footprint_polygon, room_polygon, to_world
+from chord_usd.scene.geometry import footprint_polygon, in_world, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Opening, Room
 
@@ -221,13 +221,6 @@ def _risen(item: Item, relief: Relief) -> Box | None:
     base_m = item.box.center_m[2] + item.box.size_m[2]
     rise_m = float(relief.heights_m.max()) - item.box.size_m[2]
     return Box((float(x), float(y), base_m), (x1 - x0, y1 - y0, rise_m), item.box.yaw_deg)
-
-
-def in_world(box: Box, parent: Box) -> Box:
-    """A child's box in the frame that its parent's box is in."""
-    x, y = to_world(parent, box.center_m[:2])
-    center_m = (float(x), float(y), parent.center_m[2] + box.center_m[2])
-    return Box(center_m, box.size_m, parent.yaw_deg + box.yaw_deg)
 
 
 def take_walls(taken: TakenSpace, faces: Iterable[WallFace]) -> None:

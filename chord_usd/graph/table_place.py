@@ -21,7 +21,7 @@ from chord_usd.graph.fit import fitted_box
 from chord_usd.graph.match import Database, reading_order
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.raster.relief import Relief, Reliefs
-from chord_usd.scene.geometry import footprint_polygon, to_own, to_world
+from chord_usd.scene.geometry import footprint_polygon, in_world, to_own
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.types import Box, FloatArray, Item
 
@@ -198,13 +198,6 @@ def _runs_into(box: Box, table: Box, around: Sequence[Item]) -> bool:
         if overlaps and shape.intersects(footprint_polygon(other.box)):
             return True
     return False
-
-
-def in_world(box: Box, parent: Box) -> Box:
-    """A child's box in the frame that its parent's box is in."""
-    x, y = to_world(parent, box.center_m[:2])
-    center_m = (float(x), float(y), parent.center_m[2] + box.center_m[2])
-    return Box(center_m, box.size_m, parent.yaw_deg + box.yaw_deg)
 
 
 def _named(table: Item, items: Sequence[Item]) -> tuple[Item, ...]:

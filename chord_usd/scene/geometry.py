@@ -45,6 +45,13 @@ def to_own(box: Box, points_m: npt.ArrayLike) -> FloatArray:
     return turned
 
 
+def in_world(box: Box, parent: Box) -> Box:
+    """A child's box in the frame that its parent's box is in."""
+    x, y = to_world(parent, box.center_m[:2])
+    center_m = (float(x), float(y), parent.center_m[2] + box.center_m[2])
+    return Box(center_m, box.size_m, parent.yaw_deg + box.yaw_deg)
+
+
 def resized(box: Box, sides_m: tuple[float, float], middle_m: tuple[float, float]) -> Box:
     """The box with another length and width, its middle at this point of the frame it had."""
     x_m, y_m = to_world(box, middle_m)

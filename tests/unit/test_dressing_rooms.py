@@ -14,10 +14,9 @@ import shapely
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.dressing.dress import dress
-from chord_usd.dressing.room_frame import in_world
 from chord_usd.metrics.clear_floor import clearances, enters_height
 from chord_usd.metrics.walk import walk
-from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon
+from chord_usd.scene.geometry import footprint, footprint_polygon, in_world, room_polygon
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.styles import STYLES
 from chord_usd.scene.types import (

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.graph.table_place import Laid, in_world, place_on
+from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
 from chord_usd.graph.top_view import is_too_small, view_from_above
 from chord_usd.raster.relief import Relief
 from chord_usd.raster.table_top import TableTop
-from chord_usd.scene.geometry import footprint
+from chord_usd.scene.geometry import footprint, in_world
 from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph, frozen_array
 
 TOP_M = 0.75

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import WOODEN, WOVEN, container_looks, design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
     JAPANESE,
     MODERN,
     SCANDINAVIAN,
-    lofted,
+    open_tub,
 )
 from chord_usd.assets.dressing.leaves import woven_skin
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -25,36 +23,8 @@ from chord_usd.assets.solids import (
     cylinder,
     extruded,
     joined,
-    ring,
     tube,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
-
-
-def _rectangle(
-    length: float, width: float, levels: list[tuple[float, float]], corner: float, steps: int = 4
-) -> list:
-    """Rounded rectangles, (inset, z) each."""
-    return [
-        ring(length - 2 * inset, width - 2 * inset, max(corner - inset, 0.004), z, steps)
-        for inset, z in levels
-    ]
-
-
-def _tub(
-    length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0
-) -> Solid:
-    """A hollow box with round corners, open above."""
-    levels = [
-        (taper + 0.003, 0.0),
-        (taper, 0.004),
-        (0.0, height - 0.002),
-        (0.001, height),
-        (thick, height),
-        (taper + thick, 0.012),
-    ]
-    return lofted(_rectangle(length, width, levels, corner))
 
 
 def lidded_box(size_m: Size) -> tuple[Part, ...]:
@@ -78,7 +48,7 @@ def lidded_box(size_m: Size) -> tuple[Part, ...]:
 def open_box(size_m: Size) -> tuple[Part, ...]:
     """An open box of felt or cloth with a leather grip."""
     length, width, height = size_m
-    tub = _tub(length, width - 0.008, height, 0.006, 0.02, 0.008).moved(y=0.004)
+    tub = open_tub(length, width - 0.008, height, 0.006, 0.02, 0.008).moved(y=0.004)
     y = -width / 2
     z = height * 0.62
     strap = tube(
@@ -151,41 +121,7 @@ def woven_box(size_m: Size) -> tuple[Part, ...]:
     return (Part("Wall", skin, "weave", felt=(box((length * 0.98, width * 0.98, height)),)),)
 
 
-def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "weave": "rattan",
-        "cloth": "canvas_cloth",
-        "grip": "tan_leather",
-        "metal": "steel",
-        "plastic": "plastic_black",
-        "paper": "paper",
-        "wood": "oak",
-        "body": "black_metal",
-        "tray": "black_metal",
-        "cloth_a": "coat_navy",
-        "cloth_b": "beige_cloth",
-        "card": "paper",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}
-
-
-_WOVEN = _looks(
-    seagrass={"weave": "seagrass"},
-    rattan={},
-    dark={"weave": "dark_rattan"},
-    white={"weave": "white_rattan"},
-)
-
-
-_WOODEN = _looks(
-    oak={},
-    walnut={"wood": "walnut"},
-    bamboo={"wood": "bamboo_wood"},
-    black_stain={"wood": "black_stain"},
-)
-
-
-_CLOTH = _looks(
+_CLOTH = container_looks(
     linen={"cloth": "canvas_cloth", "metal": "antique_brass"},
     grey={"cloth": "felt_grey"},
     green={"cloth": "green_cloth", "metal": "antique_brass"},
@@ -193,21 +129,15 @@ _CLOTH = _looks(
 )
 
 
-_KRAFT = _looks(
+_KRAFT = container_looks(
     kraft={"cloth": "kraft", "metal": "black_metal"},
     black={"cloth": "black", "metal": "antique_brass"},
     cream={"cloth": "cream", "metal": "antique_brass"},
 )
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
+    design(
         "Box_Lidded",
         "storage_box",
         (0.34, 0.25, 0.18),
@@ -215,7 +145,7 @@ DESIGNS = (
         _KRAFT,
         (MODERN, CLASSIC, INDUSTRIAL),
     ),
-    _design(
+    design(
         "Box_Lidded_Small",
         "storage_box",
         (0.25, 0.18, 0.13),
@@ -223,8 +153,8 @@ DESIGNS = (
         _KRAFT,
         (MODERN, CLASSIC, INDUSTRIAL),
     ),
-    _design("Box_Felt", "storage_box", (0.3, 0.3, 0.26), open_box, _CLOTH, (MODERN, SCANDINAVIAN)),
-    _design(
+    design("Box_Felt", "storage_box", (0.3, 0.3, 0.26), open_box, _CLOTH, (MODERN, SCANDINAVIAN)),
+    design(
         "Box_Felt_Small",
         "storage_box",
         (0.24, 0.18, 0.15),
@@ -232,20 +162,20 @@ DESIGNS = (
         _CLOTH,
         (MODERN, SCANDINAVIAN),
     ),
-    _design(
+    design(
         "Box_Wooden",
         "storage_box",
         (0.34, 0.22, 0.16),
         wooden_box,
-        _WOODEN,
+        WOODEN,
         (SCANDINAVIAN, JAPANESE, INDUSTRIAL),
     ),
-    _design(
+    design(
         "Box_Woven",
         "storage_box",
         (0.32, 0.24, 0.16),
         woven_box,
-        _WOVEN,
+        WOVEN,
         (SCANDINAVIAN, JAPANESE, CLASSIC),
     ),
 )

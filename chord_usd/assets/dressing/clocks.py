@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Literal
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -15,8 +14,9 @@ from chord_usd.assets.dressing.forms import (
     SCANDINAVIAN,
     hollow,
     outward,
+    stood_up,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -26,13 +26,6 @@ from chord_usd.assets.solids import (
     lathe,
     rounded_slab,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
-
-
-def _upright(solid: Solid, back_y_m: float, z_m: float) -> Solid:
-    """Drawn lying with its face up: stood up with its underside in the plane back_y_m."""
-    return solid.turned("x", 90).moved(y=back_y_m, z=z_m)
 
 
 def _hand(long_m: float, wide_m: float, hour: float, lift_m: float) -> Solid:
@@ -84,10 +77,10 @@ def clock(
     ]
     z = size_m[2] / 2
     return (
-        Part("Rim", _upright(outward(lathe(hoop, 56, loop=True)), back, z), "rim", None),
-        Part("Dial", _upright(dial, back, z), "dial", None),
-        Part("Marks", _upright(joined(pieces), back, z), "mark", None),
-        Part("Hands", _upright(joined(hands), back, z), "hand", None),
+        Part("Rim", stood_up(outward(lathe(hoop, 56, loop=True)), back, z), "rim", None),
+        Part("Dial", stood_up(dial, back, z), "dial", None),
+        Part("Marks", stood_up(joined(pieces), back, z), "mark", None),
+        Part("Hands", stood_up(joined(hands), back, z), "hand", None),
     )
 
 
@@ -118,10 +111,10 @@ def open_clock(size_m: Size) -> tuple[Part, ...]:
     ]
     z = size_m[2] / 2
     return (
-        Part("Rings", _upright(joined([*hoops, *spokes]), back, z), "rim", None),
-        Part("Marks", _upright(joined(bars), back, z), "rim", None),
-        Part("Hub", _upright(hub, back, z), "rim", None),
-        Part("Hands", _upright(joined(hands), back, z), "hand", None),
+        Part("Rings", stood_up(joined([*hoops, *spokes]), back, z), "rim", None),
+        Part("Marks", stood_up(joined(bars), back, z), "rim", None),
+        Part("Hub", stood_up(hub, back, z), "rim", None),
+        Part("Hands", stood_up(joined(hands), back, z), "hand", None),
     )
 
 
@@ -141,9 +134,9 @@ def square_clock(size_m: Size) -> tuple[Part, ...]:
     ]
     back, z = width / 2, height / 2
     return (
-        Part("Plate", _upright(plate, back, z), "rim", None),
-        Part("Marks", _upright(joined(marks).moved(z=face - 0.0005), back, z), "hand", None),
-        Part("Hands", _upright(joined(hands), back, z), "hand", None),
+        Part("Plate", stood_up(plate, back, z), "rim", None),
+        Part("Marks", stood_up(joined(marks).moved(z=face - 0.0005), back, z), "hand", None),
+        Part("Hands", stood_up(joined(hands), back, z), "hand", None),
     )
 
 
@@ -170,17 +163,11 @@ _DARK_CLOCK = {
 _MOST = (MODERN, SCANDINAVIAN, JAPANESE)
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
+    design(
         "Clock_Bars", "clock", (0.3, 0.04, 0.3), clock, _CLOCK, (MODERN, SCANDINAVIAN, INDUSTRIAL)
     ),
-    _design(
+    design(
         "Clock_Dots",
         "clock",
         (0.25, 0.035, 0.25),
@@ -188,7 +175,7 @@ DESIGNS = (
         _CLOCK,
         _MOST,
     ),
-    _design(
+    design(
         "Clock_Numerals",
         "clock",
         (0.36, 0.045, 0.36),
@@ -196,7 +183,7 @@ DESIGNS = (
         _CLOCK,
         (CLASSIC,),
     ),
-    _design(
+    design(
         "Clock_Dark",
         "clock",
         (0.4, 0.045, 0.4),
@@ -204,7 +191,7 @@ DESIGNS = (
         _DARK_CLOCK,
         (INDUSTRIAL, MODERN),
     ),
-    _design(
+    design(
         "Clock_Open",
         "clock",
         (0.5, 0.03, 0.5),
@@ -212,7 +199,7 @@ DESIGNS = (
         {k: v for k, v in _CLOCK.items() if k in ("black_metal", "brass")},
         (INDUSTRIAL, CLASSIC),
     ),
-    _design(
+    design(
         "Clock_Square",
         "clock",
         (0.24, 0.032, 0.24),

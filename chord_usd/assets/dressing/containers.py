@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import WOODEN, WOVEN, container_looks, design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -18,10 +17,12 @@ from chord_usd.assets.dressing.forms import (
     cup,
     hollow,
     lofted,
+    open_tub,
     outward,
+    rectangles,
 )
 from chord_usd.assets.dressing.leaves import woven_skin
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -31,12 +32,9 @@ from chord_usd.assets.solids import (
     cylinder,
     joined,
     lathe,
-    ring,
     rounded_slab,
     tube,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _ear(wide_m: float, tall_m: float, thick_m: float) -> Solid:
@@ -101,31 +99,6 @@ def round_basket(size_m: Size, *, has_throw: bool = False, belly: float = 1.0) -
     return tuple(parts)
 
 
-def _rectangle(
-    length: float, width: float, levels: list[tuple[float, float]], corner: float, steps: int = 4
-) -> list:
-    """Rounded rectangles, (inset, z) each."""
-    return [
-        ring(length - 2 * inset, width - 2 * inset, max(corner - inset, 0.004), z, steps)
-        for inset, z in levels
-    ]
-
-
-def _tub(
-    length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0
-) -> Solid:
-    """A hollow box with round corners, open above."""
-    levels = [
-        (taper + 0.003, 0.0),
-        (taper, 0.004),
-        (0.0, height - 0.002),
-        (0.001, height),
-        (thick, height),
-        (taper + thick, 0.012),
-    ]
-    return lofted(_rectangle(length, width, levels, corner))
-
-
 def laundry(size_m: Size) -> tuple[Part, ...]:
     """A tall basket of slats with a cloth lining turned over its rim."""
     length, width, height = size_m
@@ -146,16 +119,16 @@ def laundry(size_m: Size) -> tuple[Part, ...]:
             )
     hoops = [
         lofted(
-            _rectangle(
+            rectangles(
                 length, width, [(0.0, z), (0.0, z + 0.022), (0.014, z + 0.022), (0.014, z)], 0.01, 2
             ),
             loop=True,
         )
         for z in (0.0, height * 0.5, height - 0.05)
     ]
-    bag = _tub(length - 0.032, width - 0.032, height - 0.02, 0.004, 0.02).moved(z=0.012)
+    bag = open_tub(length - 0.032, width - 0.032, height - 0.02, 0.004, 0.02).moved(z=0.012)
     cuff = lofted(
-        _rectangle(
+        rectangles(
             length - 0.004,
             width - 0.004,
             [
@@ -263,10 +236,10 @@ def swing_bin(size_m: Size) -> tuple[Part, ...]:
     """A tall rectangular bin with a sloping lid flap."""
     length, width, height = size_m
     body = lofted(
-        _rectangle(length, width, [(0.015, 0.0), (0.012, 0.004), (0.0, height - 0.09)], 0.03)
+        rectangles(length, width, [(0.015, 0.0), (0.012, 0.004), (0.0, height - 0.09)], 0.03)
     )
     collar = lofted(
-        _rectangle(
+        rectangles(
             length, width, [(0.0, height - 0.088), (0.0, height - 0.06), (0.02, height)], 0.03
         )
     )
@@ -302,53 +275,27 @@ def slat_bin(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "weave": "rattan",
-        "cloth": "canvas_cloth",
-        "grip": "tan_leather",
-        "metal": "steel",
-        "plastic": "plastic_black",
-        "paper": "paper",
-        "wood": "oak",
-        "body": "black_metal",
-        "tray": "black_metal",
-        "cloth_a": "coat_navy",
-        "cloth_b": "beige_cloth",
-        "card": "paper",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}
-
-
-_WOVEN = _looks(
-    seagrass={"weave": "seagrass"},
-    rattan={},
-    dark={"weave": "dark_rattan"},
-    white={"weave": "white_rattan"},
-)
-
-
-_ROPE = _looks(
+_ROPE = container_looks(
     rope={"weave": "rope", "cloth": "grey_cloth"},
     grey={"weave": "felt_grey"},
     rust={"weave": "rope", "cloth": "rust_cloth"},
 )
 
 
-_WIRE = _looks(
+_WIRE = container_looks(
     black_metal={"weave": "black_metal", "grip": "oak"},
     brass={"weave": "antique_brass", "grip": "walnut"},
 )
 
 
-_SLATS = _looks(
+_SLATS = container_looks(
     oak={"weave": "oak"},
     bamboo={"weave": "bamboo_wood"},
     walnut={"weave": "walnut", "cloth": "linen"},
 )
 
 
-_BIN = _looks(
+_BIN = container_looks(
     steel={},
     black={"metal": "black"},
     white={"metal": "white", "plastic": "light_grey"},
@@ -356,33 +303,19 @@ _BIN = _looks(
 )
 
 
-_WOODEN = _looks(
-    oak={},
-    walnut={"wood": "walnut"},
-    bamboo={"wood": "bamboo_wood"},
-    black_stain={"wood": "black_stain"},
-)
-
-
 _MSJ = (MODERN, SCANDINAVIAN, JAPANESE)
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
+    design(
         "Basket_Round",
         "basket",
         (0.42, 0.4, 0.4),
         round_basket,
-        _WOVEN,
+        WOVEN,
         (SCANDINAVIAN, JAPANESE, CLASSIC),
     ),
-    _design(
+    design(
         "Basket_Throw",
         "basket",
         (0.46, 0.45, 0.42),
@@ -390,14 +323,14 @@ DESIGNS = (
         _ROPE,
         (SCANDINAVIAN, MODERN),
     ),
-    _design("Basket_Small", "basket", (0.3, 0.28, 0.28), round_basket, _WOVEN, ()),
-    _design("Basket_Laundry", "basket", (0.42, 0.32, 0.58), laundry, _SLATS, _MSJ),
-    _design("Basket_Wire", "basket", (0.4, 0.4, 0.32), wire_basket, _WIRE, (INDUSTRIAL, MODERN)),
-    _design(
+    design("Basket_Small", "basket", (0.3, 0.28, 0.28), round_basket, WOVEN, ()),
+    design("Basket_Laundry", "basket", (0.42, 0.32, 0.58), laundry, _SLATS, _MSJ),
+    design("Basket_Wire", "basket", (0.4, 0.4, 0.32), wire_basket, _WIRE, (INDUSTRIAL, MODERN)),
+    design(
         "Bin_Pedal", "bin", (0.25, 0.29, 0.4), pedal_bin, _BIN, (MODERN, SCANDINAVIAN, INDUSTRIAL)
     ),
-    _design("Bin_Pedal_Small", "bin", (0.19, 0.23, 0.27), pedal_bin, _BIN, ()),
-    _design("Bin_Paper", "bin", (0.26, 0.26, 0.3), paper_bin, _BIN, (MODERN, INDUSTRIAL, CLASSIC)),
-    _design("Bin_Swing", "bin", (0.38, 0.28, 0.62), swing_bin, _BIN, (MODERN, INDUSTRIAL)),
-    _design("Bin_Slats", "bin", (0.26, 0.26, 0.32), slat_bin, _WOODEN, (JAPANESE, SCANDINAVIAN)),
+    design("Bin_Pedal_Small", "bin", (0.19, 0.23, 0.27), pedal_bin, _BIN, ()),
+    design("Bin_Paper", "bin", (0.26, 0.26, 0.3), paper_bin, _BIN, (MODERN, INDUSTRIAL, CLASSIC)),
+    design("Bin_Swing", "bin", (0.38, 0.28, 0.62), swing_bin, _BIN, (MODERN, INDUSTRIAL)),
+    design("Bin_Slats", "bin", (0.26, 0.26, 0.32), slat_bin, WOODEN, (JAPANESE, SCANDINAVIAN)),
 )

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.assets.model import Part
-from chord_usd.assets.solids import Size, Solid, joined, lathe, loft, welded
+from chord_usd.assets.solids import Size, Solid, joined, lathe, loft, ring, welded
 from chord_usd.scene.types import FloatArray, frozen_array
 
 MODERN, SCANDINAVIAN, CLASSIC, INDUSTRIAL, JAPANESE = (
@@ -166,3 +166,33 @@ def face_uvs(solid: Solid, low_m: Sequence[float], high_m: Sequence[float]) -> F
     u = (corners[:, 0] - low_m[0]) / (high_m[0] - low_m[0])
     v = (corners[:, 2] - low_m[1]) / (high_m[1] - low_m[1])
     return np.clip(np.stack([u, v], axis=-1), 0.002, 0.998)
+
+
+def rectangles(
+    length: float, width: float, levels: list[tuple[float, float]], corner: float, steps: int = 4
+) -> list:
+    """Rounded rectangles, (inset, z) each."""
+    return [
+        ring(length - 2 * inset, width - 2 * inset, max(corner - inset, 0.004), z, steps)
+        for inset, z in levels
+    ]
+
+
+def open_tub(
+    length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0
+) -> Solid:
+    """A hollow box with round corners, open above."""
+    levels = [
+        (taper + 0.003, 0.0),
+        (taper, 0.004),
+        (0.0, height - 0.002),
+        (0.001, height),
+        (thick, height),
+        (taper + thick, 0.012),
+    ]
+    return lofted(rectangles(length, width, levels, corner))
+
+
+def stood_up(solid: Solid, back_y_m: float, z_m: float) -> Solid:
+    """Drawn lying with its face up: stood up with its underside in the plane back_y_m."""
+    return solid.turned("x", 90).moved(y=back_y_m, z=z_m)

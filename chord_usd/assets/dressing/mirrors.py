@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -20,7 +19,7 @@ from chord_usd.assets.dressing.forms import (
     moulded_rail,
     outward,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Design, Draw, Part
 from chord_usd.assets.solids import Size, Solid, block, box, extruded, joined, lathe, rounded_slab
 from chord_usd.scene.types import FloatArray
 
@@ -196,7 +195,6 @@ _BATH = _frames(white="white", oak="oak", graphite="graphite")
 _BARE = _frames(clear="black")
 
 _ALL_BUT_CLASSIC = (MODERN, SCANDINAVIAN, INDUSTRIAL, JAPANESE)
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _designs(

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -21,7 +20,7 @@ from chord_usd.assets.dressing.forms import (
     outward,
     rng_of,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -33,8 +32,6 @@ from chord_usd.assets.solids import (
     rounded_slab,
     tube,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _stand(length: float, width: float, height: float, slot: str = "stone") -> Part:
@@ -401,17 +398,11 @@ _JAR = {
 }
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
+    design(
         "Sculpture_Knot", "sculpture", (0.22, 0.1, 0.26), knot, _SCULPTURE, (MODERN, SCANDINAVIAN)
     ),
-    _design(
+    design(
         "Sculpture_Arches",
         "sculpture",
         (0.18, 0.07, 0.2),
@@ -419,7 +410,7 @@ DESIGNS = (
         _SCULPTURE,
         (MODERN, SCANDINAVIAN),
     ),
-    _design(
+    design(
         "Sculpture_Pebbles",
         "sculpture",
         (0.14, 0.1, 0.24),
@@ -427,14 +418,14 @@ DESIGNS = (
         _STONES,
         (JAPANESE, SCANDINAVIAN),
     ),
-    _design(
+    design(
         "Sculpture_Bust", "sculpture", (0.16, 0.2, 0.32), bust, _SCULPTURE, (CLASSIC, INDUSTRIAL)
     ),
-    _design(
+    design(
         "Sculpture_Discs", "sculpture", (0.26, 0.08, 0.24), discs, _SCULPTURE, (MODERN, INDUSTRIAL)
     ),
-    _design("Candles_Tray", "candle", (0.2, 0.15, 0.14), pillars, _CANDLE, ()),
-    _design(
+    design("Candles_Tray", "candle", (0.2, 0.15, 0.14), pillars, _CANDLE, ()),
+    design(
         "Candles_Tapers",
         "candle",
         (0.19, 0.08, 0.3),
@@ -442,7 +433,7 @@ DESIGNS = (
         _CANDLE,
         (SCANDINAVIAN, CLASSIC, MODERN),
     ),
-    _design(
+    design(
         "Candle_Lantern",
         "candle",
         (0.14, 0.14, 0.28),
@@ -450,5 +441,5 @@ DESIGNS = (
         _CANDLE,
         (INDUSTRIAL, SCANDINAVIAN, JAPANESE),
     ),
-    _design("Candle_Jar", "candle", (0.085, 0.085, 0.1), jar_candle, _JAR, ()),
+    design("Candle_Jar", "candle", (0.085, 0.085, 0.1), jar_candle, _JAR, ()),
 )

@@ -85,9 +85,6 @@ _WOVEN = (
 )
 
 
-_ALL = ()
-
-
 _MS, _SJ = (MODERN, SCANDINAVIAN), (SCANDINAVIAN, JAPANESE)
 
 

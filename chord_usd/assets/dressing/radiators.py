@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -15,7 +13,7 @@ from chord_usd.assets.dressing.forms import (
     SCANDINAVIAN,
     lofted,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -29,8 +27,6 @@ from chord_usd.assets.solids import (
     rounded_slab,
     tube,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _pipes(x_m: float, back_y_m: float, z_m: float, valve_z_m: float) -> Solid:
@@ -225,15 +221,9 @@ _CAST = {
 _MOST = (MODERN, SCANDINAVIAN, JAPANESE)
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
     *(
-        _design(
+        design(
             f"Radiator_Panel_{100 * x:.0f}",
             "radiator",
             (x, 0.1, 0.6),
@@ -244,13 +234,13 @@ DESIGNS = (
         for x in (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
     ),
     *(
-        _design(
+        design(
             f"Radiator_Low_{100 * x:.0f}", "radiator", (x, 0.1, 0.4), panel_radiator, _PAINT, _MOST
         )
         for x in (0.8, 1.2, 1.6)
     ),
     *(
-        _design(
+        design(
             f"Radiator_Columns_{100 * x:.0f}",
             "radiator",
             (x, 0.14, 0.6),
@@ -260,7 +250,7 @@ DESIGNS = (
         )
         for x in (0.6, 0.8, 1.0, 1.2, 1.4)
     ),
-    _design(
+    design(
         "Radiator_Tubes_50",
         "radiator",
         (0.5, 0.08, 0.88),

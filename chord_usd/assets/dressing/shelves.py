@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from chord_usd.assets.dressing.dry_finishes import DRY
@@ -15,7 +13,7 @@ from chord_usd.assets.dressing.forms import (
     SCANDINAVIAN,
     arc,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Design, Draw, Part
 from chord_usd.assets.solids import Size, Solid, block, box, cylinder, extruded, joined, tube
 
 _BOARD_M = 0.022
@@ -181,8 +179,6 @@ _FINE = _looks(
 )
 
 _RAIL_M = 0.1
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _row(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from chord_usd.assets.dressing.forms import (
     outward,
     sphere_profile,
 )
-from chord_usd.assets.model import Design, Light, Part
+from chord_usd.assets.model import Design, Draw, Light, Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -395,8 +395,6 @@ _RAW = _looks(
     black_metal={"trim": "antique_brass"}, gunmetal={"metal": "gunmetal", "trim": "copper"}
 )
 _PAPER = _looks(white={}, black_metal={"paper": "paper_shade", "metal": "gunmetal"})
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _design(

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import CERAMIC, design, pot_looks
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -26,14 +25,12 @@ from chord_usd.assets.dressing.leaves import (
     tapered,
     turned,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
     joined,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
@@ -133,70 +130,38 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def _looks(*pots: tuple[str, str], **more: str) -> dict[str, dict[str, str]]:
-    base = {
-        "soil": "earth",
-        "leaf": "leaf_fresh",
-        "stem": "green_stem",
-        "twig": "twig",
-        "plume": "pampas",
-        "flower": "tulip_pink",
-        "wick": "ink",
-        "glass": "clear_glass",
-        "label": "cream",
-        "wax": "wax",
-        "basket": "seagrass",
-        "stand": "oak",
-    }
-    return {name: {**base, **more, "pot": finish} for name, finish in pots}
-
-
-_CERAMIC = (
-    ("white", "chalk"),
-    ("stoneware", "stoneware"),
-    ("black", "dark_stoneware"),
-    ("clay", "clay"),
-)
-
-
 _GLAZED = (("celadon", "celadon"), ("indigo", "indigo_glaze"), ("black", "dark_stoneware"))
 
 
 _MS = (MODERN, SCANDINAVIAN)
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
-        "Trailing_Pothos", "trailing_plant", (0.36, 0.36, 0.24), trailing, _looks(*_CERAMIC), ()
+    design(
+        "Trailing_Pothos", "trailing_plant", (0.36, 0.36, 0.24), trailing, pot_looks(*CERAMIC), ()
     ),
-    _design(
+    design(
         "Trailing_Ivy",
         "trailing_plant",
         (0.34, 0.34, 0.22),
         partial(trailing, kind="ivy"),
-        _looks(("clay", "clay"), *_CERAMIC[:3], leaf="leaf_deep"),
+        pot_looks(("clay", "clay"), *CERAMIC[:3], leaf="leaf_deep"),
         (CLASSIC, SCANDINAVIAN, INDUSTRIAL),
     ),
-    _design(
+    design(
         "Trailing_Pearls",
         "trailing_plant",
         (0.24, 0.24, 0.16),
         partial(trailing, kind="pearls"),
-        _looks(*_CERAMIC),
+        pot_looks(*CERAMIC),
         _MS,
     ),
-    _design(
+    design(
         "Trailing_Fern",
         "trailing_plant",
         (0.4, 0.4, 0.3),
         partial(trailing, kind="fern"),
-        _looks(*_GLAZED, *_CERAMIC[:1]),
+        pot_looks(*_GLAZED, *CERAMIC[:1]),
         (),
     ),
 )

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import container_looks, design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -18,8 +17,9 @@ from chord_usd.assets.dressing.forms import (
     cup,
     hollow,
     lofted,
+    open_tub,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -27,36 +27,8 @@ from chord_usd.assets.solids import (
     box,
     cylinder,
     joined,
-    ring,
     tube,
 )
-
-Draw = Callable[[Size], tuple[Part, ...]]
-
-
-def _rectangle(
-    length: float, width: float, levels: list[tuple[float, float]], corner: float, steps: int = 4
-) -> list:
-    """Rounded rectangles, (inset, z) each."""
-    return [
-        ring(length - 2 * inset, width - 2 * inset, max(corner - inset, 0.004), z, steps)
-        for inset, z in levels
-    ]
-
-
-def _tub(
-    length: float, width: float, height: float, thick: float, corner: float, taper: float = 0.0
-) -> Solid:
-    """A hollow box with round corners, open above."""
-    levels = [
-        (taper + 0.003, 0.0),
-        (taper, 0.004),
-        (0.0, height - 0.002),
-        (0.001, height),
-        (thick, height),
-        (taper + thick, 0.012),
-    ]
-    return lofted(_rectangle(length, width, levels, corner))
 
 
 def _umbrella(tall_m: float, *, crook: bool = True) -> tuple[Solid, Solid, Solid]:
@@ -118,7 +90,7 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
                         x=s * (side - bar) / 2, z=z
                     )
                 )
-        tray = _tub(side - 2 * bar + 0.004, side - 2 * bar + 0.004, 0.03, 0.003, 0.006).moved(
+        tray = open_tub(side - 2 * bar + 0.004, side - 2 * bar + 0.004, 0.03, 0.003, 0.006).moved(
             z=0.01
         )
         parts += [
@@ -169,46 +141,22 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "weave": "rattan",
-        "cloth": "canvas_cloth",
-        "grip": "tan_leather",
-        "metal": "steel",
-        "plastic": "plastic_black",
-        "paper": "paper",
-        "wood": "oak",
-        "body": "black_metal",
-        "tray": "black_metal",
-        "cloth_a": "coat_navy",
-        "cloth_b": "beige_cloth",
-        "card": "paper",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}
-
-
-_STAND = _looks(
+_STAND = container_looks(
     black_metal={},
     brass={"body": "antique_brass", "tray": "antique_brass", "cloth_a": "coat_olive"},
     white={"body": "white", "tray": "oak", "cloth_a": "charcoal_cloth", "cloth_b": "mustard_cloth"},
 )
 
 
-_POT = _looks(
+_POT = container_looks(
     indigo={"body": "indigo_glaze"},
     white={"body": "stoneware", "cloth_a": "coat_olive"},
     black={"body": "dark_stoneware"},
 )
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
+    design(
         "Umbrella_Stand_Round",
         "umbrella_stand",
         (0.23, 0.23, 0.86),
@@ -216,7 +164,7 @@ DESIGNS = (
         _STAND,
         (MODERN, CLASSIC),
     ),
-    _design(
+    design(
         "Umbrella_Stand_Vase",
         "umbrella_stand",
         (0.26, 0.26, 0.86),
@@ -224,7 +172,7 @@ DESIGNS = (
         _POT,
         (JAPANESE, CLASSIC),
     ),
-    _design(
+    design(
         "Umbrella_Stand_Frame",
         "umbrella_stand",
         (0.22, 0.22, 0.86),

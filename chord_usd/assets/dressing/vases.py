@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import CERAMIC, design, pot_looks
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
@@ -30,7 +30,7 @@ from chord_usd.assets.dressing.leaves import (
     tapered,
     turned,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -39,9 +39,6 @@ from chord_usd.assets.solids import (
     rounded_profile,
 )
 from chord_usd.scene.types import FloatArray
-
-Draw = Callable[[Size], tuple[Part, ...]]
-
 
 _FORMS: dict[str, list[tuple[float, float]]] = {
     # (share of the radius, share of the height), foot to rim
@@ -329,32 +326,6 @@ def filled_vase(
     return (Part("Vase", body, "pot"), *grown(named, length, width, tall, height))
 
 
-def _looks(*pots: tuple[str, str], **more: str) -> dict[str, dict[str, str]]:
-    base = {
-        "soil": "earth",
-        "leaf": "leaf_fresh",
-        "stem": "green_stem",
-        "twig": "twig",
-        "plume": "pampas",
-        "flower": "tulip_pink",
-        "wick": "ink",
-        "glass": "clear_glass",
-        "label": "cream",
-        "wax": "wax",
-        "basket": "seagrass",
-        "stand": "oak",
-    }
-    return {name: {**base, **more, "pot": finish} for name, finish in pots}
-
-
-_CERAMIC = (
-    ("white", "chalk"),
-    ("stoneware", "stoneware"),
-    ("black", "dark_stoneware"),
-    ("clay", "clay"),
-)
-
-
 _GLAZED = (("celadon", "celadon"), ("indigo", "indigo_glaze"), ("black", "dark_stoneware"))
 
 
@@ -367,53 +338,57 @@ _FINE = (("white", "ceramic"), ("celadon", "celadon"), ("blue", "indigo_glaze"))
 _MS = (MODERN, SCANDINAVIAN)
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design(
+    design(
         "Vase_Bottle",
         "vase",
         (0.14, 0.14, 0.3),
         partial(vase, form="bottle"),
-        _looks(*_CERAMIC),
+        pot_looks(*CERAMIC),
         (),
     ),
-    _design(
-        "Vase_Ball", "vase", (0.18, 0.18, 0.19), partial(vase, form="ball"), _looks(*_CERAMIC), _MS
+    design(
+        "Vase_Ball",
+        "vase",
+        (0.18, 0.18, 0.19),
+        partial(vase, form="ball"),
+        pot_looks(*CERAMIC),
+        _MS,
     ),
-    _design(
+    design(
         "Vase_Tear",
         "vase",
         (0.13, 0.13, 0.36),
         partial(vase, form="tear"),
-        _looks(*_GLASS),
+        pot_looks(*_GLASS),
         (MODERN, INDUSTRIAL),
     ),
-    _design(
-        "Vase_Fluted", "vase", (0.17, 0.17, 0.22), fluted_vase, _looks(*_CERAMIC), (MODERN, CLASSIC)
+    design(
+        "Vase_Fluted",
+        "vase",
+        (0.17, 0.17, 0.22),
+        fluted_vase,
+        pot_looks(*CERAMIC),
+        (MODERN, CLASSIC),
     ),
-    _design("Vase_Ring", "vase", (0.22, 0.08, 0.25), ring_vase, _looks(*_CERAMIC), _MS),
-    _design(
+    design("Vase_Ring", "vase", (0.22, 0.08, 0.25), ring_vase, pot_looks(*CERAMIC), _MS),
+    design(
         "Vase_Urn",
         "vase",
         (0.18, 0.18, 0.28),
         partial(vase, form="urn"),
-        _looks(*_FINE),
+        pot_looks(*_FINE),
         (CLASSIC,),
     ),
-    _design(
+    design(
         "Vase_Glazed",
         "vase",
         (0.15, 0.15, 0.24),
         partial(vase, form="bottle"),
-        _looks(*_GLAZED),
+        pot_looks(*_GLAZED),
         (JAPANESE,),
     ),
-    _design(
+    design(
         "Vase_Tulips",
         "vase",
         (0.26, 0.26, 0.4),
@@ -426,50 +401,50 @@ DESIGNS = (
             radius_share=0.42,
         ),
         {
-            **_looks(*_GLASS[:1]),
-            **_looks(("white", "chalk"), flower="tulip_white"),
-            **_looks(("yellow", "celadon"), flower="tulip_yellow"),
+            **pot_looks(*_GLASS[:1]),
+            **pot_looks(("white", "chalk"), flower="tulip_white"),
+            **pot_looks(("yellow", "celadon"), flower="tulip_yellow"),
         },
         (SCANDINAVIAN, MODERN, CLASSIC),
     ),
-    _design(
+    design(
         "Vase_Pampas",
         "vase",
         (0.3, 0.3, 0.7),
         partial(
             filled_vase, form="bottle", stems="pampas", count=9, vase_share=0.36, radius_share=0.5
         ),
-        _looks(*_CERAMIC),
+        pot_looks(*CERAMIC),
         (SCANDINAVIAN, MODERN),
     ),
-    _design(
+    design(
         "Vase_Eucalyptus",
         "vase",
         (0.3, 0.3, 0.52),
         partial(
             filled_vase, form="ball", stems="boughs", count=9, vase_share=0.34, radius_share=0.52
         ),
-        _looks(*_CERAMIC, leaf="leaf_dusty"),
+        pot_looks(*CERAMIC, leaf="leaf_dusty"),
         (),
     ),
-    _design(
+    design(
         "Vase_Boughs",
         "vase",
         (0.3, 0.3, 0.6),
         partial(
             filled_vase, form="tear", stems="boughs", count=6, vase_share=0.44, radius_share=0.44
         ),
-        _looks(*_GLASS),
+        pot_looks(*_GLASS),
         (INDUSTRIAL, MODERN, SCANDINAVIAN),
     ),
-    _design(
+    design(
         "Vase_Blossom",
         "vase",
         (0.3, 0.3, 0.56),
         partial(
             filled_vase, form="bottle", stems="blossom", count=4, vase_share=0.4, radius_share=0.46
         ),
-        _looks(*_GLAZED, flower="blossom"),
+        pot_looks(*_GLAZED, flower="blossom"),
         (JAPANESE, CLASSIC),
     ),
 )

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.dressing.dry_finishes import DRY
+from chord_usd.assets.dressing.dry_designs import design
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
     INDUSTRIAL,
     outward,
+    stood_up,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Part
 from chord_usd.assets.solids import (
     Size,
-    Solid,
     block,
     box,
     cylinder,
@@ -28,19 +27,12 @@ from chord_usd.assets.solids import (
     rounded_slab,
 )
 
-Draw = Callable[[Size], tuple[Part, ...]]
-
-
-def _upright(solid: Solid, back_y_m: float, z_m: float) -> Solid:
-    """Drawn lying with its face up: stood up with its underside in the plane back_y_m."""
-    return solid.turned("x", 90).moved(y=back_y_m, z=z_m)
-
 
 def switch(size_m: Size, *, rockers: int = 1) -> tuple[Part, ...]:
     """A plate with rockers, a little tilted as they are."""
     length, width, height = size_m
     back = width / 2
-    plate = _upright(
+    plate = stood_up(
         rounded_slab((length, height, width * 0.62), 0.006, 0.002, 4), back, height / 2
     )
     wide = (length - 0.022) / rockers
@@ -61,7 +53,7 @@ def toggle(size_m: Size) -> tuple[Part, ...]:
     """A metal plate with two screws and a little lever."""
     length, width, height = size_m
     back = width / 2
-    plate = _upright(
+    plate = stood_up(
         rounded_slab((length, height, width * 0.4), 0.004, 0.0015, 3), back, height / 2
     )
     collar = lathe([(0.011, 0.0), (0.012, 0.001), (0.009, 0.003)], 20)
@@ -71,7 +63,7 @@ def toggle(size_m: Size) -> tuple[Part, ...]:
     long = width * 0.6
     return (
         Part("Plate", plate, "plate", None),
-        Part("Collar", _upright(joined([collar, *screws]), lift, height / 2), "key", None),
+        Part("Collar", stood_up(joined([collar, *screws]), lift, height / 2), "key", None),
         Part(
             "Lever",
             lever.scaled(z=long / 0.009)
@@ -125,7 +117,7 @@ def socket(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
         ("Clips", clips, "metal"),
     )
     return tuple(
-        Part(name, _upright(joined(solids), back, height / 2), slot, None)
+        Part(name, stood_up(joined(solids), back, height / 2), slot, None)
         for name, solids, slot in parts
     )
 
@@ -141,22 +133,16 @@ _PLATE = {
 }
 
 
-def _design(
-    name: str, category: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...] = ()
-) -> Design:
-    return Design(name, category, size_m, draw, looks, DRY, styles)
-
-
 DESIGNS = (
-    _design("Light_Switch", "light_switch", (0.081, 0.011, 0.081), switch, _PLATE),
-    _design(
+    design("Light_Switch", "light_switch", (0.081, 0.011, 0.081), switch, _PLATE),
+    design(
         "Light_Switch_Two_Rockers",
         "light_switch",
         (0.082, 0.011, 0.082),
         partial(switch, rockers=2),
         _PLATE,
     ),
-    _design(
+    design(
         "Light_Switch_Toggle",
         "light_switch",
         (0.08, 0.015, 0.12),
@@ -164,7 +150,7 @@ DESIGNS = (
         {k: v for k, v in _PLATE.items() if k in ("brass", "black", "steel")},
         (CLASSIC, INDUSTRIAL),
     ),
-    _design("Socket_Single", "socket", (0.081, 0.011, 0.081), socket, _PLATE),
-    _design("Socket_Double", "socket", (0.152, 0.011, 0.081), partial(socket, count=2), _PLATE),
-    _design("Socket_Triple", "socket", (0.223, 0.011, 0.081), partial(socket, count=3), _PLATE),
+    design("Socket_Single", "socket", (0.081, 0.011, 0.081), socket, _PLATE),
+    design("Socket_Double", "socket", (0.152, 0.011, 0.081), partial(socket, count=2), _PLATE),
+    design("Socket_Triple", "socket", (0.223, 0.011, 0.081), partial(socket, count=3), _PLATE),
 )

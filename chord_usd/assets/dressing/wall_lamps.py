@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from chord_usd.assets.dressing.forms import (
     sphere_profile,
 )
 from chord_usd.assets.dressing.standing_lamps import bulb
-from chord_usd.assets.model import Design, Light, Part
+from chord_usd.assets.model import Design, Draw, Light, Part
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -299,8 +299,6 @@ _CLASSIC = _looks(
     brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"}
 )
 _PLASTER = _looks(white={}, concrete={"plaster": "raw_concrete"}, clay={"plaster": "clay"})
-
-Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _design(

@@ -23,7 +23,6 @@ from chord_usd.assets.furniture.joinery import felt_round
 from chord_usd.assets.model import Design, Light, Part
 from chord_usd.assets.solids import (
     Size,
-    Solid,
     block,
     cylinder,
     joined,
@@ -54,19 +53,6 @@ def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, .
         Part("Shade", skin, "shade", felt=felt),
         Part("Rims", joined(rims), "trim", collider=None),
         Part("Spokes", joined(spokes), "metal", collider=None),
-    )
-
-
-def _flex(start_y: float, reach: float) -> Solid:
-    """A cord that leaves the foot to the back."""
-    return tube(
-        [
-            [0.0, start_y, 0.003],
-            [0.01, start_y + reach * 0.5, 0.0028],
-            [0.0, start_y + reach, 0.0028],
-        ],
-        0.0027,
-        6,
     )
 
 

@@ -15,6 +15,7 @@ from shapely.geometry import LineString, Polygon
 from shapely.ops import polygonize, unary_union
 
 from chord_usd.image.stage_cameras import StageCamera
+from chord_usd.image.worker.lamps import room_of
 from chord_usd.scene.palette import CATEGORIES, Mount
 
 _BUILDING = ("Architecture", "Exterior")
@@ -27,8 +28,6 @@ _OPENINGS = ("door", "window", "passage")
 _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
 _GRID_M = 1e-4
 _NEAR_WALL_M = 0.3
-_ROOM_SKIN_M = 0.15
-"""Openings of neighbours this near to a room's walls are seen in it."""
 
 
 def cut_open(height_m: float) -> None:
@@ -58,18 +57,18 @@ def show_alone(view: StageCamera, rooms: tuple[str, ...]) -> None:
     """Show one room, without what stands between it and the camera; everything for a usual view."""
     eye = Vector([row[3] for row in view.matrix[:3]])
     for thing in bpy.data.objects:
-        owner = _owner(thing, rooms)
+        owner = room_of(thing, rooms)
         if thing.type != "LIGHT" and (owner or _is_building(thing)):
             thing.hide_render = view.is_alone and owner != view.room
     if not view.is_alone:
         return
-    walls = [t for t in bpy.data.objects if _is_wall(t) and _owner(t, rooms) == view.room]
+    walls = [t for t in bpy.data.objects if _is_wall(t) and room_of(t, rooms) == view.room]
     planes = [_plane(wall) for wall in walls]
     away = [(eye - middle).dot(normal) < 0.0 for middle, normal in planes]
     for wall, is_away in zip(walls, away, strict=True):
         wall.visible_camera = not is_away
     for thing in _dressed():
-        mine = _owner(thing, rooms) == view.room
+        mine = room_of(thing, rooms) == view.room
         hung = _mount(thing) in _HUNG or thing.get(_CATEGORY) in _OPENINGS
         if not hung:
             continue
@@ -102,10 +101,6 @@ def _is_building(thing: Any) -> bool:
 
 def _is_wall(thing: Any) -> bool:
     return thing.type == "MESH" and _plain_name(thing).startswith("Wall_") and _is_building(thing)
-
-
-def _owner(thing: Any, rooms: tuple[str, ...]) -> str:
-    return next((_plain_name(one) for one in _above(thing) if _plain_name(one) in rooms), "")
 
 
 def _dressed() -> list[Any]:

@@ -60,7 +60,7 @@ def switch_lamps(scene: Any, job: Job, room: str) -> None:
     shining = 0
     for thing in bpy.data.objects:
         if thing.type == "LIGHT" and not thing.data.cycles.is_portal:
-            owner, lamp = _room_of(thing, job.rooms), thing.data
+            owner, lamp = room_of(thing, job.rooms), thing.data
             if _POWER not in lamp:
                 lamp[_POWER] = lamp.energy
             lamp.energy = lamp[_POWER] if not owner or owner in lit else 0.0
@@ -68,8 +68,9 @@ def switch_lamps(scene: Any, job: Job, room: str) -> None:
     scene.cycles.use_light_tree = shining >= job.quality.light_tree_lamps
 
 
-def _room_of(lamp: Any, rooms: Iterable[str]) -> str:
-    above = lamp.parent
+def room_of(thing: Any, rooms: Iterable[str]) -> str:
+    """Name of the room that an object belongs to; "" for none."""
+    above = thing.parent
     while above is not None:
         name = above.name.split(".")[0]  # Blender numbers what has one name, behind a dot
         if name in rooms:
