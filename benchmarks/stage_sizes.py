@@ -27,7 +27,7 @@ from chord_usd.data.houses import random_plan
 from chord_usd.graph.match import match_assets
 from chord_usd.pipeline import Settings, lay_tables, load_models, write_stage
 from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.export import PACKAGES, export_stage
+from chord_usd.stage.export import export_stage
 
 MIB = 2**20
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -151,7 +151,7 @@ def _package_rows(graph: SceneGraph, house: Path, seed: int) -> Iterator[tuple[s
     zipped = house.with_suffix(".usdz")
     write_stage(graph, zipped, Settings(seed=seed))
     yield "house.usdz", f"{zipped.stat().st_size / MIB:.1f} MiB"
-    for package, suffix in PACKAGES.items():
+    for package, suffix in (("web", ".usdz"), ("gltf", ".glb")):
         target = house.with_name(f"{package}{suffix}")
         seconds = _timed(lambda t=target, p=package: export_stage(house, t, p))
         size = f"{target.stat().st_size / MIB:.1f} MiB in {seconds:.1f} s of processor time"

@@ -10,7 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from chord_usd.cli import build_parser
-from chord_usd.commands.paths import output_file, output_folder, output_place, output_run
+from chord_usd.commands.paths import (
+    output_file,
+    output_folder,
+    output_package,
+    output_place,
+    output_run,
+)
 from chord_usd.pipeline import draw_plan
 from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan, write_scene
@@ -64,13 +70,16 @@ INPUTS: dict[str, tuple[str, ...]] = {
 """What each verb that writes is given to read."""
 
 
+_ROLES = (output_file, output_folder, output_package, output_place, output_run)
+
+
 def outputs(parser: ArgumentParser, words: tuple[str, ...] = ()) -> Iterator[tuple[str, str, str]]:
     """(verb, option, kind of output) for everything that the command line can write to."""
     for action in parser._actions:
         if isinstance(action, _SubParsersAction):
             for name, child in action.choices.items():
                 yield from outputs(child, (*words, name))
-        elif action.type in (output_file, output_folder, output_place, output_run):
+        elif action.type in _ROLES:
             yield " ".join(words), action.option_strings[-1], action.type.__name__
 
 

@@ -11,8 +11,15 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
+    folder_mode,
     stopwatch,
 )
+from chord_usd.commands.paths import output_package
+
+_PACKAGES = {
+    "web": "a flat .usdz for viewers in a browser",
+    "gltf": "a .glb",
+}
 
 
 def add(verbs: Verbs) -> None:
@@ -22,19 +29,25 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--for",
         dest="package",
-        choices=("web", "gltf"),
+        choices=tuple(_PACKAGES),
         required=True,
-        help="web: a flat .usdz for viewers in a browser; gltf: a .glb",
+        help="; ".join(f"{name}: {what}" for name, what in _PACKAGES.items()),
     )
-    add_output(parser, "the package: .usdz for web, .glb for gltf")
+    add_output(parser, "the package, a file or a folder, new or empty", output_package)
+    parser.add_argument(
+        "--overwrite", action="store_true",
+        help="replace what chord-usd wrote into the folder before, and nothing else",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.stage.export import export_stage
 
+    output: Path = options.output
     with stopwatch(options).step("export"):
-        export_stage(existing_file(options.stage), options.output, options.package)
-    size = options.output.stat().st_size
-    data = {"package": str(options.output), "for": options.package, "bytes": size}
-    return Outcome(f"{options.output}: {size / 1e6:.1f} MB", data)
+        export_stage(existing_file(options.stage), output, options.package, folder_mode(options))
+    files = output.rglob("*") if output.is_dir() else [output]
+    size = sum(file.stat().st_size for file in files if file.is_file())
+    data = {"package": str(output), "for": options.package, "bytes": size}
+    return Outcome(f"{output}: {size / 1e6:.1f} MB", data)

@@ -43,9 +43,16 @@ def output_run(text: str) -> Path:
     return Path(text)
 
 
+def output_package(text: str) -> Path:
+    """An option type: a file to write, or a folder that is one output, as another option says."""
+    return Path(text)
+
+
 _OUTPUTS: tuple[Callable[[str], Path], ...] = (
-    output_file, output_folder, output_place, output_run,
+    output_file, output_folder, output_place, output_run, output_package,
 )  # fmt: skip
+
+_WHOLE_FOLDERS = (output_folder, output_package)
 
 _NOT_IN_USD = ("\\", ":SDF_FORMAT_ARGS:")
 """A separator of folders on other systems, and what parts a path from arguments."""
@@ -118,7 +125,7 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
             check_run_folder(output.path)
         _refuse_read_only(output)
     for first, second in combinations(outputs, 2):
-        if _same(first, second) or _is_within(second, first, output_folder):
+        if _same(first, second) or _is_within(second, first):
             raise UsageError(
                 f"would be written twice, by {first.option} and {second.option}",
                 where=str(second.path),
@@ -156,7 +163,7 @@ def _refuse_odd_name(one: Named) -> None:
 def _refuse_read_only(output: Named) -> None:
     """Say before the work what would be said after it."""
     target = output.dest
-    folder = target.parent if output.role is output_file else target
+    folder = target if target.is_dir() else target.parent
     there = next(one for one in (folder, *folder.parents) if os.path.lexists(one))
     if there.is_dir() and not os.access(there, os.W_OK | os.X_OK):
         raise OutputError(
@@ -168,9 +175,9 @@ def _refuse_read_only(output: Named) -> None:
 
 
 def _check_input(output: Named, given: Named) -> None:
-    if output.role in (output_file, output_folder) and _same(output, given):
+    if output.role in (output_file, *_WHOLE_FOLDERS) and _same(output, given):
         clash = f"is both {given.option}, which is read, and {output.option}, which is written"
-    elif _is_within(given, output, output_folder):
+    elif _is_within(given, output):
         clash = f"holds {given.option}, which is read, and would be replaced by {output.option}"
     elif _overwrites_data(output, given):
         clash = f"lies in {given.option}, which is read, and would be replaced by {output.option}"
@@ -188,9 +195,9 @@ def _same(first: Named, second: Named) -> bool:
         return first.dest == second.dest
 
 
-def _is_within(inner: Named, outer: Named, role: Callable[[str], Path]) -> bool:
-    """Whether outer is an output of this role and inner lies in it."""
-    return outer.role is role and inner.dest.is_relative_to(outer.dest)
+def _is_within(inner: Named, outer: Named) -> bool:
+    """Whether outer is a folder that is one output, and inner lies in it."""
+    return outer.role in _WHOLE_FOLDERS and inner.dest.is_relative_to(outer.dest)
 
 
 def _overwrites_data(output: Named, given: Named) -> bool:

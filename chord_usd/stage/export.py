@@ -1,38 +1,47 @@
-"""Other packages of a house: a flat .usdz for web viewers, a GLB for everything else."""
+"""Other packages of a house: one table of their kinds."""
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.errors import OutputError
-from chord_usd.runtime.files import deliver
+from chord_usd.runtime.files import FolderMode, deliver
 from chord_usd.runtime.stages import open_stage, own_files, reading
-from chord_usd.stage.gltf import scene_of
-from chord_usd.stage.web import write_web
+
+if TYPE_CHECKING:
+    from pxr import Usd
 
 PACKAGES = {"web": ".usdz", "gltf": ".glb"}
-"""Kinds of packages and the suffix of their file."""
+"""Kinds of packages and the suffix of their file; "" for a folder."""
+
+_WRITERS = {"web": "web.write_web", "gltf": "gltf.write_glb"}
+"""What writes each, in this folder: a function of the open stage and of where to write."""
 
 
-def export_stage(stage: Path, path: Path, package: str) -> None:
+def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new") -> None:
     """Write the stage at stage as a package of this kind, one of PACKAGES.
 
-    Variants are those that the stage has selected. Raises StageError for a file that cannot be
-    opened or that points out of its folder, OutputError for a target of another suffix or one
-    that cannot be written.
+    Variants are those that the stage has selected. mode: what becomes of a folder that is there.
+    Raises StageError for a file that cannot be opened or that points out of its folder,
+    OutputError for a target of another suffix or one that cannot be written, MissingExtraError.
     """
-    if path.suffix != PACKAGES[package]:
+    suffix = PACKAGES[package]
+    if suffix and path.suffix != suffix:
         raise OutputError(
             f"{path.suffix or 'no suffix'} is not the suffix of a {package} package",
             where=str(path),
-            expected=PACKAGES[package],
-            try_=f"-o {path.with_suffix(PACKAGES[package]).name}",
+            expected=suffix,
+            try_=f"-o {path.with_suffix(suffix).name}",
         )
+    module, name = _WRITERS[package].split(".")
+    write: Callable[[Usd.Stage, Path], None] = getattr(
+        importlib.import_module(f"chord_usd.stage.{module}"), name
+    )
     # A package holds what the stage points to: not a file from elsewhere on this machine.
     own_files(stage)
     with reading(stage), deliver() as delivery:
-        target = delivery.place(path)
-        if package == "web":
-            write_web(open_stage(stage), target)
-        else:
-            target.write_bytes(scene_of(open_stage(stage)).export(file_type="glb"))
+        target = delivery.place(path) if suffix else delivery.place_folder(path, mode)
+        write(open_stage(stage), target)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,11 @@ _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF is Y up; Z up turns into it about x."""
 
 _DECIMALS = 6
+
+
+def write_glb(stage: Usd.Stage, target: Path) -> None:
+    """Write the stage as one .glb file."""
+    target.write_bytes(scene_of(stage).export(file_type="glb"))
 
 
 def scene_of(stage: Usd.Stage) -> trimesh.Scene:

@@ -24,7 +24,9 @@ EDITED_IN_PLACE = ("regenerate", "--output")
 FOLDERS = [
     (verb, option) for verb, option, kind in OUTPUTS if kind in ("output_folder", "output_run")
 ]
-FILES = [(verb, option) for verb, option, kind in OUTPUTS if kind == "output_file"]
+FILES = [
+    (verb, option) for verb, option, kind in OUTPUTS if kind in ("output_file", "output_package")
+]
 SAME_FILE = [
     (verb, option)
     for verb, option in FILES
