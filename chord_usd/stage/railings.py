@@ -48,8 +48,8 @@ def gaps_for_railings(
     rooms: Sequence[Room], openings: Sequence[Opening], height_m: float
 ) -> Iterator[tuple[int, Opening]]:
     """Index of a balcony, and a hole in one of its outer walls, up to height_m over the floor."""
-    house = unary_union([room_polygon(room).buffer(WALL_THICKNESS_M) for room in rooms])
-    taken = unary_union([footprint_polygon(one.box).buffer(_BESIDE_M) for one in openings])
+    house = shapely.STRtree([room_polygon(room).buffer(WALL_THICKNESS_M) for room in rooms])
+    taken = shapely.STRtree([footprint_polygon(one.box).buffer(_BESIDE_M) for one in openings])
     floors = Floors(rooms)
     windows = [footprint_polygon(one.box) for one in openings if one.kind == "window"]
     panes = shapely.STRtree(windows)
@@ -74,7 +74,7 @@ def _is_glazed(index: int, floors: Floors, windows: shapely.STRtree) -> bool:
 
 
 def _outer_stretches(
-    start: FloatArray, end: FloatArray, house: BaseGeometry, taken: BaseGeometry
+    start: FloatArray, end: FloatArray, house: shapely.STRtree, taken: shapely.STRtree
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """The parts of a side of a room with nothing but air beyond its wall, less the pillars."""
     length = float(np.hypot(*(end - start)))
@@ -83,12 +83,17 @@ def _outer_stretches(
     along = (end - start) / length
     out = np.array([along[1], -along[0]])  # rooms run counter-clockwise
     far = LineString([start, end] + out * (WALL_THICKNESS_M + _OUT_M))
-    for piece in shapely.get_parts(far.difference(house)):
+    for piece in shapely.get_parts(_less(far, house)):
         near = shapely.transform(piece, lambda at: at - out * (WALL_THICKNESS_M + _OUT_M))
-        for free in shapely.get_parts(near.difference(taken)):
+        for free in shapely.get_parts(_less(near, taken)):
             if free.length >= _LEAST_M + 2 * _PILLAR_M:
                 first, last = np.asarray(free.coords)[[0, -1]]
                 yield first + along * _PILLAR_M, last - along * _PILLAR_M
+
+
+def _less(line: BaseGeometry, areas: shapely.STRtree) -> BaseGeometry:
+    """What of a line lies in none of the areas."""
+    return line.difference(unary_union(areas.geometries[areas.query(line)]))
 
 
 def _gap(name: str, stretch: tuple[FloatArray, FloatArray], height_m: float) -> Opening:

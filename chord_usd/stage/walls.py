@@ -35,12 +35,11 @@ from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, flat, upright
 from chord_usd.stage.railings import gaps_for_railings
 
-"""Floor to ceiling, everywhere."""
-
 LINTEL_M = 0.1
 """Least height of wall left over an opening, so that the solid stays one."""
 
 IntArray = npt.NDArray[np.intp]
+ObjectArray = npt.NDArray[np.object_]
 
 _GRID_M = 1e-4
 """Corners are rounded to this, which makes the boolean operations exact and repeatable."""
@@ -59,6 +58,9 @@ BOX_DEPTH_M = 0.1
 
 _REACH_M = 0.15
 """How far beyond its own depth an opening looks for the two faces of its wall."""
+
+_FEW_STRIPS = 8
+"""So many openings may go through the same part of the walls, one after the other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,15 +186,14 @@ def build_walls(plan: Plan) -> Walls:
         for room in plan.rooms
     )
     solid = _solid(rooms)
-    tunnels = {}
-    for opening in plan.openings:
-        tunnel = _tunnel(opening, solid)
-        if tunnel is not None:
-            tunnels[opening.id] = tunnel
+    dug = zip(plan.openings, _tunnels(plan.openings, solid), strict=True)
+    tunnels = {opening.id: tunnel for opening, tunnel in dug if tunnel is not None}
+    open_sides = list(gaps_for_railings(rooms, plan.openings, ROOM_HEIGHT_M - LINTEL_M))
+    dug_gaps = _tunnels([gap for _, gap in open_sides], solid)
     gaps = [
         (index, tunnel)
-        for index, gap in gaps_for_railings(rooms, plan.openings, ROOM_HEIGHT_M - LINTEL_M)
-        if (tunnel := _tunnel(gap, solid)) is not None
+        for (index, _), tunnel in zip(open_sides, dug_gaps, strict=True)
+        if tunnel is not None
     ]
     cut = [*tunnels.values(), *(tunnel for _, tunnel in gaps)]
     lines = tuple(_with_holes(_lines(rooms, solid), cut))
@@ -305,11 +306,44 @@ def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:
         yield max(polygons_of(free), key=lambda part: part.area, default=own)
 
 
-def _tunnel(opening: Opening, solid: BaseGeometry) -> Tunnel | None:
+def _tunnels(openings: Sequence[Opening], solid: MultiPolygon) -> list[Tunnel | None]:
+    """What each opening takes out of the walls; None for those that meet no wall."""
+    strips = np.array([_strip(opening, _reach_m(opening)) for opening in openings], object)
+    around = _walls_around(strips, solid)
+    return [_tunnel(*each) for each in zip(openings, strips, around, strict=True)]
+
+
+def _walls_around(strips: ObjectArray, solid: MultiPolygon) -> ObjectArray:
+    """For each strip a part of the walls that goes on around it.
+
+    The house is halved until few strips are left, so that not every one goes through all of it.
+    """
+    around = np.full(len(strips), solid, object)
+    if len(strips) <= _FEW_STRIPS:
+        return around
+    middles = shapely.get_coordinates(shapely.centroid(strips))
+    order = np.argsort(middles[:, np.ptp(middles, axis=0).argmax()])
+    for half in np.array_split(order, 2):
+        west, south, east, north = shapely.total_bounds(strips[half])
+        region = box(west - _REACH_M, south - _REACH_M, east + _REACH_M, north + _REACH_M)
+        part = MultiPolygon(polygons_of(solid.intersection(region)))
+        around[half] = _walls_around(strips[half], part)
+    return around
+
+
+def _reach_m(opening: Opening) -> float:
+    return max(opening.box.size_m[1], WALL_THICKNESS_M) / 2 + _REACH_M
+
+
+def _strip(opening: Opening, reach_m: float) -> BaseGeometry:
+    half = opening.box.size_m[0] / 2
+    return _in_world(box(-half, -reach_m, half, reach_m), opening)
+
+
+def _tunnel(opening: Opening, strip: BaseGeometry, solid: BaseGeometry) -> Tunnel | None:
     """What the opening takes out of its wall, straight through along its own y."""
-    length, width, height = opening.box.size_m
-    reach = max(width, WALL_THICKNESS_M) / 2 + _REACH_M
-    strip = _in_world(box(-length / 2, -reach, length / 2, reach), opening)
+    length, _, height = opening.box.size_m
+    reach = _reach_m(opening)
     parts = polygons_of(shapely.set_precision(strip.intersection(solid), _GRID_M))
     if not parts:
         return None
@@ -443,18 +477,17 @@ def _with_holes(lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> Iterato
     """The lines with the holes of all tunnels that end on them."""
     ends = [(start, end, tunnel) for tunnel in tunnels for start, end in tunnel.ends_m()]
     corners = np.array([[start, end] for start, end, _ in ends]).reshape(-1, 2, 2)
+    by_place = shapely.STRtree(shapely.linestrings(corners))
     for line in lines:
-        along, off = _along_and_off(line.start_m, line.end_m, corners)
+        near = _near(by_place, line.start_m, line.end_m)
+        along, off = _along_and_off(line.start_m, line.end_m, corners[near])
         low, high, length = along.min(axis=1), along.max(axis=1), line.length_m
         met = (off.max(axis=1) < _ON_LINE_M) & (high > _ON_LINE_M) & (low < length - _ON_LINE_M)
         holes = tuple(
-            Hole(
-                max(float(low[index]), 0.0),
-                min(float(high[index]), length),
-                ends[index][2].low_m,
-                ends[index][2].high_m,
+            Hole(max(float(start), 0.0), min(float(end), length), tunnel.low_m, tunnel.high_m)
+            for start, end, tunnel in zip(
+                low[met], high[met], (ends[index][2] for index in near[met]), strict=True
             )
-            for index in np.flatnonzero(met)
         )
         yield replace(line, holes=holes)
 

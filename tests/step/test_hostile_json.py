@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import json
 import os
 import socket
@@ -236,10 +237,15 @@ def test_twice_the_rooms_take_about_twice_as_long() -> None:
     """Reading and building walls: nothing goes through the whole house for each of its rooms."""
 
     def seconds(rooms: int) -> float:
+        """The shorter of two: whatever else the machine does, or collects, only adds to one."""
         data = grid(rooms)
-        start = time.process_time()
-        build_walls(scene_from_json(data).plan)
-        return time.process_time() - start
+        taken = []
+        for _ in range(2):
+            gc.collect()
+            start = time.process_time()
+            build_walls(scene_from_json(data).plan)
+            taken.append(time.process_time() - start)
+        return min(taken)
 
     seconds(20)
     assert seconds(800) < 4 * 2.0 * seconds(200)
