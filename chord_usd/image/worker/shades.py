@@ -58,6 +58,11 @@ class Shades:
             strength = white * 2.0**-exposure_ev if lit else _DARK
             surface.inputs["Emission Strength"].default_value = strength
 
+    def dim(self) -> None:
+        """Take the glow away, as long as no exposure is known."""
+        for _, surface in self._glowing:
+            surface.inputs["Emission Strength"].default_value = _DARK
+
 
 def _glowing() -> Iterator[tuple[Any, Any]]:
     """Materials of shades with their surface."""

@@ -68,6 +68,9 @@ def shoot(job: Job, report: Report) -> None:
         exposure_ev = 0.0
         if job.colour:
             fixed = job.exposure_ev
+            # Not as the picture before left them.
+            outside.hold(scene.camera, 0.0)
+            shades.dim()
             exposure_ev = metered_exposure_ev(scene, job, key) if fixed is None else fixed
             expose(scene, exposure_ev, job.quality.clamp)
             outside.show_ground(has_ground)
