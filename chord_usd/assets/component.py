@@ -30,6 +30,7 @@ from chord_usd.assets.shading import corner_normals, corner_uvs_m
 from chord_usd.assets.solids import Solid
 from chord_usd.assets.surface_maps import MAPS_FOLDER
 from chord_usd.scene.credits import AUTHOR, LICENCE
+from chord_usd.scene.geometry import shared_rows
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -127,11 +128,12 @@ def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
     flat = corner_uvs_m(part.solid, part.name) if part.uvs is None else part.uvs
-    uvs = Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(flat, dtype=np.float32))
+    uvs, places = shared_rows(flat)
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
     )
-    primvar.Set(uvs)
+    primvar.Set(Vt.Vec2fArray.FromNumpy(uvs))
+    primvar.SetIndices(Vt.IntArray.FromNumpy(places))
 
 
 def _without_slivers(part: Part) -> Part:
@@ -303,6 +305,6 @@ def _worn(design: Design, slots: Iterable[str], maps: MapShelf) -> dict[str, Loo
     """What each slot in use wears, colourway by colourway."""
     ways = design.colourways.values()
     return {
-        slot: slot_looks(slot, [design.finishes[looks[slot]] for looks in ways], maps)
+        slot: slot_looks(design.id, slot, [design.finishes[looks[slot]] for looks in ways], maps)
         for slot in slots
     }

@@ -2,7 +2,7 @@
 
 Planks_1f3a9c/look.json          what scene/looks.py reads
 Planks_1f3a9c/Planks_1f3a9c.usda material package
-Planks_1f3a9c/maps/{base_color, roughness, normal}.jpg
+Planks_1f3a9c/maps/Planks_1f3a9c_{base_color, roughness, normal}.jpg
 """
 
 from __future__ import annotations
@@ -136,12 +136,12 @@ def write_look(
     folder: Path,
 ) -> Path:
     """Write one look package; the same bytes every time with the same Pillow."""
-    from chord_usd.assets.look_package import write_material
+    from chord_usd.assets.look_package import map_file, write_material
 
     maps = draw_look(family, settings, px)
     package = folder / name
     (package / "maps").mkdir(parents=True, exist_ok=True)
-    _save_maps(maps, package / "maps")
+    _save_maps(maps, lambda kind: package / "maps" / map_file(name, kind))
     tile_m = (round(maps.ground.tile_m[0], 6), round(maps.ground.tile_m[1], 6))
     entry = {
         "name": name,
@@ -161,12 +161,12 @@ def write_look(
     return package
 
 
-def _save_maps(maps: Maps, folder: Path) -> None:
-    _save(maps.rgb, folder / "base_color.jpg", quality=86)
-    _save(_halved(maps.roughness) * 255.0, folder / "roughness.jpg", quality=80)
+def _save_maps(maps: Maps, place: Callable[[str], Path]) -> None:
+    _save(maps.rgb, place("base_color"), quality=86)
+    _save(_halved(maps.roughness) * 255.0, place("roughness"), quality=80)
     # Full chroma: the three channels of a normal are one vector, not a colour.
     normals = normal_map(_halved(maps.height_m), maps.ground.tile_m) * 255.0
-    _save(normals, folder / "normal.jpg", quality=88, subsampling=0)
+    _save(normals, place("normal"), quality=88, subsampling=0)
 
 
 def _halved(field: Raster) -> Raster:

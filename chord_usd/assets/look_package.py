@@ -12,10 +12,18 @@ if TYPE_CHECKING:
 SRGB, RAW = "sRGB", "raw"
 
 
+def map_file(look: str, kind: str) -> str:
+    """Name of a map: Planks_1f3a9c_base_color.jpg.
+
+    No two pictures of a house may have one name: Blender unpacks a .usdz into one folder.
+    """
+    return f"{look}_{kind}.jpg"
+
+
 def write_material(
     path: Path, tile_m: tuple[float, float], rotation_deg: float, about: Mapping[str, str]
 ) -> None:
-    """Write path (named after the material) over the maps in maps/ beside it.
+    """Write path (named after the material) over the maps in maps/ beside it, see map_file.
 
     The material's inputs `uvScale` (repeats per metre), `uvRotation` (degrees) and `uvOffset`
     drive all maps, so a room adjusts a look by overriding them; its tint is `inputs:scale` of the
@@ -106,7 +114,9 @@ def _texture(
 
     types = Sdf.ValueTypeNames
     texture = _shader(stage, material, name, "UsdUVTexture")
-    texture.CreateInput("file", types.Asset).Set(Sdf.AssetPath(f"./maps/{file}.jpg"))
+    texture.CreateInput("file", types.Asset).Set(
+        Sdf.AssetPath(f"./maps/{map_file(material.GetPrim().GetName(), file)}")
+    )
     texture.CreateInput("sourceColorSpace", types.Token).Set(space)
     texture.CreateInput("wrapS", types.Token).Set("repeat")
     texture.CreateInput("wrapT", types.Token).Set("repeat")

@@ -91,13 +91,16 @@ class Looks:
         return any(self.maps) or any(self.pictures)
 
 
-def slot_looks(slot: str, finishes: Sequence[Finish], shelf: MapShelf) -> Looks:
-    """What a slot wears, its maps drawn. Raises OSError."""
+def slot_looks(design_id: str, slot: str, finishes: Sequence[Finish], shelf: MapShelf) -> Looks:
+    """What a slot wears, its maps drawn. Raises OSError.
+
+    Pictures are named after the design, too: Blender unpacks all of a .usdz into one folder.
+    """
     pictures: dict[int, str] = {}
     for finish in finishes:
         if finish.texture is not None:
             number = f"_{len(pictures) + 1}" if pictures else ""
-            pictures.setdefault(id(finish.texture), f"{slot}{number}.jpg")
+            pictures.setdefault(id(finish.texture), f"{design_id}_{slot}{number}.jpg")
     names = [pictures.get(id(finish.texture), "") for finish in finishes]
     return Looks(finishes, [shelf.files(finish) for finish in finishes], names)
 

@@ -18,6 +18,7 @@ from chord_usd.commands.paths import output_package
 
 _PACKAGES = {
     "web": "a flat .usdz for viewers in a browser",
+    "ar": "such a .usdz for AR Quick Look",
     "gltf": "a .glb",
 }
 

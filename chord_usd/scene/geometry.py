@@ -150,3 +150,11 @@ def is_axis_aligned(plan: Plan, tolerance_m: float = 0.005) -> bool:
         if (sides.min(axis=1) > tolerance_m).any():
             return False
     return True
+
+
+def shared_rows(uvs: npt.ArrayLike) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
+    """(K, 2) texture coordinates, each once, and (N,) which of them each of (N, 2) is."""
+    rows = np.ascontiguousarray(uvs, dtype=np.float32) + np.float32(0.0)  # no -0.0 beside 0.0
+    # As one number each: sorting rows takes ten times as long.
+    _, first, places = np.unique(rows.view(np.int64), return_index=True, return_inverse=True)
+    return rows[first], places.reshape(-1).astype(np.int32)

@@ -22,7 +22,10 @@ _MOVED_M = 5e-4
 _TURNED_DEG = 0.05
 _RESIZED = 1e-3
 _SHAPE = ("points", "faceVertexCounts", "faceVertexIndices")
-_FOLLOWS = ("extent", "extentsHint", "normals", "primvars:st", "chord:usd_path", "chord:size_m")
+_FOLLOWS = (
+    "extent", "extentsHint", "normals", "primvars:st", "primvars:st:indices", "chord:usd_path",
+    "chord:size_m",
+)  # fmt: skip
 """Attributes that change with others."""
 
 _COMPASS = (

@@ -14,10 +14,10 @@ from chord_usd.runtime.stages import open_stage, own_files, reading
 if TYPE_CHECKING:
     from pxr import Usd
 
-PACKAGES = {"web": ".usdz", "gltf": ".glb"}
+PACKAGES = {"web": ".usdz", "ar": ".usdz", "gltf": ".glb"}
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
-_WRITERS = {"web": "web.write_web", "gltf": "gltf.write_glb"}
+_WRITERS = {"web": "web.write_web", "ar": "web.write_ar", "gltf": "gltf.write_glb"}
 """What writes each, in this folder: a function of the open stage and of where to write."""
 
 

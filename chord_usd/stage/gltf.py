@@ -1,184 +1,252 @@
-"""A stage as a trimesh scene that exports to GLB: meshes shared by instances, textures, Y up."""
+"""A stage as a GLB: the tree of the house, meshes shared by instances, lights, cameras, Y up."""
 
 from __future__ import annotations
 
-import io
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
-from PIL import Image
-from pxr import Ar, Usd, UsdGeom, UsdShade
-from trimesh.visual.material import PBRMaterial
+from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
+from chord_usd.scene.geometry import shared_rows
 from chord_usd.scene.types import FloatArray
+from chord_usd.stage.gltf_file import Entry, GltfFile
+from chord_usd.stage.gltf_lights import camera_of, light_of
+from chord_usd.stage.gltf_looks import Looks
 from chord_usd.stage.mesh import corner_normals, fans
-from chord_usd.stage.textures import (
-    as_it_is,
-    bound_material,
-    placed,
-    placement_of,
-    source_of,
-    st_of,
-    value_of,
-)
+from chord_usd.stage.textures import bound_material, placed, st_of
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF is Y up; Z up turns into it about x."""
 
-_DECIMALS = 6
+_ASIDE = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)
+"""Purposes of colliders and of the ground outside."""
+
+_LABELS = "SemanticsLabelsAPI:"
+_NORMAL_STEPS = 2.0**20
+_DIGITS = 6
 
 
 def write_glb(stage: Usd.Stage, target: Path) -> None:
-    """Write the stage as one .glb file."""
-    target.write_bytes(scene_of(stage).export(file_type="glb"))
+    """Write what is seen of the stage to target, a .glb, in metres.
 
-
-def scene_of(stage: Usd.Stage) -> trimesh.Scene:
-    """All meshes that are rendered, in metres, Y up; nodes are named after prim paths.
-
-    Lights and cameras are left out. Instances of one model share their meshes.
+    Prims are nodes, with `extras` that say what they are; within a component only those that have
+    a label or move are, and the meshes of one node and one material are one primitive. Lights are
+    those that shine in the variants selected.
     """
-    scene = trimesh.Scene()
-    reader = _Reader()
-    transforms = UsdGeom.XformCache()
-    for prim in Usd.PrimRange(stage.GetDefaultPrim(), _PROXIES):
-        if not prim.IsA(UsdGeom.Mesh) or not _is_rendered(prim):
-            continue
-        world = _Y_UP @ np.array(transforms.GetLocalToWorldTransform(prim)).T
-        key = str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())
-        name = str(prim.GetPath()).strip("/")
-        if key in scene.geometry:
-            scene.graph.update(frame_to=name, geometry=key, matrix=world)
-        else:
-            scene.add_geometry(reader.mesh(prim), node_name=name, geom_name=key, transform=world)
-    return scene
+    writer = _Writer(stage)
+    target.write_bytes(writer.file.to_bytes(writer.root(stage.GetDefaultPrim())))
 
 
-def _is_rendered(prim: Usd.Prim) -> bool:
-    shape = UsdGeom.Imageable(prim)
-    shown = shape.ComputeVisibility() != UsdGeom.Tokens.invisible
-    aside = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)  # colliders, and the ground outside
-    return shown and shape.ComputePurpose() not in aside
+@dataclass(frozen=True, eq=False)
+class _Vertices:
+    """Vertices of one material, and (T, 3) triangles of them."""
+
+    points: FloatArray
+    normals: FloatArray
+    uvs: FloatArray | None
+    triangles: np.ndarray
 
 
-class _Reader:
-    """Meshes with their materials, each material read once."""
+class _Writer:
+    """Goes through the prims of a stage."""
 
-    def __init__(self) -> None:
-        self._materials: dict[str, tuple[PBRMaterial, FloatArray]] = {}
-        self._pictures = _Pictures()
+    def __init__(self, stage: Usd.Stage) -> None:
+        self.file = GltfFile()
+        self._looks = Looks(self.file)
+        self._meshes: dict[tuple[str, ...], int] = {}
+        self._frames = UsdGeom.XformCache()
+        self._metres = UsdGeom.GetStageMetersPerUnit(stage)
+        self._is_z_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
 
-    def mesh(self, prim: Usd.Prim) -> trimesh.Trimesh:
-        """A mesh in its own frame, corners merged where point, normal and coordinate agree."""
-        mesh = UsdGeom.Mesh(prim)
-        counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int32)
-        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int64)
-        points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64)[corners]
-        normals = _per_corner(mesh.GetNormalsAttr().Get(), mesh.GetNormalsInterpolation(), corners)
-        if normals is None:
-            normals = corner_normals(points, counts)
-        st = st_of(prim)
-        uvs = _per_corner(st.Get(), st.GetInterpolation(), corners) if st else None
-        if uvs is None:
-            uvs = np.zeros((len(corners), 2))
-        material, placement = self._material(prim)
-        rows = np.round(np.hstack([points, normals, placed(uvs, placement)]), _DECIMALS)
-        unique, index = np.unique(rows, axis=0, return_inverse=True)
-        return trimesh.Trimesh(
-            unique[:, :3],
-            index.reshape(-1)[fans(counts)],
-            vertex_normals=unique[:, 3:6],
-            visual=trimesh.visual.TextureVisuals(uv=unique[:, 6:8], material=material),
-            process=False,
-        )
+    def root(self, prim: Usd.Prim) -> int:
+        """Write the node of the default prim, which turns and scales all of it."""
+        frame = np.diag([self._metres] * 3 + [1.0])
+        world = np.array(self._frames.GetLocalToWorldTransform(prim)).T
+        frame = (_Y_UP if self._is_z_up else np.eye(4)) @ frame @ world
+        node = self._node(prim, frame, inside=_is_component(prim), room="")
+        return self.file.add("nodes", node or {"name": prim.GetName()})
 
-    def _material(self, prim: Usd.Prim) -> tuple[PBRMaterial, FloatArray]:
-        """The material a prim wears, and (2, 3) what it does to texture coordinates."""
-        bound = bound_material(prim)
-        key = str(bound.GetPath()) if bound else ""
-        if key not in self._materials:
-            read = _read_material(bound, self._pictures) if bound else (PBRMaterial(), as_it_is())
-            self._materials[key] = read
-        return self._materials[key]
+    def _node(self, prim: Usd.Prim, frame: FloatArray, *, inside: bool, room: str) -> Entry | None:
+        """The entry of a prim, those of its children written; None where nothing is in it."""
+        if prim.GetParent().GetPath() == "/House/Rooms":
+            room = prim.GetName()
+        meshes: list[Usd.Prim] = [prim] if prim.IsA(UsdGeom.Mesh) else []
+        children = []
+        for child in self._nearest(prim, inside=inside, meshes=meshes):
+            local, _ = self._frames.ComputeRelativeTransform(child, prim)
+            within = inside or _is_component(child)
+            node = self._node(child, np.array(local).T, inside=within, room=room)
+            if node:
+                children.append(self.file.add("nodes", node))
+        entry: Entry = {"name": prim.GetName(), **self._own(prim)}
+        if meshes:
+            entry["mesh"] = self._mesh(prim, meshes)
+        if children:
+            entry["children"] = children
+        if len(entry) == 1:
+            return None
+        if not np.array_equal(frame, np.eye(4)):
+            entry["matrix"] = np.round(frame.T, _DIGITS).reshape(-1).tolist()
+        extras = _extras(prim, room)
+        return entry | ({"extras": extras} if extras else {})
+
+    def _nearest(
+        self, prim: Usd.Prim, *, inside: bool, meshes: list[Usd.Prim]
+    ) -> Iterator[Usd.Prim]:
+        """The prims below that become nodes; meshes that do not are added to meshes."""
+        for child in prim.GetFilteredChildren(_PROXIES):
+            shape = UsdGeom.Imageable(child)
+            if not shape or child.IsA(UsdShade.Material):
+                continue
+            if shape.GetVisibilityAttr().Get() == UsdGeom.Tokens.invisible:
+                continue
+            if shape.GetPurposeAttr().Get() in _ASIDE:
+                continue
+            if not inside or _stands_out(child):
+                yield child
+            elif child.IsA(UsdGeom.Mesh):
+                meshes.append(child)
+            else:
+                yield from self._nearest(child, inside=inside, meshes=meshes)
+
+    def _own(self, prim: Usd.Prim) -> Entry:
+        """The light or the camera of a node."""
+        if prim.IsA(UsdGeom.Camera):
+            return {"camera": self.file.add("cameras", camera_of(prim, self._metres))}
+        light = light_of(prim) if prim.HasAPI(UsdLux.LightAPI) else None
+        if light is None:
+            return {}
+        place = {"light": self.file.add_light(light)}
+        return {"extensions": {"KHR_lights_punctual": place}}
+
+    def _mesh(self, node: Usd.Prim, prims: list[Usd.Prim]) -> int:
+        """Place of the mesh of a node; instances of one model have the same."""
+        sources = [prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim for prim in prims]
+        key = tuple(str(source.GetPath()) for source in sources)
+        if key not in self._meshes:
+            primitives = self._primitives(node, prims)
+            entry = {"name": node.GetName(), "primitives": primitives}
+            self._meshes[key] = self.file.add("meshes", entry)
+        return self._meshes[key]
+
+    def _primitives(self, node: Usd.Prim, prims: list[Usd.Prim]) -> list[Entry]:
+        """One primitive for each material."""
+        parts: dict[int | None, list[_Vertices]] = {}
+        for prim in prims:
+            frame, _ = self._frames.ComputeRelativeTransform(prim, node)
+            two_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get())
+            look = self._looks.of(bound_material(prim), two_sided=two_sided)
+            material, placement = look or (None, None)
+            vertices = _vertices(prim, np.array(frame).T, placement)
+            if vertices is not None:
+                parts.setdefault(material, []).append(vertices)
+        return [self._primitive(material, found) for material, found in parts.items()]
+
+    def _primitive(self, material: int | None, parts: list[_Vertices]) -> Entry:
+        starts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
+        triangles = [part.triangles + at for part, at in zip(parts, starts, strict=True)]
+        points = np.vstack([part.points for part in parts])
+        attributes = {
+            "POSITION": self.file.add_vertices(points, bounded=True),
+            "NORMAL": self.file.add_vertices(np.vstack([part.normals for part in parts])),
+        }
+        uvs = [part.uvs for part in parts if part.uvs is not None]
+        if uvs:
+            attributes["TEXCOORD_0"] = self.file.add_vertices(np.vstack(uvs))
+        entry = {"attributes": attributes, "indices": self.file.add_indices(np.vstack(triangles))}
+        return entry if material is None else entry | {"material": material}
+
+
+def _is_component(prim: Usd.Prim) -> bool:
+    return bool(Usd.ModelAPI(prim).GetKind() == "component")
+
+
+def _stands_out(prim: Usd.Prim) -> bool:
+    """Whether a prim of a component is more than a part of its looks."""
+    labelled = any(name.startswith(_LABELS) for name in prim.GetAppliedSchemas())
+    lit = prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdGeom.Camera)
+    return labelled or lit or prim.HasAPI(UsdPhysics.RigidBodyAPI)
+
+
+def _extras(prim: Usd.Prim, room: str) -> Entry:
+    """What a prim is: its labels (`category`, `class`; a room's is its `kind`), its room and id."""
+    names = [name.removeprefix(_LABELS) for name in prim.GetAppliedSchemas() if _LABELS in name]
+    labels = {name: prim.GetAttribute(f"semantics:labels:{name}").Get() for name in names}
+    said: Entry = {name: str(values[0]) for name, values in labels.items() if values}
+    if not said:
+        return {}
+    if "room" in said:
+        said["kind"] = said.pop("room")
+    if "category" in said:
+        said.setdefault("class", said["category"])
+    if room:
+        said["room"] = room
+    noted = prim.GetAttribute("chord:node_id").Get()
+    return said | ({"id": noted} if noted else {}) | {"path": str(prim.GetPath())}
+
+
+def _vertices(prim: Usd.Prim, frame: FloatArray, placement: FloatArray | None) -> _Vertices | None:
+    """The mesh of a prim in another frame, (4, 4); corners that agree in all are one vertex.
+
+    placement: (2, 3) of texture coordinates; None for a mesh that needs none.
+    """
+    mesh = UsdGeom.Mesh(prim)
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or (), dtype=np.int32)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
+    if not len(corners):
+        return None
+    points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64)
+    normals = _per_corner(mesh.GetNormalsAttr().Get(), mesh.GetNormalsInterpolation(), corners)
+    if normals is None:
+        normals = corner_normals(points[corners], counts)
+    keys = [corners, _numbered(normals)]
+    uvs = None
+    if placement is not None:
+        uvs = _uvs(prim, corners, placement)
+        keys.append(shared_rows(uvs)[1].astype(np.int64))
+    first, index = _same_in_all(keys)
+    points = points[corners[first]] @ frame[:3, :3].T + frame[:3, 3]
+    normals = normals[first] @ np.linalg.inv(frame[:3, :3])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    triangles = index[fans(counts)]
+    if np.linalg.det(frame[:3, :3]) < 0.0:
+        triangles = triangles[:, ::-1]
+    return _Vertices(points, normals, None if uvs is None else uvs[first], triangles)
+
+
+def _uvs(prim: Usd.Prim, corners: np.ndarray, placement: FloatArray) -> FloatArray:
+    """(C, 2) texture coordinates as glTF has them: v runs down."""
+    st = st_of(prim)
+    flat = _per_corner(st.ComputeFlattened(), st.GetInterpolation(), corners) if st else None
+    laid = placed(np.zeros((len(corners), 2)) if flat is None else flat, placement)
+    return np.column_stack([laid[:, 0], 1.0 - laid[:, 1]])
 
 
 def _per_corner(values: Any, interpolation: str, corners: np.ndarray) -> FloatArray | None:
     """(C, K) values of each corner of a mesh; None where there are none."""
-    if values is None:
+    if values is None or not len(values):
         return None
     array = np.array(values, dtype=np.float64)
+    if interpolation == UsdGeom.Tokens.constant:
+        return np.repeat(array[:1], len(corners), axis=0)
     return array if interpolation == UsdGeom.Tokens.faceVarying else array[corners]
 
 
-class _Pictures:
-    """The pictures of textures, each opened once, from a folder or out of a package."""
-
-    def __init__(self) -> None:
-        self._opened: dict[str, Image.Image] = {}
-        self._packed: dict[tuple[str, float], Image.Image] = {}
-
-    def of(self, texture: UsdShade.Shader) -> Image.Image:
-        """The picture of a texture as it is."""
-        path = texture.GetInput("file").Get().resolvedPath
-        if path not in self._opened:
-            asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
-            self._opened[path] = _with_its_bytes(bytes(asset.GetBuffer()))
-        return self._opened[path]
-
-    def roughness(self, texture: UsdShade.Shader) -> Image.Image:
-        """A roughness map as glTF has it: in green, with blue left to the factor of metal.
-
-        Factors end at 1, so what a stage's scale has beyond that goes into the picture.
-        """
-        beyond = max(_scale_of(texture), 1.0)
-        key = texture.GetInput("file").Get().resolvedPath, round(beyond, 3)
-        if key not in self._packed:
-            green = np.array(self.of(texture).convert("L"), dtype=np.float64) * beyond
-            green = np.clip(np.round(green), 0, 255).astype(np.uint8)
-            white = np.full_like(green, 255)
-            buffer = io.BytesIO()
-            packed = Image.fromarray(np.stack([white, green, white], axis=-1))
-            packed.save(buffer, "JPEG", quality=85, subsampling=0)
-            self._packed[key] = _with_its_bytes(buffer.getvalue())
-        return self._packed[key]
+def _numbered(normals: FloatArray) -> np.ndarray:
+    """(C,) the same number for the same direction."""
+    steps = np.round((normals + 1.0) / 2.0 * (_NORMAL_STEPS - 1.0)).astype(np.int64)
+    packed = (steps[:, 0] << 42) | (steps[:, 1] << 21) | steps[:, 2]
+    return np.unique(packed, return_inverse=True)[1].reshape(-1)
 
 
-def _with_its_bytes(data: bytes) -> Image.Image:
-    """A picture that is exported as the file it was: trimesh would encode JPEGs anew, and worse."""
-    picture = Image.open(io.BytesIO(data))
-    picture.load()
-    if picture.format == "JPEG":
-        picture.save = lambda file, **_: file.write(data)  # type: ignore[method-assign]
-    return picture
-
-
-def _scale_of(texture: UsdShade.Shader) -> float:
-    return float(value_of(texture, "scale", (1.0,))[0])
-
-
-def _read_material(
-    material: UsdShade.Material, pictures: _Pictures
-) -> tuple[PBRMaterial, FloatArray]:
-    shader = material.ComputeSurfaceSource()[0]
-    if not shader:
-        return PBRMaterial(), as_it_is()
-    opacity = float(value_of(shader, "opacity", 1.0))
-    texture, rough, normal = (
-        source_of(shader, name) for name in ("diffuseColor", "roughness", "normal")
-    )
-    colour = (1.0, 1.0, 1.0) if texture else tuple(value_of(shader, "diffuseColor", (0.18,) * 3))
-    roughness = min(_scale_of(rough), 1.0) if rough else value_of(shader, "roughness", 0.5)
-    pbr = PBRMaterial(
-        name=str(material.GetPath()).strip("/").replace("/", "_"),
-        baseColorFactor=[*map(float, colour), opacity],
-        baseColorTexture=pictures.of(texture) if texture else None,
-        metallicRoughnessTexture=pictures.roughness(rough) if rough else None,
-        normalTexture=pictures.of(normal) if normal else None,
-        roughnessFactor=float(roughness),
-        metallicFactor=float(value_of(shader, "metallic", 0.0)),
-        alphaMode="BLEND" if opacity < 1.0 else "OPAQUE",
-    )
-    return pbr, placement_of(texture) if texture else as_it_is()
+def _same_in_all(keys: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """First corner of each group that agrees in all keys, and (C,) the group of each corner."""
+    together = keys[0]
+    for key in keys[1:]:
+        together = np.unique(together * (key.max() + 1) + key, return_inverse=True)[1].reshape(-1)
+    _, first, index = np.unique(together, return_index=True, return_inverse=True)
+    return first, index.reshape(-1)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Kind, Sdf, Vt
 
+from chord_usd.scene.geometry import shared_rows
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.mesh import Mesh
 
@@ -166,9 +167,10 @@ def write_mesh(layer: Sdf.Layer, path: Sdf.Path | str, mesh: Mesh) -> Sdf.PrimSp
     normals = attribute(prim, "normals", Types.Normal3fArray, _float3(mesh.normals))
     normals.SetInfo("interpolation", "faceVarying")
     attribute(prim, "points", Types.Point3fArray, _float3(mesh.points_m))
-    uvs = Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(mesh.uvs_m, dtype=np.float32))
-    st = attribute(prim, "primvars:st", Types.TexCoord2fArray, uvs)
+    uvs, places = shared_rows(mesh.uvs_m)
+    st = attribute(prim, "primvars:st", Types.TexCoord2fArray, Vt.Vec2fArray.FromNumpy(uvs))
     st.SetInfo("interpolation", "faceVarying")
+    attribute(prim, "primvars:st:indices", Types.IntArray, Vt.IntArray.FromNumpy(places))
     attribute(prim, "subdivisionScheme", Types.Token, "none", uniform=True)
     attribute(prim, "doubleSided", Types.Bool, False, uniform=True)
     return prim

@@ -1,18 +1,20 @@
-"""A stage as one flat .usdz for web viewers.
+"""A stage as one flat .usdz for web viewers, and for Apple's AR Quick Look.
 
-They (three.js, tinyusdz) load no payloads, know no instances, and each has its own idea of faces
-with four corners and of UsdTransform2d. So the stage is written out plainly: triangles, pictures
-that lie where the coordinates say, and nothing that is not seen.
+Web viewers (three.js, tinyusdz) load no payloads, know no instances, and each has its own idea of
+faces with four corners and of UsdTransform2d. So the stage is written out plainly: triangles,
+pictures that lie where the coordinates say, and nothing that is not seen. Quick Look wants Y up,
+lights a scene itself, and takes for bodies what has their schemas.
 """
 
 from __future__ import annotations
 
+import itertools
 import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
+from pxr import Ar, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, Vt
 
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.mesh import fans
@@ -28,27 +30,87 @@ from chord_usd.stage.textures import (
 _UNSEEN = ("PhysicsScene", "PhysicsRevoluteJoint", "DomeLight", "RenderSettings", "RenderProduct")
 
 
+_PICTURES = "textures"
+
+
 def write_web(stage: Usd.Stage, target: Path) -> None:
     """Write what is seen of the stage to target, a .usdz. The stage's session layer is changed."""
+    _write(stage, target, for_ar=False)
+
+
+def write_ar(stage: Usd.Stage, target: Path) -> None:
+    """As write_web, by the ARKit profile."""
+    _write(stage, target, for_ar=True)
+
+
+def _write(stage: Usd.Stage, target: Path, *, for_ar: bool) -> None:
     stage.SetEditTarget(stage.GetSessionLayer())
     for prim in list(stage.Traverse()):
         if prim.IsInstanceable():
             prim.SetInstanceable(False)
     for prim in list(stage.Traverse()):
-        if prim.IsValid() and _is_unseen(prim):
+        if prim.IsValid() and (_is_unseen(prim) or (for_ar and prim.HasAPI(UsdLux.LightAPI))):
             prim.SetActive(False)
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         layer = stage.Flatten(addSourceFileComment=False)
         _drop_inactive(layer)
         _plain_meshes(Usd.Stage.Open(layer))
+        _bring_pictures(layer, Path(folder))
+        if for_ar:
+            _drop_physics(layer)
+            _stand_up(layer)
         flat = Path(folder) / f"{target.stem}.usdc"
         layer.Export(str(flat))
-        for file in Path(folder).iterdir():  # the archive notes their times
+        for file in Path(folder).rglob("*"):  # the archive notes their times
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
-        # While it renames textures, USD complains that their new names are not there yet.
-        quiet = UsdUtils.CoalescingDiagnosticDelegate()
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(flat)), str(target))
-        quiet.TakeUncoalescedDiagnostics()
+
+
+def _bring_pictures(layer: Sdf.Layer, folder: Path) -> None:
+    """Copy the pictures beside the layer, no two of one name, each of them once.
+
+    USD would number folders for them, and Blender unpacks all pictures into one.
+    """
+    names: dict[bytes, str] = {}
+
+    def beside(path: str) -> str:
+        asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+        if not asset:
+            return path
+        data = bytes(asset.GetBuffer())
+        if data not in names:
+            name = Path(path.replace("[", "/").rstrip("]"))
+            taken = (f"{name.stem}_{number}{name.suffix}" for number in itertools.count(2))
+            free = itertools.chain([name.name], taken)
+            names[data] = next(one for one in free if one not in names.values())
+            place = folder / _PICTURES / names[data]
+            place.parent.mkdir(exist_ok=True)
+            place.write_bytes(data)
+        return f"./{_PICTURES}/{names[data]}"
+
+    UsdUtils.ModifyAssetPaths(layer, beside)
+
+
+def _stand_up(layer: Sdf.Layer) -> None:
+    """Y up: the root is turned, what is in it stays as it is."""
+    layer.pseudoRoot.SetInfo("upAxis", "Y")
+    stage = Usd.Stage.Open(layer)
+    root = UsdGeom.Xformable(stage.GetDefaultPrim())
+    turn = root.AddRotateXOp(UsdGeom.XformOp.PrecisionDouble, "upAxis")
+    turn.Set(-90.0)
+    root.SetXformOpOrder([turn, *(op for op in root.GetOrderedXformOps() if op != turn)])
+
+
+def _drop_physics(layer: Sdf.Layer) -> None:
+    """Take bodies, masses and colliders out; Quick Look would let things fall."""
+    stage = Usd.Stage.Open(layer)
+    for prim in stage.TraverseAll():
+        for name in prim.GetAppliedSchemas():
+            if name.startswith("Physics"):
+                prim.RemoveAppliedSchema(name)
+        for name in prim.GetPropertyNames():
+            if name.startswith("physics:"):
+                prim.RemoveProperty(name)
 
 
 def _plain_meshes(stage: Usd.Stage) -> None:

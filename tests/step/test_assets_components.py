@@ -122,7 +122,8 @@ def test_meshes_are_whole(assets: tuple[Asset, ...]) -> None:
             assert normals.shape == (len(corners), 3)
             uvs = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
             assert uvs.GetInterpolation() == UsdGeom.Tokens.faceVarying
-            assert len(uvs.Get()) == len(corners)
+            assert len(uvs.ComputeFlattened()) == len(corners)
+            assert len(set(uvs.Get())) == len(uvs.Get()), "no coordinate is said twice"
             material = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()[0]
             assert material.GetPath().HasPrefix(Sdf.Path(f"/{asset.id}/Materials"))
 

@@ -12,7 +12,7 @@ from pxr import Usd, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.assets.look_library import DRAWINGS, draw_look, drawn_look, own_looks, style_looks
 from chord_usd.assets.look_noise import normal_map
-from chord_usd.assets.look_package import write_material
+from chord_usd.assets.look_package import map_file, write_material
 from chord_usd.scene.look_families import Family, load_families
 from chord_usd.scene.styles import STYLES
 from chord_usd.scene.types import FloatArray, Room
@@ -144,7 +144,7 @@ def test_looks_of_a_user_go_before_those_of_the_style(tmp_path: Path) -> None:
     (theirs / "maps").mkdir(parents=True)
     write_material(theirs / "Mine.usda", (1.0, 1.0), 0.0, {})
     for name in ("base_color", "roughness", "normal"):
-        Image.new("RGB", (8, 8)).save(theirs / "maps" / f"{name}.jpg")
+        Image.new("RGB", (8, 8)).save(theirs / "maps" / map_file("Mine", name))
     entry = {
         "name": "Mine", "label": "Mine", "surface": "floor", "kinds": ["bedroom"],
         "tile_m": [1.0, 1.0], "licence": "CC0-1.0", "author": "me",

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import struct
+import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +15,10 @@ from pxr import Usd, UsdGeom, UsdShade, UsdUtils
 
 from chord_usd.errors import OutputError
 from chord_usd.stage.export import export_stage
+from chord_usd.stage.gltf import write_glb
+from chord_usd.stage.textures import bound_material, placed, placement_of, source_of, st_of
 
+Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 
@@ -22,13 +29,13 @@ def bounds_m(path: Path) -> np.ndarray:
     return np.array([box.GetMin(), box.GetMax()])
 
 
+def is_shown(prim: Usd.Prim) -> bool:
+    return prim.IsA(UsdGeom.Mesh) and prim.GetParent().GetName() != "Ground"
+
+
 def mesh_names(path: Path) -> set[str]:
     stage = Usd.Stage.Open(str(path))
-    return {
-        str(prim.GetPath()).strip("/")
-        for prim in stage.Traverse(PROXIES)
-        if prim.IsA(UsdGeom.Mesh) and prim.GetParent().GetName() != "Ground"
-    }
+    return {str(prim.GetPath()).strip("/") for prim in stage.Traverse(PROXIES) if is_shown(prim)}
 
 
 @pytest.fixture(scope="module")
@@ -38,29 +45,134 @@ def glb(staged_house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_a_glb_holds_every_mesh_in_its_place(staged_house: Path, glb: Path) -> None:
+def read_glb(path: Path) -> dict[str, Any]:
+    """The JSON of a .glb."""
+    data = path.read_bytes()
+    magic, version, length, size, kind = struct.unpack("<4s3I4s", data[:20])
+    assert (magic, version, length, kind) == (b"glTF", 2, len(data), b"JSON")
+    return json.loads(data[20 : 20 + size])
+
+
+def worlds(document: dict[str, Any]) -> dict[str, np.ndarray]:
+    """(4, 4) of each node by the names from the root to it."""
+    found = {}
+
+    def go(place: int, above: str, frame: np.ndarray) -> None:
+        node = document["nodes"][place]
+        frame = frame @ np.reshape(node.get("matrix", np.eye(4)), (4, 4)).T
+        found[f"{above}/{node['name']}"] = frame
+        for child in node.get("children", ()):
+            go(child, f"{above}/{node['name']}", frame)
+
+    go(document["scenes"][0]["nodes"][0], "", np.eye(4))
+    return found
+
+
+def test_a_glb_is_as_large_as_the_house(staged_house: Path, glb: Path) -> None:
     scene = trimesh.load_scene(glb)
-    assert set(scene.graph.nodes_geometry) == mesh_names(staged_house)
     low, high = bounds_m(staged_house)
-    # Y up: x stays, z becomes y, y becomes -z.
-    assert np.allclose(scene.bounds[0], (low[0], low[2], -high[1]), atol=1e-4)
-    assert np.allclose(scene.bounds[1], (high[0], high[2], -low[1]), atol=1e-4)
+    assert np.allclose(
+        scene.bounds,
+        [Y_UP @ (low[0], high[1], low[2]), Y_UP @ (high[0], low[1], high[2])],
+        atol=1e-4,
+    )
 
 
-def test_instances_share_their_meshes_in_a_glb(glb: Path) -> None:
+def test_a_glb_has_every_triangle(staged_house: Path, glb: Path) -> None:
+    stage = Usd.Stage.Open(str(staged_house))
+    meshes = [prim for prim in stage.Traverse(PROXIES) if is_shown(prim)]
+    counts = sum(
+        np.sum(np.array(UsdGeom.Mesh(p).GetFaceVertexCountsAttr().Get()) - 2) for p in meshes
+    )
     scene = trimesh.load_scene(glb)
-    assert len(scene.geometry) < len(scene.graph.nodes_geometry)
+    parts = [scene.geometry[scene.graph[name][1]] for name in scene.graph.nodes_geometry]
+    assert sum(len(part.faces) for part in parts) == counts
 
 
-def test_floors_have_their_picture_in_a_glb(glb: Path) -> None:
-    scene = trimesh.load_scene(glb)
-    floors = [name for name in scene.graph.nodes_geometry if name.endswith("/Geometry/Floor")]
+def test_what_has_a_label_is_a_node_that_says_so(staged_house: Path, glb: Path) -> None:
+    stage, document = Usd.Stage.Open(str(staged_house)), read_glb(glb)
+    said = {
+        node["extras"]["path"]: node["extras"] for node in document["nodes"] if "extras" in node
+    }
+    labelled = {
+        str(prim.GetPath()): str(prim.GetAttribute("semantics:labels:category").Get()[0])
+        for prim in stage.Traverse(PROXIES)
+        if prim.HasAttribute("semantics:labels:category") and prim.GetName() != "Ground"
+    }
+    assert {
+        path: extras["category"] for path, extras in said.items() if "category" in extras
+    } == labelled
+    for path, extras in said.items():
+        assert (
+            extras["room"] == path.split("/")[3]
+            if path.startswith("/House/Rooms")
+            else "room" not in extras
+        )
+        assert extras.get("id") == stage.GetPrimAtPath(path).GetAttribute("chord:node_id").Get()
+    rooms = [extras for extras in said.values() if "kind" in extras]
+    assert len(rooms) == len(stage.GetPrimAtPath("/House/Rooms").GetChildren())
+
+
+def test_nodes_stand_where_prims_do(staged_house: Path, glb: Path) -> None:
+    stage, frames = Usd.Stage.Open(str(staged_house)), UsdGeom.XformCache()
+    found = worlds(read_glb(glb))
+    furniture = [name for name in found if "/Furniture/" in name]
+    assert furniture
+    cameras = [name for name in found if name.startswith("/House/Cameras/")]
+    assert len(cameras) == len(stage.GetPrimAtPath("/House/Cameras").GetChildren())
+    for name in (*furniture, *cameras):
+        world = np.array(frames.GetLocalToWorldTransform(stage.GetPrimAtPath(name))).T
+        assert np.allclose(found[name][:3], Y_UP @ world[:3], atol=1e-5)
+
+
+def test_a_glb_has_the_lights_that_shine(staged_house: Path, glb: Path, tmp_path: Path) -> None:
+    counts = {}
+    for time in ("day", "night"):
+        stage = Usd.Stage.Open(str(staged_house))
+        stage.SetEditTarget(stage.GetSessionLayer())
+        stage.GetDefaultPrim().GetVariantSet("lighting").SetVariantSelection(time)
+        write_glb(stage, tmp_path / f"{time}.glb")
+        lights = read_glb(tmp_path / f"{time}.glb")["extensions"]["KHR_lights_punctual"]["lights"]
+        assert all(light["intensity"] > 0.0 for light in lights)
+        counts[time] = sum(light["type"] == "directional" for light in lights)
+    assert counts == {"day": 1, "night": 0}
+    document = read_glb(glb)
+    used = [node["extensions"] for node in document["nodes"] if "extensions" in node]
+    assert len(used) == len(document["extensions"]["KHR_lights_punctual"]["lights"])
+
+
+def test_instances_and_looks_are_shared_in_a_glb(glb: Path) -> None:
+    document = read_glb(glb)
+    worn = [node["mesh"] for node in document["nodes"] if "mesh" in node]
+    assert len(document["meshes"]) == len(set(worn)) < len(worn)
+    looks = [{**look, "name": ""} for look in document["materials"]]
+    assert all(look not in looks[:at] for at, look in enumerate(looks))
+
+
+def test_floors_have_their_pictures_in_a_glb(glb: Path) -> None:
+    document, scene = read_glb(glb), trimesh.load_scene(glb)
+    floors = [node for node in document["nodes"] if node["name"] == "Floor"]
     assert floors
-    for name in floors:
-        mesh = scene.geometry[scene.graph[name][1]]
-        assert mesh.visual.material.baseColorTexture.size[0] >= 256
-        assert np.ptp(mesh.visual.uv, axis=0).min() > 0.2  # it spreads over the floor
-        assert mesh.vertex_normals[:, 2].min() > 0.99  # up, in the frame of the mesh
+    for node in floors:
+        (part,) = document["meshes"][node["mesh"]]["primitives"]
+        look = document["materials"][part["material"]]
+        surface = look["pbrMetallicRoughness"]
+        places = [
+            surface["baseColorTexture"],
+            surface["metallicRoughnessTexture"],
+            look["normalTexture"],
+        ]
+        names = [
+            document["images"][document["textures"][p["index"]]["source"]]["name"] for p in places
+        ]
+        kinds = ("base_color", "roughness", "normal")
+        assert all(kind in name for kind, name in zip(kinds, names, strict=True))
+    for name in scene.graph.nodes_geometry:
+        if name.startswith("Floor"):
+            mesh = scene.geometry[scene.graph[name][1]]
+            assert mesh.visual.material.baseColorTexture.size[0] >= 256
+            assert np.ptp(mesh.visual.uv, axis=0).min() > 0.2  # it spreads over the floor
+            assert mesh.vertex_normals[:, 2].min() > 0.99  # up, in the frame of the mesh
 
 
 def test_a_web_package_is_flat_and_whole(staged_house: Path, tmp_path: Path) -> None:
@@ -80,26 +192,58 @@ def test_a_web_package_is_flat_and_whole(staged_house: Path, tmp_path: Path) -> 
             assert material.ComputeSurfaceSource()[0]
 
 
-def test_pictures_lie_in_a_web_package_as_they_do_in_a_glb(
-    staged_house: Path, glb: Path, tmp_path: Path
-) -> None:
+def test_a_web_package_lays_pictures_without_transforms(staged_house: Path, tmp_path: Path) -> None:
     path = tmp_path / "house.usdz"
     export_stage(staged_house, path, "web")
-    stage = Usd.Stage.Open(str(path))
-    assert not any(
-        UsdShade.Shader(prim).GetIdAttr().Get() == "UsdTransform2d"
-        for prim in stage.Traverse()
-        if prim.IsA(UsdShade.Shader)
-    )
+    stage, source = Usd.Stage.Open(str(path)), Usd.Stage.Open(str(staged_house))
+    shaders = [UsdShade.Shader(prim) for prim in stage.Traverse() if prim.IsA(UsdShade.Shader)]
+    assert "UsdTransform2d" not in {shader.GetIdAttr().Get() for shader in shaders}
     meshes = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
     assert all(set(mesh.GetFaceVertexCountsAttr().Get()) == {3} for mesh in meshes)
-    scene = trimesh.load_scene(glb)
     for prim in stage.Traverse():
         if prim.GetName() in ("Floor", "Wall_0"):
-            mesh = scene.geometry[scene.graph[str(prim.GetPath()).strip("/")][1]]
-            uvs = np.array(UsdGeom.PrimvarsAPI(prim).GetPrimvar("st").Get())
+            there = source.GetPrimAtPath(prim.GetPath())
+            surface = bound_material(there).ComputeSurfaceSource()[0]
+            placement = placement_of(source_of(surface, "diffuseColor"))
+            wanted = placed(np.array(st_of(there).ComputeFlattened()), placement)
+            laid = np.array(st_of(prim).ComputeFlattened())
             for pick in (np.min, np.max):
-                assert np.allclose(pick(uvs, axis=0), pick(mesh.visual.uv, axis=0), atol=1e-4)
+                assert np.allclose(pick(laid, axis=0), pick(wanted, axis=0), atol=1e-4)
+
+
+def test_no_two_pictures_of_a_package_have_one_name(staged_house: Path, tmp_path: Path) -> None:
+    """Blender unpacks all of them into one folder."""
+    path = tmp_path / "house.usdz"
+    export_stage(staged_house, path, "web")
+    beside = [file for file in staged_house.parent.rglob("*") if file.suffix in (".jpg", ".png")]
+    assert len({file.name for file in beside}) == len(beside) > 3
+    with zipfile.ZipFile(path) as archive:
+        packed = [Path(name) for name in archive.namelist() if not name.endswith("usdc")]
+        assert len({file.name for file in packed}) == len(packed) > 3
+        there = {file.read_bytes() for file in beside}
+        assert all(archive.read(str(name)) in there for name in packed)
+
+
+ARKIT_TYPES = {"", "Scope", "Xform", "Camera", "Shader", "Material", "Mesh"}
+ARKIT_SHADERS = {"UsdPreviewSurface", "UsdUVTexture", "UsdTransform2d", "UsdPrimvarReader_float2"}
+
+
+def test_a_package_for_ar_is_of_the_arkit_profile(staged_house: Path, tmp_path: Path) -> None:
+    path = tmp_path / "house.usdz"
+    export_stage(staged_house, path, "ar")
+    stage = Usd.Stage.Open(str(path))
+    assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
+    low, high = bounds_m(staged_house)
+    assert np.allclose(bounds_m(path), np.sort([Y_UP @ low, Y_UP @ high], axis=0), atol=1e-4)
+    prims = list(stage.TraverseAll())
+    assert {prim.GetTypeName() for prim in prims} <= ARKIT_TYPES
+    assert not any(name.startswith("Physics") for p in prims for name in p.GetAppliedSchemas())
+    shaders = [UsdShade.Shader(prim) for prim in prims if prim.IsA(UsdShade.Shader)]
+    assert {shader.GetIdAttr().Get() for shader in shaders} <= ARKIT_SHADERS
+    with zipfile.ZipFile(path) as archive:
+        layer, *pictures = archive.namelist()
+    assert layer == "house.usdc"
+    assert {Path(name).suffix for name in pictures} <= {".jpg", ".png"}
 
 
 def test_the_suffix_belongs_to_the_package(staged_house: Path, tmp_path: Path) -> None:

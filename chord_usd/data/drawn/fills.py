@@ -118,7 +118,7 @@ def _photograph(canvas: Canvas, rng: np.random.Generator) -> ByteArray:
 @cache
 def _material_pictures() -> tuple[ByteArray, ...]:
     found = []
-    for path in sorted(materials_folder().glob("*/maps/base_color.*")):
+    for path in sorted(materials_folder().glob("*/maps/*base_color.*")):
         picture = cv2.imread(str(path))
         if picture is not None:
             small = cv2.resize(picture, (200, 200), interpolation=cv2.INTER_AREA)

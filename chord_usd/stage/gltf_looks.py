@@ -1,0 +1,167 @@
+"""Materials of a stage as those of a GLB, one for all that look the same."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from pxr import Ar, UsdShade
+
+from chord_usd.scene.types import FloatArray
+from chord_usd.stage.gltf_file import Entry, GltfFile
+from chord_usd.stage.textures import placement_of, source_of, value_of
+
+_TYPES = {"JPEG": "image/jpeg", "PNG": "image/png"}
+_QUALITY = 85
+_DIGITS = 5
+
+Look = tuple[int, FloatArray | None]
+"""Place of a material, and (2, 3) what it does to texture coordinates; None where it has none."""
+
+
+class Looks:
+    """Materials, each read once, and written once however many look alike."""
+
+    def __init__(self, file: GltfFile) -> None:
+        self._file = file
+        self._read: dict[tuple[str, bool], Look] = {}
+        self._places: dict[str, int] = {}
+        self._pictures = _Pictures(file)
+
+    def of(self, material: UsdShade.Material | None, *, two_sided: bool) -> Look | None:
+        """The look of a material; None where nothing is bound."""
+        shader = material.ComputeSurfaceSource()[0] if material else None
+        if not material or not shader:
+            return None
+        key = str(material.GetPath()), two_sided
+        if key not in self._read:
+            entry, placement = self._entry(shader)
+            if two_sided:
+                entry["doubleSided"] = True
+            content = json.dumps(entry, sort_keys=True)
+            if content not in self._places:
+                named = {"name": material.GetPrim().GetName(), **entry}
+                self._places[content] = self._file.add("materials", named)
+            self._read[key] = self._places[content], placement
+        return self._read[key]
+
+    def _entry(self, shader: UsdShade.Shader) -> tuple[Entry, FloatArray | None]:
+        inputs = ("diffuseColor", "roughness", "normal", "emissiveColor")
+        colour, rough, normal, glow = (_texture(shader, name) for name in inputs)
+        opacity = float(value_of(shader, "opacity", 1.0))
+        metallic = float(value_of(shader, "metallic", 0.0))
+        # Constants under a texture are its mean, for readers without pictures.
+        rgb = value_of(colour, "scale", (1.0,) * 4)[:3] if colour else _rgb(shader, "diffuseColor")
+        surface: Entry = {"baseColorFactor": _rounded([*rgb, opacity])}
+        surface["metallicFactor"] = _rounded([metallic])[0]
+        scale = float(value_of(rough, "scale", (1.0,))[0]) if rough else 1.0
+        roughness = min(scale, 1.0) if rough else float(value_of(shader, "roughness", 0.5))
+        surface["roughnessFactor"] = _rounded([roughness])[0]
+        entry: Entry = {"pbrMetallicRoughness": surface}
+        if colour:
+            surface["baseColorTexture"] = {"index": self._pictures.of(colour)}
+        if rough:
+            picture = self._pictures.roughness(rough, max(scale, 1.0), is_metal=metallic > 0.0)
+            surface["metallicRoughnessTexture"] = {"index": picture}
+        if normal:
+            entry["normalTexture"] = {"index": self._pictures.of(normal)}
+        self._shine(entry, shader, glow)
+        if opacity < 1.0:
+            cut = float(value_of(shader, "opacityThreshold", 0.0))
+            entry |= {"alphaMode": "MASK", "alphaCutoff": cut} if cut else {"alphaMode": "BLEND"}
+        drawn = colour or rough or normal or glow
+        return entry, (placement_of(drawn) if drawn else None)
+
+    def _shine(self, entry: Entry, shader: UsdShade.Shader, glow: UsdShade.Shader | None) -> None:
+        """What a material emits; beyond white that takes an extension."""
+        emitted = value_of(glow, "scale", (1.0,) * 4)[:3] if glow else _rgb(shader, "emissiveColor")
+        strength = max(map(float, emitted))
+        if strength <= 0.0:
+            return
+        beyond = max(strength, 1.0)
+        entry["emissiveFactor"] = _rounded([value / beyond for value in emitted])
+        if glow:
+            entry["emissiveTexture"] = {"index": self._pictures.of(glow)}
+        if beyond > 1.0:
+            self._file.extend("KHR_materials_emissive_strength")
+            said = {"emissiveStrength": _rounded([beyond])[0]}
+            entry["extensions"] = {"KHR_materials_emissive_strength": said}
+
+
+def _texture(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
+    """The texture that an input reads; None for one whose file is not there."""
+    texture = source_of(shader, name)
+    wire = texture.GetInput("file") if texture else None
+    file = wire.Get() if wire else None
+    return texture if file and file.resolvedPath else None
+
+
+def _rgb(shader: UsdShade.Shader, name: str) -> Any:
+    return value_of(shader, name, (0.18,) * 3 if name == "diffuseColor" else (0.0,) * 3)
+
+
+def _rounded(values: list[float]) -> list[float]:
+    return [round(float(value), _DIGITS) for value in values]
+
+
+class _Pictures:
+    """The pictures of textures, from a folder or out of a package, each written once."""
+
+    def __init__(self, file: GltfFile) -> None:
+        self._file = file
+        self._read: dict[str, bytes] = {}
+        self._places: dict[bytes, int] = {}
+
+    def of(self, texture: UsdShade.Shader) -> int:
+        """Place of the texture, with the bytes of the file where glTF knows its format."""
+        data = self._bytes(texture)
+        with Image.open(io.BytesIO(data)) as picture:
+            kind = picture.format or ""
+            if kind not in _TYPES:
+                kind, data = "PNG", _encoded(picture, "PNG")
+        return self._place(data, kind, texture.GetInput("file").Get().path)
+
+    def roughness(self, texture: UsdShade.Shader, beyond: float, *, is_metal: bool) -> int:
+        """A roughness map as glTF has it: in green, with the factor of metal in blue.
+
+        beyond: factors end at 1, so what a stage's scale has above that goes into the picture. A
+        grey picture serves as it is where nothing is metal.
+        """
+        data = self._bytes(texture)
+        with Image.open(io.BytesIO(data)) as picture:
+            if beyond == 1.0 and not is_metal and picture.format == "JPEG":
+                return self.of(texture)
+            green = np.array(picture.convert("L"), dtype=np.float64) * beyond
+        green = np.clip(np.round(green), 0, 255).astype(np.uint8)
+        white = np.full_like(green, 255)
+        packed = Image.fromarray(np.stack([white, green, white], axis=-1))
+        name = texture.GetInput("file").Get().path
+        return self._place(_encoded(packed, "JPEG"), "JPEG", name)
+
+    def _bytes(self, texture: UsdShade.Shader) -> bytes:
+        path = texture.GetInput("file").Get().resolvedPath
+        if path not in self._read:
+            asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+            self._read[path] = bytes(asset.GetBuffer())
+        return self._read[path]
+
+    def _place(self, data: bytes, kind: str, path: str) -> int:
+        key = hashlib.sha256(data).digest()
+        if key not in self._places:
+            view = self._file.add_view(data)
+            name = path.replace("[", "/").rstrip("]").split("/")[-1]
+            picture = {"name": name, "bufferView": view, "mimeType": _TYPES[kind]}
+            source = self._file.add("images", picture)
+            self._places[key] = self._file.add("textures", {"source": source})
+        return self._places[key]
+
+
+def _encoded(picture: Image.Image, kind: str) -> bytes:
+    buffer = io.BytesIO()
+    options: dict[str, Any] = {"quality": _QUALITY, "subsampling": 0} if kind == "JPEG" else {}
+    picture.save(buffer, kind, **options)
+    return buffer.getvalue()
