@@ -20,6 +20,9 @@ _LEAST_M = (0.14, 0.14, 0.12)
 _FULL = 0.9
 """Share of its bounds that a compartment fills."""
 
+_DEEP = 0.5
+"""Share of the asset's depth that is clear: before what stands in a shelf already is no place."""
+
 _OFF_FLOOR_M = 0.03
 """What is lower is the floor between the legs of a piece."""
 
@@ -85,6 +88,8 @@ def _compartments(depth: FloatArray, size_m: tuple[float, float, float]) -> list
             continue
         inside = depth[row : row + high, column : column + wide]
         deep = float(np.quantile(inside, 0.05))
+        if deep < _DEEP * size_m[1]:
+            continue
         if row + high >= depth.shape[0]:
             top += _OPEN_ABOVE_M
         left = column * cell_x - size_m[0] / 2

@@ -33,6 +33,9 @@ _LOW_M, _FLAT_M, _HIGH_M = 1.0, 0.05, 2.0
 """Pieces lower than the first are leant over, flatter than the second stood on, and what hangs
 higher than the third is in nobody's way."""
 
+_LARGE_M = 0.4
+"""Smaller dressing hides nothing."""
+
 _TOP_LENS_MM = 50.0
 _MARGIN = 1.06
 
@@ -58,16 +61,23 @@ def set_cameras(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> N
 
 def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> None:
     doors = [
-        np.array(tunnel.opening.box.center_m[:2])
+        tunnel.opening
         for tunnel in walls.tunnels_of(room.room.id)
         if tunnel.opening.kind != "window"
     ]
-    floor, items = walls.floors_m[room.index], [named.item for named in room.items]
-    view = choose_view(floor, items, doors)
-    dressing = _standing(named.item for named in room.dressing)
-    if _is_in_way(view, dressing):
-        view = choose_view(floor, [*items, *dressing], doors)
+    items = [named.item for named in room.items]
+    dressing = _large(named.item for named in room.dressing)
+    view = choose_view(walls.floors_m[room.index], items, doors, dressing)
     _write_view(layer, room.name, view)
+
+
+def _large(dressing: Iterable[Item]) -> list[Item]:
+    """Dressing that one sees from afar, or would walk into; not what lies flat."""
+    return [
+        item
+        for item in dressing
+        if max(item.box.size_m) > _LARGE_M and item.box.size_m[2] > _FLAT_M
+    ]
 
 
 def clear_camera(layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequence[Item]) -> None:

@@ -12,7 +12,7 @@ from shapely.geometry import LineString, Point, Polygon, box
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
-from chord_usd.scene.types import Box, FloatArray, Item
+from chord_usd.scene.types import Box, FloatArray, Item, Opening
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.viewpoints import NEAR_M, SENSOR_MM, View, choose_view
 
@@ -101,6 +101,7 @@ def test_a_doorway_is_a_place_to_stand() -> None:
     bath = item("bathtub", (0.85, 0.4), (1.7, 0.8, 0.6))
     basin = item("washbasin", (0.3, 1.2), (0.6, 0.6, 0.9))
     floor = box(0, 0, 1.7, 2.0)
-    view = choose_view(floor, [bath, basin], [np.array([1.2, 2.1])])
+    door = Opening("door", "door", Box((1.2, 2.1, 0.0), (0.8, 0.2, 2.1), 0.0))
+    view = choose_view(floor, [bath, basin], [door])
     assert view.position_m[1] > 1.2
     assert looks_at(view, (0.85, 0.4))
