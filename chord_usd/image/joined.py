@@ -1,10 +1,14 @@
-"""Which rooms share their light: those joined by a hole without a leaf, or with glass in it."""
+"""Which rooms share their light: those joined by a hole without a leaf, or with glass in it, and
+those that touch, which have no wall between them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from shapely.geometry import Polygon
 
 from chord_usd.image.stage_cameras import room_prims
 from chord_usd.runtime.stages import open_stage
@@ -15,6 +19,12 @@ if TYPE_CHECKING:
 _LEAF = "Leaf"
 _GLASS = "Glass"
 """How the names of the parts begin that close an opening, and that let light through."""
+
+_SLIT_M = 0.02
+"""Rooms nearer than this touch: there is no thinner wall."""
+
+_LEAST_M = 0.1
+"""Along less than this they only meet at a corner."""
 
 
 def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
@@ -29,7 +39,17 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
         if walls:
             walls.Load()
     names = {_node_id(room): room.GetName() for room in rooms}
-    return tuple(sorted({pair for room in rooms for pair in _pairs(room, names)}))
+    floors = {room.GetName(): _floor_m(room) for room in rooms}
+    pairs = {pair for room in rooms for pair in _pairs(room, names)}
+    return tuple(sorted(pairs | set(touching(floors))))
+
+
+def touching(floors_m: Mapping[str, Polygon]) -> Iterator[tuple[str, str]]:
+    """Pairs of names, in order, of floors along whose edges no wall stands."""
+    for (one, floor), (other, beside) in combinations(sorted(floors_m.items()), 2):
+        near = floor.exterior.buffer(_SLIT_M) if floor.distance(beside) < _SLIT_M else Polygon()
+        if near.intersection(beside.exterior).length > _LEAST_M:
+            yield one, other
 
 
 def lit_with(room: str, joined: Iterable[tuple[str, str]]) -> set[str]:
@@ -59,6 +79,11 @@ def _lets_light_through(opening: Usd.Prim) -> bool:
     parts = [part.GetName() for part in Usd.PrimRange(opening)]
     has_leaf = any(part.startswith(_LEAF) for part in parts)
     return not has_leaf or any(part.startswith(_GLASS) for part in parts)
+
+
+def _floor_m(room: Usd.Prim) -> Polygon:
+    name = "chord:polygon_m"
+    return Polygon(room.GetAttribute(name).Get() if room.HasAttribute(name) else ())
 
 
 def _node_id(prim: Usd.Prim) -> str:

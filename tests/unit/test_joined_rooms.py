@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely.geometry import box
 
-from chord_usd.image.joined import lit_with
+from chord_usd.image.joined import lit_with, touching
 
 ROOMS = st.sampled_from("ABCDEF")
 PAIRS = st.lists(st.tuples(ROOMS, ROOMS))
@@ -28,3 +29,13 @@ def test_another_hole_takes_no_light_away(
     room: str, joined: list[tuple[str, str]], hole: tuple[str, str]
 ) -> None:
     assert lit_with(room, joined) <= lit_with(room, [*joined, hole])
+
+
+def test_rooms_without_a_wall_between_share_their_light() -> None:
+    floors = {
+        "Living": box(0.0, 0.0, 4.0, 3.0),
+        "Dining": box(4.0, 1.0, 7.0, 3.0),
+        "Behind a wall": box(1.0, 3.1, 4.0, 6.0),
+        "At a corner": box(-2.0, 3.0, 0.0, 5.0),
+    }
+    assert list(touching(floors)) == [("Dining", "Living")]
