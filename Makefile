@@ -60,7 +60,8 @@ lint: setup-dev
 wheel: setup
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 
-extension: setup
+# With the Python that BIN names, as it is; only our own is set up first.
+extension: $(if $(filter .venv/bin,$(BIN)),setup)
 	@mkdir -p dist
 	$(BIN)/python $(BLENDER_EXT) build --source-dir blender_addon --output-dir dist
 	$(BIN)/python $(BLENDER_EXT) validate dist/chord_usd-*.zip

@@ -23,7 +23,7 @@ LAMP_KEY = "chord_usd_lamp"
 LEAST_LIGHT = 1e-3
 """Share of its brightness that a lamp keeps that was put out; an exposure has no zero."""
 
-CATEGORY_KEY, SIZE_KEY = "chord:category", "chord:size_m"
+CATEGORY_KEY, SIZE_KEY, DENSITY_KEY = "chord:category", "chord:size_m", "chord:kg_per_m3"
 NODE_KEY, RESTS_KEY = "chord:node_id", "chord:rests_on"
 EDITED_KEY, MOVED_KEY = "chord:edited_by", "chord:moved_m"
 """Custom properties that the importer gives pieces: attributes of the stage."""

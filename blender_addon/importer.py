@@ -23,6 +23,9 @@ from .properties import PART_KEY, fields
 
 WORLD = "CHOrD sky"
 
+SUN_IMPORT = 4.0
+"""Blender's importer makes suns this many times as strong as USD means them, measured on white."""
+
 PROTOTYPE = ""
 """The part of the house that its instances show."""
 
@@ -78,6 +81,9 @@ def _import_stage(context: bpy.types.Context, stage: Path) -> Objects:
     bpy.ops.wm.usd_import(filepath=str(stage), support_scene_instancing=True)
     _hide_prototypes(context, set(bpy.data.collections) - collections)
     linked = [item for item in context.scene.collection.objects if item not in before]
+    for item in linked:
+        if item.type == "LIGHT" and item.data.type == "SUN":
+            item.data.energy /= SUN_IMPORT
     paths = usd_paths({item.name: item.parent.name if item.parent else None for item in linked})
     return dict(sorted(((paths[item.name], item) for item in linked), key=lambda pair: pair[0]))
 

@@ -17,6 +17,7 @@ from .core.layer import edits_file
 from .core.tree import piece_of
 from .house import (
     CATEGORY_KEY,
+    DENSITY_KEY,
     LOCKED_KEY,
     SIZE_KEY,
     Objects,
@@ -159,7 +160,8 @@ class ChordSwap(JobOperator, bpy.types.Operator):
         chosen = offered[self.index]
         usd = swaps.bring_model(chosen.usd, seen.house, chosen.shared)
         slot = _slot(objects[own.swap_path], seen.changes, own.swap_path)
-        swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path))
+        density = float(objects[own.swap_path].get(DENSITY_KEY, 0.0))
+        swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path), density)
         return rebuild(seen, _with_swap(context, seen.changes, swap, chosen.size_m))
 
 

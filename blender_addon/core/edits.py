@@ -40,6 +40,8 @@ class Swap:
     size_m: Size
     """What the model fills of the slot."""
     looks: Looks = field(default_factory=dict)
+    kg_per_m3: float = 0.0
+    """Of the piece, if it is one that people move; 0 for others."""
 
 
 @dataclass(frozen=True)
@@ -236,6 +238,7 @@ def _swap(entry: Mapping[str, Any]) -> Swap:
         offset_m=(x, y),
         size_m=size_of(entry["size_m"]),
         looks=dict(entry["looks"]),
+        kg_per_m3=float(entry.get("kg_per_m3", 0.0)),
     )
 
 

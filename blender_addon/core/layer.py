@@ -23,6 +23,7 @@ _HEAD = """#usda 1.0
     defaultPrim = "{root}"
     doc = "Changes made in Blender, over {house}"
     metersPerUnit = 1
+    renderSettingsPrimPath = "/{root}/Render/Settings"
     subLayers = [
         @./{house}@
     ]
@@ -150,6 +151,9 @@ def _write_swap(over: _Over, swap: Swap) -> None:
     over.properties.append(
         f"custom double3 chord:size_m = ({length:.9g}, {width:.9g}, {height:.9g})"
     )
+    if swap.kg_per_m3:
+        mass_kg = swap.kg_per_m3 * length * width * height
+        over.properties.append(f"float physics:mass = {mass_kg:.6g}")
 
 
 def _variants(looks: Looks) -> list[str]:

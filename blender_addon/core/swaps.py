@@ -70,14 +70,16 @@ def candidates(report: Mapping[str, Any]) -> list[Candidate]:
     return found
 
 
-def swap_for(candidate: Candidate, slot_m: Size, usd: str, colour: str) -> Swap:
+def swap_for(
+    candidate: Candidate, slot_m: Size, usd: str, colour: str, kg_per_m3: float = 0.0
+) -> Swap:
     """The swap that puts a candidate in a slot, in the colour it is asked for if it has that.
 
     usd: the model's layer, relative to the house.
     """
     chosen = colour if colour in candidate.colours else next(iter(candidate.colours), "")
     looks = {COLOUR: chosen} if chosen else {}
-    return Swap(usd, slot_m, candidate.offset_m, candidate.fits_m, looks)
+    return Swap(usd, slot_m, candidate.offset_m, candidate.fits_m, looks, kg_per_m3)
 
 
 def placed(matrix: Matrix, before: Swap | None, swap: Swap, own_m: Size) -> Matrix:

@@ -73,7 +73,9 @@ def _add_shaders(stage: Usd.Stage, material: UsdShade.Material) -> None:
         ("translation", "uvOffset"),
     ):
         source = material.GetInput(public)
-        place.CreateInput(inner, source.GetTypeName()).ConnectToSource(source)
+        wire = place.CreateInput(inner, source.GetTypeName())
+        wire.Set(source.Get())  # for readers that do not follow connections
+        wire.ConnectToSource(source)
     uv = _output(place, "result", types.Float2)
     colour = _texture(stage, material, "BaseColor", "base_color", SRGB, uv)
     # Not an input of the material: Blender reads a texture's scale from the shader alone.

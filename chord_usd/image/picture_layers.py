@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 VARIANT_SET = "lighting"
 """On the default prim."""
 
-_KEPT = ("defaultPrim", "upAxis", "metersPerUnit")
+_KEPT = ("defaultPrim", "upAxis", "metersPerUnit", "renderSettingsPrimPath")
 """Metadata that a stage takes from its topmost layer alone."""
 
 

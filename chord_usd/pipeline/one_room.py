@@ -90,10 +90,11 @@ def regenerate(
     with watch.step("read"):
         from chord_usd.graph.match import match_assets
         from chord_usd.lists.wishes import asked_in
-        from chord_usd.stage.refurnish import read_edited_house, read_house
+        from chord_usd.stage.refurnish import read_edited_house, read_house, require_furniture
 
         house = read_edited_house(edits, source) if edits else read_house(source)
         room = house.room(room_name, source)
+        require_furniture(source, room_name)
         kept = house.kept(room_name, keep, source)
         kept_ids, bare = frozenset(kept), replace(house.graph, dressing=())
         seed = house.seeds[room_name] + 1 if seed is None else seed

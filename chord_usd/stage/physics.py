@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pxr import Gf, Sdf, Vt
 
 from chord_usd.scene.types import Box, Item
-from chord_usd.stage.prims import Types, apply_schema, attribute, define, place, relate
+from chord_usd.stage.prims import Types, apply_schema, attribute, define, note, place, relate
 
 GRAVITY_M_PER_S2 = 9.81
 
@@ -97,7 +97,9 @@ def let_move(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> No
             return
     if item.category in KG_PER_M3:
         length, width, height = item.box.size_m
-        _give_body(prim, KG_PER_M3[item.category] * length * width * height)
+        density = KG_PER_M3[item.category]
+        _give_body(prim, density * length * width * height)
+        note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
 
 
 def _top_m(item: Item) -> float:

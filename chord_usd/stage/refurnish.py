@@ -178,6 +178,18 @@ def _placed(path: str) -> str:
     return "/".join(path.split("/")[:6])
 
 
+def require_furniture(path: Path, room_name: str) -> None:
+    """Raises StageError where a room's furniture is in another layer, which is not written."""
+    layer = open_layer(path)  # what it holds lives as long as it does
+    if not layer.GetPrimAtPath(f"/House/Rooms/{room_name}/Furniture"):
+        raise StageError(
+            f"the furniture of {room_name!r} is not in this layer",
+            where=str(path),
+            expected="the stage as chord-usd wrote it, not one that refers to it",
+            try_="regenerate HOUSE --edits LAYER, with the house that the layer lies over",
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class NewFurniture:
     """What a room gets."""
@@ -212,6 +224,7 @@ def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
             expected=f"-o with the suffix {source.suffix}",
         )
     _require_own(source, target)
+    require_furniture(source, new.room_name)
     with reading(source), deliver() as delivery:
         staged = delivery.place(target)
         if source.suffix == ".usdz":
@@ -314,12 +327,6 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
     """Refurnish the layer at path. finals: the folders that hold what it points to."""
     layer = open_layer(path)
     furniture = layer.GetPrimAtPath(f"/House/Rooms/{new.room_name}/Furniture")
-    if not furniture:
-        raise StageError(
-            f"the furniture of {new.room_name!r} is not in this layer",
-            where=str(path),
-            expected="the stage as chord-usd wrote it, not one that refers to it",
-        )
     dressing = furniture.nameParent.nameChildren.get(DRESSING)
     for group in (furniture, dressing):
         for name in list(group.nameChildren.keys()) if group else ():

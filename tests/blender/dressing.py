@@ -14,6 +14,8 @@ told["open"] = s.press("open_house", filepath=str(house))
 s.choose_room("Bedroom_0")
 told["tree"] = s.tree(bpy.context.scene.collection)
 told["drawn"] = s.drawn()
+suns = [light for light in bpy.data.lights if light.type == "SUN"]
+told["suns"] = [sun.energy for sun in suns]
 told["untouched"] = s.start("save_edits") or sorted(p.name for p in house.parent.glob("*.edits.*"))
 room = "/House/Rooms/Bedroom_0"
 table, bowl, picture = (
@@ -40,6 +42,7 @@ told["found"] = s.press("find_models", path=picture)
 told["offered"] = len(s.part("core.swaps").candidates(s.part("properties").parsed(own.swap_models)))
 told["swapped"] = s.press("swap", index=1)
 told["swaps"] = sorted(read(house).swaps)
+told["edits"] = s.part("core.layer").edits_file(house).read_text(encoding="utf-8")
 s.start("delete_piece", path=table)
 s.start("save_edits")
 told["gone"] = sorted(path for path, edit in read(house).pieces.items() if edit.matrix is None)

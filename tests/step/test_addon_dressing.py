@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pxr import Sdf, Usd
 
 from chord_usd.cli import main
 from chord_usd.scene.chord_json import read_scene, write_scene
 from chord_usd.scene.types import Box, Facts, Item
+from chord_usd.stage.physics import KG_PER_M3
 
 SCENE = Path(__file__).parents[1] / "fixtures" / "furnished_house.json"
 ROOM = "/House/Rooms/Bedroom_0"
@@ -41,7 +43,32 @@ def dressed(run_in_blender: Callable[..., Told], tmp_path_factory: pytest.TempPa
     write_scene(replace(graph, dressing=dressing), folder / "scene.json")
     stage = folder / "house.usda"
     assert main(["stage", str(folder / "scene.json"), "-o", str(stage)]) == 0
-    return run_in_blender("dressing.py", stage)
+    return {**run_in_blender("dressing.py", stage), "stage": str(stage)}
+
+
+def edits_of(told: Told) -> Sdf.Layer:
+    """The layer of changes after a swap."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    assert layer.ImportFromString(told["edits"])
+    return layer
+
+
+def test_the_sun_is_as_strong_as_the_house_says(dressed: Told) -> None:
+    house = Usd.Stage.Open(dressed["stage"])
+    said = house.GetPrimAtPath("/House/Lighting/Sun").GetAttribute("inputs:intensity").Get()
+    assert dressed["suns"] == pytest.approx([said])
+
+
+def test_a_swapped_piece_weighs_what_its_size_says(dressed: Told) -> None:
+    said = edits_of(dressed).GetPrimAtPath(BOWL).attributes
+    volume_m3 = np.prod(said["chord:size_m"].default)
+    assert said["physics:mass"].default == pytest.approx(KG_PER_M3["bowl"] * volume_m3, rel=1e-3)
+
+
+def test_changes_as_root_keep_the_render_settings(dressed: Told) -> None:
+    layers = Sdf.Layer.FindOrOpen(dressed["stage"]), edits_of(dressed)
+    first, second = (one.pseudoRoot.GetInfo("renderSettingsPrimPath") for one in layers)
+    assert first == second != ""
 
 
 def test_dressing_is_listed_and_goes_with_what_it_rests_on(dressed: Told) -> None:

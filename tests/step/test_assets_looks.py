@@ -139,6 +139,15 @@ def test_a_material_is_adjusted_through_its_inputs(tmp_path: Path) -> None:
     assert spaces == ["sRGB", "raw", "raw"]
 
 
+def test_what_lays_a_look_has_values_beside_its_connections(tmp_path: Path) -> None:
+    write_material(tmp_path / "Oak.usda", (0.5, 2.0), 90.0, {})
+    stage = Usd.Stage.Open(str(tmp_path / "Oak.usda"))
+    place = UsdShade.Shader(stage.GetPrimAtPath("/Oak/Place"))
+    said = [place.GetInput(name).GetAttr().Get() for name in ("scale", "rotation", "translation")]
+    assert said == [(2.0, 0.5), 90.0, (0.0, 0.0)]
+    assert all(place.GetInput(name).HasConnectedSource() for name in ("scale", "rotation"))
+
+
 def test_looks_of_a_user_go_before_those_of_the_style(tmp_path: Path) -> None:
     theirs = tmp_path / "Mine"
     (theirs / "maps").mkdir(parents=True)

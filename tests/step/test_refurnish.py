@@ -11,6 +11,7 @@ import pytest
 from pxr import Sdf, Usd, UsdUtils
 
 from chord_usd.errors import StageError
+from chord_usd.pipeline import one_room
 from chord_usd.scene.types import Asset, Item, Provenance, SceneGraph
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.attribution import attribution_file
@@ -196,6 +197,20 @@ def test_a_stage_of_something_else_is_refused(tmp_path: Path) -> None:
     path.write_text('#usda 1.0\n(\n    defaultPrim = "Thing"\n)\ndef Xform "Thing"\n{\n}\n')
     with pytest.raises(StageError, match="holds no rooms"):
         read_house(path)
+
+
+def test_a_layer_over_the_house_is_refused_before_anything_is_sampled(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    over = Sdf.Layer.CreateNew(str(folder / "over.usda"))
+    over.subLayerPaths.append("./house.usda")
+    over.defaultPrim = "House"
+    over.Save()
+    monkeypatch.delattr(one_room, "load_models")
+    path = folder / "over.usda"
+    with pytest.raises(StageError, match="not in this layer") as refused:
+        one_room.regenerate(path, room_with_items(path))
+    assert refused.value.where == str(path)
 
 
 def test_nothing_is_left_behind_on_failure(folder: Path) -> None:

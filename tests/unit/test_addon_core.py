@@ -38,6 +38,16 @@ def test_core_does_without_blender() -> None:
     subprocess.run([sys.executable, "-c", code + "sys.modules"], check=True, cwd=ROOT)
 
 
+def test_the_extension_is_built_by_the_python_named_without_setting_it_up() -> None:
+    def steps(*names: str) -> str:
+        command = ["make", "-B", "-n", "extension", "PYTHON=python3.11", *names]
+        return subprocess.run(command, capture_output=True, check=True, text=True, cwd=ROOT).stdout
+
+    assert "pip install" in steps()
+    assert "pip install" not in steps("BIN=/opt/bpy/bin")
+    assert "/opt/bpy/bin/python" in steps("BIN=/opt/bpy/bin")
+
+
 def script(folder: Path, body: str) -> Path:
     """An executable Python script."""
     file = folder / "chord usd é"  # spaces and letters that are not ASCII
