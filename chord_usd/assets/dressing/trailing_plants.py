@@ -34,10 +34,10 @@ from chord_usd.assets.solids import (
 
 
 def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
-    """A pot from which vines spill over and lie around it."""
+    """A pot from which vines rise, bend over its rim and hang beside it."""
     length, width, height = size_m
     rng = rng_of(f"{kind}/{size_m}")
-    r, h = min(length, width) * 0.26, height * 0.5
+    r, h = min(length, width) * 0.28, height * 0.42
     vessel = pot("taper" if kind != "pearls" else "cylinder", r, h)
     stems, grids, pearls = [], [], []
     count = {"pothos": 12, "ivy": 11, "pearls": 13, "fern": 16}[kind]
@@ -47,7 +47,7 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
         reach = length / 2 * (0.5 + 0.45 * share)
         peak = vessel.soil_m + (height - vessel.soil_m) * (0.9 - 0.65 * share)
         end = (
-            max(0.012, vessel.soil_m * (0.9 - 1.3 * share))
+            vessel.soil_m * (0.95 - 0.75 * share)
             if kind != "fern"
             else vessel.soil_m * 0.9
         )
@@ -138,12 +138,12 @@ _MS = (MODERN, SCANDINAVIAN)
 
 DESIGNS = (
     design(
-        "Trailing_Pothos", "trailing_plant", (0.36, 0.36, 0.24), trailing, pot_looks(*CERAMIC), ()
+        "Trailing_Pothos", "trailing_plant", (0.34, 0.34, 0.34), trailing, pot_looks(*CERAMIC), ()
     ),
     design(
         "Trailing_Ivy",
         "trailing_plant",
-        (0.34, 0.34, 0.22),
+        (0.3, 0.3, 0.3),
         partial(trailing, kind="ivy"),
         pot_looks(("clay", "clay"), *CERAMIC[:3], leaf="leaf_deep"),
         (CLASSIC, SCANDINAVIAN, INDUSTRIAL),
@@ -151,7 +151,7 @@ DESIGNS = (
     design(
         "Trailing_Pearls",
         "trailing_plant",
-        (0.24, 0.24, 0.16),
+        (0.22, 0.22, 0.22),
         partial(trailing, kind="pearls"),
         pot_looks(*CERAMIC),
         _MS,
@@ -159,7 +159,7 @@ DESIGNS = (
     design(
         "Trailing_Fern",
         "trailing_plant",
-        (0.4, 0.4, 0.3),
+        (0.38, 0.38, 0.34),
         partial(trailing, kind="fern"),
         pot_looks(*_GLAZED, *CERAMIC[:1]),
         (),

@@ -60,7 +60,7 @@ _DRAWINGS: dict[str, art.Draw] = {
 }
 """Drawing by name."""
 
-ART_SLOTS = ("art", "art_b")
+ART_SLOTS = ("art", "art_b", "art_c")
 
 
 @cache
@@ -116,10 +116,10 @@ def framed(
 ) -> tuple[Part, ...]:
     """A picture in mitred rails; mount_m is the width of the passe-partout around it."""
     length, width, height = size_m
-    return _frame(length, width, height, rail_m, mount_m, moulded, "", "art", 0.0)
+    return framed_art(length, width, height, rail_m, mount_m, moulded, "", "art", 0.0)
 
 
-def _frame(
+def framed_art(
     length: float,
     width: float,
     height: float,
@@ -130,6 +130,7 @@ def _frame(
     slot: str,
     x: float,
 ) -> tuple[Part, ...]:
+    """The parts of one framed picture whose middle is at x; end: of their names."""
     section = moulded_rail(rail, width) if moulded else flat_rail(rail, width)
     frame = frame_rails(length, height, section).moved(x, width / 2)
     inner_l, inner_h = length - 2 * rail, height - 2 * rail
@@ -156,8 +157,8 @@ def pair(size_m: Size, *, rail_m: float = 0.015, mount_m: float = 0.05) -> tuple
     one = (length - 0.07) / 2
     at = (length - one) / 2
     return (
-        *_frame(one, width, height, rail_m, mount_m, False, "_Left", "art", -at),
-        *_frame(one, width, height, rail_m, mount_m, False, "_Right", "art_b", at),
+        *framed_art(one, width, height, rail_m, mount_m, False, "_Left", "art", -at),
+        *framed_art(one, width, height, rail_m, mount_m, False, "_Right", "art_b", at),
     )
 
 
@@ -223,7 +224,8 @@ def scroll(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def _looks(*frames: str, mount: str = "mount_board") -> dict[str, dict[str, str]]:
+def frame_looks(*frames: str, mount: str = "mount_board") -> dict[str, dict[str, str]]:
+    """Colourways by the finish of the frame."""
     return {
         name: {
             "frame": name,
@@ -231,6 +233,7 @@ def _looks(*frames: str, mount: str = "mount_board") -> dict[str, dict[str, str]
             "back": "black",
             "art": "art",
             "art_b": "art_b",
+            "art_c": "art_c",
             "silk": "linen",
             "band": "beige_cloth",
         }
@@ -238,11 +241,11 @@ def _looks(*frames: str, mount: str = "mount_board") -> dict[str, dict[str, str]
     }
 
 
-_THIN = _looks("black_metal", "oak", "walnut", "white")
-_LIGHT = _looks("oak", "birch", "white", "black_stain")
-_GILT = _looks("gilt", "dark_walnut", "cherry")
-_STEEL = _looks("black_metal", "gunmetal")
-_SCROLL = _looks("dark_walnut", "black_stain")
+_THIN = frame_looks("black_metal", "oak", "walnut", "white")
+_LIGHT = frame_looks("oak", "birch", "white", "black_stain")
+_GILT = frame_looks("gilt", "dark_walnut", "cherry")
+_STEEL = frame_looks("black_metal", "gunmetal")
+_SCROLL = frame_looks("dark_walnut", "black_stain")
 
 _PLAIN = partial(framed, rail_m=0.014)
 _MOUNT = partial(framed, rail_m=0.016, mount_m=0.05)
@@ -269,7 +272,7 @@ _KINDS: dict[str, tuple[Callable[[Size], tuple[Part, ...]], float, float, dict]]
     "Wide_Mount": (_WIDE_MOUNT, 0.025, 0.105, _THIN),
     "Gilt": (_MOULDED, 0.045, 0.06, _GILT),
     "Moulded": (_SLIM_MOULDED, 0.03, 0.075, _GILT),
-    "Canvas": (on_canvas, 0.035, 0.0, _looks("white")),
+    "Canvas": (on_canvas, 0.035, 0.0, frame_looks("white")),
     "Float": (floating, 0.04, 0.014, _THIN),
     "Steel": (_PLAIN, 0.022, 0.014, _STEEL),
     "Pair": (pair, 0.022, 0.065, _LIGHT),

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from chord_usd.assets.dressing.textiles import TEXTILES
+from chord_usd.assets.dressing.wall_pictures import (
+    ART_SLOTS,
+    ArtFinishes,
+    frame_looks,
+    framed_art,
+)
 from chord_usd.assets.model import Design, Part, Style, editions, steps
 from chord_usd.assets.solids import (
     Size,
@@ -95,50 +101,39 @@ def _ledge(length: float, width: float, height: float) -> tuple[Part, ...]:
     )
 
 
-def pictures(size_m: Size) -> tuple[Part, ...]:
-    """Framed abstract prints in a row, all of one height."""
+def pictures(
+    size_m: Size, *, pitch_m: float, rail_m: float, mount_m: float = 0.0, moulded: bool = False
+) -> tuple[Part, ...]:
+    """Framed pictures in a row, all of one size; pitch_m: about from one to the next."""
     length, width, height = size_m
-    count = max(2, round(length / 0.72))
-    gap = 0.06
-    wide = (length - gap * (count - 1)) / count
-    frames, mats = [], []
-    fields: dict[str, list[Solid]] = {"art_a": [], "art_b": [], "art_c": []}
+    count = _count(length, pitch_m)
+    wide = _wide(length, count)
+    named: dict[str, list[Part]] = {}
     for index in range(count):
-        x = -length / 2 + wide / 2 + (wide + gap) * index
-        frames.append(_frame(wide, width, height).moved(x))
-        mats.append(box((wide - 0.03, 0.01, height - 0.03)).moved(x, width / 2 - 0.012, 0.015))
-        for slot, piece in _abstract(wide - 0.2, height - 0.2, index):
-            fields[slot].append(piece.moved(x, width / 2 - 0.02, 0.1))
-    art = [Part(f"Print_{s[-1].upper()}", joined(p), s, collider=None) for s, p in fields.items()]
-    return (
-        Part("Frames", joined(frames), "wood"),
-        Part("Mats", joined(mats), "paper", collider=None),
-        *art,
+        x = -length / 2 + wide / 2 + (wide + _GAP_M) * index
+        slot = ART_SLOTS[index % len(ART_SLOTS)]
+        for part in framed_art(wide, width, height, rail_m, mount_m, moulded, f"_{index}", slot, x):
+            named.setdefault(part.name if part.uvs is not None else part.slot, []).append(part)
+    return tuple(
+        replace(
+            group[0],
+            name=name.capitalize(),
+            solid=joined([part.solid for part in group]),
+            collider="boundingCube" if name == "frame" else None,
+        )
+        for name, group in named.items()
     )
 
 
-def _frame(length: float, width: float, height: float) -> Solid:
-    rail = 0.028
-    deep = width
-    stile = block((rail, deep, height), 0.003)
-    bar = block((length - 2 * rail + 0.004, deep - 0.002, rail), 0.003)
-    side = (length - rail) / 2
-    return joined([stile.moved(-side), stile.moved(side), bar, bar.moved(z=height - rail)])
+_GAP_M = 0.07
 
 
-def _abstract(length: float, height: float, index: int) -> list[tuple[str, Solid]]:
-    """A few flat fields on the mat: bands of land, a disc for a sun; each print arranged anew."""
-    low, disc = (0.3, 0.38, 0.24)[index % 3], (0.25, -0.2, 0.1)[index % 3]
-    ground = box((length, 0.004, height * low))
-    hill = box((length * 0.62, 0.007, height * 0.2))
-    shift = (0.19, -0.19, 0.1)[index % 3] * length
-    radius = min(length, height) * 0.17
-    sun = lathe([(radius, 0), (radius, 0.004), (0, 0.004)], 28).turned("x", 90)
-    return [
-        ("art_a", ground),
-        ("art_b", hill.moved(shift, 0.0, height * low - 0.01)),
-        ("art_c", sun.moved(disc * length, 0.002, height * 0.74)),
-    ]
+def _count(length: float, pitch_m: float) -> int:
+    return max(1, round(length / pitch_m))
+
+
+def _wide(length: float, count: int) -> float:
+    return (length - _GAP_M * (count - 1)) / count
 
 
 def _padding(cloth: str) -> dict[str, str]:
@@ -147,10 +142,6 @@ def _padding(cloth: str) -> dict[str, str]:
 
 def _slats(wood: str, vase: str = "terracotta") -> dict[str, str]:
     return {"wood": wood, "board": "black", "vase": vase, "books": "paper"}
-
-
-def _prints(frame: str, ground: str, hill: str, sun: str) -> dict[str, str]:
-    return {"wood": frame, "paper": "paper", "art_a": ground, "art_b": hill, "art_c": sun}
 
 
 def _padded(cloths: tuple[str, ...]) -> dict[str, dict[str, str]]:
@@ -171,12 +162,6 @@ _SLATS = {
     "black_stain": _slats("black_stain"),
     "white": _slats("warm_white"),
 }
-_PRINTS = {
-    "desert": _prints("oak", "terracotta", "sand", "yellow_cover"),
-    "sea": _prints("black_stain", "navy", "teal_cloth", "blush"),
-    "forest": _prints("walnut", "forest", "sage", "mustard_cloth"),
-}
-
 _Form = tuple[Style, tuple[str, ...]]
 _TILES = partial(padded_panel, rows=3, pitch_m=0.38)
 _HEADS: tuple[_Form, ...] = (
@@ -188,9 +173,70 @@ _HEADS: tuple[_Form, ...] = (
     (Style("Bed_Panel_Leather", partial(padded_panel, rows=4, pitch_m=0.9), _LEATHER_PADS, 1.1),
      ("industrial",)),
 )  # fmt: skip
-_PICTURES = Style("Sofa_Prints", pictures, _PRINTS, 0.85)
-_SLAT_WALL = Style("Sofa_Slats", slatted_panel, _SLATS, 1.2)
-_SLAT_LEDGE = Style("Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1)
+_SLATTED = ("japanese", "scandinavian", "modern")
+_SLAT_WALL = Style("Sofa_Slats", slatted_panel, _SLATS, 1.2, _SLATTED)
+_SLAT_LEDGE = Style(
+    "Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1, _SLATTED
+)
+
+
+@dataclass(frozen=True)
+class _Hanging:
+    """Pictures over a sofa: how they are framed, what they show, how high they are."""
+
+    pitch_m: float
+    height_m: float
+    rail_m: float
+    mount_m: float
+    frames: tuple[str, ...]
+    drawings: tuple[str, str, str]
+    moulded: bool = False
+
+
+_HANGINGS: dict[str, tuple[_Hanging, ...]] = {
+    "modern": (
+        _Hanging(1.3, 0.9, 0.014, 0.0, ("black_metal", "oak", "walnut"),
+                 ("strokes", "field", "arches")),
+        _Hanging(4.0, 1.0, 0.012, 0.0, ("walnut", "black_metal"), ("field_pale",) * 3),
+    ),
+    "scandinavian": (
+        _Hanging(0.62, 0.8, 0.018, 0.05, ("oak", "birch", "white"),
+                 ("botanical", "fronds", "cut_outs")),
+        _Hanging(1.1, 0.75, 0.016, 0.06, ("birch", "black_stain"),
+                 ("mountains", "arches_pale", "sea")),
+    ),
+    "classic": (
+        _Hanging(1.0, 0.8, 0.06, 0.0, ("gilt", "dark_walnut"),
+                 ("old_landscape", "still_life", "sea"), moulded=True),
+        _Hanging(0.55, 0.7, 0.035, 0.05, ("gilt", "cherry"),
+                 ("botanical_blue", "botanical", "still_life_pale"), moulded=True),
+    ),
+    "industrial": (
+        _Hanging(0.75, 0.95, 0.014, 0.0, ("black_metal", "gunmetal"),
+                 ("city", "gears", "bauhaus_earth")),
+        _Hanging(2.2, 0.95, 0.014, 0.0, ("gunmetal", "black_metal"),
+                 ("strokes_deep", "city", "field_deep")),
+    ),
+    "japanese": (
+        _Hanging(4.0, 0.6, 0.016, 0.04, ("black_stain", "dark_walnut"), ("ink_hills",) * 3),
+        _Hanging(0.9, 0.75, 0.014, 0.06, ("oak", "black_stain"), ("enso", "branch", "bamboo")),
+    ),
+}  # fmt: skip
+"""By style: forms in turn, so that sofas of other lengths have other pictures over them."""
+
+
+def _over_sofas() -> Iterator[Design]:
+    for style, hangings in _HANGINGS.items():
+        for index, length in enumerate(steps(1.25, 3.55, 0.2)):
+            one = hangings[index % len(hangings)]
+            draw = partial(pictures, pitch_m=one.pitch_m, rail_m=one.rail_m, mount_m=one.mount_m,
+                           moulded=one.moulded)  # fmt: skip
+            name = f"Sofa_Prints_{style.capitalize()}_{100 * length:.0f}"
+            edge_m = 2 * (one.rail_m + one.mount_m)
+            seen_m = _wide(length, _count(length, one.pitch_m)) - edge_m, one.height_m - edge_m
+            art = ArtFinishes(name, one.drawings, round(seen_m[0] / seen_m[1], 3))
+            yield Design(name, "sofa_background", (length, 0.06, one.height_m), draw,
+                         frame_looks(*one.frames), art, (style,))  # fmt: skip
 
 
 def _heads() -> Iterator[Design]:
@@ -203,6 +249,7 @@ def _heads() -> Iterator[Design]:
 
 DESIGNS = (
     *_heads(),
-    *editions("sofa_background", (_PICTURES, _SLAT_WALL), steps(1.25, 3.55), (0.06,)),
-    *editions("sofa_background", (_SLAT_LEDGE, _PICTURES), steps(1.25, 3.55, 0.2), (0.1,)),
+    *_over_sofas(),
+    *editions("sofa_background", (_SLAT_WALL,), steps(1.25, 3.55, 0.2), (0.06,)),
+    *editions("sofa_background", (_SLAT_LEDGE,), steps(1.25, 3.55, 0.2), (0.1,)),
 )

@@ -9,6 +9,7 @@ from mathutils import Matrix
 
 from chord_usd.image.job import Job
 from chord_usd.image.stage_cameras import StageCamera
+from chord_usd.scene.palette import CATEGORIES, Mount
 
 SUN_IMPORT = 4.0
 """The importer makes suns this many times as strong as USD means them, measured on white."""
@@ -111,11 +112,21 @@ def aim(camera: Any, view: StageCamera) -> None:
 
 
 def open_roof(scene: Any, is_open: bool) -> None:
-    """Let the camera see through ceilings and sky, or not.
+    """Let the camera see through ceilings, what hangs from them, and sky, or not.
 
     Ceilings go on casting shadows: so the rooms keep the light they have inside.
     """
     for thing in bpy.data.objects:
-        if thing.type == "MESH" and thing.name.startswith(CEILING):
+        if thing.type == "MESH" and (thing.name.startswith(CEILING) or _hangs_high(thing)):
             thing.visible_camera = not is_open
     scene.render.film_transparent = is_open
+
+
+def _hangs_high(thing: Any) -> bool:
+    """Whether it is part of a lamp at the ceiling."""
+    while thing is not None:
+        row = CATEGORIES.get(str(thing.get("chord:category")))
+        if row is not None:
+            return row.mount is Mount.CEILING
+        thing = thing.parent
+    return False
