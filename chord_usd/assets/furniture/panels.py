@@ -195,9 +195,9 @@ class _Hanging:
 
 _HANGINGS: dict[str, tuple[_Hanging, ...]] = {
     "modern": (
-        _Hanging(1.3, 0.9, 0.014, 0.0, ("black_metal", "oak", "walnut"),
+        _Hanging(1.3, 0.9, 0.014, 0.03, ("black_metal", "oak", "walnut"),
                  ("strokes", "field", "arches")),
-        _Hanging(4.0, 1.0, 0.012, 0.0, ("walnut", "black_metal"), ("field_pale",) * 3),
+        _Hanging(4.0, 1.0, 0.012, 0.06, ("walnut", "black_metal"), ("field_pale",) * 3),
     ),
     "scandinavian": (
         _Hanging(0.62, 0.8, 0.018, 0.05, ("oak", "birch", "white"),
@@ -212,9 +212,9 @@ _HANGINGS: dict[str, tuple[_Hanging, ...]] = {
                  ("botanical_blue", "botanical", "still_life_pale"), moulded=True),
     ),
     "industrial": (
-        _Hanging(0.75, 0.95, 0.014, 0.0, ("black_metal", "gunmetal"),
+        _Hanging(0.75, 0.95, 0.014, 0.04, ("black_metal", "gunmetal"),
                  ("city", "gears", "bauhaus_earth")),
-        _Hanging(2.2, 0.95, 0.014, 0.0, ("gunmetal", "black_metal"),
+        _Hanging(2.2, 0.95, 0.014, 0.025, ("gunmetal", "black_metal"),
                  ("strokes_deep", "city", "field_deep")),
     ),
     "japanese": (
