@@ -17,7 +17,7 @@ from chord_usd.scene.limits import M_PER_PX
 from chord_usd.scene.styles import MIXED, STYLES, style_named
 
 if TYPE_CHECKING:
-    from chord_usd.runtime.files import FolderMode
+    from chord_usd.runtime.targets import FolderMode
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import ChordError, OutputError
-from chord_usd.runtime.files import check_file_target, check_run_folder
+from chord_usd.runtime.targets import check_file_target, check_run_folder
 
 
 class UsageError(ChordError):

@@ -246,7 +246,7 @@ def run_text2plan(options: argparse.Namespace) -> Outcome:
     from chord_usd.layout.config import FLOOR
     from chord_usd.planning.encoder import ENCODER_FOLDER, TransformersEncoder
     from chord_usd.planning.words import PROGRAMME_CHANNELS
-    from chord_usd.runtime.files import begin_run
+    from chord_usd.runtime.targets import begin_run
 
     if options.text_encoder is None:
         return _run_floors(options, "text", FLOOR)
@@ -408,8 +408,8 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation.detector_cases import clean_cases
     from chord_usd.evaluation.detector_networks import score_checkpoint
     from chord_usd.pipeline import Settings, load_model
-    from chord_usd.runtime.files import begin_run
     from chord_usd.runtime.networks import WEIGHTS_FILE
+    from chord_usd.runtime.targets import begin_run
     from chord_usd.training.detector import DetectorTraining, train_detector
     from chord_usd.training.detector_card import write_card
     from chord_usd.training.detector_generated import generated_samples

@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import RenderError
-from chord_usd.runtime.files import FolderMode, output_folder
+from chord_usd.runtime.files import output_folder
+from chord_usd.runtime.targets import FolderMode
 
 TEMPLATE_FILE = "template.json"
 TASKS_FILE = "tasks.jsonl"

@@ -12,18 +12,26 @@ import errno
 import itertools
 import os
 import shutil
-import stat
 from collections.abc import Callable, Iterator
 from itertools import takewhile
 from pathlib import Path
-from typing import Literal
 
-from chord_usd.errors import ChordError, DiskFullError, OutputError, reason_of
+from chord_usd.errors import ChordError, DiskFullError, OutputError
 from chord_usd.runtime import interrupts
 from chord_usd.runtime.hashes import hash_file, same_bytes
 from chord_usd.runtime.manifest import MANIFEST_FILE, Manifest
 from chord_usd.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.runtime.scratch import Scratch
+from chord_usd.runtime.targets import (
+    FREE_SPACE,
+    FolderMode,
+    absolute,
+    check_file_target,
+    is_full,
+    not_ours,
+    output_error,
+    refuse_folder,
+)
 
 __all__ = [
     "Delivery",
@@ -31,30 +39,21 @@ __all__ = [
     "destination",
     "folder_for_many",
     "hash_file",
-    "may_be_written",
     "output_folder",
     "write_atomic",
 ]
 
-FolderMode = Literal["new", "replace", "renew", "add"]
-"""What becomes of a folder that holds something already. new: it is refused. replace: what this
-program wrote there as one output is replaced. renew: as replace, and files of ours that were
-damaged or changed are set aside, which replace refuses. add: new files join those of ours."""
-
 CHANGED = ".changed"
 """Added to the name of a file that is set aside, since somebody may have worked on it."""
 
-_FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 _NEARLY_FULL_BYTES = 16 * 2**20
 """Less than this free: a writer that failed without words of its own failed for want of space.
 Libraries seldom tell, and what they had half written may be gone before anyone can look."""
 
-_FREE_SPACE = "free some space, or write to another disk"
-
 
 def destination(folder: Path) -> Path:
     """Where what is written in this folder will appear: itself, unless a Delivery hides it."""
-    folder = _absolute(folder)
+    folder = absolute(folder)
     hidden = (i for i, part in enumerate(folder.parts) if part.startswith(SCRATCH_PREFIX))
     first = next(hidden, None)
     if first is None:
@@ -91,7 +90,7 @@ def folder_for_many(folder: Path) -> Iterator[None]:
     It is made where it is not there; where nothing came into it, it is gone again after the block.
     Raises OutputError.
     """
-    missing = [one for one in (_absolute(folder), *_absolute(folder).parents) if not one.exists()]
+    missing = [one for one in (absolute(folder), *absolute(folder).parents) if not one.exists()]
 
     def unmake() -> None:
         with contextlib.suppress(OSError):  # rmdir removes no folder that holds anything
@@ -104,7 +103,7 @@ def folder_for_many(folder: Path) -> Iterator[None]:
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
-        raise _output_error(error, folder) from error
+        raise output_error(error, folder) from error
     try:
         yield
     finally:
@@ -128,14 +127,14 @@ def deliver() -> Iterator[Delivery]:
         delivery.withdraw()
         if not delivery.concerns(error):
             raise
-        raise _output_error(error, delivery.first_target) from error
+        raise output_error(error, delivery.first_target) from error
     except Exception as error:
         full = delivery.disk_is_full()
         delivery.withdraw()
         if not full or isinstance(error, ChordError):
             raise
         raise DiskFullError(
-            "the disk is full", where=str(delivery.first_target), try_=_FREE_SPACE
+            "the disk is full", where=str(delivery.first_target), try_=FREE_SPACE
         ) from error
     except BaseException:
         delivery.withdraw()
@@ -150,7 +149,7 @@ class Delivery:
     def __init__(self) -> None:
         self._parcels: list[_Parcel] = []
         self._made_folders: list[Path] = []
-        self._undo: list[tuple[_Parcel, Path, Path | None]] = []
+        self._undo: list[tuple[Path, Path | None]] = []
 
     def place(
         self, target: Path, *, asked: bool = True, ours: Callable[[Path], bool] | None = None
@@ -164,7 +163,7 @@ class Delivery:
         that is in no manifest, since it came from another machine, whether it is such a one.
         Raises OutputError.
         """
-        target = _absolute(target)
+        target = absolute(target)
         check_file_target(target)
         parcel = self._parcel(target.parent, target, {target} if asked else set())
         parcel.sets_aside = not asked
@@ -177,10 +176,10 @@ class Delivery:
 
         Raises OutputError for a target that is no folder, or holds what may not be replaced.
         """
-        target = _absolute(target)
+        target = absolute(target)
         if target.is_dir():
             target = target.resolve()
-            _refuse_folder(target, mode)
+            refuse_folder(target, mode)
             parcel = self._parcel(target, target, set())
             parcel.whole, parcel.replaces = mode != "add", mode in ("replace", "renew")
             parcel.sets_aside = mode == "renew"
@@ -215,7 +214,7 @@ class Delivery:
                 self._parcels.append(_Parcel(Scratch(home), home, target, asked))
                 self._parcels[-1].open()
         except OSError as error:
-            raise _output_error(error, target) from error
+            raise output_error(error, target) from error
         return self._parcels[-1]
 
     def _make_parents(self, folder: Path) -> None:
@@ -226,6 +225,9 @@ class Delivery:
 
     def _move(self, parcel: _Parcel, source: Path, target: Path) -> None:
         self._make_parents(target.parent)
+        if source.is_dir():
+            self._move_folder(parcel, source, target)
+            return
         kept: Path | None = None
         if os.path.lexists(target):
             if not parcel.may_take(source, target):
@@ -233,17 +235,49 @@ class Delivery:
             if parcel.is_to_be_set_aside(target):
                 aside = _free_name(target)
                 _link_or_copy(target, aside)
-                self._undo.append((parcel, aside, None))
+                self._undo.append((aside, None))
             kept = parcel.keep()
             # A hard link leaves the old file in its place until the new one takes it.
             _link_or_copy(target, kept)
-        self._undo.append((parcel, target, kept))
+        self._undo.append((target, kept))
         source.replace(target)
         parcel.written.append(target)
 
+    def _move_folder(self, parcel: _Parcel, source: Path, target: Path) -> None:
+        """Whole where nothing is there: a stage has hundreds of files beside it."""
+        if os.path.lexists(target):
+            if parcel.is_new_folder:
+                check_file_target(target)
+        elif self._renamed(parcel, source, target):
+            return
+        for inner in sorted(source.iterdir()):
+            self._move(parcel, inner, target / inner.name)
+
+    def _renamed(self, parcel: _Parcel, source: Path, target: Path) -> bool:
+        """Whether a folder could be moved as one; not where another process has made it by now."""
+        walked = list(os.walk(source))
+        folders = [target / Path(at).relative_to(source) for at, _, _ in walked]
+        files = [
+            folder / name
+            for folder, (_, _, names) in zip(folders, walked, strict=True)
+            for name in names
+        ]
+        undone = len(self._undo)
+        self._made_folders += folders
+        self._undo += [(file, None) for file in files]
+        try:
+            source.rename(target)
+        except OSError as error:
+            del self._undo[undone:]
+            if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
+                return False
+            raise
+        parcel.written += files
+        return True
+
     def _take_away(self, parcel: _Parcel, stale: Path) -> None:
         kept = parcel.keep()
-        self._undo.append((parcel, stale, kept))
+        self._undo.append((stale, kept))
         stale.rename(kept)
         with contextlib.suppress(OSError):
             for folder in takewhile(lambda one: one != parcel.home, stale.parents):
@@ -251,13 +285,11 @@ class Delivery:
 
     def withdraw(self) -> None:
         """Put everything back as it was."""
-        for parcel, target, kept in reversed(self._undo):
+        for target, kept in reversed(self._undo):
             with contextlib.suppress(OSError):
                 if kept is not None:
                     target.parent.mkdir(parents=True, exist_ok=True)
                     kept.replace(target)
-                elif target.is_dir():
-                    target.rename(parcel.keep())
                 else:
                     target.unlink(missing_ok=True)
         self._undo.clear()
@@ -277,7 +309,7 @@ class Delivery:
 
     def concerns(self, error: OSError) -> bool:
         """Whether the error is about writing the outputs, not about reading some input."""
-        if _is_full(error) or error.errno == errno.EROFS:
+        if is_full(error) or error.errno == errno.EROFS:
             return bool(self._parcels)
         named = str(error.filename)
         return any(
@@ -330,9 +362,13 @@ class _Parcel:
         """(self, from, to), the target itself last: it must not point to files still missing."""
         if self.is_new_folder:
             return [(self, self.new / self.target.name, self.target)]
-        pairs = [(self, f, self.home / f.relative_to(self.new)) for f in _files_in(self.new)]
-        self._delivered = {target for _, _, target in pairs}
-        return sorted(pairs, key=lambda move: (move[2] == self.target, move[2]))
+        if self.replaces:
+            self._delivered = {self.home / f.relative_to(self.new) for f in _files_in(self.new)}
+        pairs = [(self, one, self.home / one.name) for one in self.new.iterdir()]
+        return sorted(
+            (move for move in pairs if move[2] != self._manifest.path),
+            key=lambda move: (move[2] == self.target, move[2]),
+        )
 
     def may_take(self, source: Path, target: Path) -> bool:
         """Whether a file takes the place of target, which is there; not where it is the same.
@@ -344,7 +380,7 @@ class _Parcel:
             return False
         is_ours = target in self.asked or self._manifest.owns(target)
         if not is_ours and not self.is_to_be_set_aside(target):
-            raise _not_ours(target)
+            raise not_ours(target)
         return True
 
     def is_to_be_set_aside(self, target: Path) -> bool:
@@ -369,115 +405,11 @@ class _Parcel:
             self._manifest.note(ours, whole=self.whole)
 
 
-def check_run_folder(folder: Path) -> None:
-    """Raise OutputError for a folder that a training run may not write its files into."""
-    if os.path.lexists(folder) and not folder.is_dir():
-        raise OutputError("is no folder", where=str(folder), expected="a folder, or nothing")
-    if folder.is_dir() and not Manifest(folder).is_of_a_run:
-        _refuse_folder(folder, "new")
-
-
-def begin_run(folder: Path) -> None:
-    """Take a folder for a training run, which rewrites its files again and again.
-
-    Raises OutputError for a folder that holds anything but such a run, or cannot be written.
-    """
-    check_run_folder(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        Manifest(folder).note_run()
-        interrupts.delivered.append(folder)
-    except OSError as error:
-        raise _output_error(error, folder) from error
-
-
-def may_be_written(path: Path) -> None:
-    """Refuse early what a delivery would refuse in the end, for a file that nobody named.
-
-    Raises OutputError where something lies there that this program did not write.
-    """
-    path = _absolute(path)
-    check_file_target(path)
-    if path.exists() and not Manifest(path.parent).lists(path):
-        raise _not_ours(path)
-
-
-def check_file_target(target: Path) -> None:
-    """Raise OutputError for a target that is there and no plain file."""
-    try:
-        mode = target.lstat().st_mode
-    except OSError:
-        return  # not there, or not to be seen: writing will tell
-    if stat.S_ISREG(mode):
-        return
-    if stat.S_ISLNK(mode):
-        raise OutputError(
-            "is a symbolic link", where=str(target), expected="a file", try_="the path it leads to"
-        )
-    what = "is a folder" if stat.S_ISDIR(mode) else "is no regular file"
-    raise OutputError(what, where=str(target), expected="a file name to write")
-
-
-def _refuse_folder(folder: Path, mode: FolderMode) -> None:
-    """Raise OutputError for a folder whose content may not be replaced or added to."""
-    there = sorted(one.name for one in folder.iterdir() if one.name != MANIFEST_FILE)
-    there = [name for name in there if not name.startswith(SCRATCH_PREFIX)]
-    manifest = Manifest(folder)
-    if not there or (mode in ("replace", "renew") and manifest.is_of_a_whole_folder):
-        return
-    if mode == "add" and manifest.hashes:
-        return
-    ours = mode == "new" and manifest.is_of_a_whole_folder
-    raise OutputError(
-        f"holds {_listed(there)}"
-        + ("" if ours else ", which chord-usd did not write as one output"),
-        where=str(folder),
-        expected="an empty folder, or none yet",
-        try_="--overwrite, which replaces what chord-usd wrote there, or another -o"
-        if ours
-        else "another -o",
-    )
-
-
-def _listed(names: list[str]) -> str:
-    first = ", ".join(names[:3])
-    return first if len(names) <= 3 else f"{first} and {len(names) - 3} more"
-
-
-def _not_ours(target: Path) -> OutputError:
-    return OutputError(
-        "was not written by chord-usd, or was changed since",
-        where=str(target),
-        expected="a name that is free",
-        try_="move it away, or another -o",
-    )
-
-
-def _output_error(error: OSError, target: Path) -> OutputError:
-    if _is_full(error):
-        return DiskFullError("the disk is full", where=str(target), try_=_FREE_SPACE)
-    return OutputError(
-        f"cannot be written ({reason_of(error)})",
-        where=str(target),
-        expected="a path in a writable folder",
-        try_="another -o path",
-    )
-
-
-def _is_full(error: OSError) -> bool:
-    # Copies of whole folders gather what failed, as words.
-    gathered = isinstance(error, shutil.Error) and os.strerror(errno.ENOSPC) in str(error)
-    return gathered or error.errno in _FULL_DISK
-
-
-def _absolute(path: Path) -> Path:
-    return Path(os.path.abspath(path))  # noqa: PTH100 (resolve would follow a link at the target)
-
-
 def _files_in(folder: Path) -> list[Path]:
     """All files, but for the folder's own manifest: who takes the files notes them anew."""
     own = folder / MANIFEST_FILE
-    return sorted(path for path in folder.rglob("*") if path.is_file() and path != own)
+    there = (Path(at, name) for at, _, names in os.walk(folder) for name in names)
+    return sorted(path for path in there if path.is_file() and path != own)
 
 
 def _sync(path: Path) -> None:

@@ -350,7 +350,7 @@ class _Walk:
             ) from error
         self._held.append(layer)
         self.layers[file] = None
-        for asset_path in _named_in(name):
+        for asset_path in named_in(name):
             self._meet(asset_path, layer)
         below = (self._resolved(path, layer) for path in layer.subLayerPaths)
         self._below[name] = [one for one in below if one]
@@ -408,7 +408,7 @@ def open_named(name: str) -> Sdf.Layer:
     return layer
 
 
-def _named_in(name: str) -> list[str]:
+def named_in(name: str) -> list[str]:
     """Every asset path in a layer: sublayers, references, payloads, values; UDIM tiles one by
     one."""
     from pxr import UsdUtils

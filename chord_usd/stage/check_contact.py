@@ -41,9 +41,33 @@ class Solid:
     """In world coordinates, metres. A wall is an open sheet, furniture is closed."""
 
     @cached_property
+    def triangles_m(self) -> FloatArray:
+        """(M, 3, 3)."""
+        corners: FloatArray = np.asarray(self.mesh.vertices)[np.asarray(self.mesh.faces)]
+        return corners
+
+    @cached_property
     def bounds_m(self) -> FloatArray:
         """(2, 3) lowest and highest corner."""
-        return np.asarray(self.mesh.bounds, dtype=np.float64)
+        used = self.triangles_m.reshape(-1, 3)
+        corners = used if len(used) else np.asarray(self.mesh.vertices)
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+    @cached_property
+    def area_m2(self) -> float:
+        """Of the surface, one side of it."""
+        a, b, c = np.moveaxis(self.triangles_m, 1, 0)
+        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+    def mass(self) -> tuple[float, FloatArray]:
+        """Volume in m³ of a closed mesh, and the (3,) centre of it in metres."""
+        low_m = self.bounds_m[0]
+        a, b, c = np.moveaxis(self.triangles_m - low_m, 1, 0)
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+        volume = float(volumes.sum())
+        if not volume:
+            return 0.0, self.bounds_m.mean(axis=0)
+        return abs(volume), low_m + volumes @ (a + b + c) / (4 * volume)
 
     @cached_property
     def is_convex(self) -> bool:
@@ -88,17 +112,17 @@ class Body:
     @cached_property
     def triangles_m(self) -> FloatArray:
         """(M, 3, 3)."""
-        return np.concatenate([solid.mesh.triangles for solid in self.solids])
+        return np.concatenate([solid.triangles_m for solid in self.solids])
 
     @cached_property
     def centroid_m(self) -> FloatArray:
         """(3,) centre of mass of an even material; of the bounds, where nothing is closed."""
-        closed = [solid.mesh for solid in self.solids if solid.mesh.is_watertight]
-        volumes = np.array([abs(mesh.volume) for mesh in closed])
+        closed = [solid.mass() for solid in self.solids if solid.mesh.is_watertight]
+        volumes = np.array([volume for volume, _ in closed])
         if not closed or volumes.sum() <= 0:
             center: FloatArray = self.bounds_m.mean(axis=0)
             return center
-        return np.average([mesh.center_mass for mesh in closed], axis=0, weights=volumes)
+        return np.average([center for _, center in closed], axis=0, weights=volumes)
 
 
 @dataclass(frozen=True)
@@ -246,8 +270,9 @@ def _level(triangles: FloatArray, height_m: float, facing: float) -> FloatArray:
         z.max(axis=1) > height_m - 2 * SUPPORT_GAP_M
     )
     chosen = triangles[near]
-    normal = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
-    return chosen[facing * normal[:, 2] > 1e-9]
+    ab, ac = (chosen[:, k] - chosen[:, 0] for k in (1, 2))
+    upwards = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
+    return chosen[facing * upwards > 1e-9]
 
 
 def _thinned(points: FloatArray) -> FloatArray:

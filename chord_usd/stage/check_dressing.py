@@ -106,8 +106,8 @@ def _textured_area(stage: Usd.Stage, scene: StageScene) -> float:
             material = bound_material(own)
             surface = material.ComputeSurfaceSource()[0] if material else None
             known[key] = bool(surface and coordinates_read(surface))
-        all_m2 += solid.mesh.area
-        textured_m2 += solid.mesh.area * known[key]
+        all_m2 += solid.area_m2
+        textured_m2 += solid.area_m2 * known[key]
     return _share(textured_m2, all_m2)
 
 

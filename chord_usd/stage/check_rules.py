@@ -30,8 +30,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
+from pxr import Kind, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
 
+from chord_usd.runtime.stages import named_in
 from chord_usd.stage.textures import bound_material, coordinates_read
 
 NODE_ID = "chord:node_id"
@@ -64,8 +65,11 @@ def broken_rules(stage: Usd.Stage) -> list[Finding]:
     for rule, look in _STAGE_RULES.items():
         findings += [Finding(rule, path, message) for path, message in look(stage)]
     for prim in _prims_once(stage):
-        for rule, judge in _PRIM_RULES.items():
-            findings += [Finding(rule, _shown(prim), message) for message in judge(prim)]
+        told = [(rule, judge(prim)) for rule, judge in _PRIM_RULES.items()]
+        shape = _shape(prim)
+        if shape is not None:
+            told += [(rule, look(prim, shape)) for rule, look in _MESH_RULES.items()]
+        findings += [Finding(rule, _shown(prim), one) for rule, found in told for one in found]
     return sorted(set(findings), key=lambda f: (f.rule, f.path, f.message))
 
 
@@ -127,25 +131,11 @@ def _asset_paths(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
         if layer == stage.GetSessionLayer():
             continue
         name = Path(layer.realPath).name
-        for path in _authored_paths(layer):
+        for path in sorted({*named_in(layer.identifier)}):
             if _ABSOLUTE.match(path):
                 yield "/", f"{name} points to '{path}', expected a relative path"
         if not Path(layer.realPath).is_relative_to(folder) and not layer.anonymous:
             yield "/", f"{layer.realPath} lies outside the stage's folder"
-
-
-def _authored_paths(layer: Sdf.Layer) -> list[str]:
-    """Every asset path a layer holds: sublayers, references, payloads, textures."""
-    found: set[str] = set()
-
-    def note(path: str) -> str:
-        found.add(path)
-        return path
-
-    copy = Sdf.Layer.CreateAnonymous(".usda")
-    copy.TransferContent(layer)
-    UsdUtils.ModifyAssetPaths(copy, note)
-    return sorted(found)
 
 
 def _missing_files(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
@@ -222,65 +212,7 @@ def _model_gap(prim: Usd.Prim) -> Iterator[str]:
         yield f"a {kind} in a prim of kind '{_kind(parent)}', expected a group or an assembly"
 
 
-def _extent(prim: Usd.Prim) -> Iterator[str]:
-    points = _points(prim)
-    if points is None:
-        return
-    extent = UsdGeom.Boundable(prim).GetExtentAttr()
-    if not extent.HasAuthoredValue():
-        yield "has no extent"
-        return
-    low, high = np.array(extent.Get(), dtype=np.float64)
-    outside = np.maximum(low - points.min(axis=0), points.max(axis=0) - high).max()
-    if outside > EXTENT_TOLERANCE_M:
-        yield f"points lie up to {outside:.3f} m outside the extent"
-
-
-def _topology(prim: Usd.Prim) -> Iterator[str]:
-    points = _points(prim)
-    if points is None:
-        return
-    counts, corners = _faces(prim)
-    if counts.sum() != len(corners) or (counts < 3).any():
-        yield f"{counts.sum()} face corners are counted and {len(corners)} given"
-        return
-    if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
-        yield f"a face refers to a point outside 0 to {len(points) - 1}"
-        return
-    flat = int(np.count_nonzero(_face_areas_m2(points, counts, corners) < MIN_FACE_AREA_M2))
-    if flat:
-        yield f"{flat} of {len(counts)} faces have no area"
-
-
-def _value_counts(prim: Usd.Prim) -> Iterator[str]:
-    points = _points(prim)
-    if points is None:
-        return
-    counts, corners = _faces(prim)
-    wanted = {
-        "constant": 1,
-        "uniform": len(counts),
-        "vertex": len(points),
-        "varying": len(points),
-        "faceVarying": len(corners),
-    }
-    mesh = UsdGeom.Mesh(prim)
-    normals = mesh.GetNormalsAttr().Get()
-    if normals is not None and len(normals) != wanted[mesh.GetNormalsInterpolation()]:
-        yield f"{len(normals)} normals, expected {wanted[mesh.GetNormalsInterpolation()]}"
-    for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
-        values = primvar.ComputeFlattened()
-        if not hasattr(values, "__len__") or isinstance(values, str):
-            continue
-        expected = wanted[primvar.GetInterpolation()] * primvar.GetElementSize()
-        if len(values) != expected:
-            yield f"{primvar.GetName()} has {len(values)} values, expected {expected}"
-
-
 def _finite(prim: Usd.Prim) -> Iterator[str]:
-    points = _points(prim)
-    if points is not None and not np.isfinite(points).all():
-        yield "a point is infinite or not a number"
     if prim.IsA(UsdGeom.Xformable):
         matrix = UsdGeom.Xformable(prim).GetLocalTransformation()
         if not np.isfinite(np.array(matrix)).all():
@@ -317,20 +249,80 @@ def _missing_coordinates(prim: Usd.Prim) -> Iterator[str]:
 # --- meshes -------------------------------------------------------------------------------------
 
 
-def _points(prim: Usd.Prim) -> np.ndarray | None:
-    """(N, 3) points of a mesh; None for anything else and for an empty mesh."""
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """What a mesh is made of."""
+
+    points: np.ndarray
+    """(N, 3)."""
+    counts: np.ndarray
+    """(F,) corners of each face."""
+    corners: np.ndarray
+    """(C,) the point of each corner."""
+
+
+def _shape(prim: Usd.Prim) -> _Shape | None:
+    """Of a mesh; None for anything else and for an empty mesh."""
     if not prim.IsA(UsdGeom.Mesh):
         return None
-    points = UsdGeom.Mesh(prim).GetPointsAttr().Get()
-    return np.array(points, dtype=np.float64).reshape(-1, 3) if points else None
-
-
-def _faces(prim: Usd.Prim) -> tuple[np.ndarray, np.ndarray]:
-    """(F,) corners of each face, and (C,) the point of each corner."""
     mesh = UsdGeom.Mesh(prim)
+    points = mesh.GetPointsAttr().Get()
+    if not points:
+        return None
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or [], dtype=np.int64)
     corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or [], dtype=np.int64)
-    return counts, corners
+    return _Shape(np.array(points, dtype=np.float64).reshape(-1, 3), counts, corners)
+
+
+def _extent(prim: Usd.Prim, shape: _Shape) -> Iterator[str]:
+    extent = UsdGeom.Boundable(prim).GetExtentAttr()
+    if not extent.HasAuthoredValue():
+        yield "has no extent"
+        return
+    low, high = np.array(extent.Get(), dtype=np.float64)
+    points = shape.points
+    outside = np.maximum(low - points.min(axis=0), points.max(axis=0) - high).max()
+    if outside > EXTENT_TOLERANCE_M:
+        yield f"points lie up to {outside:.3f} m outside the extent"
+
+
+def _topology(_: Usd.Prim, shape: _Shape) -> Iterator[str]:
+    points, counts, corners = shape.points, shape.counts, shape.corners
+    if counts.sum() != len(corners) or (counts < 3).any():
+        yield f"{counts.sum()} face corners are counted and {len(corners)} given"
+        return
+    if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
+        yield f"a face refers to a point outside 0 to {len(points) - 1}"
+        return
+    flat = int(np.count_nonzero(_face_areas_m2(points, counts, corners) < MIN_FACE_AREA_M2))
+    if flat:
+        yield f"{flat} of {len(counts)} faces have no area"
+
+
+def _value_counts(prim: Usd.Prim, shape: _Shape) -> Iterator[str]:
+    wanted = {
+        "constant": 1,
+        "uniform": len(shape.counts),
+        "vertex": len(shape.points),
+        "varying": len(shape.points),
+        "faceVarying": len(shape.corners),
+    }
+    mesh = UsdGeom.Mesh(prim)
+    normals = mesh.GetNormalsAttr().Get()
+    if normals is not None and len(normals) != wanted[mesh.GetNormalsInterpolation()]:
+        yield f"{len(normals)} normals, expected {wanted[mesh.GetNormalsInterpolation()]}"
+    for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
+        values = primvar.ComputeFlattened()
+        if not hasattr(values, "__len__") or isinstance(values, str):
+            continue
+        expected = wanted[primvar.GetInterpolation()] * primvar.GetElementSize()
+        if len(values) != expected:
+            yield f"{primvar.GetName()} has {len(values)} values, expected {expected}"
+
+
+def _finite_points(_: Usd.Prim, shape: _Shape) -> Iterator[str]:
+    if not np.isfinite(shape.points).all():
+        yield "a point is infinite or not a number"
 
 
 def _face_areas_m2(points: np.ndarray, counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
@@ -356,10 +348,7 @@ _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
     "CHORD002": _component_in_component,
     "CHORD003": _body_in_body,
     "CHORD004": _untyped_ancestor,
-    "CHORD006": _extent,
-    "CHORD007": _topology,
     "CHORD009": _model_gap,
-    "CHORD010": _value_counts,
     "CHORD011": _finite,
     "CHORD012": _extents_hint,
     "CHORD013": _bare_mesh,
@@ -367,5 +356,12 @@ _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
     "CHORD017": _missing_coordinates,
 }
 
-RULES = tuple(sorted((*_STAGE_RULES, *_PRIM_RULES)))
+_MESH_RULES: dict[str, Callable[[Usd.Prim, _Shape], Iterator[str]]] = {
+    "CHORD006": _extent,
+    "CHORD007": _topology,
+    "CHORD010": _value_counts,
+    "CHORD011": _finite_points,
+}
+
+RULES = tuple(sorted({*_STAGE_RULES, *_PRIM_RULES, *_MESH_RULES}))
 """Numbers of our own rules."""

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import OutputError
-from chord_usd.runtime.files import FolderMode, deliver
+from chord_usd.runtime.files import deliver
 from chord_usd.runtime.stages import open_stage, own_files, reading
+from chord_usd.runtime.targets import FolderMode
 
 if TYPE_CHECKING:
     from pxr import Usd

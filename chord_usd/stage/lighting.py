@@ -21,7 +21,8 @@ from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.ground import lay_ground
 from chord_usd.stage.lights import Lamp
 from chord_usd.stage.prims import Types, add_variants, attribute, define, note, over, set_op_order
-from chord_usd.stage.walls import Tunnel, Walls
+from chord_usd.stage.tunnels import Tunnel
+from chord_usd.stage.walls import Walls
 
 SCOPE = "/House/Lighting"
 _SUN_BESIDE_DEG = 25.0

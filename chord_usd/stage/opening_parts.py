@@ -24,7 +24,7 @@ from chord_usd.stage.opening_shapes import (
     upright_prism,
 )
 from chord_usd.stage.railings import railing_box, railing_faces
-from chord_usd.stage.walls import Tunnel, lining_faces, sill_faces
+from chord_usd.stage.tunnels import Tunnel, lining_faces, sill_faces
 from chord_usd.stage.window_parts import window_parts
 
 PointM = tuple[float, float, float]

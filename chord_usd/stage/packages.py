@@ -101,7 +101,7 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
             where=str(interface),
             expected="a USD layer with a default prim",
         ) from error
-    shared = [file for file in found.others if _is_shared(file, source)]
+    shared = _shared_pictures(found.others, source.parent / SHARED)
     files = [file for file in (*found.layers, *found.others) if file not in shared]
     outside = replace(found, others=tuple(files[len(found.layers) :])).outside([source]) or next(
         (file for file in files if not file.is_relative_to(source)), None
@@ -120,15 +120,15 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
     )
 
 
-def _is_shared(file: Path, source: Path) -> bool:
-    """Whether it is a picture that lies, and not only seems to, in the folder beside a package."""
-    folder = source.parent / SHARED
-    real = Path(os.path.realpath(source.parent)) / SHARED
-    return (
-        file.parent == folder
-        and file.suffix.lower() in _PICTURES
-        and Path(os.path.realpath(file)) == real / file.name
-    )
+def _shared_pictures(files: Iterable[Path], folder: Path) -> set[Path]:
+    """The pictures that lie, and not only seem to, in the folder beside a package."""
+    if folder.is_symlink():
+        return set()
+    return {
+        file
+        for file in files
+        if file.parent == folder and file.suffix.lower() in _PICTURES and not file.is_symlink()
+    }
 
 
 def free_package(
@@ -153,10 +153,10 @@ def _is_free_or_same(folder: Path, files: Mapping[Path, Path]) -> bool:
 
 
 def _copy(files: Mapping[Path, Path], folder: Path) -> None:
+    for inner in {name.parent for name in files}:
+        (folder / inner).mkdir(parents=True, exist_ok=True)
     for name, file in files.items():
-        place = folder / name
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, place)
+        shutil.copyfile(file, folder / name)
 
 
 def is_copy(file: Path, other: Path) -> bool:

@@ -51,8 +51,8 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, Surface, write_surface
+from chord_usd.stage.tunnels import Tunnel
 from chord_usd.stage.walls import (
-    Tunnel,
     WallLine,
     Walls,
     free_stretches,

@@ -21,7 +21,10 @@ def value_of(shader: UsdShade.Shader, name: str, default: Any) -> Any:
 
 def source_of(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
     """The shader that an input is connected to."""
-    wire = shader.GetInput(name)
+    return _source(shader.GetInput(name))
+
+
+def _source(wire: UsdShade.Input) -> UsdShade.Shader | None:
     sources = wire.GetConnectedSources()[0] if wire else []
     return UsdShade.Shader(sources[0].source.GetPrim()) if sources else None
 
@@ -35,7 +38,7 @@ def coordinates_read(surface: UsdShade.Shader) -> list[str]:
     """Names of the primvars by which the pictures of a surface are laid, each once."""
     names = {}
     for wire in surface.GetInputs():
-        texture = source_of(surface, wire.GetBaseName())
+        texture = _source(wire)
         if texture and texture.GetIdAttr().Get() == "UsdUVTexture":
             place = place_of(texture)
             reader = source_of(place, "in") if place else source_of(texture, "st")

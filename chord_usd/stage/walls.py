@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 import shapely
-from shapely.geometry import LineString, MultiPolygon, Polygon, box
+from shapely.geometry import MultiPolygon, Polygon, box
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
@@ -24,65 +24,22 @@ from shapely.ops import unary_union
 from chord_usd.scene.geometry import Floors, polygons_of, room_polygon, wall_area
 from chord_usd.scene.types import (
     ROOM_HEIGHT_M,
-    WALL_THICKNESS_M,
     Box,
     FloatArray,
-    Opening,
     Plan,
     Room,
 )
-from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, flat, upright
 from chord_usd.stage.railings import gaps_for_railings
-
-LINTEL_M = 0.1
-"""Least height of wall left over an opening, so that the solid stays one."""
+from chord_usd.stage.tunnels import GRID_M, LINTEL_M, ON_LINE_M, SLIT_M, Tunnel, dig_tunnels
 
 IntArray = npt.NDArray[np.intp]
-ObjectArray = npt.NDArray[np.object_]
-
-_GRID_M = 1e-4
-"""Corners are rounded to this, which makes the boolean operations exact and repeatable."""
-
-_ON_LINE_M = 2e-3
-"""Points nearer to a line than this lie on it."""
-
-_SLIT_M = 0.02
-"""Walls thinner than this are gaps between rooms that should touch, not walls."""
 
 _SHAFT_M2 = 0.5
 """Voids between walls smaller than this are filled."""
 
 BOX_DEPTH_M = 0.1
 """Less than half a wall, so that the boxes behind its two faces stay apart."""
-
-_REACH_M = 0.15
-"""How far beyond its own depth an opening looks for the two faces of its wall."""
-
-_FEW_STRIPS = 8
-"""So many openings may go through the same part of the walls, one after the other."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tunnel:
-    """The hole that one opening cuts through the walls."""
-
-    opening: Opening
-    area_m: Polygon
-    """Seen from above; counter-clockwise. Its open ends lie on the boundary of the walls."""
-    low_m: float
-    high_m: float
-    is_end: tuple[bool, ...]
-    """Of each edge of area_m: whether one passes through it (True) or it is a jamb (False)."""
-
-    def edges_m(self) -> list[tuple[FloatArray, FloatArray]]:
-        """(start, end) of each edge of area_m, in order."""
-        ring = np.asarray(self.area_m.exterior.coords)
-        return list(pairwise(ring))
-
-    def ends_m(self) -> list[tuple[FloatArray, FloatArray]]:
-        """The edges that one passes through."""
-        return [edge for edge, end in zip(self.edges_m(), self.is_end, strict=True) if end]
 
 
 @dataclass(frozen=True)
@@ -182,14 +139,14 @@ class Walls:
 def build_walls(plan: Plan) -> Walls:
     """Solid, boundary and tunnels of a plan's walls."""
     rooms = tuple(
-        Room(room.id, room.kind, np.round(room.polygon_m / _GRID_M) * _GRID_M, room.name)
+        Room(room.id, room.kind, np.round(room.polygon_m / GRID_M) * GRID_M, room.name)
         for room in plan.rooms
     )
     solid = _solid(rooms)
-    dug = zip(plan.openings, _tunnels(plan.openings, solid), strict=True)
+    dug = zip(plan.openings, dig_tunnels(plan.openings, solid), strict=True)
     tunnels = {opening.id: tunnel for opening, tunnel in dug if tunnel is not None}
     open_sides = list(gaps_for_railings(rooms, plan.openings, ROOM_HEIGHT_M - LINTEL_M))
-    dug_gaps = _tunnels([gap for _, gap in open_sides], solid)
+    dug_gaps = dig_tunnels([gap for _, gap in open_sides], solid)
     gaps = [
         (index, tunnel)
         for (index, _), tunnel in zip(open_sides, dug_gaps, strict=True)
@@ -250,21 +207,6 @@ def _box_behind(start: FloatArray, end: FloatArray, low_m: float, high_m: float)
     return Box((float(x), float(y), low_m), (length, BOX_DEPTH_M, high_m - low_m), yaw_deg)
 
 
-def lining_faces(tunnel: Tunnel) -> list[Face]:
-    """Jambs and head of a tunnel, facing into it."""
-    jambs = [
-        upright(end, start, tunnel.low_m, tunnel.high_m)
-        for (start, end), is_end in zip(tunnel.edges_m(), tunnel.is_end, strict=True)
-        if not is_end
-    ]
-    return jambs + flat(tunnel.area_m, tunnel.high_m, up=False)
-
-
-def sill_faces(tunnel: Tunnel) -> list[Face]:
-    """Bottom of a tunnel, facing up: the threshold of a door, the sill of a window."""
-    return flat(tunnel.area_m, tunnel.low_m, up=True)
-
-
 def top_faces(walls: Walls) -> list[Face]:
     """The tops of all walls: what a picture from above shows once the ceilings are hidden."""
     return [face for part in walls.solid_m.geoms for face in flat(part, ROOM_HEIGHT_M, up=True)]
@@ -283,7 +225,7 @@ def _solid(rooms: Sequence[Room]) -> MultiPolygon:
     if not rooms:
         return MultiPolygon()
     area = wall_area(rooms)
-    half = _SLIT_M / 2
+    half = SLIT_M / 2
     area = area.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
     floors = unary_union([room_polygon(room) for room in rooms])
     whole = unary_union([area, floors])
@@ -291,10 +233,10 @@ def _solid(rooms: Sequence[Room]) -> MultiPolygon:
         Polygon(ring)
         for part in polygons_of(whole)
         for ring in part.interiors
-        if _SLIT_M**2 < Polygon(ring).area < _SHAFT_M2
+        if SLIT_M**2 < Polygon(ring).area < _SHAFT_M2
     ]
-    solid = shapely.set_precision(unary_union([area, *shafts]).difference(floors), _GRID_M)
-    return MultiPolygon([orient(part) for part in polygons_of(solid) if part.area > _GRID_M])
+    solid = shapely.set_precision(unary_union([area, *shafts]).difference(floors), GRID_M)
+    return MultiPolygon([orient(part) for part in polygons_of(solid) if part.area > GRID_M])
 
 
 def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:
@@ -302,94 +244,8 @@ def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:
     for index, own in enumerate(floors.polygons):
         earlier = [floors.polygons[other] for other in floors.near(own) if other < index]
         taken = unary_union(earlier)
-        free = own.difference(taken) if own.intersection(taken).area > _GRID_M else own
+        free = own.difference(taken) if own.intersection(taken).area > GRID_M else own
         yield max(polygons_of(free), key=lambda part: part.area, default=own)
-
-
-def _tunnels(openings: Sequence[Opening], solid: MultiPolygon) -> list[Tunnel | None]:
-    """What each opening takes out of the walls; None for those that meet no wall."""
-    strips = np.array([_strip(opening, _reach_m(opening)) for opening in openings], object)
-    around = _walls_around(strips, solid)
-    return [_tunnel(*each) for each in zip(openings, strips, around, strict=True)]
-
-
-def _walls_around(strips: ObjectArray, solid: MultiPolygon) -> ObjectArray:
-    """For each strip a part of the walls that goes on around it.
-
-    The house is halved until few strips are left, so that not every one goes through all of it.
-    """
-    around = np.full(len(strips), solid, object)
-    if len(strips) <= _FEW_STRIPS:
-        return around
-    middles = shapely.get_coordinates(shapely.centroid(strips))
-    order = np.argsort(middles[:, np.ptp(middles, axis=0).argmax()])
-    for half in np.array_split(order, 2):
-        west, south, east, north = shapely.total_bounds(strips[half])
-        region = box(west - _REACH_M, south - _REACH_M, east + _REACH_M, north + _REACH_M)
-        part = MultiPolygon(polygons_of(solid.intersection(region)))
-        around[half] = _walls_around(strips[half], part)
-    return around
-
-
-def _reach_m(opening: Opening) -> float:
-    return max(opening.box.size_m[1], WALL_THICKNESS_M) / 2 + _REACH_M
-
-
-def _strip(opening: Opening, reach_m: float) -> BaseGeometry:
-    half = opening.box.size_m[0] / 2
-    return _in_world(box(-half, -reach_m, half, reach_m), opening)
-
-
-def _tunnel(opening: Opening, strip: BaseGeometry, solid: BaseGeometry) -> Tunnel | None:
-    """What the opening takes out of its wall, straight through along its own y."""
-    length, _, height = opening.box.size_m
-    reach = _reach_m(opening)
-    parts = polygons_of(shapely.set_precision(strip.intersection(solid), _GRID_M))
-    if not parts:
-        return None
-    clear = [strip.difference(_blocked(opening, solid, reach, side)) for side in (-1.0, 1.0)]
-    through = shapely.intersection_all([*clear, solid])
-    parts = [p for p in polygons_of(through) if p.area > 0.2 * length * _SLIT_M] or parts
-    centre = shapely.Point(opening.box.center_m[:2])
-    best = min(parts, key=lambda part: (round(part.distance(centre), 3), -part.area))
-    area = orient(shapely.set_precision(best, _GRID_M))
-    low = _on_grid(max(0.0, opening.box.center_m[2]))
-    high = _on_grid(min(low + height, ROOM_HEIGHT_M - LINTEL_M))
-    if not isinstance(area, Polygon) or area.is_empty or high <= low:
-        return None
-    boundary = solid.boundary
-    ring = np.asarray(area.exterior.coords)
-    middles = shapely.points((ring[:-1] + ring[1:]) / 2)
-    is_end = tuple(bool(near) for near in shapely.distance(middles, boundary) < _ON_LINE_M)
-    return Tunnel(opening, area, low, high, is_end)
-
-
-def _on_grid(height_m: float) -> float:
-    return round(height_m / _GRID_M) * _GRID_M
-
-
-def _blocked(opening: Opening, solid: BaseGeometry, reach: float, side: float) -> BaseGeometry:
-    """The part of the opening's strip whose far side (own y = side * reach) is still wall.
-
-    There a wall runs crosswise; digging on would only scratch it.
-    """
-    half = opening.box.size_m[0] / 2
-    far = _in_world(LineString([(-half, side * reach), (half, side * reach)]), opening)
-    turn = rotation_2d(opening.box.yaw_deg)
-    centre = np.array(opening.box.center_m[:2])
-    blocked = []
-    for piece in shapely.get_parts(far.intersection(solid)):
-        if piece.is_empty:
-            continue
-        along = (np.asarray(piece.coords) - centre) @ turn[:, 0]
-        blocked.append(_in_world(box(along.min(), -reach, along.max(), reach), opening))
-    return unary_union(blocked)
-
-
-def _in_world(shape: BaseGeometry, opening: Opening) -> BaseGeometry:
-    turn = rotation_2d(opening.box.yaw_deg)
-    centre = np.array(opening.box.center_m[:2])
-    return shapely.transform(shape, lambda points: points @ turn.T + centre)
 
 
 def _lines(rooms: Sequence[Room], solid: MultiPolygon) -> Iterator[WallLine]:
@@ -416,7 +272,7 @@ def _lines(rooms: Sequence[Room], solid: MultiPolygon) -> Iterator[WallLine]:
 
 def _near(tree: shapely.STRtree, a: FloatArray, b: FloatArray) -> IntArray:
     """Indices, in order, of what may lie on the segment a to b."""
-    low, high = np.minimum(a, b) - _ON_LINE_M, np.maximum(a, b) + _ON_LINE_M
+    low, high = np.minimum(a, b) - ON_LINE_M, np.maximum(a, b) + ON_LINE_M
     found: IntArray = np.sort(tree.query(box(*low, *high)))
     return found
 
@@ -435,7 +291,7 @@ def _split(a: FloatArray, b: FloatArray, points: FloatArray) -> list[tuple[Float
     """The segment a to b, cut at those of the points that lie on it."""
     length = float(np.hypot(*(b - a)))
     along, off = _along_and_off(a, b, points)
-    inner = (off < _ON_LINE_M) & (along > _ON_LINE_M) & (along < length - _ON_LINE_M)
+    inner = (off < ON_LINE_M) & (along > ON_LINE_M) & (along < length - ON_LINE_M)
     stops = [0.0, *_distinct(np.sort(along[inner])), length]
     corners = [a + (b - a) * (stop / length) for stop in stops]
     return list(pairwise(corners))
@@ -453,7 +309,7 @@ def _along_and_off(
 def _distinct(values: FloatArray) -> list[float]:
     kept: list[float] = []
     for value in values:
-        if not kept or value - kept[-1] > _ON_LINE_M:
+        if not kept or value - kept[-1] > ON_LINE_M:
             kept.append(float(value))
     return kept
 
@@ -465,12 +321,12 @@ def _nearest_edge(
     if not len(near):
         return None
     start, direction = starts[near], ends[near] - starts[near]
-    squared = np.maximum(np.sum(direction**2, axis=1), _GRID_M**2)
+    squared = np.maximum(np.sum(direction**2, axis=1), GRID_M**2)
     share = np.sum((point - start) * direction, axis=1) / squared
     nearest = start + np.clip(share, 0.0, 1.0)[:, None] * direction
     distance = np.hypot(*(point - nearest).T)
     best = int(np.argmin(distance))
-    return int(near[best]) if distance[best] < _ON_LINE_M else None
+    return int(near[best]) if distance[best] < ON_LINE_M else None
 
 
 def _with_holes(lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> Iterator[WallLine]:
@@ -482,7 +338,7 @@ def _with_holes(lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> Iterato
         near = _near(by_place, line.start_m, line.end_m)
         along, off = _along_and_off(line.start_m, line.end_m, corners[near])
         low, high, length = along.min(axis=1), along.max(axis=1), line.length_m
-        met = (off.max(axis=1) < _ON_LINE_M) & (high > _ON_LINE_M) & (low < length - _ON_LINE_M)
+        met = (off.max(axis=1) < ON_LINE_M) & (high > ON_LINE_M) & (low < length - ON_LINE_M)
         holes = tuple(
             Hole(max(float(start), 0.0), min(float(end), length), tunnel.low_m, tunnel.high_m)
             for start, end, tunnel in zip(

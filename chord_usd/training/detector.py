@@ -22,9 +22,9 @@ from torch import Tensor
 from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.graph.detect import CONFIG_FILE, IMAGE_PX, Kind, scaled
-from chord_usd.runtime.files import begin_run
 from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.runtime.progress import Progress
+from chord_usd.runtime.targets import begin_run
 from chord_usd.scene.types import CANVAS_PX
 from chord_usd.training.detector_data import Sample, Spoiling, stream
 from chord_usd.training.yolo import build_model, load_matching, load_weights, save_model

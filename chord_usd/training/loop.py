@@ -15,9 +15,10 @@ from torch import Tensor, nn
 from chord_usd.errors import CheckpointError
 from chord_usd.layout.description import CONFIG_FILE, FORMAT
 from chord_usd.runtime.checksums import checkpoint_files
-from chord_usd.runtime.files import begin_run, write_atomic
+from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 from chord_usd.runtime.progress import Progress
+from chord_usd.runtime.targets import begin_run
 from chord_usd.training.budget import Budget
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.weights import Weights, warm_and_cool

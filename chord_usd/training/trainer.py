@@ -22,7 +22,7 @@ from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import DRAFTED_SHARE, MOSTLY
 from chord_usd.layout.schedule import training_scheduler
 from chord_usd.layout.transfer import adopt, take_up
-from chord_usd.runtime.files import begin_run
+from chord_usd.runtime.targets import begin_run
 from chord_usd.training.budget import Budget
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory

@@ -11,12 +11,11 @@ import shapely
 from chord_usd.data.houses import random_plan
 from chord_usd.scene.types import Box, Opening, Plan, Room
 from chord_usd.stage.mesh import Face, mesh_of
+from chord_usd.stage.tunnels import lining_faces, sill_faces
 from chord_usd.stage.walls import (
     ROOM_HEIGHT_M,
     Walls,
     build_walls,
-    lining_faces,
-    sill_faces,
     top_faces,
     wall_faces,
 )

@@ -12,9 +12,10 @@ import pytest
 
 from chord_usd.errors import OutputError
 from chord_usd.runtime import files
-from chord_usd.runtime.files import FolderMode, begin_run, deliver, output_folder, write_atomic
+from chord_usd.runtime.files import deliver, output_folder, write_atomic
 from chord_usd.runtime.manifest import MANIFEST_FILE
 from chord_usd.runtime.scratch import LOCK_FILE, PREFIX, scratch_folder
+from chord_usd.runtime.targets import FolderMode, begin_run
 
 
 def everything_in(folder: Path) -> dict[str, bytes]:

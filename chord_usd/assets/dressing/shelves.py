@@ -87,7 +87,7 @@ def ladder(size_m: Size) -> tuple[Part, ...]:
             for z in _ladder_boards(height)
         ]
     return (
-        Part("Boards", joined(boards), "board", felt=tuple(boards)),
+        Part("Boards", joined(boards), "board", collider="none"),
         Part("Sides", joined(frames), "metal", None),
     )
 
@@ -107,8 +107,8 @@ def box_shelf(size_m: Size) -> tuple[Part, ...]:
         for x in (-(length - 0.02) / 2, (length - 0.02) / 2, length * 0.12)
     ]
     return (
-        Part("Boards", joined(boards), "board", felt=tuple(boards)),
-        Part("Uprights", joined(uprights), "board", felt=tuple(uprights)),
+        Part("Boards", joined(boards), "board", collider="none"),
+        Part("Uprights", joined(uprights), "board", collider="none"),
         Part("Back", back, "back", None),
     )
 

@@ -1,0 +1,166 @@
+"""Holes that openings cut through the walls of a house, and the faces that line them. Shapely only.
+
+A hole goes straight through its wall, seen from above; its open ends lie on the wall's two faces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+from shapely.geometry import LineString, MultiPolygon, Polygon, box
+from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
+
+from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, FloatArray, Opening
+from chord_usd.scene.units import rotation_2d
+from chord_usd.stage.mesh import Face, flat, upright
+
+LINTEL_M = 0.1
+"""Least height of wall left over an opening, so that the solid stays one."""
+
+ObjectArray = npt.NDArray[np.object_]
+
+GRID_M = 1e-4
+"""Corners are rounded to this, which makes the boolean operations exact and repeatable."""
+
+ON_LINE_M = 2e-3
+"""Points nearer to a line than this lie on it."""
+
+SLIT_M = 0.02
+"""Walls thinner than this are gaps between rooms that should touch, not walls."""
+
+_REACH_M = 0.15
+"""How far beyond its own depth an opening looks for the two faces of its wall."""
+
+_FEW_STRIPS = 8
+"""So many openings may go through the same part of the walls, one after the other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tunnel:
+    """The hole that one opening cuts through the walls."""
+
+    opening: Opening
+    area_m: Polygon
+    """Seen from above; counter-clockwise. Its open ends lie on the boundary of the walls."""
+    low_m: float
+    high_m: float
+    is_end: tuple[bool, ...]
+    """Of each edge of area_m: whether one passes through it (True) or it is a jamb (False)."""
+
+    def edges_m(self) -> list[tuple[FloatArray, FloatArray]]:
+        """(start, end) of each edge of area_m, in order."""
+        ring = np.asarray(self.area_m.exterior.coords)
+        return list(pairwise(ring))
+
+    def ends_m(self) -> list[tuple[FloatArray, FloatArray]]:
+        """The edges that one passes through."""
+        return [edge for edge, end in zip(self.edges_m(), self.is_end, strict=True) if end]
+
+
+def dig_tunnels(openings: Sequence[Opening], solid: MultiPolygon) -> list[Tunnel | None]:
+    """What each opening takes out of the walls; None for those that meet no wall."""
+    strips = np.array([_strip(opening, _reach_m(opening)) for opening in openings], object)
+    around = _walls_around(strips, solid)
+    return [_tunnel(*each) for each in zip(openings, strips, around, strict=True)]
+
+
+def _walls_around(strips: ObjectArray, solid: MultiPolygon) -> ObjectArray:
+    """For each strip a part of the walls that goes on around it.
+
+    The house is halved until few strips are left, so that not every one goes through all of it.
+    """
+    around = np.full(len(strips), solid, object)
+    if len(strips) <= _FEW_STRIPS:
+        return around
+    middles = shapely.get_coordinates(shapely.centroid(strips))
+    order = np.argsort(middles[:, np.ptp(middles, axis=0).argmax()])
+    for half in np.array_split(order, 2):
+        west, south, east, north = shapely.total_bounds(strips[half])
+        region = box(west - _REACH_M, south - _REACH_M, east + _REACH_M, north + _REACH_M)
+        part = MultiPolygon(polygons_of(solid.intersection(region)))
+        around[half] = _walls_around(strips[half], part)
+    return around
+
+
+def _reach_m(opening: Opening) -> float:
+    return max(opening.box.size_m[1], WALL_THICKNESS_M) / 2 + _REACH_M
+
+
+def _strip(opening: Opening, reach_m: float) -> BaseGeometry:
+    half = opening.box.size_m[0] / 2
+    return _in_world(box(-half, -reach_m, half, reach_m), opening)
+
+
+def _tunnel(opening: Opening, strip: BaseGeometry, solid: BaseGeometry) -> Tunnel | None:
+    """What the opening takes out of its wall, straight through along its own y."""
+    length, _, height = opening.box.size_m
+    reach = _reach_m(opening)
+    parts = polygons_of(shapely.set_precision(strip.intersection(solid), GRID_M))
+    if not parts:
+        return None
+    clear = [strip.difference(_blocked(opening, solid, reach, side)) for side in (-1.0, 1.0)]
+    through = shapely.intersection_all([*clear, solid])
+    parts = [p for p in polygons_of(through) if p.area > 0.2 * length * SLIT_M] or parts
+    centre = shapely.Point(opening.box.center_m[:2])
+    best = min(parts, key=lambda part: (round(part.distance(centre), 3), -part.area))
+    area = orient(shapely.set_precision(best, GRID_M))
+    low = _on_grid(max(0.0, opening.box.center_m[2]))
+    high = _on_grid(min(low + height, ROOM_HEIGHT_M - LINTEL_M))
+    if not isinstance(area, Polygon) or area.is_empty or high <= low:
+        return None
+    boundary = solid.boundary
+    ring = np.asarray(area.exterior.coords)
+    middles = shapely.points((ring[:-1] + ring[1:]) / 2)
+    is_end = tuple(bool(near) for near in shapely.distance(middles, boundary) < ON_LINE_M)
+    return Tunnel(opening, area, low, high, is_end)
+
+
+def _on_grid(height_m: float) -> float:
+    return round(height_m / GRID_M) * GRID_M
+
+
+def _blocked(opening: Opening, solid: BaseGeometry, reach: float, side: float) -> BaseGeometry:
+    """The part of the opening's strip whose far side (own y = side * reach) is still wall.
+
+    There a wall runs crosswise; digging on would only scratch it.
+    """
+    half = opening.box.size_m[0] / 2
+    far = _in_world(LineString([(-half, side * reach), (half, side * reach)]), opening)
+    turn = rotation_2d(opening.box.yaw_deg)
+    centre = np.array(opening.box.center_m[:2])
+    blocked = []
+    for piece in shapely.get_parts(far.intersection(solid)):
+        if piece.is_empty:
+            continue
+        along = (np.asarray(piece.coords) - centre) @ turn[:, 0]
+        blocked.append(_in_world(box(along.min(), -reach, along.max(), reach), opening))
+    return unary_union(blocked)
+
+
+def _in_world(shape: BaseGeometry, opening: Opening) -> BaseGeometry:
+    turn = rotation_2d(opening.box.yaw_deg)
+    centre = np.array(opening.box.center_m[:2])
+    return shapely.transform(shape, lambda points: points @ turn.T + centre)
+
+
+def lining_faces(tunnel: Tunnel) -> list[Face]:
+    """Jambs and head of a tunnel, facing into it."""
+    jambs = [
+        upright(end, start, tunnel.low_m, tunnel.high_m)
+        for (start, end), is_end in zip(tunnel.edges_m(), tunnel.is_end, strict=True)
+        if not is_end
+    ]
+    return jambs + flat(tunnel.area_m, tunnel.high_m, up=False)
+
+
+def sill_faces(tunnel: Tunnel) -> list[Face]:
+    """Bottom of a tunnel, facing up: the threshold of a door, the sill of a window."""
+    return flat(tunnel.area_m, tunnel.low_m, up=True)
