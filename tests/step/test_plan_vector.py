@@ -128,6 +128,31 @@ def test_dxf_walls_may_be_single_lines(tmp_path: Path) -> None:
     assert "single lines" in plan.extra["warnings"][0]
 
 
+def test_dxf_hatches_have_holes_and_leaves_that_meet_are_one_door(tmp_path: Path) -> None:
+    import ezdxf
+
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 6
+    space = document.modelspace()
+    # Two rooms of 4 by 4 m in one hatch, a double door between them, a passage to the outside.
+    walls = space.add_hatch(dxfattribs={"layer": "WALLS"})
+    rings = [(0, 0, 8.6, 4.4), (0.2, 0.2, 4.2, 4.2), (4.4, 0.2, 8.4, 4.2)]
+    for west, south, east, north in rings:
+        walls.paths.add_polyline_path([(west, south), (east, south), (east, north), (west, north)])
+    for y, shut, turned in ((1.2, 90, 180), (3.0, 180, 270)):
+        space.add_arc((4.3, y), 0.9, shut, turned, dxfattribs={"layer": "DOORS"})
+    corners = [(1.0, 0.0), (2.1, 0.0), (2.1, 0.2), (1.0, 0.2)]
+    drawn = {"layer": "PASSAGES", "elevation": 0.0, "thickness": 2.2}
+    space.add_lwpolyline(corners, close=True, dxfattribs=drawn)
+    document.saveas(tmp_path / "plan.dxf")
+    plan = read_plan_file(tmp_path / "plan.dxf")
+    np.testing.assert_allclose([room_polygon(room).area for room in plan.rooms], [16.0, 16.0])
+    found = {opening.kind: opening.box for opening in plan.openings}
+    assert len(plan.openings) == 2
+    assert found["door"].size_m[:2] == pytest.approx((1.8, 0.2), abs=1e-3)
+    assert found["passage"].size_m == pytest.approx((1.1, 0.2, 2.2), abs=1e-3)
+
+
 def test_ifc_without_spaces_has_the_rooms_that_its_walls_enclose(tmp_path: Path) -> None:
     write_ifc(tmp_path / "house.ifc", spaces=False)
     assert_two_rooms(read_plan_file(tmp_path / "house.ifc"), [12.0, 20.0], ["unknown"] * 2)

@@ -8,21 +8,22 @@ outlines on a room layer, else what the walls enclose.
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
-from shapely.geometry import LineString, Polygon
+from shapely import STRtree
+from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry.base import BaseGeometry
 from shapely.ops import polygonize, unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
 from chord_usd.runtime.extras import needed_for
-from chord_usd.runtime.locations import cache_folder
+from chord_usd.runtime.fonts import fonts_kept
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import FloatArray, OpeningKind
 
@@ -34,6 +35,7 @@ _DEEPEST_BLOCK = 6
 _WALL = re.compile(r"wall|mauer|w[aä]nd|mur|pared|v[aä]gg|sein[aä]|墙|壁", re.I)
 _DOOR = re.compile(r"door|t[uü]r|porte|puerta|porta|d[oö]rr|ovi|门|ドア", re.I)
 _WINDOW = re.compile(r"window|glaz|fenster|fen[eê]tre|ventana|janela|f[oö]nster|ikkuna|窗|窓", re.I)
+_PASSAGE = re.compile(r"passage|durchgang|durchbruch|v[aã]o livre|门洞", re.I)
 _ROOM = re.compile(r"room|space|area|raum|pi[eè]ce|local|rum\b|tila|房间|部屋", re.I)
 _NOT = re.compile(r"text|dim|hatch.?pattern|tag|annot|furn", re.I)
 
@@ -43,6 +45,22 @@ _M_PER_UNIT = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 10: 0.9144, 14: 
 _HOUSE_M = (3.0, 120.0)
 _SWING_DEG = (50.0, 130.0)
 _SWING_M = (0.5, 1.5)
+_LEAF_M = (0.3, 2.5)
+"""Radii of arcs that are doors anywhere, and on a layer of doors."""
+
+_HEIGHT_M = (0.2, 6.0)
+"""Of an opening that is drawn extruded."""
+
+_BEHIND_M = 0.05
+_WIDEST_GAP_M = 0.3
+"""How far behind the end of a leaf its wall goes on, and what is too far to be told apart."""
+
+_JAMB_M = 0.01
+_SHALLOWEST_HOLE_M = 0.1
+
+_OPPOSITE = 0.98
+"""Cosine, beyond which two leaves open away from each other."""
+
 _THICKEST_WALL_M = 0.6
 _TOUCH_M = 0.02
 _SINGLE_WALL_M = 0.1
@@ -85,21 +103,8 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
     return [drawing]
 
 
-@contextmanager
-def _fonts_kept() -> Iterator[None]:
-    """While ezdxf is imported: its list of fonts goes to our cache, not into the user's home."""
-    before = os.environ.get("XDG_CACHE_HOME")
-    os.environ["XDG_CACHE_HOME"] = str(cache_folder())
-    try:
-        yield
-    finally:
-        del os.environ["XDG_CACHE_HOME"]
-        if before is not None:
-            os.environ["XDG_CACHE_HOME"] = before
-
-
 def _open(path: Path) -> Any:
-    with needed_for("reading this format"), _fonts_kept():
+    with needed_for("reading this format"), fonts_kept():
         import ezdxf
         from ezdxf import recover
     if path.stat().st_size > _LARGEST_BYTES:
@@ -162,11 +167,14 @@ def _units(document: Any, entities: list[Any]) -> float:
 
 
 def _means(entity: Any) -> str:
-    """Wall, door, window or room, by the layer."""
+    """Wall, door, window, passage or room, by the layer."""
     layer = entity.dxf.layer if entity.dxf.hasattr("layer") else ""
     if _NOT.search(layer):
         return ""
-    patterns = (("window", _WINDOW), ("door", _DOOR), ("wall", _WALL), ("room", _ROOM))
+    patterns = (
+        ("window", _WINDOW), ("passage", _PASSAGE), ("door", _DOOR), ("wall", _WALL),
+        ("room", _ROOM),
+    )  # fmt: skip
     return next((name for name, pattern in patterns if pattern.search(layer)), "")
 
 
@@ -221,6 +229,15 @@ def _sagitta(entity: Any) -> float:
     return float(radius) / 50.0
 
 
+@dataclass(frozen=True, eq=False)
+class _Bar:
+    """A line of an opening, and the heights that an extruded one tells."""
+
+    line: LineString
+    low: float | None = None
+    height: float | None = None
+
+
 class _Sorter:
     """Sorts entities into walls, openings, rooms and labels. Lengths in drawing units."""
 
@@ -231,7 +248,7 @@ class _Sorter:
         self.rooms: list[RoomShape] = []
         self.arcs: list[Any] = []
         self.leaves: list[FloatArray] = []
-        self.bars: dict[OpeningKind, list[LineString]] = {"door": [], "window": []}
+        self.bars: dict[OpeningKind, list[_Bar]] = {"door": [], "window": [], "passage": []}
         self.labels: list[Label] = []
 
     def add(self, entity: Any) -> None:
@@ -240,20 +257,32 @@ class _Sorter:
             said = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
             place = entity.dxf.insert
             self.labels.append(Label(" ".join(said.split()), np.array([place.x, place.y])))
-        elif kind == "ARC" and _points(entity) and self._is_swing(entity):
+        elif kind == "ARC" and _points(entity) and self._is_swing(entity, means == "door"):
             self.arcs.append(entity)
         elif kind == "HATCH" and means == "wall":
-            self.areas += list(_hatch(entity))
+            self.areas += _hatch(entity)
         elif means and (points := _points(entity)) and len(points) >= 2:
-            self._add_line(means, points)
+            self._add_line(means, points, *self._heights(entity))
 
-    def _is_swing(self, arc: Any) -> bool:
+    def _is_swing(self, arc: Any, is_door: bool) -> bool:
+        """is_door: whether its layer says so; elsewhere only a usual leaf is taken for one."""
         sweep = (arc.dxf.end_angle - arc.dxf.start_angle) % 360.0
         radius_m = arc.dxf.radius * self.m_per_unit
-        fits = _SWING_DEG[0] <= sweep <= _SWING_DEG[1]
-        return fits and _SWING_M[0] <= radius_m <= _SWING_M[1]
+        least, most = _LEAF_M if is_door else _SWING_M
+        return _SWING_DEG[0] <= sweep <= _SWING_DEG[1] and least <= radius_m <= most
 
-    def _add_line(self, means: str, points: list[tuple[float, float]]) -> None:
+    def _heights(self, entity: Any) -> tuple[float | None, float | None]:
+        """Where an extruded entity begins and how high it is; None for one that is flat."""
+        told = entity.dxf
+        height = float(told.thickness) if told.is_supported("thickness") else 0.0
+        if not _HEIGHT_M[0] <= height * self.m_per_unit <= _HEIGHT_M[1]:
+            return None, None
+        return float(told.elevation) if entity.dxftype() == "LWPOLYLINE" else 0.0, height
+
+    def _add_line(
+        self, means: str, points: list[tuple[float, float]], low: float | None,
+        height: float | None,
+    ) -> None:  # fmt: skip
         line = LineString(points)
         closed = len(points) > 3 and line.is_ring
         if means == "room" and closed:
@@ -262,16 +291,14 @@ class _Sorter:
             self.areas.append(Polygon(points).buffer(0))
         elif means == "wall":
             self.lines.append(line)
-        elif means == "window":
-            self.bars["window"].append(line)
-        elif means == "door":
-            self.bars["door"].append(line)
+        elif means in ("window", "passage", "door"):
+            self.bars[cast(OpeningKind, means)].append(_Bar(line, low, height))
 
     def _is_thin(self, area: Polygon) -> bool:
         return area.buffer(-_THICKEST_WALL_M / self.m_per_unit / 2).is_empty
 
     def drawing(self) -> VectorDrawing:
-        openings = [*self._doors(), *self._bars("window")]
+        openings = [*self._doors(), *self._bars("window"), *self._bars("passage")]
         pairs = self._between_lines()
         singles = self._single_lines([*self.areas, *pairs])
         notes = [_SINGLE] if singles and not pairs and not self.areas else []
@@ -301,45 +328,104 @@ class _Sorter:
 
     def _doors(self) -> Iterator[OpeningShape]:
         """By their arcs; what else lies on a door layer counts where no arc is."""
-        taken = []
-        for arc in self.arcs:
-            shape = self._swing(arc)
-            taken.append(LineString([shape.start, shape.stop]).buffer(0.2 / self.m_per_unit))
-            yield shape
-        swept = unary_union(
-            [*taken, *(_disc(arc) for arc in self.arcs)]
-        )  # fmt: skip
+        swings = list(self._swings())
+        reach = 0.2 / self.m_per_unit
+        taken = [LineString([shape.start, shape.stop]).buffer(reach) for shape in swings]
+        swept = unary_union([*taken, *(_disc(arc) for arc in self.arcs)])
+        yield from swings
         for opening in self._bars("door"):
             if not LineString([opening.start, opening.stop]).intersects(swept):
                 yield opening
 
-    def _swing(self, arc: Any) -> OpeningShape:
-        """From the hinge to the end of the arc at the other jamb: the leaf runs to the other."""
-        hinge = np.array([arc.dxf.center.x, arc.dxf.center.y])
-        ends = [np.array([p.x, p.y]) for p in (arc.start_point, arc.end_point)]
-        solid = unary_union([*self.areas, *self.lines]) if self.areas or self.lines else None
-        if solid is None:
-            return OpeningShape("door", hinge, ends[0])
-        reach = [LineString([end, end + 1e-6]).distance(solid) for end in ends]
-        return OpeningShape("door", hinge, ends[int(np.argmin(reach))])
+    def _swings(self) -> Iterator[OpeningShape]:
+        """From hinge to jamb, or to the other hinge where two leaves meet."""
+        # Eroded, since the jamb beside an open leaf's hinge is no wall behind it.
+        walls = [area.buffer(-_JAMB_M / self.m_per_unit) for area in self.areas]
+        solid = unary_union([*walls, *self.lines])
+        left = [(_center(arc), arc) for arc in self.arcs]
+        while left:
+            hinge, arc = left.pop(0)
+            low, height = self._heights(arc)
+            ends = _ends(arc)
+            index = next((n for n, row in enumerate(left) if self._meet(hinge, ends, *row)), None)
+            if index is not None:
+                stop = left.pop(index)[0]
+            elif solid.is_empty:
+                stop = ends[0]
+            else:
+                stop = min(ends, key=lambda end: self._off_walls(hinge, end, solid))
+            yield OpeningShape("door", hinge, stop, base=low, height=height)
+
+    def _meet(self, hinge: FloatArray, ends: list[FloatArray], other: FloatArray, arc: Any) -> bool:
+        """Whether two leaves, closed, are one door: tips together, hinges on either side."""
+        for one in ends:
+            for end in _ends(arc):
+                ways = one - hinge, end - other
+                lengths = [float(np.hypot(*way)) for way in ways]
+                apart = ways[0] @ ways[1] < -_OPPOSITE * lengths[0] * lengths[1]
+                if apart and float(np.hypot(*(one - end))) < _TOUCH_M / self.m_per_unit:
+                    return True
+        return False
+
+    def _off_walls(
+        self, hinge: FloatArray, end: FloatArray, solid: BaseGeometry
+    ) -> tuple[float, float]:
+        """How far the walls are from where they go on behind a closed leaf, and from its tip.
+
+        An open leaf may end at a wall, too, but has none behind its hinge.
+        """
+        along = (end - hinge) / max(float(np.hypot(*(end - hinge))), 1e-9)
+        beyond = along * _BEHIND_M / self.m_per_unit
+        probes = [Point(*at).distance(solid) for at in (hinge - beyond, end + beyond)]
+        near = [min(probe * self.m_per_unit, _WIDEST_GAP_M) for probe in probes]
+        return round(sum(near), 3), Point(*end).distance(solid)
 
     def _bars(self, kind: OpeningKind) -> Iterator[OpeningShape]:
         """Openings drawn as rectangles or bundles of lines: one for each that hang together."""
-        lines = self.bars[kind]
-        if not lines:
+        bars = self.bars[kind]
+        if not bars:
             return
-        blob = unary_union([line.buffer(0.06 / self.m_per_unit) for line in lines])
+        # Within a hand's breadth lines are parts of one opening; the outline of a hole is one.
+        holes = unary_union([hole for bar in bars if (hole := self._hole(bar.line)) is not None])
+        near, far = _JAMB_M / self.m_per_unit, 0.06 / self.m_per_unit
+        holes = holes.buffer(near)
+        blob = unary_union(
+            [bar.line.buffer(near if holes.covers(bar.line) else far) for bar in bars]
+        )
+        tree = STRtree([bar.line for bar in bars])
         for part in polygons_of(blob):
-            shrunk = part.minimum_rotated_rectangle
+            within = [bars[index] for index in sorted(tree.query(part, predicate="intersects"))]
+            lines = unary_union([bar.line for bar in within])
+            shrunk = lines.buffer(far).minimum_rotated_rectangle
             corners = np.array(shrunk.exterior.coords[:4])
             edges = np.roll(corners, -1, axis=0) - corners
-            lengths = np.hypot(edges[:, 0], edges[:, 1]) - 0.12 / self.m_per_unit
+            lengths = np.hypot(edges[:, 0], edges[:, 1]) - 2 * far
             first = int(np.argmax(lengths[:2]))
             if lengths[first] <= 0.3 / self.m_per_unit:
                 continue
             middle = corners.mean(axis=0)
             half = edges[first] / np.hypot(*edges[first]) * lengths[first] / 2
-            yield OpeningShape(kind, middle - half, middle + half)
+            told = next((bar for bar in within if bar.height), within[0])
+            is_hole = not holes.is_empty and holes.intersects(lines)
+            yield OpeningShape(
+                kind, middle - half, middle + half,
+                depth=float(lengths[1 - first]) if is_hole else None,
+                base=told.low, height=told.height,
+            )  # fmt: skip
+
+    def _hole(self, line: LineString) -> Polygon | None:
+        """What an outline encloses that is as deep as a wall."""
+        area = Polygon(line.coords) if len(line.coords) > 3 and line.is_ring else Polygon()
+        is_deep = not area.buffer(-_SHALLOWEST_HOLE_M / self.m_per_unit / 2).is_empty
+        return area if is_deep else None
+
+
+def _center(arc: Any) -> FloatArray:
+    return np.array([arc.dxf.center.x, arc.dxf.center.y])
+
+
+def _ends(arc: Any) -> list[FloatArray]:
+    return [np.array([point.x, point.y]) for point in (arc.start_point, arc.end_point)]
 
 
 def _disc(arc: Any) -> Polygon:
@@ -347,13 +433,16 @@ def _disc(arc: Any) -> Polygon:
     return LineString([(center.x, center.y), (center.x + 1e-9, center.y)]).buffer(arc.dxf.radius)
 
 
-def _hatch(entity: Any) -> Iterator[Polygon]:
+def _hatch(entity: Any) -> list[Polygon]:
+    """What it fills: a boundary within another is a hole."""
+    filled: BaseGeometry = Polygon()
     for boundary in entity.paths:
         vertices = getattr(boundary, "vertices", None)
         if vertices and len(vertices) >= 3:
-            area = Polygon([(v[0], v[1]) for v in vertices]).buffer(0)
-            if isinstance(area, Polygon) and not area.is_empty:
-                yield area
+            filled = filled.symmetric_difference(
+                Polygon([(v[0], v[1]) for v in vertices]).buffer(0)
+            )
+    return polygons_of(filled)
 
 
 def _stretched(line: LineString, reach: float) -> LineString:
