@@ -20,6 +20,9 @@ _PACKAGES = {
     "web": "a flat .usdz for viewers in a browser",
     "ar": "such a .usdz for AR Quick Look",
     "gltf": "a .glb",
+    "ifc": "a building in IFC4",
+    "dxf": "a plan for CAD",
+    "ros": "a folder with an occupancy grid, rooms, doors and free poses for robots",
 }
 
 

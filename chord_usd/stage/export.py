@@ -15,11 +15,23 @@ from chord_usd.runtime.targets import FolderMode
 if TYPE_CHECKING:
     from pxr import Usd
 
-PACKAGES = {"web": ".usdz", "ar": ".usdz", "gltf": ".glb"}
+PACKAGES = {
+    "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
+}  # fmt: skip
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
-_WRITERS = {"web": "web.write_web", "ar": "web.write_ar", "gltf": "gltf.write_glb"}
+_WRITERS = {
+    "web": "web.write_web",
+    "ar": "web.write_ar",
+    "gltf": "gltf.write_glb",
+    "ifc": "exchange.ifc_model.write_ifc",
+    "dxf": "exchange.dxf_drawing.write_dxf",
+    "ros": "exchange.robot_map.write_map",
+}
 """What writes each, in this folder: a function of the open stage and of where to write."""
+
+_FILES = (".yaml", ".pgm", ".json")
+"""Suffixes of what lies in folders: whoever names such a file means its folder."""
 
 
 def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new") -> None:
@@ -37,7 +49,14 @@ def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new"
             expected=suffix,
             try_=f"-o {path.with_suffix(suffix).name}",
         )
-    module, name = _WRITERS[package].split(".")
+    if not suffix and path.suffix in _FILES:
+        raise OutputError(
+            f"is named as a file, and a {package} package is a folder",
+            where=str(path),
+            expected="the name of a folder",
+            try_=f"-o {path.stem}",
+        )
+    module, _, name = _WRITERS[package].rpartition(".")
     write: Callable[[Usd.Stage, Path], None] = getattr(
         importlib.import_module(f"chord_usd.stage.{module}"), name
     )

@@ -252,7 +252,7 @@ def _draw_opening(
         return
     indoors = walls.floors_m[room.index].representative_point().coords[0]
     inside = side_of(indoors, tunnel)
-    opens = _opens_to(tunnel, walls, inside)
+    opens = opens_to(tunnel, walls, inside)
     for part in fixed_parts(tunnel, inside=inside, opens=opens):
         _draw_part(component, named.name, part, room, frame)
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
@@ -275,7 +275,7 @@ def _draw_railing(component: _Component, name: str, tunnel: Tunnel, room: NamedR
     component.guard(group, railing_guard(tunnel))
 
 
-def _opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:
+def opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:
     """The side a door's leaves swing to: where more floor is free, else into its own room.
 
     1 is towards the opening's own +y, -1 towards its -y.

@@ -1,0 +1,219 @@
+"""A house as a plan for CAD: layers by kind, metres, furniture as blocks.
+
+Outlines carry an elevation and a thickness, as DXF has them: from above a plan, turned a model. So
+the heights of sills and heads are in it, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from pxr import Usd
+from shapely.geometry import Polygon, box
+from shapely.ops import unary_union
+
+from chord_usd.runtime.extras import needed_for
+from chord_usd.runtime.fonts import fonts_kept
+from chord_usd.scene.geometry import footprint, polygons_of, room_polygon, to_world
+from chord_usd.scene.palette import CATEGORIES, Level
+from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Room
+from chord_usd.stage.exchange.house import House, house_of
+from chord_usd.stage.exchange.pieces import Piece, pieces_of
+from chord_usd.stage.names import identifier
+from chord_usd.stage.opening_parts import leaves_of, railing_guard, span_of
+from chord_usd.stage.walls import Tunnel
+
+_LAYERS = {
+    "WALLS": 7, "WALLS-FILL": 8, "DOORS": 30, "WINDOWS": 150, "PASSAGES": 40, "RAILINGS": 9,
+    "ROOMS": 92, "FURNITURE": 33, "FURNITURE-DRESSING": 53, "DIMENSIONS": 1,
+}  # fmt: skip
+"""Colours by AutoCAD's index."""
+
+_METRES = 6
+_GRID_M = 1e-4
+_SHORTEST_TEXT_M, _TEXT_M = 0.08, 0.16
+_DIMENSIONS_OFF_M = 0.8
+_SIMPLER_M = 3e-3
+_LEAST_PART = 0.02
+"""Share of a piece's footprint below which a part of it is not drawn by itself."""
+
+
+def write_dxf(stage: Usd.Stage, target: Path) -> None:
+    """Write the house on a stage as a .dxf file. Raises StageError, MissingExtraError."""
+    house = house_of(stage)
+    with _drawing() as document:
+        sheet = _Sheet(document, house)
+        sheet.draw_walls()
+        for tunnel in house.walls.tunnels.values():
+            sheet.draw_opening(tunnel)
+        for room in house.plan.rooms:
+            sheet.draw_room(room)
+        for piece in pieces_of(stage, house):
+            sheet.draw_piece(piece)
+        sheet.draw_dimensions()
+        document.saveas(target)
+
+
+@contextmanager
+def _drawing() -> Iterator[Any]:
+    """An empty drawing; whatever is saved in the block has no time and no random number in it."""
+    with needed_for("writing DXF"), fonts_kept():
+        import ezdxf
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        document = ezdxf.new("R2010", setup=["linetypes", "dimstyles"])
+        document.header["$INSUNITS"] = _METRES
+        document.header["$MEASUREMENT"] = 1
+        for name, colour in _LAYERS.items():
+            document.layers.add(name, color=colour)
+        document.layers.get("PASSAGES").dxf.linetype = "DASHED"
+        yield document
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
+
+
+class _Sheet:
+    """The drawing in model space."""
+
+    def __init__(self, document: Any, house: House) -> None:
+        self._document, self._space, self._house = document, document.modelspace(), house
+        self._blocks: dict[str, str] = {}
+        """Names by model."""
+
+    def draw_walls(self) -> None:
+        """Outlines of what a cut through windows and doors leaves, filled; and railings."""
+        walls = self._house.walls
+        cut = unary_union([tunnel.area_m for tunnel in walls.cuts()])
+        left = shapely.difference(walls.solid_m, cut, grid_size=_GRID_M)
+        for part in polygons_of(left):
+            fill = self._space.add_hatch(dxfattribs={"layer": "WALLS-FILL"})
+            for ring in (part.exterior, *part.interiors):
+                corners = list(ring.coords)[:-1]
+                fill.paths.add_polyline_path(corners, is_closed=True)
+                self._outline(corners, "WALLS", 0.0, ROOM_HEIGHT_M)
+        for _, tunnel in walls.railings:
+            guard = railing_guard(tunnel)
+            bar = to_world(tunnel.opening.box, footprint(guard))
+            self._outline(bar, "RAILINGS", tunnel.low_m, guard.size_m[2])
+
+    def draw_opening(self, tunnel: Tunnel) -> None:
+        """A door with its leaves open and their swing, a window with its pane, a passage."""
+        opening = tunnel.opening
+        height_m = tunnel.high_m - tunnel.low_m
+        if opening.kind == "door":
+            self._draw_door(tunnel, height_m)
+            return
+        layer = "WINDOWS" if opening.kind == "window" else "PASSAGES"
+        self._outline(list(tunnel.area_m.exterior.coords)[:-1], layer, tunnel.low_m, height_m)
+        if opening.kind == "window":
+            span = span_of(tunnel)
+            start, end = to_world(
+                opening.box, [(span.left, span.middle), (span.right, span.middle)]
+            )
+            self._space.add_line(start, end, dxfattribs={"layer": layer})
+
+    def _draw_door(self, tunnel: Tunnel, height_m: float) -> None:
+        """Leaves as wide as the hole, so that arcs end at its jambs."""
+        opening, span = tunnel.opening, span_of(tunnel)
+        opens = self._house.opens_to(opening)
+        width = span.right - span.left
+        leaves = [(span.left, width, 1.0)]
+        if len(leaves_of(tunnel)) > 1:
+            leaves = [(span.left, width / 2, 1.0), (span.right, width / 2, -1.0)]
+        for hinge, long, way in leaves:
+            foot, tip, shut = to_world(opening.box, [
+                (hinge, span.middle), (hinge, span.middle + opens * long),
+                (hinge + way * long, span.middle),
+            ])  # fmt: skip
+            drawn = {"layer": "DOORS", "thickness": height_m}
+            self._space.add_line(foot, tip, dxfattribs=drawn)
+            angles = [float(np.degrees(np.arctan2(*(end - foot)[::-1]))) for end in (shut, tip)]
+            if (angles[1] - angles[0]) % 360.0 > 180.0:
+                angles.reverse()  # arcs run counter-clockwise
+            self._space.add_arc(foot, long, *angles, dxfattribs=drawn)
+
+    def draw_room(self, room: Room) -> None:
+        """Its outline, with its name and area in it."""
+        floor = room_polygon(room)
+        self._outline(room.polygon_m, "ROOMS")
+        name = _escaped(self._house.title(room))
+        west, south, east, north = floor.bounds
+        height = min(_TEXT_M, (east - west) / (0.8 * max(len(name), 7)), (north - south) / 4)
+        place = floor.representative_point()
+        words = self._space.add_mtext(
+            f"{name}\\P{floor.area:.1f} m²",
+            dxfattribs={"layer": "ROOMS", "char_height": max(height, _SHORTEST_TEXT_M)},
+        )
+        words.set_location((place.x, place.y), attachment_point=5)
+
+    def draw_piece(self, piece: Piece) -> None:
+        """A copy of its model's block."""
+        row = CATEGORIES.get(piece.item.category)
+        dressing = row is not None and row.level is Level.DRESSING
+        if not piece.is_upright:
+            return  # its block, seen from above, is not it
+        if piece.model not in self._blocks:
+            self._blocks[piece.model] = self._block(piece)
+        where = {
+            "layer": "FURNITURE-DRESSING" if dressing else "FURNITURE",
+            "rotation": piece.yaw_deg,
+            "xscale": float(piece.scale[0]), "yscale": float(piece.scale[1]),
+            "zscale": float(piece.scale[2]),
+        }  # fmt: skip
+        self._space.add_blockref(self._blocks[piece.model], piece.at_m, dxfattribs=where)
+
+    def _block(self, piece: Piece) -> str:
+        """Its outline, and those of its larger parts, seen from above."""
+        stem = identifier(piece.asset)[:200]
+        name, number = stem, 1
+        while name in self._document.blocks:
+            number += 1
+            name = f"{stem}_{number}"
+        block = self._document.blocks.new(name)
+        shadows = [piece.shadow(solid) for solid in piece.solids]
+        whole = unary_union(shadows)
+        drawn: list[Polygon] = []
+        for shadow in (whole, *shadows):
+            for part in polygons_of(shadow.simplify(_SIMPLER_M)):
+                known = any(part.symmetric_difference(one).area < 1e-3 for one in drawn)
+                if not known and part.area > _LEAST_PART * whole.area:
+                    drawn.append(part)
+                    for ring in (part.exterior, *part.interiors):
+                        block.add_lwpolyline(np.array(ring.coords)[:-1].tolist(), close=True)
+        return name
+
+    def draw_dimensions(self) -> None:
+        """How wide and how deep the house is, over all."""
+        west, south, east, north = box(*self._house.walls.solid_m.bounds).bounds
+        off = _DIMENSIONS_OFF_M
+        for base, start, end, angle in (
+            ((west, south - off), (west, south), (east, south), 0.0),
+            ((west - off, south), (west, south), (west, north), 90.0),
+        ):
+            self._space.add_linear_dim(
+                base=base, p1=start, p2=end, angle=angle, dimstyle="EZDXF",
+                override={"dimtxt": _TEXT_M, "dimasz": 0.12, "dimdec": 2, "dimlfac": 1.0},
+                dxfattribs={"layer": "DIMENSIONS"},
+            ).render()  # fmt: skip
+
+    def _outline(
+        self, corners: Iterable[Sequence[float]] | FloatArray, layer: str, low_m: float = 0.0,
+        height_m: float = 0.0,
+    ) -> None:  # fmt: skip
+        points = np.round(np.array(list(corners)), 5) + 0.0
+        self._space.add_lwpolyline(points.tolist(), close=True, dxfattribs={
+            "layer": layer, "elevation": low_m, "thickness": height_m
+        })  # fmt: skip
+
+
+def _escaped(name: str) -> str:
+    """A name in the markup of MTEXT."""
+    for sign in ("\\", "{", "}"):
+        name = name.replace(sign, f"\\{sign}")
+    return name.replace("^", "^ ").replace("%%", "% %")

@@ -1,0 +1,227 @@
+"""A house as robots know it: an occupancy grid for map_server, rooms and doors, free poses."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import scipy.ndimage
+import shapely
+from pxr import Usd
+
+from chord_usd.metrics.walk import entrance
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.types import BoolArray, Room
+from chord_usd.stage.exchange.house import House, house_of
+from chord_usd.stage.exchange.occupancy import FREE, RESOLUTION_M, Grid, Window
+
+ROBOT_RADIUS_M = 0.25
+
+_TOUCH_M = 0.02
+_LEAST_OPEN_M = 0.5
+"""Rooms that touch along less than this are not open to each other."""
+
+_MOST_SPAWNS = 5
+_SPAWNS_APART_M = 0.75
+_WAYS = 16
+"""Directions that a pose may look in."""
+
+
+def write_map(stage: Usd.Stage, folder: Path) -> None:
+    """Write map.yaml, map.pgm, rooms.json and spawns.json. Raises StageError."""
+    house = house_of(stage)
+    grid = Grid.around(house)
+    grid.fill(house, stage)
+    reach = _Reach.of(grid, house)
+    header = f"P5\n{grid.image.shape[1]} {grid.image.shape[0]}\n255\n"
+    (folder / "map.pgm").write_bytes(header.encode() + grid.image.tobytes())
+    west, south = grid.origin_m
+    (folder / "map.yaml").write_text(
+        "image: map.pgm\nmode: trinary\n"
+        f"resolution: {RESOLUTION_M}\norigin: [{west:.2f}, {south:.2f}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    _write(folder / "rooms.json", _rooms(house, reach))
+    _write(folder / "spawns.json", _spawns(house, grid, reach))
+
+
+def _write(path: Path, data: dict[str, Any]) -> None:
+    path.write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """Where the middle of a robot can be, and which of it the entrance leads to."""
+
+    clear: BoolArray
+    """(H, W)"""
+    joined: BoolArray
+    """(H, W) the part of it that one enters by; without an entrance the largest."""
+    rooms: dict[str, tuple[Window, BoolArray]]
+    """Cells of each room, by id."""
+
+    @classmethod
+    def of(cls, grid: Grid, house: House) -> _Reach:
+        """From the grid alone, as a planner would see it."""
+        free = (grid.image == FREE).astype(np.uint8)
+        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        # To the corner of the nearest cell that is not free.
+        clear = (distance - math.sqrt(0.5)) * RESOLUTION_M >= ROBOT_RADIUS_M
+        parts, count = scipy.ndimage.label(clear)
+        joined = parts == _entered(parts, grid, house) if count else np.zeros_like(clear)
+        rooms = {room.id: grid.cells_in(room_polygon(room)) for room in house.plan.rooms}
+        return cls(clear, joined, rooms)
+
+    def able(self, room_id: str) -> tuple[Window, BoolArray, bool]:
+        """Where in a room a robot can be, and whether the entrance leads there."""
+        window, own = self.rooms[room_id]
+        joined = own & self.joined[window]
+        is_joined = bool(joined.any())
+        return window, joined if is_joined else own & self.clear[window], is_joined
+
+
+def _entered(parts: np.ndarray, grid: Grid, house: House) -> int:
+    """Number of the part that one enters by; without an entrance that of the largest."""
+    door = entrance(house.graph)
+    if door is None:
+        return int(np.argmax(np.bincount(parts.ravel())[1:])) + 1
+    rows, columns = np.nonzero(parts)
+    middles = shapely.points(*grid.at_m(rows, columns))
+    nearest = int(np.argmin(shapely.distance(footprint_polygon(door.box), middles)))
+    return int(parts[rows[nearest], columns[nearest]])
+
+
+# Rooms and doors ----------------------------------------------------------------------------------
+
+
+def _rooms(house: House, reach: _Reach) -> dict[str, Any]:
+    doors = [*_doors(house), *_open_edges(house)]
+    front = entrance(house.graph)
+    return {
+        "frame": "map",
+        "units": "metres, radians",
+        "entrance": front.id if front else None,
+        "rooms": [_room(room, house, reach, doors) for room in house.plan.rooms],
+        "doors": doors,
+    }
+
+
+def _room(
+    room: Room, house: House, reach: _Reach, doors: list[dict[str, Any]]
+) -> dict[str, Any]:  # fmt: skip
+    return {
+        "id": room.id,
+        "name": house.titles[room.id],
+        "class": room.kind,
+        "area": round(room_polygon(room).area, 3),
+        "polygon": np.round(room.polygon_m, 4).tolist(),
+        "doors": [door["id"] for door in doors if room.id in door["rooms"]],
+        "reachable": reach.able(room.id)[2],
+    }
+
+
+def _doors(house: House) -> Iterator[dict[str, Any]]:
+    """Doors and passages; the outside is no room."""
+    for opening in house.plan.openings:
+        if opening.kind == "window":
+            continue
+        x, y, _ = opening.box.center_m
+        yield {
+            "id": opening.id, "kind": opening.kind, "rooms": list(opening.room_ids),
+            "x": round(x, 4), "y": round(y, 4),
+            # Across the wall: the way one drives through.
+            "yaw": _radians(opening.box.yaw_deg + 90.0),
+            "width": round(opening.box.size_m[0], 4), "height": round(opening.box.size_m[2], 4),
+        }  # fmt: skip
+
+
+def _open_edges(house: House) -> Iterator[dict[str, Any]]:
+    """Where rooms touch and nothing parts them."""
+    rooms = house.plan.rooms
+    floors = [room_polygon(room) for room in rooms]
+    tree = shapely.STRtree(floors)
+    pairs = tree.query(floors, predicate="dwithin", distance=_TOUCH_M).T.tolist()
+    for one, other in sorted(pair for pair in pairs if pair[0] < pair[1]):
+        seam = floors[one].exterior.intersection(floors[other].buffer(_TOUCH_M))
+        seam = shapely.line_merge(seam) if seam.geom_type == "MultiLineString" else seam
+        line = max(shapely.get_parts(seam), key=lambda part: part.length, default=None)
+        if line is None or line.length < _LEAST_OPEN_M:
+            continue
+        middle = line.interpolate(0.5, normalized=True)
+        start, end = np.array(line.coords)[[0, -1]]
+        across = np.degrees(np.arctan2(*(end - start)[::-1])) + 90.0
+        yield {
+            "id": f"{rooms[one].id}_{rooms[other].id}", "kind": "open",
+            "rooms": [rooms[one].id, rooms[other].id],
+            "x": round(middle.x, 4), "y": round(middle.y, 4), "yaw": _radians(float(across)),
+            "width": round(line.length, 4), "height": None,
+        }  # fmt: skip
+
+
+def _radians(yaw_deg: float) -> float:
+    """Within half a turn of 0."""
+    yaw = math.remainder(math.radians(yaw_deg), 2 * math.pi)
+    return math.trunc(yaw * 1e4) / 1e4  # rounded, half a turn would be more than one
+
+
+# Poses --------------------------------------------------------------------------------------------
+
+
+def _spawns(house: House, grid: Grid, reach: _Reach) -> dict[str, Any]:
+    free = grid.image == FREE
+    return {
+        "frame": "map",
+        "radius": ROBOT_RADIUS_M,
+        "rooms": {
+            room.id: list(_poses(*reach.able(room.id)[:2], grid, free)) for room in house.plan.rooms
+        },
+    }
+
+
+def _poses(
+    window: Window, able: BoolArray, grid: Grid, free: BoolArray
+) -> Iterator[dict[str, Any]]:
+    """Poses far from each other, the first in the middle of the room's free floor.
+
+    able: where in a window of the grid a robot can be.
+    """
+    rows, columns = np.nonzero(able)
+    if not len(rows):
+        return
+    padded = np.pad(able.astype(np.uint8), 1)
+    room_m = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+    chosen = int(np.argmax(room_m[rows, columns]))
+    rows, columns = rows + window[0].start, columns + window[1].start
+    at = np.column_stack([rows, columns]).astype(np.float64)
+    away = np.full(len(at), np.inf)
+    for _ in range(_MOST_SPAWNS):
+        x, y = grid.at_m(rows[chosen], columns[chosen])
+        yaw = _yaw_of_widest_view(free, int(rows[chosen]), int(columns[chosen]))
+        yield {"x": round(float(x), 4), "y": round(float(y), 4), "yaw": yaw}
+        away = np.minimum(away, np.hypot(*(at - at[chosen]).T) * RESOLUTION_M)
+        chosen = int(np.argmax(away))
+        if away[chosen] < _SPAWNS_APART_M:
+            return
+
+
+def _yaw_of_widest_view(free: BoolArray, row: int, column: int) -> float:
+    """The direction with most free floor straight ahead."""
+    steps = np.arange(1, int(math.hypot(*free.shape)) + 1)
+    longest, best = -1, 0.0
+    for number in range(_WAYS):
+        yaw = 2 * math.pi * number / _WAYS
+        rows = np.rint(row - steps * math.sin(yaw)).astype(int)
+        columns = np.rint(column + steps * math.cos(yaw)).astype(int)
+        inside = (rows >= 0) & (rows < free.shape[0]) & (columns >= 0) & (columns < free.shape[1])
+        seen = np.zeros(len(steps), dtype=bool)
+        seen[inside] = free[rows[inside], columns[inside]]
+        length = int(np.argmin(seen)) if not seen.all() else len(seen)
+        if length > longest:
+            longest, best = length, yaw
+    return _radians(math.degrees(best))
