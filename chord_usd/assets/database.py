@@ -50,6 +50,9 @@ OWN_FIRST_M = 0.25
 """The shipped furniture comes in so many sizes that hardly anything else would ever be nearest."""
 
 
+_BARE = "Bare"
+"""A word in the ids of pieces whose likes carry something that hides what is behind them."""
+
 STRANGE_FORM_M = 0.08
 """A form of another style is taken where it misses the size by so much less."""
 
@@ -92,7 +95,8 @@ class AssetDatabase:
         The paper's rule: same category, least squared difference of length and width. Ties go to
         the nearer height, then to the lower id, so that the answer never depends on order. An
         asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
-        most_height_m: only what is no higher, where the category has that.
+        most_height_m: what stands before a window is no higher, where the category has that; of
+        cabinets with and without a television those without stand there, and only there.
         Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
@@ -102,6 +106,8 @@ class AssetDatabase:
                 expected="at least one asset of every category in use",
                 try_="--assets FOLDER with such an asset",
             )
+        is_before_window = most_height_m is not None
+        candidates = tuple(a for a in candidates if _is_bare(a) == is_before_window) or candidates
         if most_height_m is not None:
             low = [asset for asset in candidates if asset.size_m[2] <= most_height_m]
             candidates = tuple(low) or candidates
@@ -142,6 +148,10 @@ class AssetDatabase:
             raise KeyError(asset_id)
         self.prepare(asset)
         return asset
+
+
+def _is_bare(asset: Asset) -> bool:
+    return _BARE in asset.id.split("_")
 
 
 def _miss_m(asset: Asset, size_m: SizeM) -> float:

@@ -28,6 +28,9 @@ _GAP_M = 0.06
 _MARGIN_M = 0.12
 """Beside a picture on a bare wall."""
 
+_IN_WAY_M = 0.12
+"""What stands out farther from a wall is in the way of who walks along it."""
+
 _BARE_FROM_M = 0.75
 """Narrower stretches of wall stay bare."""
 
@@ -256,12 +259,15 @@ def _clock(frame: RoomFrame) -> None:
 
 
 def _hooks(frame: RoomFrame) -> None:
-    """Coats at the entrance, else on the longest bare wall."""
-    rails = frame.stock.family(frame.stock.offered("hook_rail"), "hook_rail")
-    for asset in sorted(rails, key=lambda a: (-a.size_m[0], a.id)):
-        base_m = 1.7 - asset.size_m[2]
-        if _on_bare_wall(frame, asset, base_m, from_floor=True):
-            return
+    """Coats at the entrance, where they leave the way free; else bare hooks on a bare wall."""
+    offered = frame.stock.offered("hook_rail")
+    with_coats = [asset for asset in offered if "Coats" in asset.id.split("_")]
+    bare = [asset for asset in offered if asset not in with_coats]
+    for rails in (with_coats, bare):
+        family = frame.stock.family(rails, "hook_rail")
+        for asset in sorted(family, key=lambda a: (-a.size_m[0], a.id)):
+            if _on_bare_wall(frame, asset, 1.72 - asset.size_m[2], from_floor=True):
+                return
 
 
 def _on_bare_wall(
@@ -278,7 +284,10 @@ def _on_bare_wall(
         if high - low >= asset.size_m[0] + 0.2
     ]
     for _, face, middle in sorted(spans, key=lambda one: round(one[0], 3)):
-        item = frame.put_where_free(asset, face.box(middle, base_m, asset.size_m))
+        box = face.box(middle, base_m, asset.size_m)
+        if asset.size_m[1] > _IN_WAY_M and not frame.walkways.stay_with(box):
+            continue
+        item = frame.put_where_free(asset, box)
         if item is not None:
             return item
     return None

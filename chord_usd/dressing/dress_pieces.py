@@ -22,6 +22,13 @@ _TALL_M = 0.36
 """Lower cushions lie before others."""
 
 _GAP_M = 0.03
+_HANGS_FROM_M = 0.06
+"""What is so much lower than the seat is before its edge."""
+
+_BEFORE_EDGE_M = 0.035
+_THICK_M = 0.02
+"""How far a throw hangs before the edge of a seat, and how high it lies on it."""
+
 _SEATS = ("sofa", "single_sofa", "leisure_sofa")
 
 
@@ -47,6 +54,7 @@ def dress_pieces(frame: RoomFrame) -> None:
     for item in frame.of(*_SEATS):
         seat = seat_of(frame.relief(item))
         if seat is not None:
+            _throw_over_seat(frame, item, seat)
             _cushions_on_sofa(frame, item, seat)
 
 
@@ -198,3 +206,55 @@ def _throw_over_bed(frame: RoomFrame, item: Item, seat: Seat) -> None:
     box = in_world(Box((0.0, y, top_m - size_m[2]), size_m, 0.0), item.box)
     if frame.is_inside(box) and not frame.taken.hits(box, ("rug", "clear"), (item.id,)):
         frame.put(asset, box, rests_on=item.id)
+
+
+def _throw_over_seat(frame: RoomFrame, item: Item, seat: Seat) -> None:
+    """Over the front edge of a seat at one end of a sofa, at the middle of a chair."""
+    share = frame.draws.share(f"throw/{item.id}")
+    if share > frame.taste.throws * (0.8 if item.category == "sofa" else 0.3):
+        return
+    offered = frame.stock.offered("throw", "Seat")
+    throws = frame.stock.family(offered, f"throw/{item.id}")
+    width = seat.right_m - seat.left_m
+    for asset in sorted(throws, key=lambda a: (-a.size_m[1], a.id)):
+        length = min(asset.size_m[0], 0.9 * width)
+        if length < 0.75 * asset.size_m[0]:
+            continue
+        aside = width / 2 - length / 2 - 0.12 if item.category == "sofa" else 0.0
+        for x in (aside, -aside) if share % 0.02 < 0.01 else (-aside, aside):
+            middle = (seat.left_m + seat.right_m) / 2 + max(-width / 2, x)
+            box = _over_front(frame, item, seat, (middle, length), asset)
+            if box is not None:
+                frame.put(asset, box, rests_on=item.id)
+                return
+
+
+def _over_front(
+    frame: RoomFrame, item: Item, seat: Seat, at: tuple[float, float], asset: Asset
+) -> Box | None:
+    """Where a throw lies with its fold at the front edge of the seat; None where it does not fit.
+
+    at: middle and length along the seat, in the frame of the piece.
+    """
+    x, length = at
+    relief = frame.relief(item)
+    _, depth, height = asset.size_m
+    strip = Box((x, 0.0, 0.0), (length, item.box.size_m[1], 0.1), 0.0)
+    mask, window = relief.under(strip)
+    along = np.where(mask, relief.heights_m[window], 0.0).max(axis=1)
+    level = np.flatnonzero(along > seat.level_m - _HANGS_FROM_M)
+    if not level.size:
+        return None
+    rows = relief.heights_m.shape[0]
+    first_row = window[0].start or 0
+    front = item.box.size_m[1] / 2 - (first_row + int(level.max()) + 1) * item.box.size_m[1] / rows
+    y = front - _BEFORE_EDGE_M + depth / 2
+    if y + depth / 2 > seat.back_m or height > seat.level_m:
+        return None
+    top_m = relief.highest_m(Box((x, y + 0.05, 0.0), (length, depth - 0.1, 0.1), 0.0))
+    if top_m > seat.level_m + _RISE_M:
+        return None
+    own = Box((x, y, top_m + _THICK_M - height), (length, depth, height), 0.0)
+    box = in_world(own, item.box)
+    free = not frame.taken.hits(box, ("rug", "clear"), (item.id,))
+    return box if free and frame.is_inside(box) else None

@@ -1,4 +1,5 @@
-"""Duvets with folds, their turned-back ends, throws over a bed's foot, towels over a rail.
+"""Duvets with folds, their turned-back ends, throws over a bed's foot or a
+seat's edge, towels over a rail.
 
 A bed's own frame here: the mattress' upper side at z = 0, its foot end at y = 0, its head at +y.
 """
@@ -86,20 +87,30 @@ def stuffed_unevenly(made: Made, is_smooth: bool, seed: int, share: float = 1.0)
 
 
 def _dropped(
-    wide: float, deep: float, at: tuple[float, float, float], duvet: Duvet, under: list[Solid]
+    wide: float,
+    deep: float,
+    at: tuple[float, float, float],
+    duvet: Duvet,
+    under: list[Solid],
+    held_rows: int = 0,
 ) -> tuple[FloatArray, FloatArray]:
-    """A sheet after its fall, every second line of it, and its cloth coordinates."""
+    """A sheet after its fall, every second line of it, and its cloth coordinates.
+
+    held_rows: at the upper end, which stay: so that it does not slip off.
+    """
     rng = np.random.default_rng(duvet.seed)
     columns, rows = (2 * round(side / _CELL_M / 2) + 1 for side in (wide, deep))
     x, y = np.meshgrid(np.linspace(-wide / 2, wide / 2, columns),
                        np.linspace(deep / 2, -deep / 2, rows))  # fmt: skip
     rest = np.stack([x, y, np.zeros_like(x)], axis=-1)
     start = rest * (1.0 - duvet.slack) + at
-    start[..., 2] += 0.03 * _bumps(x, y, rng, 26, 0.12)
+    bumps = 0.03 * _bumps(x, y, rng, 26, 0.12)
+    bumps[:held_rows] = 0.0
+    start[..., 2] += bumps
     fabric = Fabric(bending=duvet.bending, self_collision=False, gap_m=0.012, mass_kg=0.2)
     found = draped(
-        start.reshape(-1, 3), grid_faces(rows, columns), fabric, 45, obstacles=under,
-        rest_m=rest.reshape(-1, 3),
+        start.reshape(-1, 3), grid_faces(rows, columns), fabric, 45,
+        list(range(held_rows * columns)), under, rest_m=rest.reshape(-1, 3),
     ).reshape(rest.shape)  # fmt: skip
     return smoothed(found, 1)[::2, ::2], rest[::2, ::2, :2]
 
@@ -133,6 +144,16 @@ def thrown(length_m: float, width_m: float, hang_m: float, seed: int) -> Made:
     made = _finished(grid, flat, 0.014, (0.0, 0.0, -0.05))
     # A throw lies on duvets of other shapes: it must be flatter than what it covers.
     return stuffed_unevenly(made, False, seed, 0.25)
+
+
+def over_edge(length_m: float, reach_m: float, hang_m: float, seed: int) -> Made:
+    """A throw on a seat whose front edge is at y = 0; it hangs down there."""
+    seat = soft_block((1.6, 0.8, 0.5), 0.05, (8, 8, 2)).moved(y=0.4, z=-0.5)
+    blanket = Duvet(length_m, 0.0, 0.0, 0.8, 0.02, 0.012, seed)
+    deep = reach_m + hang_m
+    at = (0.0, (reach_m - hang_m) / 2, 0.02)
+    grid, flat = _dropped(length_m, deep, at, blanket, [seat], held_rows=3)
+    return stuffed_unevenly(_finished(grid, flat, 0.012, (0.0, 0.2, -0.15)), False, seed, 0.3)
 
 
 def over_rail(length_m: float, drop_m: float, seed: int) -> Made:

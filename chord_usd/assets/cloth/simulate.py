@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from chord_usd.assets.cloth.bedding import Duvet, laid, over_rail, thrown
+from chord_usd.assets.cloth.bedding import Duvet, laid, over_edge, over_rail, thrown
+from chord_usd.assets.cloth.garments import coat
 from chord_usd.assets.cloth.hangings import Hanging, hung
 from chord_usd.assets.cloth.stored import save
 from chord_usd.assets.cloth.stuffed import Stuffed, filled
@@ -66,6 +67,9 @@ def makers() -> dict[str, Callable[[], dict[str, Made]]]:
         found[name] = partial(_alone, name, thrown, length, 0.6, 0.3, 7)
     for name, length, drop in (("towel_long", 0.46, 0.5), ("towel_short", 0.3, 0.34)):
         found[name] = partial(_alone, name, over_rail, length, drop, 9)
+    found["throw_seat"] = partial(_alone, "throw_seat", over_edge, 0.55, 0.5, 0.3, 11)
+    for name, length, seed in (("coat_long", 1.0, 3), ("coat_short", 0.72, 4)):
+        found[name] = partial(_alone, name, coat, length, seed)
     return found
 
 

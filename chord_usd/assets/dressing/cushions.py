@@ -1,4 +1,5 @@
-"""Cushions that stand on sofas and beds, leaning back a little; throws over a bed's foot."""
+"""Cushions that stand on sofas and beds, leaning back a little; throws over a bed's foot
+or a seat's edge."""
 
 from __future__ import annotations
 
@@ -129,6 +130,15 @@ def bed_throw(size_m: Size, *, fringed: bool = False) -> tuple[Part, ...]:
     return tuple(parts)
 
 
+def seat_throw(size_m: Size) -> tuple[Part, ...]:
+    """A throw on a seat that hangs over its front edge, the lower hem at z = 0."""
+    cloth = stored("throw_seat")
+    low, high = cloth.solid.bounds_m()
+    cloth = cloth.moved(*(-(low + high) / 2 * [1, 1, 0] - low * [0, 0, 1]))
+    cloth = cloth.scaled(*(np.array(size_m) / (high - low)))
+    return (Part("Throw", cloth.solid, "cloth", None, uvs=cloth.corner_uvs_m()),)
+
+
 def _corners(uvs: FloatArray, solid: Solid) -> FloatArray:
     return uvs[solid.faces.reshape(-1)]
 
@@ -199,6 +209,12 @@ def _throws() -> Iterator[Design]:
             id_ = f"Throw_Bed_{name}_{100 * length:.0f}"
             ways = dyed("cloth", finishes)
             yield Design(id_, "throw", size_m, bed_throw, ways, TEXTILES, styles)
+        for depth in (0.42, 0.52, 0.64):
+            size_m = (0.55, depth, 0.28)
+            id_ = f"Throw_Seat_{name}_{100 * depth:.0f}"
+            yield Design(
+                id_, "throw", size_m, seat_throw, dyed("cloth", finishes), TEXTILES, styles
+            )
 
 
 DESIGNS = (*_cushions(), *_throws())

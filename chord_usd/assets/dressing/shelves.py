@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 
+from chord_usd.assets.cloth.stored import stored
 from chord_usd.assets.dressing.dry_finishes import DRY
 from chord_usd.assets.dressing.forms import (
     CLASSIC,
@@ -13,6 +17,7 @@ from chord_usd.assets.dressing.forms import (
     SCANDINAVIAN,
     arc,
 )
+from chord_usd.assets.dressing.textiles import TEXTILES
 from chord_usd.assets.model import Design, Draw, Part
 from chord_usd.assets.solids import Size, Solid, block, box, cylinder, extruded, joined, tube
 
@@ -157,6 +162,40 @@ def hooks(size_m: Size) -> tuple[Part, ...]:
     return Part("Board", board, "board", None), Part("Hooks", joined(row), "metal", None)
 
 
+def with_coats(size_m: Size, *, rail: Draw) -> tuple[Part, ...]:
+    """A rail with coats on it, a long one and a short one in turn."""
+    length, width, height = size_m
+    back = [
+        replace(part, solid=part.solid.moved(y=(width - _RAIL_SIZE_M[0]) / 2, z=height - _RAIL_M))
+        for part in rail((length, *_RAIL_SIZE_M))
+    ]
+    count = max(1, round(length / 0.4))
+    coats = []
+    for index in range(count):
+        cloth = stored("coat_short" if index % 2 else "coat_long")
+        low, high = cloth.solid.bounds_m()
+        tall = height - 0.05 if index % 2 == 0 else 0.78 * (height - 0.05)
+        cloth = cloth.moved(*(-(low + high) / 2 * [1, 1, 0] - high * [0, 0, 1]))
+        cloth = cloth.scaled(*(np.array([_COAT_M, width - 0.024, tall]) / (high - low)))
+        x = (index + 0.5) / count * length - length / 2
+        x = float(np.clip(x, (_COAT_M - length) / 2, (length - _COAT_M) / 2))
+        cloth = cloth.moved(x, -0.012, height - 0.05)
+        coats.append(
+            Part(f"Coat_{index}", cloth.solid, f"coat_{index % 2}", None,
+                 uvs=cloth.corner_uvs_m(), two_sided=True)
+        )  # fmt: skip
+    return *back, *coats
+
+
+def _coated(looks: dict, *pairs: tuple[str, str]) -> dict[str, dict[str, str]]:
+    """Each look of a rail with each pair of cloths for coats."""
+    return {
+        f"{name}_{one}_{other}": {**look, "coat_0": one, "coat_1": other}
+        for name, look in looks.items()
+        for one, other in pairs
+    }
+
+
 def _looks(**ways: tuple[str, str]) -> dict[str, dict[str, str]]:
     return {n: {"board": wood, "metal": metal, "back": wood} for n, (wood, metal) in ways.items()}
 
@@ -179,6 +218,11 @@ _FINE = _looks(
 )
 
 _RAIL_M = 0.1
+_RAIL_SIZE_M = (0.08, _RAIL_M)
+_COAT_M = 0.44
+"""Width of a coat on its hook."""
+
+_DRY_AND_CLOTH = {**TEXTILES, **DRY}
 
 
 def _row(
@@ -252,7 +296,20 @@ DESIGNS = (
         {**_FINE, **_RAW},
         (CLASSIC, INDUSTRIAL),
     ),
-)
+    *(
+        Design(f"{name}_Coats_{100 * length:.0f}", "hook_rail", (length, 0.2, 0.9),
+               partial(with_coats, rail=rail), _coated(looks, *pairs), _DRY_AND_CLOTH, styles)
+        for name, rail, looks, pairs, styles in (
+            ("Peg_Rail", peg_rail, _WOOD,
+             (("grey_wool", "navy_cotton"), ("oat_linen", "charcoal_wool")),
+             (SCANDINAVIAN, JAPANESE, MODERN)),
+            ("Hook_Rail", hooks, {**_FINE, **_RAW},
+             (("tan_wool", "charcoal_wool"), ("navy_cotton", "grey_wool")),
+             (CLASSIC, INDUSTRIAL)),
+        )
+        for length in (0.5, 0.9)
+    ),
+)  # fmt: skip
 
 
 def board_heights_m(asset_id: str, height_m: float) -> tuple[float, ...]:

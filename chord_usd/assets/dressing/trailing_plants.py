@@ -46,11 +46,7 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
         share = (index + 0.5) / count
         reach = length / 2 * (0.5 + 0.45 * share)
         peak = vessel.soil_m + (height - vessel.soil_m) * (0.9 - 0.65 * share)
-        end = (
-            vessel.soil_m * (0.95 - 0.75 * share)
-            if kind != "fern"
-            else vessel.soil_m * 0.9
-        )
+        end = vessel.soil_m * (0.95 - 0.75 * share) if kind != "fern" else vessel.soil_m * 0.9
         t = np.linspace(0, 1, 9)
         out = reach * t**0.8
         z = (

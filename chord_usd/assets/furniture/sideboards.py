@@ -184,8 +184,10 @@ def _drum_stand(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def tv_cabinet(size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers") -> tuple[Part, ...]:
-    """A low cabinet with a television on it.
+def tv_cabinet(
+    size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers", has_screen: bool = True
+) -> tuple[Part, ...]:
+    """A low cabinet with a television on it, or none: before a window one sees nothing on it.
 
     size_m is the cabinet's own: the television (16:9) stands above the nominal height, near the
     wall.
@@ -205,8 +207,9 @@ def tv_cabinet(size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers") -
         Part("Body", body, "body"),
         panels,
         Part("Top", plate.moved(z=height - top), "top"),
-        *television(min(0.45 + 0.45 * length, length * 0.86), width / 2 - 0.1, height),
-    )
+        *(television(min(0.45 + 0.45 * length, length * 0.86), width / 2 - 0.1, height)
+          if has_screen else ()),
+    )  # fmt: skip
 
 
 def _slatted(cell: Cell, y: float) -> Solid:
@@ -260,6 +263,10 @@ _TV = (
         ("scandinavian", "japanese", "modern"),
     ),
 )
+_TV_BARE = tuple(
+    replace(style, name=f"{style.name}_Bare", draw=partial(style.draw, has_screen=False))
+    for style in _TV
+)
 _DRESSER = Style("Dresser", hutch, FRAMED, 2.1, ("classic",))
 _SIDEBOARDS = (
     Style(
@@ -278,6 +285,7 @@ _DRAWN = (
     *editions("bedside_table", _BEDSIDE, steps(0.4, 0.6, 0.05), (0.37, 0.46)),
     *editions("bedside_table", (_BEDSIDE_ROUND,), (0.4, 0.45, 0.5), (0.42,)),
     *editions("tv_cabinet", _TV, steps(1.05, 2.55), (0.33, 0.4, 0.47)),
+    *editions("tv_cabinet", _TV_BARE, steps(1.05, 2.55, 0.2), (0.33, 0.4, 0.47)),
     *editions("dining_cabinet", (_DRESSER, *_SIDEBOARDS), steps(0.85, 1.45), (0.37, 0.43)),
     *editions("dining_cabinet", _SIDEBOARDS, steps(1.55, 1.95), (0.37, 0.43)),
 )
