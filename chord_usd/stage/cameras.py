@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 from pxr import Gf, Sdf
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import Polygon
 
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Item
@@ -28,6 +28,9 @@ ISOMETRIC_CAMERA = "Isometric"
 
 _CLEAR_M = 0.1
 """A camera moves when a piece that is in its way comes nearer than this."""
+
+_CLOSE_M = 0.6
+"""Tall things so near to where a picture begins hide much of it."""
 
 _LOW_M, _FLAT_M, _HIGH_M = 1.0, 0.05, 2.0
 """Pieces lower than the first are leant over, flatter than the second stood on, and what hangs
@@ -65,19 +68,17 @@ def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> None:
         for tunnel in walls.tunnels_of(room.room.id)
         if tunnel.opening.kind != "window"
     ]
-    items = [named.item for named in room.items]
+    floor, items = walls.floors_m[room.index], [named.item for named in room.items]
+    view = choose_view(floor, items, doors)
     dressing = _large(named.item for named in room.dressing)
-    view = choose_view(walls.floors_m[room.index], items, doors, dressing)
+    if _is_in_way(view, dressing):
+        view = choose_view(floor, items, doors, dressing)
     _write_view(layer, room.name, view)
 
 
 def _large(dressing: Iterable[Item]) -> list[Item]:
-    """Dressing that one sees from afar, or would walk into; not what lies flat."""
-    return [
-        item
-        for item in dressing
-        if max(item.box.size_m) > _LARGE_M and item.box.size_m[2] > _FLAT_M
-    ]
+    """Dressing that one sees from afar, or would walk into."""
+    return [item for item in _standing(dressing) if max(item.box.size_m) > _LARGE_M]
 
 
 def clear_camera(layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequence[Item]) -> None:
@@ -107,17 +108,28 @@ def _standing(items: Iterable[Item]) -> list[Item]:
 
 def _is_in_way(view: View, items: Iterable[Item]) -> bool:
     """Whether something stands where the picture begins: at the lens, or, for a view through a
-    wall, at the clipping plane."""
-    ahead, beside = rotation_2d(view.yaw_deg).T
-    half = view.near_m * SENSOR_MM[0] / 2 / view.lens_mm * beside
-    middle = np.array(view.position_m) + view.near_m * ahead
-    first = LineString([middle - half, middle + half])
+    wall, at the clipping plane; or is tall and close before it."""
+    touches, hides = _first_m(view, _CLEAR_M), _first_m(view, _CLOSE_M)
     through_wall = view.near_m > NEAR_M + 1e-6
-    return any(
-        footprint_polygon(item.box).distance(first) < _CLEAR_M
-        for item in items
-        if through_wall or item.box.center_m[2] + item.box.size_m[2] > _LOW_M
-    )
+    for item in items:
+        is_tall = item.box.center_m[2] + item.box.size_m[2] > _LOW_M
+        shape = footprint_polygon(item.box)
+        if (through_wall or is_tall) and shape.distance(touches) < _CLEAR_M:
+            return True
+        if is_tall and shape.intersects(hides):
+            return True
+    return False
+
+
+def _first_m(view: View, reach_m: float) -> Polygon:
+    """What the picture holds within a reach of where it begins, seen from above."""
+    ahead, beside = rotation_2d(view.yaw_deg).T
+    corners = []
+    for distance_m, sides in ((view.near_m, (-1, 1)), (view.near_m + reach_m, (1, -1))):
+        middle = np.array(view.position_m) + distance_m * ahead
+        half = distance_m * SENSOR_MM[0] / 2 / view.lens_mm * beside
+        corners += [middle + side * half for side in sides]
+    return Polygon(corners)
 
 
 def _write_view(layer: Sdf.Layer, name: str, view: View) -> None:
