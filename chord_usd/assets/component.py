@@ -26,6 +26,7 @@ from chord_usd.assets.material import (
     slot_looks,
 )
 from chord_usd.assets.model import Design, Part
+from chord_usd.assets.physical import feel_of, write_feel
 from chord_usd.assets.shading import corner_normals, corner_uvs_m
 from chord_usd.assets.solids import Solid
 from chord_usd.assets.surface_maps import MAPS_FOLDER
@@ -188,17 +189,34 @@ def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     UsdGeom.Scope.Define(stage, f"/{design.id}/Colliders")
     for part in parts:
-        for name, bounds_m in part.felt_boxes_m().items():
+        felt = [
             _define_box(stage, f"/{design.id}/Colliders/{name}", bounds_m)
+            for name, bounds_m in part.felt_boxes_m().items()
+        ]
         if part.collider not in ("boundingCube", None):
             prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
             UsdPhysics.CollisionAPI.Apply(prim)
             mesh = UsdPhysics.MeshCollisionAPI.Apply(prim)
             mesh.CreateApproximationAttr(part.collider)
+            felt.append(prim)
+        _bind_feel(design, part.slot, felt)
     _save(stage, path)
 
 
-def _define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> None:
+def _bind_feel(design: Design, slot: str, colliders: Iterable[Usd.Prim]) -> None:
+    """Colliders are felt like the finish that their part wears in the first colourway."""
+    from pxr import UsdShade
+
+    looks = next(iter(design.colourways.values()))
+    for collider in colliders:
+        stage = collider.GetStage()
+        path = material_path(design.id, slot)
+        write_feel(stage.OverridePrim(path), feel_of(design.finishes[looks[slot]]))
+        relation = UsdShade.MaterialBindingAPI.Apply(collider).GetDirectBindingRel("physics")
+        relation.SetTargets([path])
+
+
+def _define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> Usd.Prim:
     """A collider that is a box between two corners, (2, 3)."""
     from pxr import Gf, UsdGeom, UsdPhysics
 
@@ -210,6 +228,7 @@ def _define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> None:
     cube.AddTranslateOp().Set(Gf.Vec3d(*((low + high) / 2).tolist()))
     cube.AddScaleOp().Set(Gf.Vec3f(*(high - low).tolist()))
     UsdPhysics.CollisionAPI.Apply(cube.GetPrim())
+    return cube.GetPrim()
 
 
 def _write_payload(design: Design, path: Path) -> None:

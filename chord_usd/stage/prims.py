@@ -111,9 +111,13 @@ def apply_schema(prim: Sdf.PrimSpec, *names: str) -> None:
 
 
 def label(prim: Sdf.PrimSpec, taxonomy: str, name: str) -> None:
-    """Semantic label: `room` for kinds of rooms, `category` for what a thing is, `material`."""
-    apply_schema(prim, f"SemanticsLabelsAPI:{taxonomy}")
-    attribute(prim, f"semantics:labels:{taxonomy}", Types.TokenArray, Vt.TokenArray([name]))
+    """Semantic label: `room` for kinds of rooms, `category` for what a thing is, `material`.
+
+    A category is said as `class`, too, which is what simulators of robots filter by.
+    """
+    for one in (taxonomy, "class") if taxonomy == "category" else (taxonomy,):
+        apply_schema(prim, f"SemanticsLabelsAPI:{one}")
+        attribute(prim, f"semantics:labels:{one}", Types.TokenArray, Vt.TokenArray([name]))
 
 
 def place(

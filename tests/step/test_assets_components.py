@@ -143,6 +143,20 @@ def test_colliders_are_shapes_and_nothing_is_a_rigid_body(assets: tuple[Asset, .
                 assert approximation in ("convexHull", "none")
 
 
+def test_every_collider_has_a_physics_material(assets: tuple[Asset, ...]) -> None:
+    for asset in assets:
+        stage = open_asset(asset)
+        for prim in stage.Traverse():
+            if prim.HasAPI(UsdPhysics.CollisionAPI):
+                bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")[0]
+                feel = UsdPhysics.MaterialAPI(bound.GetPrim())
+                assert bound.GetPrim().HasAPI(UsdPhysics.MaterialAPI), f"{asset.id} {prim}"
+                slides = feel.GetDynamicFrictionAttr().Get()
+                assert 0.0 < slides <= feel.GetStaticFrictionAttr().Get() < 1.0
+                assert 0.0 <= feel.GetRestitutionAttr().Get() < 1.0
+                assert 20.0 < feel.GetDensityAttr().Get() < 8000.0
+
+
 def test_what_people_move_is_felt_as_boxes_and_hulls_that_stand_on_boxes() -> None:
     """Hulls rock on their many corners, and triangles are nothing that could move."""
     for design in (design for design in designs() if design.category in KG_PER_M3):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from pxr import Gf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSemantics
 
 from chord_usd.errors import StageError
 from chord_usd.scene.geometry import footprint, room_polygon
@@ -83,7 +83,9 @@ def test_hierarchy_is_house_room_furniture_items(
         for item in staged_graph.items_of(room.id):
             assert nodes[item.id].GetPath().HasPrefix(furniture)
             assert nodes[item.id].GetAttribute("chord:category").Get() == item.category
-            assert nodes[item.id].GetAttribute("semantics:labels:category").Get() == [item.category]
+            for taxonomy in ("category", "class"):
+                labels = UsdSemantics.LabelsAPI(nodes[item.id], taxonomy).GetLabelsAttr().Get()
+                assert labels == [item.category]
 
 
 def test_a_piece_that_carries_others_is_a_group_around_two_instances(
