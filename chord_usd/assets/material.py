@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,11 +71,14 @@ class Looks:
     def overrides(self, index: int) -> Values:
         """What a colourway says: all in which colourways differ. What is missing in one of them
         (the maps of a plain finish) is left as it is, since nothing reads it."""
-        varying = {
-            name for one in self.inputs for name, value in one.items()
-            if any(other.get(name, value) != value for other in self.inputs)
-        }  # fmt: skip
-        return {name: value for name, value in self.inputs[index].items() if name in varying}
+        return {k: value for k, value in self.inputs[index].items() if k in self._varying}
+
+    @cached_property
+    def _varying(self) -> set[str]:
+        """Names of the inputs that are not the same in all colourways that have them."""
+        first: Values = {}
+        each = [(name, value) for one in self.inputs for name, value in one.items()]
+        return {name for name, value in each if first.setdefault(name, value) != value}
 
     def whole(self) -> Values:
         """What the first colourway says and, where it is silent, others do: files for all."""
