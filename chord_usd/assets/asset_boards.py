@@ -99,13 +99,20 @@ def _compartments(depth: FloatArray, size_m: tuple[float, float, float]) -> list
 
 
 def _on_level(board: list[float], triangles: FloatArray) -> list[float] | None:
-    """The compartment from the very height of its board; None where there is no board."""
-    flat = np.ptp(triangles[:, :, 2], axis=1) < 1e-4
-    level, x = triangles[flat][:, 0, 2], triangles[flat][:, :, 0]
+    """The compartment from the very height of its board and from that board's front edge, which
+    may lie behind doors and handles below; None where there is no board or it is too narrow.
+    """
+    flat = triangles[np.ptp(triangles[:, :, 2], axis=1) < 1e-4]
+    level, x = flat[:, 0, 2], flat[:, :, 0]
     middle = (board[0] + board[3]) / 2
     below = (x.min(axis=1) < middle) & (x.max(axis=1) > middle)
-    near = level[below & (np.abs(level - board[2]) < 1.5 * CELL_M)]
-    return [*board[:2], float(near.max()), *board[3:]] if near.size else None
+    below &= np.abs(level - board[2]) < 1.5 * CELL_M
+    if not below.any():
+        return None
+    height = float(level[below].max())
+    front = float(flat[below & (level > height - 1e-4)][:, :, 1].min())
+    is_deep = board[4] - front >= _LEAST_M[1]
+    return [board[0], front, height, *board[3:]] if is_deep else None
 
 
 def _top(asset: Asset) -> list[list[float]]:

@@ -212,7 +212,7 @@ def _put_all(
     frame: RoomFrame, assets: Sequence[Asset], boxes: Sequence[Box], used: set[str]
 ) -> int:
     """All of a group or none; 1 for a group that hangs."""
-    if not all(frame.fits(box) for box in boxes):
+    if not all(frame.fits(box) and frame.has_wall_behind(box) for box in boxes):
         return 0
     for asset, box in zip(assets, boxes, strict=True):
         frame.put(asset, box)

@@ -98,7 +98,7 @@ def _mirror_lamp(frame: RoomFrame, face: WallFace, mirror: Item, middle: float) 
         aside = mirror.box.size_m[0] / 2 + 0.06 + lamp.size_m[0] / 2
         base_m = top_m - 0.35 - lamp.size_m[2] / 2
         pair = [face.box(middle + side * aside, base_m, lamp.size_m) for side in (-1, 1)]
-        if all(frame.fits(box) for box in pair):
+        if all(frame.fits(box) and frame.has_wall_behind(box) for box in pair):
             for box in pair:
                 frame.put(lamp, box)
             return

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import family_of, nearest_length, stretched
 from chord_usd.dressing.wall_faces import WallFace
+from chord_usd.raster.relief import Relief
 from chord_usd.scene.geometry import in_world
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 
@@ -31,6 +33,14 @@ _SPLASH_M = 0.014
 
 _HOB_M = 0.06
 """What one cooks on is no farther from the height of the worktop."""
+
+_BURNERS = (0.24, 0.2, 0.28)
+"""Along the cooker from its middle, as shares of its length up to 0.6 m."""
+
+_SOLE = 0.72
+"""Share of its body's radius that a pot stands on."""
+
+_LEVEL_M = 0.003
 
 _RUN_GAP_M = 0.06
 _LEAST_SPLASH_M = 0.3
@@ -137,20 +147,32 @@ def _rail(frame: RoomFrame, face: WallFace, units: Sequence[Placed]) -> None:
 
 
 def _pots(frame: RoomFrame, cooker: Item) -> None:
-    """One or two on the hob."""
+    """One or two on the hob, over its burners."""
     relief = frame.relief(cooker)
     rng = frame.draws.rng(f"pots/{cooker.id}")
     length, depth, height = cooker.box.size_m
     count = 1 + int(rng.random() < 0.4)
     pots = frame.stock.some(frame.stock.offered("pot"), rng, count)
     for asset, side in zip(pots, (-1, 1), strict=False):
-        x = side * max(0.0, min(0.24 * length, (length - asset.size_m[0]) / 2 - 0.01))
-        y = side * -0.1 * depth
-        own = Box((x, y, 0.0), asset.size_m, 0.0)
-        top_m = relief.highest_m(own)
-        if abs(top_m - height) < _HOB_M:
-            box = in_world(Box((x, y, top_m), asset.size_m, 0.0), cooker.box)
-            frame.put_where_free(asset, box, rests_on=cooker.id, but=(cooker.id,))
+        # The body is as wide as the pot is deep; a long handle is to the right of it.
+        handle_m = max(0.0, asset.size_m[0] - 1.5 * asset.size_m[1]) / 2
+        sole_m = _SOLE * asset.size_m[1] / 2
+        for back, along in product((-side, side), _BURNERS):
+            at = (side * along * min(length, 0.6), back * 0.2 * min(depth, 0.6) + 0.02)
+            top_m = _stands_at(relief, at, sole_m)
+            if top_m is None or abs(top_m - height) > _HOB_M:
+                continue
+            own = Box((at[0] + handle_m, at[1], top_m), asset.size_m, 0.0)
+            box = in_world(own, cooker.box)
+            if frame.put_where_free(asset, box, rests_on=cooker.id, but=(cooker.id,)):
+                break
+
+
+def _stands_at(relief: Relief, at: tuple[float, float], sole_m: float) -> float | None:
+    """The height at which a sole of this radius stands; None where it would tip over."""
+    rim = [(at[0] + x * sole_m, at[1] + y * sole_m) for x, y in product((-0.5, 0.5), repeat=2)]
+    quarters = [relief.highest_m(Box((x, y, 0.0), (sole_m, sole_m, 0.0), 0.0)) for x, y in rim]
+    return max(quarters) if max(quarters) - min(quarters) < _LEVEL_M else None
 
 
 def _split(low: float, high: float, row: Sequence[Asset]) -> list[tuple[Asset, float, float]]:

@@ -10,19 +10,20 @@ from functools import cached_property
 
 import numpy as np
 import shapely
+from shapely.geometry import LineString
 
 from chord_usd.assets.asset_boards import boards_of
 from chord_usd.assets.asset_relief import relief_of
 from chord_usd.dressing.draws import Draws
 from chord_usd.dressing.free_ways import Walkways
 from chord_usd.dressing.stock import Stock
-from chord_usd.dressing.taken_space import Reason, TakenSpace
+from chord_usd.dressing.taken_space import TOUCH_M, Reason, TakenSpace
 from chord_usd.dressing.tastes import Taste
 from chord_usd.dressing.wall_faces import Hole, WallFace
 from chord_usd.errors import AssetError
 from chord_usd.metrics.clear_floor import clearance_boxes
 from chord_usd.raster.relief import Relief
-from chord_usd.scene.geometry import footprint_polygon, in_world, room_polygon, to_world
+from chord_usd.scene.geometry import footprint, footprint_polygon, in_world, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Opening, Room
 
@@ -34,6 +35,9 @@ _CASING_M = 0.075
 
 _FRAME_M = 0.05
 """Beside and round a window's hole, its board included."""
+
+_AT_WALL_M = 0.03
+"""What hangs on a wall has its back no farther from it."""
 
 _PROUD_M = 0.045
 _OPEN_M = 0.3
@@ -77,6 +81,10 @@ class RoomFrame:
         shapely.prepare(grown)
         return grown
 
+    @cached_property
+    def _rim(self) -> shapely.Geometry:
+        return self.floor.exterior.buffer(_AT_WALL_M, join_style="mitre")
+
     @property
     def kind(self) -> str:
         """Of the room."""
@@ -115,6 +123,11 @@ class RoomFrame:
         """Whether a box is in the room and free."""
         return self.is_inside(box) and not self.taken.hits(box, ignoring, but)
 
+    def has_wall_behind(self, box: Box) -> bool:
+        """Whether the whole back of a box is at a wall: walls end where a room has a corner."""
+        back = LineString(footprint(box)[[0, 3]])
+        return bool(self._rim.covers(back))
+
     def put(
         self,
         asset: Asset,
@@ -142,7 +155,9 @@ class RoomFrame:
         but: Collection[str] = (),
     ) -> Item | None:
         """Place an asset if its box is in the room and free."""
-        if not self.fits(box, ignoring, but):
+        row = CATEGORIES.get(asset.category)
+        hangs = row is not None and row.mount is Mount.WALL and rests_on is None
+        if not self.fits(box, ignoring, but) or (hangs and not self.has_wall_behind(box)):
             return None
         return self.put(asset, box, rests_on=rests_on)
 
@@ -237,10 +252,12 @@ def take_walls(taken: TakenSpace, faces: Iterable[WallFace]) -> None:
 
 
 def take_clearances(taken: TakenSpace, openings: Iterable[Opening]) -> None:
-    """Take what openings keep clear, on both sides."""
+    """Take what openings keep clear, on both sides, and the breadth of a touch beside it."""
     for opening in openings:
         for box in clearance_boxes(opening):
-            taken.add(box, "pane" if opening.kind == "window" else "clear")
+            length, depth, height = box.size_m
+            kept = replace(box, size_m=(length + 2 * TOUCH_M, depth + 2 * TOUCH_M, height))
+            taken.add(kept, "pane" if opening.kind == "window" else "clear")
 
 
 def named(items: Iterable[Item], room_id: str, taken_ids: Collection[str]) -> Iterator[Item]:

@@ -46,6 +46,7 @@ KG_PER_M3: dict[str, float] = {
     "drinks": 450.0,
     "floor_plant": 60.0,
     "basket": 40.0,
+    "bin": 40.0,
     "umbrella_stand": 60.0,
     "book_row": 450.0,
     "vase": 300.0,
@@ -56,18 +57,20 @@ KG_PER_M3: dict[str, float] = {
     "kettle": 200.0,
     "toaster": 250.0,
     "coffee_machine": 250.0,
+    "pot": 250.0,
     "knife_block": 450.0,
     "utensil_jar": 300.0,
     "jar": 400.0,
+    "bottle": 450.0,
     "bowl": 250.0,
     "plate_stack": 600.0,
+    "soap_dispenser": 500.0,
     "toothbrush_cup": 200.0,
     "towel_stack": 120.0,
     "toilet_brush": 150.0,
 }
 """Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
-that are not in the table stay where they are; so do bottles, soap dispensers and bins, whose
-colliders spin or sink in the solver."""
+that are not in the table stay where they are."""
 
 _LEAF_KG_PER_M2 = 14.0
 """An inner door; glass ones are about as heavy."""

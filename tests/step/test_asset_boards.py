@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from chord_usd.assets.asset_boards import boards_of
+from chord_usd.assets.asset_relief import triangles_m
 from chord_usd.assets.database import load_database
 from chord_usd.assets.kept_arrays import kept
 
@@ -26,6 +27,21 @@ def test_every_shelf_has_a_board_inside_it(form: str) -> None:
     assert (np.abs(boards[:, [0, 3]]) <= length / 2 + 1e-6).all()
     assert (np.abs(boards[:, [1, 4]]) <= depth / 2 + 1e-6).all()
     assert ((boards[:, 2] > 0.0) & (boards[:, 2] <= height + 1e-6)).all()
+
+
+@pytest.mark.parametrize("form", ["Bookcase", "Low_Bookcase", "Bedside_Open", "Wall_Cabinet_Open"])
+def test_a_board_begins_where_its_edge_is(form: str) -> None:
+    """Not where handles of doors below reach to, or books would hang over it."""
+    asset = next((one for one in DATABASE.assets if one.id.startswith(form + "_")), None)
+    assert asset is not None
+    DATABASE.prepare(asset)
+    seen, _ = triangles_m(asset.usd_path)
+    for left, front, level, right, back, _ in boards_of(asset):
+        flat = seen[np.abs(seen[:, :, 2] - level).max(axis=1) < 1e-4]
+        middle = (left + right) / 2
+        below = (flat[:, :, 0].min(axis=1) <= middle) & (flat[:, :, 0].max(axis=1) >= middle)
+        assert front > flat[below][:, :, 1].min() - 1e-4
+        assert back - front >= 0.14
 
 
 def test_what_was_measured_is_kept_until_its_module_changes(

@@ -116,6 +116,20 @@ def test_what_hangs_on_walls_has_its_back_on_one(seed: int) -> None:
             assert np.all(shapely.distance(walls[item.room_id], back) < 0.02), item.id
 
 
+@pytest.mark.parametrize("style", STYLE)
+def test_nothing_hangs_beyond_the_end_of_a_wall(style: str) -> None:
+    """The wall beside this toilet ends in a corner before the holder would be on it."""
+    corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.35, 2.0), (0.35, 1.4), (0.0, 1.4)]
+    room = Room("r", "bathroom", frozen_array(corners))
+    toilet = Item("t", "toilet", Box((0.275, 1.03, 0.0), (0.32, 0.55, 0.78), 90.0), "r")
+    graph = dress(SceneGraph((room,), (), (toilet,)), STOCK, STYLES[style], 0)
+    hung = [item for item in graph.dressing if mount_of(item) is Mount.WALL]
+    assert "paper_holder" in {item.category for item in hung}
+    for item in hung:
+        back = shapely.points(footprint(item.box)[[0, 3]])
+        assert np.all(shapely.distance(room_polygon(room).exterior, back) < 0.02), item.id
+
+
 @pytest.mark.parametrize("seed", HOUSES)
 def test_one_walks_as_before(seed: int) -> None:
     graph = dressed(seed)

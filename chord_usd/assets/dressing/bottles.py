@@ -228,19 +228,25 @@ def shampoo(size_m: Size, *, count: int) -> tuple[Part, ...]:
     for index in range(count):
         x = pitch * (index - (count - 1) / 2)
         share = (1.0, 0.86, 0.93)[index % 3]
-        if index % 2 == 0:
+        stands_on_cap = index % 2 == 1
+        if not stands_on_cap:
             body, cap = pump_bottle(radius, tall * share)
         else:
             body, cap = flip_bottle(radius * 1.08, tall * share)
-        y = 0.004 if index % 2 == 0 else 0.008
+        y = 0.008 if stands_on_cap else 0.004
         turn = (12.0, -8.0, -20.0)[index % 3]
         name = f"{index + 1}"
         slot = ("first", "second", "third")[index % 3]
         parts += [
             Part(f"Bottle_{name}", body.turned("z", turn).moved(x, y), slot),
-            Part(f"Cap_{name}", cap.turned("z", turn).moved(x, y), "cap", collider=None),
+            Part(
+                f"Cap_{name}",
+                cap.turned("z", turn).moved(x, y),
+                "cap",
+                collider="boundingCube" if stands_on_cap else None,
+            ),
         ]
-        if index % 2 == 0:
+        if not stands_on_cap:
             mark = _label(radius, tall * 0.2, tall * 0.5)
             parts.append(Part(f"Label_{name}", mark.moved(x, y), "label", collider=None))
     return tuple(parts)

@@ -196,7 +196,7 @@ def pedal_bin(size_m: Size) -> tuple[Part, ...]:
     hinge = block((0.06, 0.014, 0.03), 0.004).moved(y=y + r - 0.004, z=height - 0.07)
     return (
         Part("Body", body.moved(y=y), "metal"),
-        Part("Foot", foot.moved(y=y), "plastic", None),
+        Part("Foot", foot.moved(y=y), "plastic"),
         Part("Lid", outward(lid).moved(y=y, z=height - 0.044), "metal", None),
         Part("Pedal", pedal, "plastic", None),
         Part("Hinge", hinge, "plastic", None),

@@ -92,7 +92,7 @@ def ladder(size_m: Size) -> tuple[Part, ...]:
             for z in _ladder_boards(height)
         ]
     return (
-        Part("Boards", joined(boards), "board", collider="none"),
+        Part("Boards", joined(boards), "board", felt=tuple(boards)),
         Part("Sides", joined(frames), "metal", None),
     )
 
@@ -112,8 +112,8 @@ def box_shelf(size_m: Size) -> tuple[Part, ...]:
         for x in (-(length - 0.02) / 2, (length - 0.02) / 2, length * 0.12)
     ]
     return (
-        Part("Boards", joined(boards), "board", collider="none"),
-        Part("Uprights", joined(uprights), "board", collider="none"),
+        Part("Boards", joined(boards), "board", felt=tuple(boards)),
+        Part("Uprights", joined(uprights), "board", felt=tuple(uprights)),
         Part("Back", back, "back", None),
     )
 

@@ -35,6 +35,8 @@ HANDLE_M = 0.03
 _UPRIGHT_M, _LEAN_BLOCKS = 0.02, 4
 """A leg that leans by more is felt as so many blocks."""
 
+_LEAST_FELT_M = 0.002
+
 _RIM_M, _ROUND_BLOCKS = 0.025, (3, 12)
 """How much of a round rim the blocks that it is felt as may leave out, and how many they are."""
 
@@ -211,6 +213,29 @@ def felt_round(solid: Solid) -> _Solids:
         within = box((float(length), float(width), float(size[2])))
         blocks.append(within.moved(float(at[0]), float(at[1]), float(low[2])))
     return tuple(blocks)
+
+
+def felt_around(plate: Solid, holes: Sequence[FloatArray]) -> _Solids:
+    """Blocks around the holes of a plate, which lie in a row along x, to be felt in its place.
+
+    holes: (N, 2) outlines; one may reach to the edge. Solvers make a hull of a plate with holes,
+    on which small things rock.
+    """
+    low, high = plate.bounds_m()
+    rims = sorted(((hole.min(axis=0), hole.max(axis=0)) for hole in holes), key=lambda r: r[0][0])
+    front = min(float(rim[0][1]) for rim in rims)
+    back = max(float(rim[1][1]) for rim in rims)
+    rights = [*(float(rim[0][0]) for rim in rims), float(high[0])]
+    lefts = [float(low[0]), *(float(rim[1][0]) for rim in rims)]
+    spans = [(low[0], high[0], low[1], front), (low[0], high[0], back, high[1])]
+    spans += [(left, right, front, back) for left, right in zip(lefts, rights, strict=True)]
+    return tuple(
+        box((float(x1 - x0), float(y1 - y0), float(high[2] - low[2]))).moved(
+            float(x0 + x1) / 2, float(y0 + y1) / 2, float(low[2])
+        )
+        for x0, x1, y0, y1 in spans
+        if min(x1 - x0, y1 - y0) > _LEAST_FELT_M
+    )
 
 
 def plinth(size_m: Size, height_m: float, inset_m: float = 0.05) -> Part:

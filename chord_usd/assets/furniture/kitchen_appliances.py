@@ -113,7 +113,7 @@ def hob(length: float, width: float, height: float, *, gas: bool) -> tuple[Part,
     """Four burners or four glowing rings on a plate in the worktop, a hair's breadth above it."""
     long, deep = min(0.58, length - 0.06), min(0.5, width - 0.08)
     plate = block((long, deep, 0.012), 0.002).moved(z=height - 0.0065)
-    parts = [Part("Hob", plate, "appliance" if gas else "dark_glass", collider=None, above=True)]
+    parts = [Part("Hob", plate, "appliance" if gas else "dark_glass", above=True)]
     top = height + 0.0055
     make = _gas_burners if gas else _glass_marks
     return (*parts, *make(long, deep, top))
@@ -165,7 +165,7 @@ def _gas_burners(long: float, deep: float, top: float) -> tuple[Part, ...]:
     ]
     return (
         Part("Burners", joined(burners), "burner", collider=None, above=True),
-        Part("Grates", joined(grates), "grate", collider=None, above=True),
+        Part("Grates", joined(grates), "grate", above=True),
         Part("Hob_Dials", joined(knobs), "handle", collider=None, above=True),
     )
 

@@ -10,7 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from chord_usd.assets.furniture.joinery import FRONT_M, cells, plinth
+import numpy as np
+
+from chord_usd.assets.furniture.joinery import FRONT_M, cells, felt_around, plinth
 from chord_usd.assets.furniture.kitchen_appliances import hob, microwave, oven, refrigerator
 from chord_usd.assets.furniture.kitchen_fronts import (
     FORM_STYLES,
@@ -161,7 +163,7 @@ def sink_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
     return (
         *_sink_body(size_m, form),
         *kitchen_fronts(face, y, form.fronts),
-        Part("Worktop", plate, "worktop", collider="none"),
+        Part("Worktop", plate, "worktop", felt=felt_around(plate, [cut])),
         Part("Bowl", bowl, "steel", collider=None, above=bool(x)),
         Part("Tap", tap, "tap", collider=None, above=True),
     )
@@ -201,7 +203,7 @@ def _apron_cabinet(size_m: Size, form: _Form) -> tuple[Part, ...]:
         *_sink_body(size_m, form),
         *kitchen_fronts(face, y, form.fronts),
         Part("Side_Fronts", joined(fillers), "front", collider=None),
-        Part("Worktop", plate, "worktop", collider="none"),
+        Part("Worktop", plate, "worktop", felt=felt_around(plate, [np.array(outline[1:5])])),
         Part("Bowl", bowl, "sink", collider=None),
         Part(
             "Tap",

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, cells, plinth, shifted
+from chord_usd.assets.furniture.joinery import (
+    FRONT_M,
+    HANDLE_M,
+    cells,
+    felt_around,
+    plinth,
+    shifted,
+)
 from chord_usd.assets.furniture.kitchen_fronts import FORM_STYLES, FrontForm, kitchen_fronts
 from chord_usd.assets.furniture.sinks import sink_bowl
 from chord_usd.assets.furniture.taps import sink_tap
@@ -217,7 +224,7 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float, form: FrontFor
         Part("Sink_Body", case, "body"),
         Part("Sink_Upper_Body", joined([*rims, back]), "body", collider=None),
         *kitchen_fronts(face, y, form),
-        Part("Worktop", plate, "worktop", collider="none"),
+        Part("Worktop", plate, "worktop", felt=felt_around(plate, [hole])),
         Part("Bowl", bowl, "ceramic", collider=None, above=True),
         Part("Tap", tap, "tap", collider=None, above=True),
     ]

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
+from chord_usd.assets.furniture.joinery import felt_around
 from chord_usd.assets.furniture.taps import tub_tap
 from chord_usd.assets.model import Part, Style, editions
 from chord_usd.assets.solids import (
     Size,
     Solid,
     block,
+    box,
     cylinder,
     joined,
     lathe,
@@ -294,8 +297,13 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
     drain = lathe([(0.03, 0), (0.03, 0.004), (0.022, 0.005), (0.02, 0.008), (0, 0.009)], 26)
     overflow = lathe([(0.033, 0), (0.033, 0.006), (0.028, 0.012), (0, 0.013)], 26).turned("y", 90)
     at = -inner_l / 2 + 0.036
+    tub = Part("Tub", loft([*_tub_skin(size_m, kind), *hollow]), "ceramic", collider="none")
+    if kind == "built_in":
+        sunk = box((inner_l, inner_w, floor))
+        felt = (*felt_around(tub.solid, [hollow[0][:, :2]]), sunk)
+        tub = replace(tub, collider="boundingCube", felt=felt)
     parts = [
-        Part("Tub", loft([*_tub_skin(size_m, kind), *hollow]), "ceramic", collider="none"),
+        tub,
         Part("Drain", drain.moved(-inner_l * 0.27, 0.0, floor + 0.0005), "metal", collider=None),
         Part(
             "Overflow",

@@ -100,7 +100,7 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
         *doors(list(cells(length - 0.014, low - base - 0.008, columns, z_m=base + 0.004)), y,
                "knob", framed=True),
         Part("Counter", counter.moved(y=HANDLE_M / 2 - 0.005, z=low), "top"),
-        Part("Upper_Cabinet", joined(shell), "body", collider="none"),
+        Part("Upper_Cabinet", joined(shell), "body", felt=tuple(shell)),
         Part("Plates", joined(plates), "plate", collider=None),
         Part("Glazing", joined(panes), "pane", collider=None),
         Part("Glazed_Doors", joined([_sash(c.x_m, y_up, c.z_m, c.length_m, c.height_m)

@@ -244,7 +244,7 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
              (g * 0.82, tall), (g * 0.8, tall), (g * 0.95, tall * 0.68), (0, tall * 0.5)], 24,
         )  # fmt: skip
         glasses = [glass.moved(length / 2 - g, s * (width / 2 - g)) for s in (-1, 1)]
-        parts.append(Part("Glasses", joined(glasses), "glass", collider=None))
+        parts.append(Part("Glasses", joined(glasses), "glass", felt=tuple(glasses)))
     return tuple(parts)
 
 

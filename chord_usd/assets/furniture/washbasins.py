@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.assets.furniture.joinery import FRONT_M, cells
+from chord_usd.assets.furniture.joinery import FRONT_M, cells, felt_around
 from chord_usd.assets.furniture.kitchen_fronts import (
     FORM_STYLES,
     FrontForm,
@@ -115,7 +115,7 @@ def vanity(
     return (
         Part("Body", _open_case(length - 0.004, y, width / 2 - 0.001, _PLINTH_M, top), "body"),
         *kitchen_fronts(face, y, form, drawers=True),
-        Part("Basin", plate, "ceramic", collider="none"),
+        Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
         Part("Bowl", joined(sunk), "ceramic", collider=None),
         Part("Drain", joined(drains), "metal", collider=None),
         Part("Tap", joined(taps), "metal", collider=None, above=True),
@@ -229,7 +229,7 @@ def console(size_m: Size) -> tuple[Part, ...]:
         for at in places
     ]
     return (
-        Part("Basin", plate, "ceramic", collider="none"),
+        Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
         Part("Bowl", joined(sunk), "ceramic", collider=None),
         Part(
             "Drain",
@@ -237,7 +237,7 @@ def console(size_m: Size) -> tuple[Part, ...]:
             "metal",
             collider=None,
         ),
-        Part("Frame", joined(frame), "handle", collider="none"),
+        Part("Frame", joined(frame), "handle", felt=tuple(frame)),
         Part("Board", board, "counter"),
         Part("Trap", joined(pipe), "metal", collider=None),
         Part("Tap", joined(taps), "metal", collider=None, above=True),
