@@ -1,5 +1,8 @@
 """Cushions that stand on sofas and beds, leaning back a little; throws over a bed's foot
-or a seat's edge."""
+or a seat's edge.
+
+They are soft: what they sink into would be pushed away by their colliders, so they have none.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,7 @@ def cushion(size_m: Size, *, cloth: str, piped: bool = False, sag: float = 0.0) 
         one.moved(-float(middle[0]), -float(middle[1]), -float(low[2])).scaled(*scale)
         for one in upright
     ]
-    parts = [Part("Cushion", placed[0], "cloth", "boundingCube", uvs=bag.corner_uvs_m())]
+    parts = [Part("Cushion", placed[0], "cloth", None, uvs=bag.corner_uvs_m())]
     if piped:
         parts.append(Part("Piping", placed[1], "cord", None))
     return tuple(parts)
@@ -94,7 +97,7 @@ def bolster(size_m: Size) -> tuple[Part, ...]:
     stud = lathe([(0.012, -0.004), (0.018, 0.004), (0.012, 0.009), (0.0, 0.01)], 14)
     studs = [stud.turned("y", s * 90).moved(s * (half - 0.011), 0.0, radius) for s in (-1, 1)]
     return (
-        Part("Cushion", roll.moved(z=radius), "cloth", "boundingCube"),
+        Part("Cushion", roll.moved(z=radius), "cloth", None),
         Part("Buttons", studs[0] + studs[1], "cord", None),
     )
 

@@ -293,8 +293,15 @@ def pedestal_basin(size_m: Size, *, tap: BasinTap = "lever") -> tuple[Part, ...]
             (0.2, height - deep + 0.02),
         )
     ]
+    basin = loft([*body, *inner])
+    sunk = box((bowl_l, bowl_w, deep - 0.135)).moved(y=-width * 0.085, z=height - deep)
     return (
-        Part("Basin", loft([*body, *inner]), "ceramic", collider="none"),
+        Part(
+            "Basin",
+            basin,
+            "ceramic",
+            felt=(*felt_around(basin, [inner[0][:, :2]]), sunk),
+        ),
         Part("Column", loft(column), "ceramic"),
         Part("Drain", _drain(0.0, -width * 0.085, height - 0.1365), "metal", collider=None),
         Part(
