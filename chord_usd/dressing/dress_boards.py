@@ -15,6 +15,9 @@ from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 _STANDS_M = 0.0005
 """Above the board, so that nothing is in it."""
 
+_LEANS_WITHIN_M = 0.045
+"""From the wall to the back of what leans on it."""
+
 _FROM_EDGE_M = 0.025
 _GAP_M = 0.018
 """Between the things of a group."""
@@ -293,6 +296,8 @@ def _stand(
         y = room * part
         box = in_world(Box((x, y, _STANDS_M), asset.size_m, 0.0), board.box)
         if not _carries(frame, board, box, x, y, asset):
+            continue
+        if leans and not frame.has_wall_behind(box, _LEANS_WITHIN_M):
             continue
         ignoring = ("rug", "pane") if board.may_leave_room else ("rug",)
         free = not frame.taken.hits(box, ignoring, board.within)

@@ -81,10 +81,6 @@ class RoomFrame:
         shapely.prepare(grown)
         return grown
 
-    @cached_property
-    def _rim(self) -> shapely.Geometry:
-        return self.floor.exterior.buffer(_AT_WALL_M, join_style="mitre")
-
     @property
     def kind(self) -> str:
         """Of the room."""
@@ -123,10 +119,10 @@ class RoomFrame:
         """Whether a box is in the room and free."""
         return self.is_inside(box) and not self.taken.hits(box, ignoring, but)
 
-    def has_wall_behind(self, box: Box) -> bool:
+    def has_wall_behind(self, box: Box, within_m: float = _AT_WALL_M) -> bool:
         """Whether the whole back of a box is at a wall: walls end where a room has a corner."""
         back = LineString(footprint(box)[[0, 3]])
-        return bool(self._rim.covers(back))
+        return bool(self.floor.exterior.buffer(within_m, join_style="mitre").covers(back))
 
     def put(
         self,
