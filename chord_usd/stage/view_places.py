@@ -66,11 +66,12 @@ class Stand:
         return self.heading_deg is not None
 
 
-def stands(floor: Polygon, things: Sequence[Item], doors: Sequence[Opening]) -> Iterator[Stand]:
+def stands(floor: Polygon, things: Sequence[Item], openings: Sequence[Opening]) -> Iterator[Stand]:
     """All places worth trying, the same ones for the same room.
 
     things: furniture, and whatever else stands in the room or hangs in it.
     """
+    doors = [one for one in openings if one.kind != "window"]
     yield from _inside(floor, [one for one in things if one.box.center_m[2] < 0.1], doors)
     yield from _behind_walls(floor, things)
 

@@ -1,4 +1,4 @@
-"""What one sees from a place in a room: rays in all directions to walls, doors and boxes."""
+"""What one sees from a place in a room: rays in all directions to walls, openings and boxes."""
 
 from __future__ import annotations
 
@@ -7,31 +7,33 @@ from collections.abc import Sequence
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.scene.types import ROOM_HEIGHT_M, Box, FloatArray, Opening
+from chord_usd.scene.types import ROOM_HEIGHT_M, BoolArray, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
 
 TURNS_DEG = np.arange(0.0, 360.0, 7.5)
 RISES = np.arange(-1.4, 1.0, 0.2) + 0.1
 """Tangents of the elevation of rays."""
 
-_AT_DOOR_M = 0.4
-"""The face of a wall is no farther than this from the middle of its doors, along a sight line."""
+_AT_HOLE_M = 0.4
+"""The face of a wall is no farther than this from the middle of its openings, along a sight."""
 
 _GLASS_FROM_M = 1.4
 """Wider doors are of glass."""
 
 
 class Surroundings:
-    """The walls, doors and boxes of a room. Boxes stand upright at any height."""
+    """The walls, openings and boxes of a room. Boxes stand upright at any height."""
 
-    def __init__(self, floor: Polygon, boxes: Sequence[Box], doors: Sequence[Opening]) -> None:
+    def __init__(self, floor: Polygon, boxes: Sequence[Box], openings: Sequence[Opening]) -> None:
         self._walls_m = _edges(floor)
         self._middles_m = np.array([box.center_m for box in boxes]).reshape(-1, 3)
         self._halves_m = np.array([box.size_m for box in boxes]).reshape(-1, 3) / 2
         self._turns = np.array([rotation_2d(box.yaw_deg) for box in boxes]).reshape(-1, 2, 2)
-        leaves = [one for one in doors if one.kind == "door" and one.box.size_m[0] < _GLASS_FROM_M]
-        self._doors_m = np.array([_line_of(one.box) for one in leaves]).reshape(-1, 2, 2)
-        self._door_tops_m = np.array([one.box.size_m[2] for one in leaves])
+        shut = [one for one in openings if one.kind == "window" or _is_solid_door(one)]
+        self._holes_m = np.array([_line_of(one.box) for one in shut]).reshape(-1, 2, 2)
+        self._sills_m = np.array([one.box.center_m[2] for one in shut])
+        self._heads_m = self._sills_m + [one.box.size_m[2] for one in shut]
+        self._is_window = np.array([one.kind == "window" for one in shut], dtype=bool)
 
     def walls_at(
         self, position_m: FloatArray, offset_m: FloatArray, begins: FloatArray | float = 0.0
@@ -72,32 +74,39 @@ class Surroundings:
 
     def panorama(
         self, eye_m: FloatArray, turn_deg: float, near_m: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Of rays in all directions, each (T, R): how far one sees, metres seen from above, and
-        whether that is where a door is, and whether it is a box.
+        whether that is where a door is, a window, or a box.
 
         turn_deg: heading of the first. near_m: from where on things are seen.
         """
         turns = np.radians(TURNS_DEG + turn_deg)
         level = np.column_stack([np.cos(turns), np.sin(turns)])
         walls = self.walls_at(eye_m[:2], level, near_m + 0.02)
-        rises = np.broadcast_to(RISES, (len(turns), len(RISES)))
-        ends = np.where(rises > 0.0, ROOM_HEIGHT_M - eye_m[2], -eye_m[2]) / rises
+        ends = np.where(RISES > 0.0, ROOM_HEIGHT_M - eye_m[2], -eye_m[2]) / RISES
         far = np.minimum(walls[:, None], ends)
         enters, leaves = self._over(eye_m[:2], level)
         low, high = self._between(eye_m[2], RISES)
         boxes = _met(np.maximum(enters[:, None], low), np.minimum(leaves[:, None], high))
         first = np.where(boxes > near_m, boxes, np.inf).min(axis=2, initial=np.inf)
-        at_door = np.zeros(far.shape)
-        if len(self._doors_m):
-            doors = _crossings(eye_m[:2], level, self._doors_m)
-            near_wall = (doors > walls[:, None] - _AT_DOOR_M) & (
-                doors < walls[:, None] + _AT_DOOR_M
-            )
-            heights = eye_m[2] + rises[..., None] * walls[:, None, None]
-            is_door = near_wall[:, None, :] & (heights < self._door_tops_m)
-            at_door = is_door.any(axis=2) & (ends >= walls[:, None]) & (first > walls[:, None])
-        return np.minimum(far, first), at_door.astype(np.float64), (first < far).astype(np.float64)
+        at_door, at_window = self._at_openings(eye_m, level, walls)
+        is_wall = (ends >= walls[:, None]) & (first > walls[:, None])
+        return np.minimum(far, first), at_door & is_wall, at_window & is_wall, first < far
+
+    def _at_openings(
+        self, eye_m: FloatArray, level: FloatArray, walls: FloatArray
+    ) -> tuple[BoolArray, BoolArray]:
+        """(T, R) whether a wall is met where a door is, and where a window is."""
+        crossed = _crossings(eye_m[:2], level, self._holes_m)
+        near = (crossed > walls[:, None] - _AT_HOLE_M) & (crossed < walls[:, None] + _AT_HOLE_M)
+        heights = eye_m[2] + RISES * np.minimum(walls, 100.0)[:, None]
+        is_at = near[:, None] & (heights[..., None] > self._sills_m)
+        is_at &= heights[..., None] < self._heads_m
+        return is_at[..., ~self._is_window].any(axis=2), is_at[..., self._is_window].any(axis=2)
+
+
+def _is_solid_door(opening: Opening) -> bool:
+    return opening.kind == "door" and opening.box.size_m[0] < _GLASS_FROM_M
 
 
 def _met(enters: FloatArray, leaves: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ Plane geometry and boxes only. A view stands either inside the room, by preferen
 behind one of its walls, which then lies before the near clipping plane: so small rooms are seen
 through a lens that does not stretch them. Views are judged by how much of the floor they hold and
 how many pieces whole, by how openly they look into the room, and by what fills the picture: walls
-and things close to the lens, and doors, are nothing to look at.
+and things close to the lens, and doors, are nothing to look at; windows are.
 """
 
 from __future__ import annotations
@@ -45,6 +45,14 @@ _ENOUGH_FLOOR = 0.7
 _FLOOR_WORTH = 1.8
 _PIECES_WORTH = 1.6
 _DEPTH_WORTH = 0.5
+_WINDOW_SHARE, _WINDOW_WORTH = 0.1, 1.0
+"""Share of the picture from which on more of a window is worth nothing, and what that is worth."""
+
+_ASIDE = 0.3
+"""Share of its worth that a piece loses at the edge of the picture."""
+
+_TALL_M, _TALL_WORTH = 1.7, 0.5
+"""Wardrobes, refrigerators, showers are large, but little to look at."""
 
 _CROWDING = 0.8
 """Share of its worth that a view loses when all of it is crowded."""
@@ -90,17 +98,17 @@ class View:
 def choose_view(
     floor: Polygon,
     items: Sequence[Item],
-    doors: Sequence[Opening] = (),
+    openings: Sequence[Opening] = (),
     dressing: Sequence[Item] = (),
 ) -> View:
     """The view that shows most of a room's floor and furniture.
 
-    doors: openings of the room that one walks through. dressing: what nobody comes to see, but
+    openings: doors, passages and windows of the room. dressing: what nobody comes to see, but
     what may stand or hang before the lens. The same room always has the same view.
     """
-    room = _Room(floor, items, doors, dressing)
+    room = _Room(floor, items, openings, dressing)
     best, most = View((0.0, 0.0), 0.0, 24.0, _SHIFTS_MM[0][0]), -math.inf
-    for stand in stands(floor, [*items, *dressing], doors):
+    for stand in stands(floor, [*items, *dressing], openings):
         found = room.best(stand)
         if found is not None and found[1] > most:
             best, most = found
@@ -114,14 +122,14 @@ class _Room:
         self,
         floor: Polygon,
         items: Sequence[Item],
-        doors: Sequence[Opening],
+        openings: Sequence[Opening],
         dressing: Sequence[Item],
     ) -> None:
         self._side_m = math.sqrt(floor.area)
         self._floor_m = _floor_points(floor)
         self._pieces_m, self._owners, self._weights = _piece_points(items)
         things = [*items, *dressing]
-        self._all = Surroundings(floor, [one.box for one in things], doors)
+        self._all = Surroundings(floor, [one.box for one in things], openings)
         tall = [one.box for one in things if top_m(one) > _HIDES_FROM_M]
         self._tall = Surroundings(floor, tall, ())
 
@@ -129,21 +137,25 @@ class _Room:
         """The best view from a place, and its worth; None where no lens fits."""
         floor, pieces = self._shown(stand)
         eye_m = np.array([*stand.position_m, EYE_M])
-        free_m, doors, is_box = self._all.panorama(eye_m, stand.heading_deg or 0.0, stand.near_m)
+        free_m, at_door, at_window, is_box = self._all.panorama(
+            eye_m, stand.heading_deg or 0.0, stand.near_m
+        )
         begins_m = stand.near_m if stand.is_behind_wall else 0.0
         features = np.stack(
             [
                 np.clip((_CROWDED_M - free_m) / _CROWDED_M, 0.0, 1.0),
                 np.minimum((free_m - begins_m) / self._side_m, 1.5) / 1.5,
-                (free_m < _CLOSE_M) & (is_box > 0.0),
-                doors,
+                (free_m < _CLOSE_M) & is_box,
+                at_door,
+                at_window,
             ]
-        ).reshape(4, -1)
+        ).reshape(5, -1)
         headings = slice(0, 1) if stand.is_behind_wall else slice(None)
-        crowd, deep, close, door = np.moveaxis(
+        crowd, deep, close, door, window = np.moveaxis(
             _weights()[:, headings] @ features.T.astype(np.float32), 2, 0
         )
         worth = _FLOOR_WORTH * np.minimum(floor / _ENOUGH_FLOOR, 1.0) + _PIECES_WORTH * pieces
+        worth = worth + _WINDOW_WORTH * np.minimum(window, _WINDOW_SHARE)
         worth = (worth + _DEPTH_WORTH * deep) * (1.0 - _CROWDING * crowd)
         worth = worth * _WORTH[:, None] * stand.worth
         worth = worth - _CLOSE_COST * np.maximum(close - _CLOSE_SHARE, 0.0)
@@ -185,7 +197,10 @@ class _Room:
         floor = shown[..., :floor_points].mean(axis=2)
         if not len(self._weights):  # then the floor is all there is to see
             return floor, floor
-        points = shown[..., floor_points:].reshape(*shown.shape[:2], len(self._weights), -1)
+        # What is at the edge is there, but the picture is not of it.
+        aside = beside[:, floor_points:] * _LENS_MM[:, None, None] / (SENSOR_MM[0] / 2)
+        worth = np.where(shown[..., floor_points:], 1.0 - _ASIDE * aside, 0.0)
+        points = worth.reshape(*shown.shape[:2], len(self._weights), -1)
         return floor, (points.mean(axis=3) ** 1.5) @ self._weights
 
     def _is_seen(self, stand: Stand, eye_m: FloatArray, sights: FloatArray) -> BoolArray:
@@ -240,6 +255,7 @@ def _piece_points(items: Sequence[Item]) -> tuple[FloatArray, npt.NDArray[np.int
         high = np.column_stack([corners, np.full(4, base_m + _WITHIN * height_m)])
         points += [low, high, np.array([[*centre, base_m + height_m]])]
         # Large pieces weigh more, but a basin counts beside a bath.
-        weights.append(math.sqrt(item.box.size_m[0] * item.box.size_m[1]))
+        weight = math.sqrt(item.box.size_m[0] * item.box.size_m[1])
+        weights.append(weight * (_TALL_WORTH if height_m > _TALL_M else 1.0))
     owners = np.repeat(np.arange(len(items)), 9)
     return np.concatenate(points), owners, np.array(weights) / max(sum(weights), 1e-9)
