@@ -9,13 +9,14 @@ A closed payload still gives bounds and colourways. Structure: ASWF asset-struct
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
 from chord_usd.assets.material import (
     TEXTURES,
     Looks,
@@ -259,6 +260,8 @@ def _write_interface(
     root.GetInherits().AddInherit(inherited.GetPath())
     UsdGeom.ModelAPI.Apply(root)
     _hint(root, parts)
+    # The first set is the stronger one.
+    _add_metals(stage, design, worn)
     _add_colourways(stage, design, worn)
     layer = _detached(stage)
     spec = layer.GetPrimAtPath(f"/{design.id}")
@@ -320,10 +323,29 @@ def _add_colourways(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks])
     variants.SetVariantSelection(next(iter(design.colourways)))
 
 
-def _worn(design: Design, slots: Iterable[str], maps: MapShelf) -> dict[str, Looks]:
-    """What each slot in use wears, colourway by colourway."""
-    ways = design.colourways.values()
-    return {
-        slot: slot_looks(design.id, slot, [design.finishes[looks[slot]] for looks in ways], maps)
-        for slot in slots
-    }
+def _add_metals(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks]) -> None:
+    """The variant set of the metal of fittings, where a design has any."""
+    slots = fitting_slots(design, worn)
+    if not slots:
+        return
+    variants = stage.GetDefaultPrim().GetVariantSets().AddVariantSet(METAL_VARIANT_SET)
+    variants.AddVariant(USUAL)
+    for index, metal in enumerate(METALS, start=len(design.colourways)):
+        variants.AddVariant(metal)
+        variants.SetVariantSelection(metal)
+        with variants.GetVariantEditContext():
+            for slot in slots:
+                override_material(stage, material_path(design.id, slot), worn[slot], index)
+    variants.SetVariantSelection(USUAL)
+
+
+def _worn(design: Design, slots: Sequence[str], maps: MapShelf) -> dict[str, Looks]:
+    """What each slot in use wears, colourway by colourway; fittings, then, of each metal."""
+    fittings = fitting_slots(design, slots)
+    worn = {}
+    for slot in slots:
+        names = [looks[slot] for looks in design.colourways.values()]
+        names += METALS if slot in fittings else ()
+        finishes = [design.finishes[name] for name in names]
+        worn[slot] = slot_looks(design.id, slot, finishes, maps)
+    return worn

@@ -33,10 +33,10 @@ TEXTURE_PX = 1024
 """Side of the largest textures of a house unless asked otherwise."""
 
 _GENERATOR = (
-    "component.py", "drawn.py", "finishes.py", "look_noise.py", "material.py", "model.py",
-    "shading.py",
-    "solids.py", "surface_cloth.py", "surface_maps.py", "surface_mineral.py", "surface_pattern.py",
-    "surface_wood.py", "furniture", "dressing", "cloth",
+    "component.py", "drawn.py", "finishes.py", "fittings.py", "look_noise.py", "material.py",
+    "model.py", "shading.py", "solids.py", "surface_cloth.py", "surface_maps.py",
+    "surface_mineral.py", "surface_pattern.py", "surface_wood.py", "surface_worked.py",
+    "furniture", "dressing", "cloth",
 )  # fmt: skip
 """What the bytes of the assets depend on."""
 
@@ -53,7 +53,7 @@ OWN_FIRST_M = 0.25
 _BARE = "Bare"
 """A word in the ids of pieces whose likes carry something that hides what is behind them."""
 
-STRANGE_FORM_M = 0.08
+STRANGE_FORM_M = 0.3
 """A form of another style is taken where it misses the size by so much less."""
 
 

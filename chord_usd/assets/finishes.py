@@ -68,12 +68,12 @@ FINISHES: dict[str, Finish] = {
     "blush": Finish((214, 170, 156), 0.45),
     "sand": Finish((212, 198, 172), 0.45),
     # metal
-    "chrome": Finish((214, 216, 218), 0.12, 1.0),
+    "chrome": Finish((214, 216, 218), 0.12, 1.0, surface="polished"),
     "steel": Finish((172, 174, 176), 0.3, 1.0, surface="brushed"),
     "brass": Finish((196, 154, 84), 0.28, 1.0, surface="brushed"),
-    "black_metal": Finish((34, 34, 36), 0.45, 0.6),
+    "black_metal": Finish((34, 34, 36), 0.45, 0.6, surface="powder"),
     # stone and ceramic
-    "ceramic": Finish((246, 246, 244), 0.12),
+    "ceramic": Finish((246, 246, 244), 0.12, surface="glaze"),
     "ceramic_grey": Finish((150, 154, 156), 0.2, surface="ceramic"),
     "marble": Finish((232, 230, 226), 0.16, surface="marble"),
     "dark_stone": Finish((58, 58, 60), 0.25, surface="stone"),
@@ -102,13 +102,11 @@ FINISHES: dict[str, Finish] = {
     "smoked_glass": Finish((70, 78, 82), 0.06, 0.0, 0.5),
     "black_glass": Finish((14, 15, 17), 0.06),
     "screen": Finish((16, 22, 32), 0.08, 0.0, 1.0, 0.05),
-    "screen_lit": Finish((74, 128, 176), 0.2, 0.0, 1.0, 0.5),
     "lamp_shade": Finish((248, 236, 208), 0.9, 0.0, 1.0, 0.4, surface="linen", contrast=0.6),
-    "rubber": Finish((46, 46, 48), 0.85),
-    "plastic_white": Finish((240, 240, 240), 0.3),
-    "plastic_black": Finish((30, 30, 32), 0.35),
+    "rubber": Finish((46, 46, 48), 0.85, surface="moulded"),
+    "plastic_white": Finish((240, 240, 240), 0.3, surface="moulded"),
+    "plastic_black": Finish((30, 30, 32), 0.35, surface="moulded"),
     "water": Finish((150, 200, 214), 0.05, 0.0, 0.35),
-    "red_glow": Finish((196, 52, 38), 0.4, 0.0, 1.0, 0.1),
     # print, plants, food
     "light_blue": Finish((166, 196, 216), 0.8, surface="linen"),
     "paper": Finish((240, 236, 224), 0.85, surface="paper"),
@@ -121,10 +119,24 @@ FINISHES: dict[str, Finish] = {
     "soil": Finish((62, 46, 36), 0.95, surface="soil"),
     "coffee": Finish((62, 36, 22), 0.2),
     "crust": Finish((172, 112, 58), 0.75, surface="terracotta"),
-    "apple": Finish((188, 44, 38), 0.35),
-    "orange": Finish((232, 140, 46), 0.55),
-    "pear": Finish((176, 186, 76), 0.5),
+    "apple": Finish((188, 44, 38), 0.35, surface="peel", contrast=0.5),
+    "orange": Finish((232, 140, 46), 0.55, surface="peel"),
+    "pear": Finish((176, 186, 76), 0.5, surface="peel", contrast=0.5),
     "bottle_green": Finish((46, 84, 56), 0.1, 0.0, 0.75),
     "wine": Finish((98, 22, 36), 0.1, 0.0, 0.9),
 }
 """Finish by name."""
+
+PLAIN: dict[str, tuple[str, ...]] = {
+    "glass": (
+        "glass", "smoked_glass", "black_glass", "clear_glass", "amber_glass", "bottle_green",
+        "mirror_glass", "glazed_white", "glazed_sage", "glazed_graphite",
+    ),
+    "lacquer": (
+        "white", "warm_white", "light_grey", "grey", "graphite", "black", "navy", "sage", "forest",
+        "blush", "sand",
+    ),
+    "light": ("opal_glass", "bulb", "flame", "screen"),
+    "liquid": ("water", "coffee", "oil", "vinegar", "wine"),
+}  # fmt: skip
+"""The finishes, here and of the dressing, that are even by nature; all others have maps."""

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd.assets import surface_cloth, surface_mineral, surface_wood
+from chord_usd.assets import surface_cloth, surface_mineral, surface_wood, surface_worked
 from chord_usd.assets.finishes import Finish
 from chord_usd.assets.look_noise import normal_map
 from chord_usd.assets.surface_pattern import Pattern, TileM
@@ -51,6 +51,13 @@ SURFACES: dict[str, Callable[[np.random.Generator, int], Pattern]] = {
     "ceramic": surface_mineral.ceramic,
     "concrete": surface_mineral.concrete,
     "terracotta": surface_mineral.terracotta,
+    "polished": surface_worked.polished,
+    "powder": surface_worked.powder,
+    "patina": surface_worked.patina,
+    "glaze": surface_worked.glaze,
+    "moulded": surface_worked.moulded,
+    "peel": surface_worked.peel,
+    "kernels": surface_worked.kernels,
 }
 
 

@@ -70,7 +70,9 @@ def _suits(finish: str, style: HomeStyle, home: Agreed, accented: bool) -> float
         case "wood":
             return _rank(finish, home.wood, style.woods, best=3.0, strange=-1.5)
         case "metal":
-            return _rank(finish, home.metal, style.metals, best=1.5, strange=-0.8)
+            metal = metal_like(finish)
+            liked = tuple(metal_like(name) for name in style.metals)
+            return _rank(metal, metal_like(home.metal), liked, best=1.5, strange=-0.8)
         case "stone":
             return _rank(finish, home.stone, style.stones, best=1.0, strange=-0.2)
         case "textile":
@@ -78,6 +80,14 @@ def _suits(finish: str, style: HomeStyle, home: Agreed, accented: bool) -> float
         case "lacquer":
             return _coloured(finish, home.lacquer, style.lacquers, home, accented, style)
     return 0.0
+
+
+def metal_like(finish: str) -> str:
+    """The one of chrome, brass and black_metal that a metal looks like, by its name."""
+    words = set(finish.split("_"))
+    if words & {"brass", "copper", "bronze", "gold"}:
+        return "brass"
+    return "black_metal" if words & {"black", "iron"} else "chrome"
 
 
 def _rank(finish: str, agreed: str, liked: Sequence[str], *, best: float, strange: float) -> float:

@@ -127,8 +127,8 @@ _MODERN_WALLS = {
 _MODERN_ACCENTS = (
     _smooth("accent", weight=1.6),
     _smooth("#8d8880", "#5b5e60", "#4c5358"),
-    _of("panelling", 1.3, wood=HOME_WOOD, pattern="slats", board_m=(0.038, 0.05)),
-    _of("concrete", 0.7, colour="#b3b1ac", joints="none", cloud=1.0, pores=0.1, sheen=0.2),
+    _of("marble", 0.9, kind=("grey", "calacatta"), slab_m=(0.9, 1.2), aspect=1.0),
+    _of("concrete", 0.9, colour="#b3b1ac", joints="none", cloud=1.0, pores=0.1, sheen=0.2),
 )
 
 # Scandinavian: pale oiled boards, white walls, pale colours, small leaves, honest white tiles.

@@ -11,9 +11,13 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from typing import Literal
 
 from chord_usd.errors import ChordError
 from chord_usd.scene.style_looks import ACCENT_LOOKS, FLOOR_LOOKS, WALL_LOOKS, Ranges
+
+InnerDoor = Literal["panel", "flush"]
+"""Forms of doors between rooms."""
 
 MIXED = "mixed"
 """Name of the choice that takes one of STYLES by the seed of the house."""
@@ -63,7 +67,10 @@ class HomeStyle:
     """What walls that differ wear."""
     ceiling: str = "#f3f2ef"
     trim: str = "#f0efeb"
-    """Colour of skirting and door frames."""
+    """Colour of skirting, inner doors and their frames."""
+    frames: str = "#e2e2e0"
+    """Colour of window frames."""
+    doors: InnerDoor = "panel"
 
     def agreed(self, seed: int) -> Agreed:
         """The one wood, metal, lacquer, textile and accent of a home; a seed always gives the same.
@@ -99,12 +106,13 @@ def _liked(names: Sequence[str], key: str) -> str:
 _MODERN = HomeStyle(
     "modern", "Modern",
     woods=("oak", "walnut"),
-    metals=("black_metal", "steel", "chrome"),
+    metals=("black_metal", "chrome"),
     lacquers=("white", "light_grey", "graphite"),
     textiles=("grey_cloth", "charcoal_cloth", "cream_cloth"),
     accents=("teal", "mustard", "rust", "navy"),
     stones=("quartz", "marble", "dark_stone"),
     richness=0.9, curtains=("Curtain", "Blind"), rugs=("Rug",), accent_walls=0.35,
+    frames="#4c4e50", doors="flush",
 )  # fmt: skip
 _SCANDINAVIAN = HomeStyle(
     "scandinavian", "Scandinavian",
@@ -126,7 +134,7 @@ _CLASSIC = HomeStyle(
     accents=("burgundy", "navy", "forest", "gold"),
     stones=("marble", "dark_stone"),
     richness=1.25, curtains=("Curtain",), rugs=("Rug",), accent_walls=0.6,
-    ceiling="#f5f1e8", trim="#f3efe5",
+    ceiling="#f5f1e8", trim="#f3efe5", frames="#efe9dc",
 )  # fmt: skip
 _INDUSTRIAL = HomeStyle(
     "industrial", "Industrial",
@@ -137,7 +145,7 @@ _INDUSTRIAL = HomeStyle(
     accents=("rust", "mustard", "tan", "teal"),
     stones=("concrete", "dark_stone"),
     richness=1.0, curtains=("Blind", "Curtain"), rugs=("Rug",), accent_walls=0.6,
-    ceiling="#dedcd8", trim="#4a4a4c",
+    ceiling="#dedcd8", trim="#4a4a4c", frames="#2e2f31", doors="flush",
 )  # fmt: skip
 _JAPANESE = HomeStyle(
     "japanese", "Japanese",
@@ -148,7 +156,7 @@ _JAPANESE = HomeStyle(
     accents=("moss", "indigo", "charcoal", "terracotta"),
     stones=("ceramic_grey", "dark_stone", "concrete"),
     richness=0.75, curtains=("Blind", "Curtain"), rugs=("Mat", "Rug"), accent_walls=0.35,
-    ceiling="#efe9dc", trim="#c9a777",
+    ceiling="#efe9dc", trim="#c8b494", frames="#b39c7a", doors="flush",
 )  # fmt: skip
 
 STYLES: dict[str, HomeStyle] = {

@@ -53,7 +53,7 @@ from chord_usd.stage.prims import (
     relate,
 )
 from chord_usd.stage.shell import draw_shell
-from chord_usd.stage.surfaces import styled
+from chord_usd.stage.surfaces import fitout
 from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.walls import build_walls
 
@@ -139,9 +139,10 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
         for room in house.rooms:
             _open_room(layer, room)
-        extent = draw_shell(layer, house.rooms, walls, architecture, styled(house.style))
-        lamps = []
         agreed = house.style.agreed(house.seed)
+        finish = fitout(house.style, agreed)
+        extent = draw_shell(layer, house.rooms, walls, architecture, finish)
+        lamps = []
         wardrobe = Wardrobe(house.seed, house.style, agreed)
         for room in house.rooms:
             floor = walls.floors_m[room.index]

@@ -27,7 +27,7 @@ from chord_usd.stage.opening_shapes import (
     upright_prism,
 )
 
-LeafKind = Literal["panel", "glass", "entrance"]
+LeafKind = Literal["panel", "flush", "glass", "entrance"]
 
 _STILE_M = 0.11
 _PANEL_M, _FIELD_M, _MOULDING_M = 0.018, 0.028, 0.03
@@ -46,7 +46,12 @@ def leaf_parts(leaf: Leaf, *, kind: LeafKind, opens: int) -> tuple[Part, ...]:
 
     opens: 1 where it swings towards +y, else -1: the knuckles of its hinges show there.
     """
-    draw = {"panel": _panel_leaf, "glass": _glass_leaf, "entrance": _entrance_leaf}[kind]
+    draw = {
+        "panel": _panel_leaf,
+        "flush": _flush_leaf,
+        "glass": _glass_leaf,
+        "entrance": _entrance_leaf,
+    }[kind]
     hinges = Part("Hinges", _hinges(leaf, opens), "Metal")
     return (*draw(leaf), hinges)
 
@@ -76,6 +81,12 @@ def _panel_leaf(leaf: Leaf) -> list[Part]:
         sunk = [face for one in panels for face in _sunk_panel(one)]
         parts.append(Part("Panels", sunk, "Trim"))
     return [*parts, Part("Handles", _levers(leaf), "Metal")]
+
+
+def _flush_leaf(leaf: Leaf) -> list[Part]:
+    """One plain board."""
+    board = Part("Board", _both(_whole(leaf), LEAF_M), "Trim")
+    return [board, Part("Handles", _levers(leaf), "Metal")]
 
 
 def _sunk_panel(panel: Polygon) -> list[Face]:

@@ -7,7 +7,7 @@ the doors and windows named after it; the facade and the tops of the walls are t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,7 +50,7 @@ from chord_usd.stage.prims import (
     place,
     write_mesh,
 )
-from chord_usd.stage.surfaces import PLAIN_SURFACES, Surface, write_surface
+from chord_usd.stage.surfaces import Fitout, write_surface
 from chord_usd.stage.tunnels import Tunnel
 from chord_usd.stage.walls import (
     WallLine,
@@ -79,18 +79,18 @@ def draw_shell(
     rooms: Sequence[NamedRoom],
     walls: Walls,
     folder: Path,
-    surfaces: Mapping[str, Surface] = PLAIN_SURFACES,
+    fitout: Fitout | None = None,
 ) -> FloatArray:
     """Write Architecture of every room and the Exterior; returns the bounds, (2, 3) metres.
 
-    folder: where the payload layers go, beside the layer's own file. surfaces: what has no look,
-    such as ceilings and skirting.
+    folder: where the payload layers go, beside the layer's own file. fitout: by default plain.
     """
     folder.mkdir()
+    fitout = fitout or Fitout()
     extents = []
     for room in rooms:
-        extents.append(_draw_room(layer, room, walls, rooms, folder, surfaces))
-    extents.append(_draw_exterior(layer, walls, folder, surfaces))
+        extents.append(_draw_room(layer, room, walls, rooms, folder, fitout))
+    extents.append(_draw_exterior(layer, walls, folder, fitout))
     bounds = np.array(extents)
     return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
@@ -108,8 +108,8 @@ def wall_material(room: NamedRoom) -> str:
 class _Component:
     """A payload layer being written: meshes under Geometry, materials under Materials."""
 
-    def __init__(self, path: Path, name: str, surfaces: Mapping[str, Surface]) -> None:
-        self._surfaces = surfaces
+    def __init__(self, path: Path, name: str, fitout: Fitout) -> None:
+        self.fitout = fitout
         self.file = f"./{path.parent.name}/{path.name}"
         """The layer's path as the house writes it."""
         self.extents_m: list[FloatArray] = []
@@ -157,8 +157,8 @@ class _Component:
     def _material(self, name: str) -> Sdf.Path:
         path = self._root.AppendPath(f"Materials/{name}")
         if not self._layer.GetPrimAtPath(path):
-            if name in self._surfaces:
-                write_surface(self._layer, path, self._surfaces[name])
+            if name in self.fitout.surfaces:
+                write_surface(self._layer, path, self.fitout.surfaces[name])
             else:  # the room's variant sets say what it looks like
                 define(self._layer, path, "Material")
         return path
@@ -193,9 +193,9 @@ def _draw_room(
     walls: Walls,
     rooms: Sequence[NamedRoom],
     folder: Path,
-    surfaces: Mapping[str, Surface],
+    fitout: Fitout,
 ) -> FloatArray:
-    component = _Component(folder / f"{room.name}.usdc", "Architecture", surfaces)
+    component = _Component(folder / f"{room.name}.usdc", "Architecture", fitout)
     floor = walls.floors_m[room.index]
     lines = walls.lines_of(room.index)
     _draw_floor_and_ceiling(component, room, floor)
@@ -258,7 +258,9 @@ def _draw_opening(
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
         drawn = component.group(f"{named.name}/Leaf_{index}")
         place(drawn, at_m=hinge_m, yaw_deg=0.0)
-        for part in leaf_parts(leaf, kind=_leaf_kind(opening, rooms), opens=opens):
+        for part in leaf_parts(
+            leaf, kind=_leaf_kind(opening, rooms, component.fitout), opens=opens
+        ):
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
         component.hang(drawn, hinge_m, leaf, opens)
 
@@ -300,13 +302,13 @@ def _draw_part(
     component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
 
 
-def _leaf_kind(opening: Opening, rooms: Sequence[NamedRoom]) -> LeafKind:
+def _leaf_kind(opening: Opening, rooms: Sequence[NamedRoom], fitout: Fitout) -> LeafKind:
     """Doors to balconies are glass doors, and so are wide ones that lead outside."""
     kinds = {named.room.kind for named in rooms if named.room.id in opening.room_ids}
     leads_out = len(opening.room_ids) < 2
     if "balcony" in kinds or (leads_out and opening.box.size_m[0] >= _GLASS_DOOR_FROM_M):
         return "glass"
-    return "entrance" if leads_out else "panel"
+    return "entrance" if leads_out else fitout.doors
 
 
 def _skirting(floor: Polygon, lines: Iterable[WallLine], tunnels: Iterable[Tunnel]) -> list[Face]:
@@ -344,11 +346,9 @@ def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
     return faces
 
 
-def _draw_exterior(
-    layer: Sdf.Layer, walls: Walls, folder: Path, surfaces: Mapping[str, Surface]
-) -> FloatArray:
+def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path, fitout: Fitout) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
-    component = _Component(folder / "Exterior.usdc", "Exterior", surfaces)
+    component = _Component(folder / "Exterior.usdc", "Exterior", fitout)
     facade = wall_faces(walls.lines_of(None))
     if facade:
         component.mesh("Facade", facade, "Facade")

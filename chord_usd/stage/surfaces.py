@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from pxr import Gf, Sdf
 
-from chord_usd.scene.styles import HomeStyle
+from chord_usd.scene.style_finishes import metal_like
+from chord_usd.scene.styles import Agreed, HomeStyle, InnerDoor
 from chord_usd.stage.prims import Types, attribute, define, label
 
 
@@ -36,14 +38,31 @@ PLAIN_SURFACES: dict[str, Surface] = {
 }
 
 
-def styled(style: HomeStyle) -> dict[str, Surface]:
-    """The plain surfaces with ceilings and trim in the colours of a style."""
-    own = {"Ceiling": style.ceiling, "Trim": style.trim}
+@dataclass(frozen=True)
+class Fitout:
+    """What the shell of a home is finished with."""
+
+    surfaces: Mapping[str, Surface] = field(default_factory=lambda: PLAIN_SURFACES)
+    """What has no look, such as ceilings and skirting."""
+    doors: InnerDoor = "panel"
+
+
+_LEVERS = {
+    "chrome": PLAIN_SURFACES["Metal"],
+    "brass": Surface((188, 150, 88), 0.3, metallic=1.0),
+    "black_metal": Surface((34, 34, 36), 0.45, metallic=0.6),
+}
+
+
+def fitout(style: HomeStyle, home: Agreed) -> Fitout:
+    """Ceilings, trim, window frames and doors of a style; levers of the home's metal."""
+    own = {"Ceiling": style.ceiling, "Trim": style.trim, "WindowFrame": style.frames}
     coloured = {
         name: replace(PLAIN_SURFACES[name], rgb=(int(c[1:3], 16), int(c[3:5], 16), int(c[5:7], 16)))
         for name, c in own.items()
     }
-    return {**PLAIN_SURFACES, **coloured}
+    levers = {"Metal": _LEVERS[metal_like(home.metal)]}
+    return Fitout({**PLAIN_SURFACES, **coloured, **levers}, style.doors)
 
 
 def write_surface(layer: Sdf.Layer, path: Sdf.Path, surface: Surface) -> None:

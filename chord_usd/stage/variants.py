@@ -8,11 +8,12 @@ from pathlib import Path
 
 from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.palette import Level, category
-from chord_usd.scene.style_finishes import suitability
+from chord_usd.scene.style_finishes import kind_of, metal_like, suitability
 from chord_usd.scene.styles import Agreed, HomeStyle
 from chord_usd.scene.types import Item, Room
 
-COLOUR = "colour"
+COLOUR, METAL = "colour", "metal"
+"""Names of the variant sets of components."""
 
 _OVER_RUNS = ("wall_cabinet", "cooker_hood")
 
@@ -52,6 +53,8 @@ class Wardrobe:
         chosen = {}
         if len(offered.variants.get(COLOUR, ())) > 1:
             chosen[COLOUR] = self._colourway(offered, item, room)
+        if self.home is not None and METAL in offered.variants:
+            chosen[METAL] = metal_like(self.home.metal)
         return chosen
 
     def _offered(self, path: Path) -> _Offer:
@@ -77,9 +80,7 @@ class Wardrobe:
                 return fronts[self._draw(f"{room.id}/kitchen", len(fronts))]
         if self.style is not None and self.home is not None:
             suits = {
-                name: suitability(
-                    offered.finishes.get(name, [name]), self.style, self.home, item.category
-                )
+                name: suitability(_that_vary(offered, name), self.style, self.home, item.category)
                 for name in names
             }
             names = [name for name in names if suits[name] >= max(suits.values()) - _AS_GOOD]
@@ -89,6 +90,14 @@ class Wardrobe:
     def _draw(self, key: str, count: int) -> int:
         digest = hashlib.sha256(f"{self.seed}/{key}".encode()).digest()
         return int.from_bytes(digest[:4], "little") % count
+
+
+def _that_vary(offered: _Offer, colourway: str) -> list[str]:
+    """Finishes of a colourway; fittings do not count where the home says what metal they are."""
+    names = offered.finishes.get(colourway, [colourway])
+    if METAL not in offered.variants:
+        return names
+    return [name for name in names if kind_of(name) != "metal"]
 
 
 def _is_fitted(item: Item) -> bool:

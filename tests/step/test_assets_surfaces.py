@@ -11,7 +11,8 @@ import pytest
 from pxr import Sdf, Usd, UsdShade
 
 from chord_usd.assets.component import write_component
-from chord_usd.assets.finishes import FINISHES
+from chord_usd.assets.drawn import DrawnFinishes
+from chord_usd.assets.finishes import FINISHES, PLAIN
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.look_noise import normal_map
 from chord_usd.assets.model import Design
@@ -109,10 +110,17 @@ def test_every_design_that_is_not_plain_throughout_wears_maps(tmp_path: Path) ->
     assert len(seen) >= 8
 
 
-def test_most_designs_have_a_surface_that_is_no_lacquer() -> None:
-    """What has none: appliances, sanitary ware, glass, crockery and the like."""
-    grown = [bool(surfaces(design, next(iter(design.colourways.values())))) for design in designs()]
-    assert np.mean(grown) > 0.6
+def even_finishes(design: Design) -> set[str]:
+    """Names of the finishes of all its colourways that have neither maps nor a picture."""
+    finishes = design.finishes
+    pictures = finishes.drawn if isinstance(finishes, DrawnFinishes) else {}
+    names = {name for looks in design.colourways.values() for name in looks.values()}
+    return {name for name in names - set(pictures) if finishes[name].surface == "plain"}
+
+
+def test_whatever_is_not_even_by_nature_has_maps() -> None:
+    found = set[str]().union(*(even_finishes(design) for design in designs()))
+    assert found == {name for names in PLAIN.values() for name in names}
 
 
 def package(folder: Path, picture: str) -> Path:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Literal
 
 import numpy as np
 
+from chord_usd.assets.drawn import DrawnFinishes
 from chord_usd.assets.dressing import rug_patterns
 from chord_usd.assets.dressing.rug_patterns import Pattern, Rgb, woven
 from chord_usd.assets.dressing.textiles import TEXTILES
@@ -43,34 +44,14 @@ class _Weave:
     height_m: float = 0.0045
 
 
-class _Woven(Mapping[str, Finish]):
-    """The finishes of a carpet, each drawn when it is first asked for."""
-
-    def __init__(self, weave: _Weave, length_m: float, width_m: float) -> None:
-        self._weave, self._size_m = weave, (length_m, width_m)
-        self._made: dict[str, Finish] = {}
-        self._names = {_finish_name(weave, colour): colour for colour in weave.palettes}
-
-    def __getitem__(self, name: str) -> Finish:
-        if name not in self._names:
-            return TEXTILES[name]
-        if name not in self._made:
-            palette = self._weave.palettes[self._names[name]]
-            picture = woven(
-                self._weave.pattern, palette, *self._size_m, 7, self._weave.yarn, self._weave.pile
-            )
-            self._made[name] = Finish(palette[0], 0.97, texture=picture)
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter((*self._names, *TEXTILES))
-
-    def __len__(self) -> int:
-        return len(self._names) + len(TEXTILES)
-
-
 def _finish_name(weave: _Weave, colour: str) -> str:
     return f"{colour}_wool_{weave.name.lower()}"
+
+
+def _woven(weave: _Weave, colour: str, length_m: float, width_m: float) -> Finish:
+    palette = weave.palettes[colour]
+    picture = woven(weave.pattern, palette, length_m, width_m, 7, weave.yarn, weave.pile)
+    return Finish(palette[0], 0.97, texture=picture)
 
 
 def rug(
@@ -230,7 +211,12 @@ def _design(weave: _Weave, name: str, length: float, width: float, category: str
     ways = {colour: {"rug": _finish_name(weave, colour), **trim} for colour in weave.palettes}
     id_ = f"{name}_{weave.name}_{100 * length:.0f}x{100 * width:.0f}"
     size_m = (length, width, weave.height_m)
-    return Design(id_, category, size_m, draw, ways, _Woven(weave, length, width), weave.styles)
+    pictures = {
+        _finish_name(weave, colour): cache(partial(_woven, weave, colour, length, width))
+        for colour in weave.palettes
+    }
+    finishes = DrawnFinishes(TEXTILES, pictures)
+    return Design(id_, category, size_m, draw, ways, finishes, weave.styles)
 
 
 def _rugs() -> Iterator[Design]:

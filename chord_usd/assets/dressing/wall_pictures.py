@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 
 from PIL import Image
 
+from chord_usd.assets.drawn import DrawnFinishes
 from chord_usd.assets.dressing import art, art_nature
 from chord_usd.assets.dressing.dry_finishes import DRY
 from chord_usd.assets.dressing.forms import (
@@ -71,28 +72,20 @@ def drawn(name: str, drawing: str, aspect: float) -> Image.Image:
     return _DRAWINGS[drawing](rng_of(name), size)
 
 
-@dataclass(frozen=True)
-class ArtFinishes(Mapping[str, Finish]):
-    """Finishes of one picture: its art is drawn only when looked up."""
+def art_finishes(name: str, drawings: Sequence[str], aspect: float) -> DrawnFinishes:
+    """Finishes with a picture for each of the drawings, in the order of ART_SLOTS."""
+    pictures = {
+        slot: cache(partial(_printed, f"{name}/{slot}", drawing, aspect))
+        for slot, drawing in zip(ART_SLOTS, drawings, strict=False)
+    }
+    return DrawnFinishes(DRY, pictures)
 
-    name: str
-    drawings: tuple[str, ...]
-    aspect: float
 
-    def __getitem__(self, key: str) -> Finish:
-        if key not in ART_SLOTS[: len(self.drawings)]:
-            return DRY[key]
-        index = ART_SLOTS.index(key)
-        image = drawn(f"{self.name}/{key}", self.drawings[index], self.aspect)
-        mean = image.resize((1, 1), Image.Resampling.BOX).getpixel((0, 0))
-        assert isinstance(mean, tuple)
-        return Finish((int(mean[0]), int(mean[1]), int(mean[2])), 0.8, texture=image)
-
-    def __iter__(self) -> Iterator[str]:
-        yield from (*DRY, *ART_SLOTS[: len(self.drawings)])
-
-    def __len__(self) -> int:
-        return len(DRY) + len(self.drawings)
+def _printed(name: str, drawing: str, aspect: float) -> Finish:
+    image = drawn(name, drawing, aspect)
+    mean = image.resize((1, 1), Image.Resampling.BOX).getpixel((0, 0))
+    assert isinstance(mean, tuple)
+    return Finish((int(mean[0]), int(mean[1]), int(mean[2])), 0.8, texture=image)
 
 
 def _art(
@@ -343,8 +336,14 @@ def _design(row: _Row) -> Design:
     seen_l, seen_h = wide - 2 * inset, height - 2 * inset
     if row.kind == "Scroll":
         seen_l, seen_h = length - 0.13, height - 0.35
-    finishes = ArtFinishes(name, row.drawings, round(seen_l / seen_h, 3))
-    return Design(name, "picture", (length, depth, height), draw, looks, finishes, row.styles)
+    aspect = round(seen_l / seen_h, 3)
+    finishes = art_finishes(name, row.drawings, aspect)
+    missing = set(ART_SLOTS) - set(finishes.drawn)
+    ways = {
+        way: {slot: finish for slot, finish in slots.items() if slot not in missing}
+        for way, slots in looks.items()
+    }
+    return Design(name, "picture", (length, depth, height), draw, ways, finishes, row.styles)
 
 
 DESIGNS = tuple(_design(row) for row in _ROWS)

@@ -340,25 +340,41 @@ def _look(body: str, fronts: str, handle: str, **more: str) -> dict[str, str]:
     return {**base, **more}
 
 
+_PLAIN_WOODS = ("oak", "pale_oak", "birch", "black_stain")
+_DEEP_WOODS = ("walnut", "cherry", "dark_walnut")
 _WARDROBE = {
     "white_oak": _look("pale_oak", "white", "steel"),
-    "oak": _look("oak", "oak", "black_metal"),
+    "white_birch": _look("birch", "white", "black_metal"),
+    **{wood: _look(wood, wood, "black_metal") for wood in (*_PLAIN_WOODS, "walnut")},
     "graphite": _look("walnut", "graphite", "brass"),
+    "graphite_dark": _look("dark_walnut", "graphite", "black_metal"),
 }
 FRAMED = {
     "sage": _look("sage", "sage", "brass"),
     "white": _look("warm_white", "warm_white", "black_metal"),
     "navy": _look("navy", "navy", "brass"),
+    **{wood: _look(wood, wood, "brass") for wood in _DEEP_WOODS},
 }
 LIVING = {
     "oak": _look("oak", "oak", "black_metal", leg="black_metal"),
     "walnut": _look("walnut", "walnut", "brass", leg="brass"),
     "white": _look("oak", "white", "steel"),
+    "pale_oak": _look("pale_oak", "pale_oak", "black_metal"),
+    "white_birch": _look("birch", "white", "black_metal"),
+    "dark_walnut": _look("dark_walnut", "dark_walnut", "black_metal", leg="black_metal"),
+    "graphite": _look("walnut", "graphite", "black_metal", leg="black_metal"),
+    "black_stain": _look("black_stain", "black_stain", "black_metal"),
+}
+STEEL = {
+    wood: _look(wood, wood, "black_metal", leg="black_metal")
+    for wood in ("dark_walnut", "walnut", "oak", "black_stain")
 }
 _HALL = {
     "white": _look("white", "white", "black_metal", top="oak"),
-    "oak": _look("oak", "oak", "black_metal"),
+    "white_pale": _look("white", "white", "black_metal", top="pale_oak"),
+    **{wood: _look(wood, wood, "black_metal") for wood in (*_PLAIN_WOODS, *_DEEP_WOODS)},
     "green": _look("forest", "forest", "brass", top="walnut"),
+    "graphite": _look("graphite", "graphite", "black_metal", top="dark_walnut"),
 }
 
 
@@ -394,8 +410,14 @@ _LOW = (
 )
 _BOOKCASE = Style("Bookcase", bookcase, LIVING, 2.05)
 _SHOES = (
-    Style("Shoe_Cabinet_Flaps", shoe_cabinet, _HALL, 1.1),
-    Style("Shoe_Cabinet_Louvres", partial(shoe_cabinet, kind="louvres"), _HALL, 1.0),
+    Style("Shoe_Cabinet_Flaps", shoe_cabinet, _HALL, 1.1, ("modern", "scandinavian", "industrial")),
+    Style(
+        "Shoe_Cabinet_Louvres",
+        partial(shoe_cabinet, kind="louvres"),
+        _HALL,
+        1.0,
+        ("classic", "japanese"),
+    ),
 )
 _LOW_SHOES = Style("Shoe_Cabinet_Low", shoe_cabinet, _HALL, 0.85)
 _SHOE_BENCH = Style("Shoe_Cabinet_Bench", partial(shoe_cabinet, kind="bench"), _HALL, 2.1)

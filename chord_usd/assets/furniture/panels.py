@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from chord_usd.assets.dressing.textiles import TEXTILES
 from chord_usd.assets.dressing.wall_pictures import (
     ART_SLOTS,
-    ArtFinishes,
+    art_finishes,
     frame_looks,
     framed_art,
 )
@@ -27,6 +28,7 @@ from chord_usd.assets.solids import (
     loft,
     mirrored_pair,
     ring,
+    rounded_slab,
 )
 
 
@@ -101,6 +103,66 @@ def _ledge(length: float, width: float, height: float) -> tuple[Part, ...]:
     )
 
 
+def boiserie(size_m: Size) -> tuple[Part, ...]:
+    """Painted panelling: a moulded frame around each field, a cornice above, a base below."""
+    length, width, height = size_m
+    back_m = width - 0.03
+    board = box((length, back_m, height - 0.03)).moved(y=(width - back_m) / 2, z=0.0)
+    count = max(2, round(length / 0.7))
+    wide = length / count
+    field_l, field_h = wide - 0.16, height - 0.3
+    rail = [block((field_l, 0.02, 0.026), 0.008), block((0.024, 0.018, field_h - 0.01), 0.007)]
+    half = (field_l - 0.026) / 2
+    frame = joined([
+        rail[0], rail[0].moved(z=field_h - 0.026),
+        rail[1].moved(-half, z=0.005), rail[1].moved(half, z=0.005),
+    ])  # fmt: skip
+    y = width / 2 - back_m - 0.008
+    frames = [frame.moved(-length / 2 + wide * (i + 0.5), y, 0.15) for i in range(count)]
+    # Their backs stand free of the board's, so that no two faces lie in one plane.
+    cornice = block((length, width - 0.002, 0.03), 0.012).moved(y=-0.001, z=height - 0.03)
+    base = block((length - 0.002, width - 0.012, 0.07), 0.006).moved(y=0.004, z=0.001)
+    return (
+        Part("Board", board, "wood"),
+        Part("Mouldings", joined([*frames, cornice, base]), "wood", collider=None),
+    )
+
+
+def plank_wall(size_m: Size) -> tuple[Part, ...]:
+    """Old boards lying on each other, of many lengths and not quite of one thickness."""
+    length, width, height = size_m
+    rows = max(4, round(height / 0.16))
+    tall = height / rows
+    boards = []
+    for row in range(rows):
+        cuts = [0.0, *sorted(((row * 0.37 + 0.21) % 1.0, (row * 0.61 + 0.55) % 1.0)), 1.0]
+        for number, (low, high) in enumerate(pairwise(cuts)):
+            if (high - low) * length < 0.05:
+                continue
+            thick = width - 0.001 - 0.006 * ((row + 2 * number) % 3)
+            board = block(((high - low) * length - 0.002, thick, tall - 0.002), 0.003)
+            at = (
+                ((low + high) / 2 - 0.5) * length,
+                (width - thick) / 2 - 0.001,
+                row * tall + 0.001,
+            )
+            boards.append(board.moved(*at))
+    backing = box((length, 0.006, height)).moved(y=width / 2 - 0.003)
+    return (Part("Backing", backing, "board"), Part("Boards", joined(boards), "wood", None))
+
+
+def flush_wall(size_m: Size) -> tuple[Part, ...]:
+    """Large plain panels with dark shadow gaps."""
+    length, width, height = size_m
+    count = max(2, round(length / 0.9))
+    wide = length / count
+    backing = box((length, 0.012, height)).moved(y=width / 2 - 0.006)
+    panel = rounded_slab((wide - 0.012, height - 0.002, width - 0.01), 0.004, 0.003, 2, 2)
+    panel = panel.turned("x", 90).moved(y=width / 2 - 0.01, z=height / 2)
+    panels = [panel.moved(-length / 2 + wide * (i + 0.5)) for i in range(count)]
+    return (Part("Backing", backing, "board"), Part("Panels", joined(panels), "wood", None))
+
+
 def pictures(
     size_m: Size, *, pitch_m: float, rail_m: float, mount_m: float = 0.0, moulded: bool = False
 ) -> tuple[Part, ...]:
@@ -166,17 +228,24 @@ _Form = tuple[Style, tuple[str, ...]]
 _TILES = partial(padded_panel, rows=3, pitch_m=0.38)
 _HEADS: tuple[_Form, ...] = (
     (Style("Bed_Panel_Channels", padded_panel, _PADS, 1.0), ("modern",)),
-    (Style("Bed_Panel_Slats", slatted_panel, _SLATS, 1.2), ("japanese", "scandinavian")),
+    (Style("Bed_Panel_Slats", slatted_panel, _SLATS, 1.2), ("japanese",)),
     (Style("Bed_Panel_Soft", partial(padded_panel, pitch_m=0.5), _SOFT_PADS, 1.0),
      ("scandinavian",)),
     (Style("Bed_Panel_Tiles", _TILES, _RICH_PADS, 1.05), ("classic",)),
     (Style("Bed_Panel_Leather", partial(padded_panel, rows=4, pitch_m=0.9), _LEATHER_PADS, 1.1),
      ("industrial",)),
 )  # fmt: skip
-_SLATTED = ("japanese", "scandinavian", "modern")
-_SLAT_WALL = Style("Sofa_Slats", slatted_panel, _SLATS, 1.2, _SLATTED)
+_PAINTED = {name: _slats(name) for name in ("warm_white", "sage", "navy", "forest", "walnut")}
+_OLD_BOARDS = {name: _slats(name) for name in ("dark_walnut", "walnut", "oak", "black_stain")}
+_CALM = {name: _slats(name) for name in ("oak", "walnut", "graphite", "light_grey")}
+_WALLS = (
+    Style("Sofa_Flush", flush_wall, _CALM, 1.2, ("modern",)),
+    Style("Sofa_Boiserie", boiserie, _PAINTED, 1.25, ("classic",)),
+    Style("Sofa_Boards", plank_wall, _OLD_BOARDS, 1.2, ("industrial",)),
+    Style("Sofa_Slats", slatted_panel, _SLATS, 1.2, ("japanese",)),
+)
 _SLAT_LEDGE = Style(
-    "Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1, _SLATTED
+    "Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1, ("japanese",)
 )
 
 
@@ -234,7 +303,7 @@ def _over_sofas() -> Iterator[Design]:
             name = f"Sofa_Prints_{style.capitalize()}_{100 * length:.0f}"
             edge_m = 2 * (one.rail_m + one.mount_m)
             seen_m = _wide(length, _count(length, one.pitch_m)) - edge_m, one.height_m - edge_m
-            art = ArtFinishes(name, one.drawings, round(seen_m[0] / seen_m[1], 3))
+            art = art_finishes(name, one.drawings, round(seen_m[0] / seen_m[1], 3))
             yield Design(name, "sofa_background", (length, 0.06, one.height_m), draw,
                          frame_looks(*one.frames), art, (style,))  # fmt: skip
 
@@ -250,6 +319,7 @@ def _heads() -> Iterator[Design]:
 DESIGNS = (
     *_heads(),
     *_over_sofas(),
-    *editions("sofa_background", (_SLAT_WALL,), steps(1.25, 3.55, 0.2), (0.06,)),
+    *(d for wall in _WALLS
+      for d in editions("sofa_background", (wall,), steps(1.35, 3.55, 0.4), (0.06,))),
     *editions("sofa_background", (_SLAT_LEDGE,), steps(1.25, 3.55, 0.2), (0.1,)),
-)
+)  # fmt: skip

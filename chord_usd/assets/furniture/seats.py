@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.assets.dressing.textiles import TEXTILES
+from chord_usd.assets.furniture.dining_chairs import chair
 from chord_usd.assets.furniture.joinery import four_legs
 from chord_usd.assets.furniture.upholstery import boxed_cushion, rolled_arm, stood_up
 from chord_usd.assets.model import Design, Part, Style, editions, steps
@@ -272,60 +273,6 @@ def slipper_chair(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def chair(size_m: Size, *, back: Literal["slats", "board", "padded"] = "slats") -> tuple[Part, ...]:
-    """A dining chair: seat at 0.45 m, rear legs that run up into the back."""
-    length, width, height = size_m
-    seat_z, thick = 0.44, 0.036
-    seat_depth = width - 0.05
-    legs = [
-        tube(
-            [[s * (length / 2 - 0.025), -width / 2 + 0.025, 0],
-             [s * (length / 2 - 0.035), -width / 2 + 0.05, seat_z]], thick / 2, 8,
-        )
-        for s in (-1, 1)
-    ]  # fmt: skip
-    legs += [tube(_rear_post(s, length, width, height, seat_z), thick / 2, 8) for s in (-1, 1)]
-    names = ("Front_Left", "Front_Right", "Rear_Left", "Rear_Right")
-    rails = [
-        block((length - 0.08, 0.02, 0.05)).moved(y=y, z=seat_z - 0.055)
-        for y in (-width / 2 + 0.05, width / 2 - 0.09)
-    ]
-    rails.append(block((0.02, width - 0.14, 0.046)).moved(length / 2 - 0.04, -0.02, seat_z - 0.053))
-    rails.append(rails[-1].scaled(x=-1.0))
-    seat = cushion((length - 0.01, seat_depth, 0.045), 0.06, 0.02, 0.012)
-    return (
-        *(Part(f"Leg_{name}", leg, "frame") for name, leg in zip(names, legs, strict=True)),
-        Part("Rails", joined(rails), "frame", collider=None),
-        Part("Seat", seat.moved(y=-width / 2 + seat_depth / 2 + 0.002, z=seat_z - 0.01), "seat"),
-        _chair_back(back, length, width, height),
-    )
-
-
-def _rear_post(side: int, length: float, width: float, height: float, seat_z: float) -> np.ndarray:
-    x, back = side * (length / 2 - 0.03), width / 2
-    corners = [[x, back - 0.03, 0], [x, back - 0.075, seat_z], [x, back - 0.02, height]]
-    return bent_path(corners, 0.1, 4)
-
-
-def _chair_back(kind: str, length: float, width: float, height: float) -> Part:
-    y, inner = width / 2 - 0.035, length - 0.08
-    if kind == "slats":
-        rails = [
-            block((inner + 0.02, 0.02, 0.055), 0.006).moved(y=y + dy, z=height - drop)
-            for drop, dy in ((0.075, 0.006), (0.185, -0.006), (0.295, -0.018))
-        ]
-        return Part("Back", joined(rails), "frame")
-    if kind == "board":
-        plate = rounded_slab((length - 0.02, 0.2, 0.02), 0.04, 0.006).turned("x", 83)
-        low, high = plate.bounds_m()
-        at = (0.0, y + 0.01 - float(low[1] + high[1]) / 2, height - 0.012 - float(high[2]))
-        return Part("Back", plate.moved(*at), "back")
-    pad = cushion((length - 0.03, height - 0.51, 0.055), 0.06, 0.02, 0.012).turned("x", 83)
-    low, high = pad.bounds_m()
-    at = (0.0, y + 0.012 - float(low[1] + high[1]) / 2, height - 0.005 - float(high[2]))
-    return Part("Back", pad.moved(*at), "seat")
-
-
 def office_chair(size_m: Size) -> tuple[Part, ...]:
     """A swivel chair: five-star foot on castors, gas lift, padded seat and back, arm rests."""
     length, width, height = size_m
@@ -412,11 +359,15 @@ _BOARDS = {
 }
 _PADDED = {
     f"{wood}_{cloth.rsplit('_', 1)[0]}": {"frame": wood, "seat": cloth, "back": cloth}
-    for wood, cloth in (("black_metal", "grey_cloth"), ("walnut", "cream_cloth"),
-                        ("cherry", "beige_cloth"), ("dark_walnut", "navy_velvet"),
-                        ("black_stain", "charcoal_cloth"), ("oak", "teal_cloth"),
-                        ("walnut", "forest_velvet"))
+    for wood, cloth in (("black_metal", "grey_cloth"), ("black_metal", "cream_boucle"),
+                        ("black_metal", "rust_cloth"), ("black_stain", "charcoal_cloth"),
+                        ("oak", "teal_cloth"), ("walnut", "grey_cloth"))
 }  # fmt: skip
+_SALON = {
+    f"{wood}_{cloth.rsplit('_', 1)[0]}": {"frame": wood, "seat": cloth, "back": cloth}
+    for wood in ("walnut", "cherry", "dark_walnut")
+    for cloth in ("cream_cloth", "navy_velvet", "forest_velvet", "burgundy_velvet")
+}
 _STEEL = {
     "black_walnut": {"frame": "black_metal", "seat": "walnut", "back": "walnut"},
     "black_oak": {"frame": "black_metal", "seat": "oak", "back": "oak"},
@@ -455,12 +406,11 @@ _LOUNGES: tuple[_Form, ...] = (
     (Style("Lounge_Chair_Loft", lounge_chair, _LOFT, 0.82), ("industrial",)),
 )
 _CHAIRS: tuple[_Form, ...] = (
-    (Style("Chair_Slats", chair, _WOODS, 0.86), ("scandinavian", "japanese")),
-    (
-        Style("Chair_Board", partial(chair, back="board"), _BOARDS, 0.8),
-        ("scandinavian", "japanese", "modern"),
-    ),
-    (Style("Chair_Padded", partial(chair, back="padded"), _PADDED, 0.92), ("modern", "classic")),
+    (Style("Chair_Slats", chair, _WOODS, 0.86), ("japanese",)),
+    (Style("Chair_Board", partial(chair, back="board"), _BOARDS, 0.8), ("scandinavian",)),
+    (Style("Chair_Spindles", partial(chair, back="spindles"), _BOARDS, 0.84), ("scandinavian",)),
+    (Style("Chair_Padded", partial(chair, back="padded"), _PADDED, 0.92), ("modern",)),
+    (Style("Chair_Medallion", partial(chair, back="medallion"), _SALON, 0.96), ("classic",)),
     (Style("Chair_Steel", partial(chair, back="board"), _STEEL, 0.82), ("industrial",)),
 )
 _OFFICE_CHAIR = Style("Chair_Office", office_chair, _OFFICE, 0.98)

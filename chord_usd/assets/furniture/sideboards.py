@@ -12,9 +12,11 @@ from chord_usd.assets.furniture.cabinets import (
     BOARD_M,
     FRAMED,
     LIVING,
+    STEEL,
     carcass,
     chest,
     fronts_y,
+    low_cabinet,
 )
 from chord_usd.assets.furniture.joinery import (
     FRONT_M,
@@ -184,8 +186,11 @@ def _drum_stand(size_m: Size) -> tuple[Part, ...]:
     )
 
 
+TvKind = Literal["drawers", "slats", "niche", "framed", "steel"]
+
+
 def tv_cabinet(
-    size_m: Size, *, kind: Literal["drawers", "slats"] = "drawers", has_screen: bool = True
+    size_m: Size, *, kind: TvKind = "drawers", has_screen: bool = True
 ) -> tuple[Part, ...]:
     """A low cabinet with a television on it, or none: before a window one sees nothing on it.
 
@@ -193,11 +198,22 @@ def tv_cabinet(
     wall.
     """
     length, width, height = size_m
+    draw = {"niche": _open_middle, "framed": _panelled, "steel": _steel_rack}.get(kind)
+    cabinet = draw(size_m) if draw else _flat_front(size_m, has_slats=kind == "slats")
+    if not has_screen:
+        return cabinet
+    screen_m = min(0.45 + 0.45 * length, length * 0.86)
+    return (*cabinet, *television(screen_m, width / 2 - 0.1, height))
+
+
+def _flat_front(size_m: Size, *, has_slats: bool) -> tuple[Part, ...]:
+    """Drawers without handles, or doors of slats."""
+    length, width, height = size_m
     y, base, top = -width / 2 + FRONT_M, 0.1, 0.022
     body = carcass(length - 0.01, y, width / 2 - 0.002, height - base - top + 0.002, base)
     columns = max(2, round(length / 0.6))
     face = list(cells(length - 0.016, height - base - top - 0.006, columns, z_m=base + 0.003))
-    if kind == "slats":
+    if has_slats:
         panels = Part("Doors", joined([_slatted(c, y) for c in face]), "front")
     else:
         panels = Part("Drawers", joined([front(c, y) for c in face]), "front")
@@ -207,9 +223,76 @@ def tv_cabinet(
         Part("Body", body, "body"),
         panels,
         Part("Top", plate.moved(z=height - top), "top"),
-        *(television(min(0.45 + 0.45 * length, length * 0.86), width / 2 - 0.1, height)
-          if has_screen else ()),
-    )  # fmt: skip
+    )
+
+
+def _open_middle(size_m: Size) -> tuple[Part, ...]:
+    """On high splayed legs: a door at each end, an open niche with a board between them."""
+    length, width, height = size_m
+    base, board = 0.19, 0.02
+    tall, y = height - base, -width / 2 + FRONT_M
+    depth = width - FRONT_M - 0.002
+    wide = 0.29 * length
+    middle = y + depth / 2
+    plate = rounded_slab((length, width, board), 0.006, 0.004, 3)
+    case = box((wide, depth, tall - 2 * board + 0.002))
+    x = (length - wide) / 2 - 0.002
+    z = base + board - 0.001
+    inner = length - 2 * wide
+    back = box((inner + 0.01, 0.01, tall - 2 * board)).moved(y=width / 2 - 0.008, z=z)
+    shelf = box((inner + 0.006, depth - 0.03, 0.016)).moved(y=middle + 0.01, z=base + 0.52 * tall)
+    face = [
+        Cell(side * x, z + 0.003, wide - 0.006, tall - 2 * board - 0.006, 0, 0) for side in (-1, 1)
+    ]
+    return (
+        *four_legs(length - 0.1, width - 0.04, base + 0.01, 0.05, is_round=True, splay_m=0.05),
+        Part("Bottom", plate.scaled(0.998, 0.998, 1.0).moved(z=base), "body"),
+        Part("Ends", mirrored_pair(case.moved(x, middle, z)), "body"),
+        Part("Back", back, "body", collider=None),
+        Part("Shelf", shelf, "body", collider=None),
+        Part("Doors", joined([front(cell, y) for cell in face]), "front"),
+        Part("Top", plate.moved(z=height - board), "top"),
+    )
+
+
+def _panelled(size_m: Size) -> tuple[Part, ...]:
+    """Panelled doors with knobs on a plinth, under a projecting top."""
+    length, width, height = size_m
+    y, base, top = fronts_y(width, "knob"), 0.07, 0.03
+    body = carcass(length - 0.03, y, width / 2 - 0.002, height - base - top + 0.002, base)
+    columns = max(2, round(length / 0.5))
+    face = list(cells(length - 0.04, height - base - top - 0.008, columns, z_m=base + 0.004))
+    plate = rounded_slab((length, width, top), 0.008, 0.01, 3, 3)
+    return (
+        plinth((length - 0.01, width, height), base, 0.03),
+        Part("Body", body, "body"),
+        *doors(face, y, "knob", framed=True),
+        Part("Top", plate.moved(z=height - top), "top"),
+    )
+
+
+def _steel_rack(size_m: Size) -> tuple[Part, ...]:
+    """Three thick boards in a frame of square tube, a drawer box in the middle."""
+    length, width, height = size_m
+    bar, board = 0.028, 0.035
+    x, y = (length - bar) / 2, (width - bar) / 2
+    post = block((bar, bar, height - board + 0.001), 0.002)
+    places = ((-x, y), (-x, -y), (x, -y), (x, y))
+    tie = block((bar - 0.002, width - 2 * bar + 0.002, bar), 0.002)
+    hoops = [mirrored_pair(tie.moved(x, z=z)) for z in (0.05, height - board - bar)]
+    plank = block((length - 2 * bar + 0.002, width - 0.004, board), 0.004)
+    tall = height - 2 * board - 0.09
+    case = box((0.36 * length, width - 0.05, tall)).moved(y=0.01, z=0.089)
+    face = Cell(0.0, 0.093, 0.36 * length - 0.006, tall - 0.008, 0, 0)
+    top = block((length, width, board), 0.005).moved(z=height - board)
+    return (
+        *(Part(f"Post_{i}", post.moved(*at), "leg") for i, at in enumerate(places, start=1)),
+        Part("Frame", joined(hoops), "leg", collider=None),
+        Part("Shelf", plank.moved(z=0.055), "top"),
+        Part("Drawer_Box", case, "body"),
+        *drawers([face], -width / 2 + 0.035, "none"),
+        Part("Top", top, "top"),
+    )
 
 
 def _slatted(cell: Cell, y: float) -> Solid:
@@ -241,27 +324,21 @@ def television(length: float, y: float, z: float) -> tuple[Part, ...]:
 
 
 _BEDSIDE = (
-    Style("Bedside_Drawers", bedside_table, LIVING, 0.52, ("scandinavian", "classic", "modern")),
-    Style(
-        "Bedside_Open",
-        partial(bedside_table, kind="open"),
-        LIVING,
-        0.5,
-        ("modern", "japanese", "industrial", "scandinavian"),
-    ),
+    Style("Bedside_Drawers", bedside_table, LIVING, 0.52, ("modern",)),
+    Style("Bedside_Framed", low_cabinet, FRAMED, 0.58, ("classic",)),
+    Style("Bedside_Frame", _steel_rack, STEEL, 0.5, ("industrial",)),
+    Style("Bedside_Open", partial(bedside_table, kind="open"), LIVING, 0.46, ("japanese",)),
+    Style("Bedside_Legs", partial(bedside_table, kind="open"), LIVING, 0.5, ("scandinavian",)),
 )
 _BEDSIDE_ROUND = Style(
     "Bedside_Round", partial(bedside_table, kind="round"), LIVING, 0.5, ("modern", "scandinavian")
 )
 _TV = (
-    Style("TV_Cabinet_Drawers", tv_cabinet, LIVING, 0.46, ("modern", "industrial", "classic")),
-    Style(
-        "TV_Cabinet_Slats",
-        partial(tv_cabinet, kind="slats"),
-        LIVING,
-        0.45,
-        ("scandinavian", "japanese", "modern"),
-    ),
+    Style("TV_Cabinet_Drawers", tv_cabinet, LIVING, 0.42, ("modern",)),
+    Style("TV_Cabinet_Niche", partial(tv_cabinet, kind="niche"), LIVING, 0.5, ("scandinavian",)),
+    Style("TV_Cabinet_Panelled", partial(tv_cabinet, kind="framed"), FRAMED, 0.55, ("classic",)),
+    Style("TV_Cabinet_Steel", partial(tv_cabinet, kind="steel"), STEEL, 0.46, ("industrial",)),
+    Style("TV_Cabinet_Slats", partial(tv_cabinet, kind="slats"), LIVING, 0.4, ("japanese",)),
 )
 _TV_BARE = tuple(
     replace(style, name=f"{style.name}_Bare", draw=partial(style.draw, has_screen=False))
@@ -282,12 +359,16 @@ _SIDEBOARDS = (
 )
 
 _DRAWN = (
-    *editions("bedside_table", _BEDSIDE, steps(0.4, 0.6, 0.05), (0.37, 0.46)),
+    *(d for style in _BEDSIDE
+      for d in editions("bedside_table", (style,), (0.4, 0.5, 0.6), (0.37, 0.46))),
     *editions("bedside_table", (_BEDSIDE_ROUND,), (0.4, 0.45, 0.5), (0.42,)),
-    *editions("tv_cabinet", _TV, steps(1.05, 2.55), (0.33, 0.4, 0.47)),
-    *editions("tv_cabinet", _TV_BARE, steps(1.05, 2.55, 0.2), (0.33, 0.4, 0.47)),
+    *(d for number, style in enumerate(_TV)
+      for d in editions("tv_cabinet", (style,), steps(1.05, 2.55)[number % 2::2],
+                        (0.33, 0.4, 0.47))),
+    *(d for style in _TV_BARE
+      for d in editions("tv_cabinet", (style,), steps(1.05, 2.55, 0.3), (0.33, 0.4, 0.47))),
     *editions("dining_cabinet", (_DRESSER, *_SIDEBOARDS), steps(0.85, 1.45), (0.37, 0.43)),
     *editions("dining_cabinet", _SIDEBOARDS, steps(1.55, 1.95), (0.37, 0.43)),
-)
+)  # fmt: skip
 
 DESIGNS = tuple(replace(design, finishes=DRY) for design in _DRAWN)

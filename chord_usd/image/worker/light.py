@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from chord_usd.image.exr import Channels, read_exr
 from chord_usd.image.job import Job, Part
 
 METER_WIDTH_PX = 96
@@ -18,6 +19,14 @@ KEY_BY_LAMPS = 0.2
 KEY_FROM_ABOVE = 0.2
 """Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale.
 From above one sees their floors instead, which are darker; by lamplight corners stay dark."""
+
+PALE_ALBEDO = 0.5
+"""Log-average albedo of a view of a room with white walls, for which the keys are."""
+
+DARKENS = 0.6
+"""How far a picture follows the tone of what it shows: 0 not at all, 1 as an incident meter."""
+
+_LUMA = (0.2126, 0.7152, 0.0722)
 
 _ROOM_ALPHA = 0.6
 """Pixels that show less than this of anything but sky are a view through a window."""
@@ -92,29 +101,54 @@ def metered_exposure_ev(scene: Any, job: Job, key: float) -> float:
     Metered on a tiny noisy rendering of the whole view, so every part of a picture gets the same.
     What is seen of the sky does not count.
     """
-    render, cycles = scene.render, scene.cycles
+    luminance, albedo = _metered(scene, job)
+    return exposure_ev(luminance, key * tone(albedo))
+
+
+def _metered(scene: Any, job: Job) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) luminance and albedo of what a small noisy picture shows of the room."""
+    render, cycles, layer = scene.render, scene.cycles, scene.view_layers[0]
     denoised = cycles.use_denoising
     render.resolution_percentage = max(1, math.ceil(100 * METER_WIDTH_PX / job.width_px))
     cycles.use_denoising = False
+    layer.cycles.denoising_store_passes = True
     set_samples(scene, METER_SAMPLES, None)
     cycles.sample_clamp_indirect = 0.0
     render.use_border = False
     picture = render.image_settings
-    picture.media_type, picture.file_format = "IMAGE", "OPEN_EXR"
-    picture.color_mode = "RGBA"
+    picture.media_type, picture.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
+    picture.use_exr_interleave = True
     has_sky, render.film_transparent = not render.film_transparent, True
     render.filepath = str(Path(job.folder) / "meter.exr")
     bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(render.filepath)
-    rgba = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
-    image.pixels.foreach_get(rgba)
-    pixels = rgba.reshape(-1, image.channels).astype(np.float64)
-    rgb = pixels[pixels[:, 3] > _ROOM_ALPHA, :3] if has_sky else pixels[:, :3]
-    bpy.data.images.remove(image)
+    channels, _ = read_exr(Path(render.filepath))
+    light, own = (
+        np.stack([_channel(channels, f"{name}.{colour}") for colour in "RGB"], axis=-1) @ _LUMA
+        for name in ("Combined", "Denoising Albedo")
+    )
+    shown = _channel(channels, "Combined.A") > (_ROOM_ALPHA if has_sky else -1.0)
+    layer.cycles.denoising_store_passes = False
     render.film_transparent = not has_sky
     render.resolution_percentage, cycles.use_denoising = 100, denoised
     set_samples(scene, job.quality.samples, job.part)
-    return exposure_ev(rgb @ np.array([0.2126, 0.7152, 0.0722]), key)
+    return light[shown], own[shown]
+
+
+def _channel(channels: Channels, name: str) -> np.ndarray:
+    """A channel, whatever its layer is called."""
+    return next(values for key, values in channels.items() if key.endswith(f".{name}"))
+
+
+def tone(albedo: Any) -> float:
+    """How bright a picture of these things is, next to one of a pale room.
+
+    A meter that sees light only would show every room in one tone: concrete as white plaster.
+    """
+    seen = np.clip(np.asarray(albedo), 0.02, 1.0)
+    if not seen.size:
+        return 1.0
+    mean = float(np.exp2(np.log2(seen).mean()))
+    return float(np.clip((mean / PALE_ALBEDO) ** DARKENS, 0.4, 1.1))
 
 
 def exposure_ev(luminance: Any, key: float) -> float:

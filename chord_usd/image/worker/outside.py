@@ -2,8 +2,8 @@
 
 By day the view is ten times as bright as the room. A photographer of interiors takes two pictures,
 one exposed for the room and one for the view, and puts the second into the windows of the first.
-So here: light comes in as it is, and only what the camera itself sees of sky and ground is held
-down to what film can show.
+So here: light comes in as it is, and only what the camera sees of sky and ground, by itself or in
+a mirror, is held down to what film can show.
 """
 
 from __future__ import annotations
@@ -161,7 +161,8 @@ def _sky_light(world: Any) -> np.ndarray | None:
 
 
 def _dim_for_camera(world: Any) -> Any:
-    """Let the camera see the sky at a share of its strength; returns the node of the share."""
+    """Let the camera and mirrors see the sky at a share of its strength; returns the node of the
+    share."""
     tree = world.node_tree
     background = next(node for node in tree.nodes if node.type == "BACKGROUND")
     ray = tree.nodes.new("ShaderNodeLightPath")
@@ -171,7 +172,12 @@ def _dim_for_camera(world: Any) -> Any:
     strength = tree.nodes.new("ShaderNodeMath")
     strength.operation = "MULTIPLY"
     strength.inputs[1].default_value = background.inputs["Strength"].default_value
-    tree.links.new(ray.outputs["Is Camera Ray"], mix.inputs["Factor"])
+    # What a mirror shows is seen as well; roughness zero makes its rays singular.
+    seen = tree.nodes.new("ShaderNodeMath")
+    seen.operation = "MAXIMUM"
+    tree.links.new(ray.outputs["Is Camera Ray"], seen.inputs[0])
+    tree.links.new(ray.outputs["Is Singular Ray"], seen.inputs[1])
+    tree.links.new(seen.outputs[0], mix.inputs["Factor"])
     tree.links.new(share.outputs[0], mix.inputs["B"])
     tree.links.new(mix.outputs["Result"], strength.inputs[0])
     tree.links.new(strength.outputs[0], background.inputs["Strength"])
