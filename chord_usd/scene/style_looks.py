@@ -152,7 +152,7 @@ _NORDIC_FLOORS = {
     "bathroom": (
         _NORDIC_HEXAGONS,
         _of("terrazzo", 1.4, colour=("#e6e3dd", "#dedddb"), chips=("mixed", "rose", "grey"),
-            chip_m=(0.01, 0.022), density=(0.2, 0.4)),
+            chip_m=(0.008, 0.016), density=(0.2, 0.4)),
         _slab("#b9b9b7", "#a4a5a5", size_m=("0.3", "0.6"), sheen=0.3),
     ),
     "balcony": (_deck("grey_oak"), _slab("#a8a7a3", sheen=0.2)),

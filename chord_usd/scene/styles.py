@@ -105,7 +105,7 @@ def _liked(names: Sequence[str], key: str) -> str:
 
 _MODERN = HomeStyle(
     "modern", "Modern",
-    woods=("oak", "walnut"),
+    woods=("walnut", "oak"),
     metals=("black_metal", "chrome"),
     lacquers=("white", "light_grey", "graphite"),
     textiles=("grey_cloth", "charcoal_cloth", "cream_cloth"),
@@ -127,7 +127,7 @@ _SCANDINAVIAN = HomeStyle(
 )  # fmt: skip
 _CLASSIC = HomeStyle(
     "classic", "Classic",
-    woods=("walnut", "cherry", "dark_walnut"),
+    woods=("cherry", "dark_walnut", "walnut"),
     metals=("brass",),
     lacquers=("warm_white", "navy", "forest"),
     textiles=("cream_cloth", "beige_cloth", "linen"),
@@ -144,18 +144,18 @@ _INDUSTRIAL = HomeStyle(
     textiles=("charcoal_cloth", "tan_leather", "grey_cloth", "brown_leather"),
     accents=("rust", "mustard", "tan", "teal"),
     stones=("concrete", "dark_stone"),
-    richness=1.0, curtains=("Blind", "Curtain"), rugs=("Rug",), accent_walls=0.6,
+    richness=1.0, curtains=("Blind", "Curtain"), rugs=("Rug",), accent_walls=0.75,
     ceiling="#dedcd8", trim="#4a4a4c", frames="#2e2f31", doors="flush",
 )  # fmt: skip
 _JAPANESE = HomeStyle(
     "japanese", "Japanese",
-    woods=("oak", "birch", "pale_oak"),
+    woods=("oak",),
     metals=("black_metal",),
     lacquers=("warm_white", "sand", "black"),
     textiles=("linen", "beige_cloth", "cream_cloth"),
     accents=("moss", "indigo", "charcoal", "terracotta"),
     stones=("ceramic_grey", "dark_stone", "concrete"),
-    richness=0.75, curtains=("Blind", "Curtain"), rugs=("Mat", "Rug"), accent_walls=0.35,
+    richness=0.75, curtains=("Blind", "Curtain"), rugs=("Mat", "Rug"), accent_walls=0.5,
     ceiling="#efe9dc", trim="#c8b494", frames="#b39c7a", doors="flush",
 )  # fmt: skip
 

@@ -241,7 +241,7 @@ _LOW = Style(
     "Bed_Low", partial(bed, board="low", bedding="smooth", base="platform", rows=1), _JAPANESE, 0.85
 )
 _STYLES: dict[str, tuple[str, ...]] = {
-    "Bed_Spindles": ("scandinavian",), "Bed_Panel": ("modern", "scandinavian"),
+    "Bed_Spindles": ("scandinavian",), "Bed_Panel": ("modern",),
     "Bed_Channels": ("modern",), "Bed_Tufted": ("classic",), "Bed_Framed": ("classic",),
     "Bed_Tubes": ("industrial",), "Bed_Low": ("japanese",),
 }  # fmt: skip
