@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
 
-from chord_usd.assets.component import write_component
+from chord_usd.assets.component import material_path, write_component
 from chord_usd.assets.database import build_assets, load_database, read_index
+from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
 from chord_usd.assets.surface_maps import MAPS_FOLDER
@@ -214,6 +215,27 @@ def test_instances_of_two_colourways_keep_their_own(assets: tuple[Asset, ...]) -
     assert first
     assert second
     assert first != second
+
+
+FITTED = next(design for design in ALL.values() if design.category == "washbasin")
+
+
+def test_fittings_are_of_the_chosen_metal_in_every_colourway(tmp_path: Path) -> None:
+    """Nothing else changes with the metal; as usual, they are what the colourway says."""
+    stage = Usd.Stage.Open(str(write_component(FITTED, tmp_path)))
+    used = {slot for looks in FITTED.colourways.values() for slot in looks}
+    paths = {f"{material_path(FITTED.id, slot)}/Surface": slot for slot in used}
+    fittings = fitting_slots(FITTED, used)
+    sets = stage.GetDefaultPrim().GetVariantSets()
+    for colourway, looks in FITTED.colourways.items():
+        sets.SetSelection("colour", colourway)
+        for metal in (USUAL, *METALS):
+            sets.SetSelection(METAL_VARIANT_SET, metal)
+            for path, seen in colours(stage).items():
+                slot = paths[path]
+                changed = metal != USUAL and slot in fittings
+                finish = FITTED.finishes[metal if changed else looks[slot]]
+                assert np.allclose(seen, finish.linear_rgb(), atol=1e-6), (path, metal)
 
 
 def test_the_cache_holds_what_was_asked_for(

@@ -133,7 +133,7 @@ def turned_pedestal(size_m: Size) -> tuple[Part, ...]:
     side = min(length, width)
     top = rounded_slab((length, width, 0.028), max(length, width), 0.01, 12, 3)
     top = top.moved(z=height - 0.028)
-    foot = 0.36 * side
+    foot = 0.32 * side
     profile = [
         (foot, 0.0), (foot, 0.014), (0.8 * foot, 0.03), (0.4 * foot, 0.06), (0.3 * foot, 0.09),
         (0.036, 0.3 * height), (0.05, 0.45 * height), (0.03, 0.62 * height), (0.034, 0.8 * height),

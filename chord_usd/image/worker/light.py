@@ -9,29 +9,16 @@ from typing import Any
 import bpy
 import numpy as np
 
+from chord_usd.image.exposure import exposure_ev, tone
 from chord_usd.image.exr import Channels, read_exr
 from chord_usd.image.job import Job, Part
 
 METER_WIDTH_PX = 96
 METER_SAMPLES = 16
-KEY = 0.36
-KEY_BY_LAMPS = 0.2
-KEY_FROM_ABOVE = 0.2
-"""Log-average luminance of a finished picture. Above a grey card's 0.18: rooms are mostly pale.
-From above one sees their floors instead, which are darker; by lamplight corners stay dark."""
-
-PALE_ALBEDO = 0.5
-"""Log-average albedo of a view of a room with white walls, for which the keys are."""
-
-DARKENS = 0.6
-"""How far a picture follows the tone of what it shows: 0 not at all, 1 as an incident meter."""
-
 _LUMA = (0.2126, 0.7152, 0.0722)
 
 _ROOM_ALPHA = 0.6
 """Pixels that show less than this of anything but sky are a view through a window."""
-
-EXPOSURE_RANGE_EV = (-12.0, 12.0)
 
 FIREFLY_WHITE = 10.0
 """Indirect light is clamped at this many times white. An absolute limit would take the bounced
@@ -137,29 +124,3 @@ def _metered(scene: Any, job: Job) -> tuple[np.ndarray, np.ndarray]:
 def _channel(channels: Channels, name: str) -> np.ndarray:
     """A channel, whatever its layer is called."""
     return next(values for key, values in channels.items() if key.endswith(f".{name}"))
-
-
-def tone(albedo: Any) -> float:
-    """How bright a picture of these things is, next to one of a pale room.
-
-    A meter that sees light only would show every room in one tone: concrete as white plaster.
-    """
-    seen = np.clip(np.asarray(albedo), 0.02, 1.0)
-    if not seen.size:
-        return 1.0
-    mean = float(np.exp2(np.log2(seen).mean()))
-    return float(np.clip((mean / PALE_ALBEDO) ** DARKENS, 0.4, 1.1))
-
-
-def exposure_ev(luminance: Any, key: float) -> float:
-    """Stops from scene-linear luminances to a log-average of key.
-
-    The darkest tenth is left out: what no light reaches should stay dark. 0.0 for a black scene.
-    """
-    lit = np.sort(np.asarray(luminance).ravel())
-    lit = lit[len(lit) // 10 :]
-    lit = lit[lit > 1e-6]
-    if not len(lit):
-        return 0.0
-    log_average = float(np.exp2(np.log2(lit).mean()))
-    return float(np.clip(math.log2(key / log_average), *EXPOSURE_RANGE_EV))

@@ -11,6 +11,7 @@ from typing import Any
 
 import bpy
 
+from chord_usd.image.exposure import KEY, KEY_BY_LAMPS, KEY_FROM_ABOVE
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
 from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.worker.bounces import make_bounces_matte
@@ -18,15 +19,7 @@ from chord_usd.image.worker.cutaway import cut_open, show_alone
 from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor
 from chord_usd.image.worker.lamps import aim_at_lamps, balance, switch_lamps
-from chord_usd.image.worker.light import (
-    KEY,
-    KEY_BY_LAMPS,
-    KEY_FROM_ABOVE,
-    expose,
-    metered_exposure_ev,
-    set_look,
-    set_quality,
-)
+from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
 from chord_usd.image.worker.outside import Outside
 from chord_usd.image.worker.scene import aim, import_stage, open_roof
 from chord_usd.image.worker.shades import Shades
