@@ -9,7 +9,7 @@ a mirror, is held down to what film can show.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import bpy
@@ -33,8 +33,12 @@ _BRIGHTER = 70.0
 _LEAST = 0.04
 """Nothing is held down further than to this share."""
 
-_BAND_DEG = (-4.0, 24.0)
-"""Heights that windows show."""
+_BAND_DEG = (-4.0, 50.0)
+"""Heights of sky that windows show, at most."""
+
+_USUAL_BAND_DEG = (-4.0, 24.0)
+_LEAST_BAND_DEG = 4.0
+"""A pane that shows less of the sky does not count."""
 
 _FADES_M = (25.0, 70.0)
 """Where the ground begins to give way to the picture of the sky, and where it has."""
@@ -50,6 +54,7 @@ class Outside:
         self._world = scene.world
         self._light = _sky_light(scene.world) if job.rooms and job.has_dome else None
         self._holds: list[Any] = []
+        self._panes = list(panes())
         if self._light is None:
             return
         self._holds.append(_dim_for_camera(scene.world))
@@ -60,11 +65,11 @@ class Outside:
         if job.quality.clear_glass:
             self._open_glass()
 
-    def hold(self, camera: Any, exposure_ev: float) -> None:
-        """Bring the view to what film can show beside a room of this exposure."""
+    def hold(self, camera: Any, exposure_ev: float, rooms: Collection[str]) -> None:
+        """Bring the view through the windows of rooms to what film can show at this exposure."""
         share = 1.0
         if self._light is not None:
-            seen = self._luminance(camera) * 2.0**exposure_ev
+            seen = self._luminance(camera, rooms) * 2.0**exposure_ev
             share = min(1.0, max(_LEAST, VIEW_WHITE / max(seen, 1e-9)))
         for value in self._holds:
             value.outputs[0].default_value = share
@@ -72,7 +77,7 @@ class Outside:
     def _open_glass(self) -> None:
         """Let light through panes as if they stood open, less what they would have kept."""
         clear = 1.0
-        for pane in panes():
+        for pane in self._panes:
             pane.visible_shadow = pane.visible_diffuse = False
             clear = _clearness(pane)
         for lamp in bpy.data.lights:
@@ -86,23 +91,55 @@ class Outside:
         for ground in self.grounds:
             ground.visible_camera = shown
 
-    def _luminance(self, camera: Any) -> float:
-        """Of the brighter part of what lies before a camera."""
+    def _luminance(self, camera: Any, rooms: Collection[str]) -> float:
+        """Of the brighter part of what a camera sees through windows: between what they show on
+        the whole and what the brightest does."""
         light = self._light
         assert light is not None
         height, width = light.shape
-        forward = camera.matrix_world.to_3x3() @ _vector(0.0, 0.0, -1.0)
-        yaw_deg = math.degrees(math.atan2(forward.y, forward.x))
-        half_deg = math.degrees(camera.data.angle) / 2
         mapping = next(n for n in self._world.node_tree.nodes if n.type == "MAPPING")
         turn_deg = math.degrees(mapping.inputs["Rotation"].default_value[2])
-        # Longitude 0 is the left edge; checked on a picture with three marks.
-        middle_deg = 180.0 - turn_deg - yaw_deg
         columns = (np.arange(width) + 0.5) / width * 360.0
-        near = np.abs((columns - middle_deg + 180.0) % 360.0 - 180.0) <= max(half_deg, 10.0)
         heights = 90.0 - (np.arange(height) + 0.5) / height * 180.0
-        band = (heights >= _BAND_DEG[0]) & (heights <= _BAND_DEG[1])
-        return float(np.percentile(light[np.ix_(band, near)], _BRIGHTER))
+        seen = []
+        for yaw_deg, half_deg, low_deg, high_deg in self._views(camera, rooms):
+            # Longitude 0 is the left edge; checked on a picture with three marks.
+            middle_deg = 180.0 - turn_deg - yaw_deg
+            near = np.abs((columns - middle_deg + 180.0) % 360.0 - 180.0) <= max(half_deg, 4.0)
+            band = (heights >= low_deg) & (heights <= high_deg)
+            seen.append(float(np.percentile(light[np.ix_(band, near)], _BRIGHTER)))
+        return math.sqrt(max(seen) * float(np.mean(seen)))
+
+    def _views(
+        self, camera: Any, rooms: Collection[str]
+    ) -> list[tuple[float, float, float, float]]:
+        """Yaw, half of the width, least and most height in degrees, of each pane in the picture;
+        of the picture itself where there is none."""
+        eye, to_camera = camera.matrix_world.translation, camera.matrix_world.inverted()
+        half_deg = math.degrees(camera.data.angle) / 2
+        views = []
+        for pane in self._panes:
+            if not any(_is_below(pane, room) for room in rooms):
+                continue
+            corners = [pane.matrix_world @ _vector(*corner) for corner in pane.bound_box]
+            ahead = [to_camera @ corner for corner in corners]
+            aside = [math.degrees(math.atan2(abs(c.x), -c.z)) for c in ahead]
+            if min(aside) > half_deg:
+                continue
+            rays = [corner - eye for corner in corners]
+            rises = [math.degrees(math.atan2(r.z, math.hypot(r.x, r.y))) for r in rays]
+            middle = sum(rays, _vector(0.0, 0.0, 0.0))
+            yaw_deg = math.degrees(math.atan2(middle.y, middle.x))
+            turns = [math.degrees(math.atan2(r.y, r.x)) - yaw_deg for r in rays]
+            wide_deg = max(abs((turn + 180.0) % 360.0 - 180.0) for turn in turns)
+            low, high = max(min(rises), _BAND_DEG[0]), min(max(rises), _BAND_DEG[1])
+            if high - low > _LEAST_BAND_DEG:
+                views.append((yaw_deg, min(wide_deg, half_deg), low, high))
+        if not views:
+            forward = camera.matrix_world.to_3x3() @ _vector(0.0, 0.0, -1.0)
+            yaw_deg = math.degrees(math.atan2(forward.y, forward.x))
+            views.append((yaw_deg, half_deg, *_USUAL_BAND_DEG))
+        return views
 
 
 def panes() -> Iterator[Any]:

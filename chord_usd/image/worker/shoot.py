@@ -13,6 +13,7 @@ import bpy
 
 from chord_usd.image.exposure import KEY, KEY_BY_LAMPS, KEY_FROM_ABOVE
 from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
+from chord_usd.image.joined import lit_with
 from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.worker.bounces import make_bounces_matte
 from chord_usd.image.worker.cutaway import cut_open, show_alone
@@ -67,7 +68,7 @@ def shoot(job: Job, report: Report) -> None:
             exposure_ev = metered_exposure_ev(scene, job, key) if fixed is None else fixed
             expose(scene, exposure_ev, job.quality.clamp)
             outside.show_ground(has_ground)
-            outside.hold(scene.camera, exposure_ev)
+            outside.hold(scene.camera, exposure_ev, lit_with(view.room, job.joined))
             shades.glow(exposure_ev)
             _take_light(scene, job, view, report)
         if data is not None:
