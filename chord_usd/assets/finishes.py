@@ -52,7 +52,7 @@ FINISHES: dict[str, Finish] = {
     "pale_oak": Finish((219, 194, 156), 0.5, surface="wood", contrast=0.85),
     "walnut": Finish((104, 68, 44), 0.42, surface="wood", contrast=1.5),
     "dark_walnut": Finish((66, 44, 31), 0.42, surface="wood", contrast=1.5),
-    "cherry": Finish((150, 84, 52), 0.42, surface="wood", contrast=1.1),
+    "cherry": Finish((134, 78, 52), 0.42, surface="wood", contrast=1.1),
     "birch": Finish((228, 208, 174), 0.5, surface="wood", contrast=0.6),
     "black_stain": Finish((38, 35, 33), 0.5, surface="wood", contrast=0.8),
     # lacquer and laminate

@@ -266,7 +266,7 @@ _PAINTED_BRICK = _of(
     "brick", 1.4, painted=(0.75, 1.0), paint=("#e9e7e2", "#e2e0db"), wear=(0.3, 0.6)
 )
 _BARE_BRICK = _of(
-    "brick", 2.0, colour=("#94523c", "#86493a", "#9c6248"), mortar=("#b7aea0", "#a09a90"),
+    "brick", 2.0, colour=("#80503f", "#74463a", "#8a5e4a"), mortar=("#b7aea0", "#a09a90"),
     painted=0.0, wear=(0.4, 0.8),
 )  # fmt: skip
 _FORMWORK = _of(

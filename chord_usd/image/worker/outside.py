@@ -20,6 +20,9 @@ from chord_usd.image.job import Job
 GROUND = "Ground"
 """Name of the prim above the ground."""
 
+FACADES = "Exterior"
+"""Name of the prim above the house's outside."""
+
 GLASS = "Glass"
 """Names of panes start so."""
 
@@ -54,6 +57,7 @@ class Outside:
         self._world = scene.world
         self._light = _sky_light(scene.world) if job.rooms and job.has_dome else None
         self._holds: list[Any] = []
+        self._facades: list[Any] = []
         self._panes = list(panes())
         if self._light is None:
             return
@@ -62,6 +66,7 @@ class Outside:
             # The picture's own ground lights the rooms; this one is to be looked at.
             ground.visible_diffuse = ground.visible_shadow = False
             self._holds += _dim_and_fade(ground)
+        self._facades = list(_dim_facades())
         if job.quality.clear_glass:
             self._open_glass()
 
@@ -73,6 +78,9 @@ class Outside:
             share = min(1.0, max(_LEAST, VIEW_WHITE / max(seen, 1e-9)))
         for value in self._holds:
             value.outputs[0].default_value = share
+        for value in self._facades:
+            # Seen through a window, or from where one sees the house.
+            value.outputs[0].default_value = share if any(rooms) else 1.0
 
     def _open_glass(self) -> None:
         """Let light through panes as if they stood open, less what they would have kept."""
@@ -202,23 +210,48 @@ def _dim_for_camera(world: Any) -> Any:
     share."""
     tree = world.node_tree
     background = next(node for node in tree.nodes if node.type == "BACKGROUND")
-    ray = tree.nodes.new("ShaderNodeLightPath")
     share = tree.nodes.new("ShaderNodeValue")
-    mix = tree.nodes.new("ShaderNodeMix")
-    mix.inputs["A"].default_value = 1.0
     strength = tree.nodes.new("ShaderNodeMath")
     strength.operation = "MULTIPLY"
     strength.inputs[1].default_value = background.inputs["Strength"].default_value
-    # What a mirror shows is seen as well; roughness zero makes its rays singular.
+    tree.links.new(_share_if_seen(tree, share), strength.inputs[0])
+    tree.links.new(strength.outputs[0], background.inputs["Strength"])
+    return share
+
+
+def _share_if_seen(tree: Any, share: Any) -> Any:
+    """A socket that gives the share to the camera and what mirrors show it, else one."""
+    ray, mix = tree.nodes.new("ShaderNodeLightPath"), tree.nodes.new("ShaderNodeMix")
+    # The rays of a mirror are singular, since its roughness is zero.
     seen = tree.nodes.new("ShaderNodeMath")
     seen.operation = "MAXIMUM"
     tree.links.new(ray.outputs["Is Camera Ray"], seen.inputs[0])
     tree.links.new(ray.outputs["Is Singular Ray"], seen.inputs[1])
     tree.links.new(seen.outputs[0], mix.inputs["Factor"])
+    mix.inputs["A"].default_value = 1.0
     tree.links.new(share.outputs[0], mix.inputs["B"])
-    tree.links.new(mix.outputs["Result"], strength.inputs[0])
-    tree.links.new(strength.outputs[0], background.inputs["Strength"])
-    return share
+    return mix.outputs["Result"]
+
+
+def _dim_facades() -> Iterator[Any]:
+    """Let the camera and mirrors see the house's own facades at a share of their brightness."""
+    names = {
+        slot.material.name
+        for thing in _meshes()
+        if _is_below(thing, FACADES)
+        for slot in thing.material_slots
+    }
+    for name in sorted(names):
+        tree = bpy.data.materials[name].node_tree
+        surface = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None)
+        if surface is None or surface.inputs["Base Color"].is_linked:
+            continue
+        share, dim = tree.nodes.new("ShaderNodeValue"), tree.nodes.new("ShaderNodeVectorMath")
+        dim.operation = "SCALE"
+        dim.inputs[0].default_value = surface.inputs["Base Color"].default_value[:3]
+        tree.links.new(_share_if_seen(tree, share), dim.inputs["Scale"])
+        tree.links.new(dim.outputs[0], surface.inputs["Base Color"])
+        yield share
 
 
 def _dim_and_fade(ground: Any) -> Iterator[Any]:
