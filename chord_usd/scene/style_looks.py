@@ -341,8 +341,8 @@ _JAPANESE_WALLS = {
     ),
 }  # fmt: skip
 _JAPANESE_ACCENTS = (
-    _of("panelling", 1.5, wood=HOME_WOOD, pattern=("slats", "boards"), board_m=(0.04, 0.055)),
-    _of("limewash", 1.3, colour=("#a8a488", "#9b8b72", "#8f9284", "#b49f80"), cloud=(0.6, 1.0),
+    _of("panelling", 0.7, wood=HOME_WOOD, pattern=("slats", "boards"), board_m=(0.04, 0.055)),
+    _of("limewash", 1.6, colour=("#a8a488", "#9b8b72", "#8f9284", "#b49f80"), cloud=(0.6, 1.0),
         straw=(0.3, 0.9)),
     _of("wallpaper", 1.0, pattern=("grasscloth", "arches"), ground_colour=("#d9ccb0", "#e2d9c6"),
         ink="#cbbd9d", second="#bfae8a", repeat_m=("0.353", "0.53")),

@@ -63,12 +63,13 @@ def shoot(job: Job, report: Report) -> None:
         if job.colour:
             fixed = job.exposure_ev
             # Not as the picture before left them.
-            outside.hold(scene.camera, 0.0)
+            near = lit_with(view.room, job.joined)
+            outside.hold(scene.camera, 0.0, near)
             shades.dim()
             exposure_ev = metered_exposure_ev(scene, job, key) if fixed is None else fixed
             expose(scene, exposure_ev, job.quality.clamp)
             outside.show_ground(has_ground)
-            outside.hold(scene.camera, exposure_ev, lit_with(view.room, job.joined))
+            outside.hold(scene.camera, exposure_ev, near)
             shades.glow(exposure_ev)
             _take_light(scene, job, view, report)
         if data is not None:
