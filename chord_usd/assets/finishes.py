@@ -70,7 +70,7 @@ FINISHES: dict[str, Finish] = {
     # metal
     "chrome": Finish((214, 216, 218), 0.12, 1.0, surface="polished"),
     "steel": Finish((172, 174, 176), 0.3, 1.0, surface="brushed"),
-    "brass": Finish((196, 154, 84), 0.28, 1.0, surface="brushed"),
+    "brass": Finish((192, 160, 104), 0.3, 1.0, surface="brushed"),
     "black_metal": Finish((34, 34, 36), 0.45, 0.6, surface="powder"),
     # stone and ceramic
     "ceramic": Finish((246, 246, 244), 0.12, surface="glaze"),

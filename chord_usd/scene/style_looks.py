@@ -120,8 +120,8 @@ _MODERN_WALLS = {
     **dict.fromkeys(("living", "bedroom", "corridor", "kitchen", "balcony"), _MODERN_MAIN),
     "bathroom": (
         _slab("#d6d3cc", "#c4c1ba", "#a3a19d", size_m="1.2", aspect=2.0, weight=2.0),
-        _of("marble", 1.3, kind=("carrara", "calacatta", "grey"), slab_m=(0.9, 1.2), aspect=1.0),
-        _slab("#dcdad5", "#e4e2de", size_m="0.6", aspect=2.0, bond="stack"),
+        _of("marble", 1.0, kind=("nero", "grey"), slab_m=(0.9, 1.2), aspect=1.0),
+        _slab("#bdbab4", "#8f8d8a", size_m="0.6", aspect=2.0, bond="stack"),
     ),
 }
 _MODERN_ACCENTS = (
@@ -259,7 +259,7 @@ _INDUSTRIAL_FLOORS = {
                     pores=0.6, sheen=0.05), _deck("grey_oak", wear=0.8)),
 }  # fmt: skip
 _RAW = _of(
-    "plaster", 1.6, colour=("#dedbd5", "#d2d0cb", "#e6e4df"), finish="sand", relief=(0.6, 1.1),
+    "plaster", 1.6, colour=("#c9c6c0", "#bcb9b4", "#d3d0ca"), finish="sand", relief=(0.6, 1.1),
     sheen=0.03,
 )  # fmt: skip
 _PAINTED_BRICK = _of(
@@ -275,7 +275,8 @@ _FORMWORK = _of(
 )  # fmt: skip
 _INDUSTRIAL_WALLS = {
     **dict.fromkeys(("living", "corridor", "balcony"), (_RAW, _PAINTED_BRICK)),
-    **dict.fromkeys(("bedroom", "kitchen"), (_RAW,)),
+    "bedroom": (_RAW, _FORMWORK),
+    "kitchen": (_RAW, _PAINTED_BRICK, _BARE_BRICK),
     "bathroom": (
         _of("glazed", 2.0, colour=("#eceae5", "#f0efec"), size_m=("0.15", "0.2"), aspect=2.0,
             bond="half", grout=("#4a4a4a", "#5b5a58"), joint_m=0.003, variation=0.3),

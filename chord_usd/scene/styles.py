@@ -107,7 +107,7 @@ _MODERN = HomeStyle(
     "modern", "Modern",
     woods=("walnut", "oak"),
     metals=("black_metal", "chrome"),
-    lacquers=("white", "light_grey", "graphite"),
+    lacquers=("light_grey", "white"),
     textiles=("grey_cloth", "charcoal_cloth", "cream_cloth"),
     accents=("teal", "mustard", "rust", "navy"),
     stones=("quartz", "marble", "dark_stone"),
