@@ -89,12 +89,15 @@ def steel_table(size_m: Size, *, has_wheels: bool = True) -> tuple[Part, ...]:
     low_z = foot + 0.02
     frame = hoop.moved(z=tall - bar) + hoop.moved(z=low_z)
     upright = block((bar + 0.004, bar + 0.004, tall - foot - 0.001), 0.002).moved(z=foot)
+    # It is felt as if it stood on its posts.
+    stand = block((bar, bar, tall - 0.001))
     px, py = x - 0.002, y - 0.002
     places = ((-px, py), (-px, -py), (px, -py), (px, py))
     parts = [
         Part("Top", _planks(length, width, plank_m).moved(z=tall), "top"),
         Part("Frame", frame, "leg", collider=None),
-        *(Part(f"Post_{i}", upright.moved(*at), "leg") for i, at in enumerate(places, start=1)),
+        *(Part(f"Post_{i}", upright.moved(*at), "leg", felt=(stand.moved(*at),))
+          for i, at in enumerate(places, start=1)),
         Part("Shelf", _planks(length - 2 * bar, width - 2 * bar, 0.024).moved(z=low_z + 0.004),
              "top"),
     ]  # fmt: skip
