@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 Surface = Literal[
     "plain", "wood", "weave", "linen", "knit", "boucle", "velvet", "leather", "brushed", "stone",
     "marble", "quartz", "ceramic", "concrete", "terracotta", "rattan", "paper", "leaf", "bark",
-    "soil",
+    "soil", "polished", "powder", "patina", "glaze", "moulded", "peel", "kernels",
 ]  # fmt: skip
 """What a finish is made of, and so which maps are drawn for it; plain has none."""
 
