@@ -59,6 +59,13 @@ BY_SURFACE: dict[Surface, Feel] = {
     "leaf": _GREEN,
     "bark": _GREEN,
     "soil": _EARTH,
+    "polished": METAL,
+    "powder": METAL,
+    "patina": METAL,
+    "glaze": _GLAZED,
+    "moulded": Feel(0.5, 0.4, 0.3, 1050.0),
+    "peel": _GREEN,
+    "kernels": _EARTH,
 }
 """Handbook values between dry surfaces of one kind, rounded; real ones vary by a third."""
 
