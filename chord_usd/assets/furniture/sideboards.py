@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Literal
@@ -333,17 +334,29 @@ _BEDSIDE = (
 _BEDSIDE_ROUND = Style(
     "Bedside_Round", partial(bedside_table, kind="round"), LIVING, 0.5, ("modern", "scandinavian")
 )
-_TV = (
-    Style("TV_Cabinet_Drawers", tv_cabinet, LIVING, 0.42, ("modern",)),
-    Style("TV_Cabinet_Niche", partial(tv_cabinet, kind="niche"), LIVING, 0.5, ("scandinavian",)),
-    Style("TV_Cabinet_Panelled", partial(tv_cabinet, kind="framed"), FRAMED, 0.55, ("classic",)),
-    Style("TV_Cabinet_Steel", partial(tv_cabinet, kind="steel"), STEEL, 0.46, ("industrial",)),
-    Style("TV_Cabinet_Slats", partial(tv_cabinet, kind="slats"), LIVING, 0.4, ("japanese",)),
+_TV_KINDS: tuple[tuple[str, TvKind, Mapping[str, Mapping[str, str]], float, str], ...] = (
+    ("Drawers", "drawers", LIVING, 0.42, "modern"),
+    ("Niche", "niche", LIVING, 0.5, "scandinavian"),
+    ("Panelled", "framed", FRAMED, 0.55, "classic"),
+    ("Steel", "steel", STEEL, 0.46, "industrial"),
+    ("Slats", "slats", LIVING, 0.4, "japanese"),
 )
-_TV_BARE = tuple(
-    replace(style, name=f"{style.name}_Bare", draw=partial(style.draw, has_screen=False))
-    for style in _TV
-)
+
+
+def _tv_styles(has_screen: bool) -> tuple[Style, ...]:
+    bare = "" if has_screen else "_Bare"
+    return tuple(
+        Style(
+            f"TV_Cabinet_{word}{bare}",
+            partial(tv_cabinet, kind=kind, has_screen=has_screen),
+            looks,
+            height_m,
+            (style,),
+        )
+        for word, kind, looks, height_m, style in _TV_KINDS
+    )
+
+
 _DRESSER = Style("Dresser", hutch, FRAMED, 2.1, ("classic",))
 _SIDEBOARDS = (
     Style(
@@ -362,10 +375,10 @@ _DRAWN = (
     *(d for style in _BEDSIDE
       for d in editions("bedside_table", (style,), (0.4, 0.5, 0.6), (0.37, 0.46))),
     *editions("bedside_table", (_BEDSIDE_ROUND,), (0.4, 0.45, 0.5), (0.42,)),
-    *(d for number, style in enumerate(_TV)
+    *(d for number, style in enumerate(_tv_styles(True))
       for d in editions("tv_cabinet", (style,), steps(1.05, 2.55)[number % 2::2],
                         (0.33, 0.4, 0.47))),
-    *(d for style in _TV_BARE
+    *(d for style in _tv_styles(False)
       for d in editions("tv_cabinet", (style,), steps(1.05, 2.55, 0.3), (0.33, 0.4, 0.47))),
     *editions("dining_cabinet", (_DRESSER, *_SIDEBOARDS), steps(0.85, 1.45), (0.37, 0.43)),
     *editions("dining_cabinet", _SIDEBOARDS, steps(1.55, 1.95), (0.37, 0.43)),
