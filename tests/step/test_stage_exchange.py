@@ -26,6 +26,7 @@ from chord_usd.stage.exchange.house import House, house_of
 from chord_usd.stage.exchange.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from chord_usd.stage.exchange.robot_map import ROBOT_RADIUS_M
 from chord_usd.stage.export import export_stage
+from tests.bare_stage import write_bare_stage
 from tests.plan_alike import likeness
 
 FORMATS = ("ifc", "dxf")
@@ -73,9 +74,17 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def large(tmp_path_factory: pytest.TempPathFactory) -> tuple[Plan, Path]:
-    plan = random_plan(np.random.default_rng(3), rooms=60)
-    assert len(plan.rooms) == 60
-    return plan, staged(plan, tmp_path_factory.mktemp("large"))
+    """Sixty rooms in ten rows, a door from each to the next in its row, a window in each row."""
+    rooms, openings = [], []
+    for row in range(10):
+        for column in range(6):
+            corners = np.array([(0, 0), (3, 0), (3, 3), (0, 3)]) + np.array([column, row]) * 3.24
+            rooms.append(Room(f"{row}_{column}", "bedroom", frozen_array(corners)))
+            x, y = corners[0]
+            openings.append(hole(f"door{row}_{column}", "door", x - 0.12, y + 1.5, 0.9, 90.0))
+        openings.append(hole(f"window{row}", "window", x + 3.12, y + 1.5, 1.2, 90.0))
+    plan = Plan(tuple(rooms), tuple(openings))
+    return plan, write_bare_stage(plan, tmp_path_factory.mktemp("large") / "house.usda")
 
 
 def exported(stage: Path, folder: Path, package: str) -> Path:
