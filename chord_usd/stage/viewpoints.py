@@ -24,11 +24,11 @@ from chord_usd.scene.types import BoolArray, FloatArray, Item, Opening
 from chord_usd.stage.view_places import NEAR_M, Stand, stands, top_m
 from chord_usd.stage.view_rays import TURNS_DEG, Surroundings, picture_weights
 
-EYE_M = 1.4
+EYE_M = 1.5
 SENSOR_MM = (36.0, 20.25)
 """Width and height: a full-frame sensor cut to 16 : 9."""
 
-_LENSES_MM = ((28.0, 1.0), (24.0, 1.0), (20.0, 0.88), (17.0, 0.78))
+_LENSES_MM = ((28.0, 1.0), (24.0, 1.0), (20.0, 0.88))
 """What a photographer of interiors has with them, and what a view through it is worth: wider
 lenses stretch what is near the edges."""
 
