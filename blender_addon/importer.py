@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 from .core.layer import opened_file, read_changes
-from .core.tree import Branch, collection_tree, room_names, usd_paths
+from .core.tree import Branch, collection_tree, room_names, shown_names, usd_paths
 from .house import (
     Objects,
     adopt,
@@ -50,6 +50,15 @@ def import_house(context: bpy.types.Context, house: Path) -> None:
     _choose_camera(context, objects.values())
     show_ceilings(context)
     show_rooms(context)
+    _name(objects)
+
+
+def _name(objects: Objects) -> None:
+    """Give objects names that need no numbers."""
+    for item in objects.values():
+        item.name = f"chord {item.name}"  # the name of one may be what another gets
+    for path, name in shown_names(objects).items():
+        objects[path].name = name
 
 
 def remove_house(context: bpy.types.Context) -> None:

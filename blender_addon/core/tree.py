@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -47,6 +48,35 @@ def usd_paths(parents: Mapping[str, str | None]) -> dict[str, str]:
         return f"{prefix}/{prim_name(name)}"
 
     return {name: path(name) for name in parents}
+
+
+def shown_names(paths: Iterable[str]) -> dict[str, str]:
+    """A name for each USD path that no other has, as short as that goes; Blender would number them.
+
+    Bed_0; where several rooms have one, Bedroom_0 Bed_0; below those, Bedroom_0 Door_0 Frame.
+    """
+    found: dict[str, str] = {}
+    waiting = {path: path.strip("/").split("/") for path in paths}
+    for form in (_own_name, _with_room, _with_parent, " ".join):
+        names = {path: form(parts) for path, parts in waiting.items()}
+        counts = Counter([*found.values(), *names.values()])
+        found |= {path: name for path, name in names.items() if counts[name] == 1}
+        waiting = {path: parts for path, parts in waiting.items() if path not in found}
+    return found
+
+
+def _own_name(parts: list[str]) -> str:
+    """A room's camera would have the name of the room."""
+    return f"Camera {parts[-1]}" if parts[1:2] == [CAMERAS] and len(parts) > 2 else parts[-1]
+
+
+def _with_room(parts: list[str]) -> str:
+    owner = parts[2:3] if parts[1:2] == [ROOMS] and len(parts) > 3 else parts[1:2]
+    return " ".join([*owner, parts[-1]])
+
+
+def _with_parent(parts: list[str]) -> str:
+    return " ".join([_with_room(parts[:-1]), parts[-1]])
 
 
 def collection_tree(paths: Mapping[str, str]) -> Branch:

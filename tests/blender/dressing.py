@@ -14,6 +14,7 @@ told["open"] = s.press("open_house", filepath=str(house))
 s.choose_room("Bedroom_0")
 told["tree"] = s.tree(bpy.context.scene.collection)
 told["drawn"] = s.drawn()
+told["names"] = sorted(item.name for item in s.objects().values())
 suns = [light for light in bpy.data.lights if light.type == "SUN"]
 told["suns"] = [sun.energy for sun in suns]
 told["untouched"] = s.start("save_edits") or sorted(p.name for p in house.parent.glob("*.edits.*"))

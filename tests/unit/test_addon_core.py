@@ -24,6 +24,7 @@ from blender_addon.core.tree import (
     piece_of,
     room_names,
     room_of,
+    shown_names,
     usd_paths,
 )
 
@@ -46,6 +47,22 @@ def test_the_extension_is_built_by_the_python_named_without_setting_it_up() -> N
     assert "pip install" in steps()
     assert "pip install" not in steps("BIN=/opt/bpy/bin")
     assert "/opt/bpy/bin/python" in steps("BIN=/opt/bpy/bin")
+
+
+def test_names_are_as_short_as_no_other_has_them() -> None:
+    rooms = "/House/Rooms"
+    wanted = {
+        "/House": "House",
+        rooms: "Rooms",
+        f"{rooms}/Study_0": "Study_0",
+        f"{rooms}/Study_0/Furniture/Desk_0": "Desk_0",
+        f"{rooms}/Study_0/Furniture/Chair_0": "Study_0 Chair_0",
+        f"{rooms}/Hall_0/Furniture/Chair_0": "Hall_0 Chair_0",
+        f"{rooms}/Hall_0/Architecture/Door_0/Frame": "Hall_0 Door_0 Frame",
+        f"{rooms}/Hall_0/Architecture/Door_1/Frame": "Hall_0 Door_1 Frame",
+        "/House/Cameras/Study_0": "Camera Study_0",
+    }
+    assert shown_names(wanted) == wanted
 
 
 def script(folder: Path, body: str) -> Path:
