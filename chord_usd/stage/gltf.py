@@ -209,12 +209,14 @@ def _vertices(prim: Usd.Prim, frame: FloatArray, placement: FloatArray | None) -
         uvs = _uvs(prim, corners, placement)
         keys.append(shared_rows(uvs)[1].astype(np.int64))
     first, index = _same_in_all(keys)
-    points = points[corners[first]] @ frame[:3, :3].T + frame[:3, 3]
-    normals = normals[first] @ np.linalg.inv(frame[:3, :3])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    points, normals = points[corners[first]], normals[first]
     triangles = index[fans(counts)]
-    if np.linalg.det(frame[:3, :3]) < 0.0:
-        triangles = triangles[:, ::-1]
+    if not np.array_equal(frame, np.eye(4)):
+        points = points @ frame[:3, :3].T + frame[:3, 3]
+        normals = normals @ np.linalg.inv(frame[:3, :3])
+        if np.linalg.det(frame[:3, :3]) < 0.0:
+            triangles = triangles[:, ::-1]
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return _Vertices(points, normals, None if uvs is None else uvs[first], triangles)
 
 

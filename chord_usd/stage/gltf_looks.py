@@ -115,6 +115,7 @@ class _Pictures:
         self._file = file
         self._read: dict[str, bytes] = {}
         self._places: dict[bytes, int] = {}
+        self._packed: dict[tuple[str, float], int] = {}
 
     def of(self, texture: UsdShade.Shader) -> int:
         """Place of the texture, with the bytes of the file where glTF knows its format."""
@@ -131,16 +132,18 @@ class _Pictures:
         beyond: factors end at 1, so what a stage's scale has above that goes into the picture. A
         grey picture serves as it is where nothing is metal.
         """
-        data = self._bytes(texture)
-        with Image.open(io.BytesIO(data)) as picture:
-            if beyond == 1.0 and not is_metal and picture.format == "JPEG":
-                return self.of(texture)
-            green = np.array(picture.convert("L"), dtype=np.float64) * beyond
-        green = np.clip(np.round(green), 0, 255).astype(np.uint8)
-        white = np.full_like(green, 255)
-        packed = Image.fromarray(np.stack([white, green, white], axis=-1))
-        name = texture.GetInput("file").Get().path
-        return self._place(_encoded(packed, "JPEG"), "JPEG", name)
+        file = texture.GetInput("file").Get()
+        key = file.resolvedPath, round(beyond, 2)
+        if key not in self._packed:
+            with Image.open(io.BytesIO(self._bytes(texture))) as picture:
+                if beyond == 1.0 and not is_metal and picture.mode == "L":
+                    return self.of(texture)
+                levels = np.arange(256) * beyond
+                green = picture.convert("L").point(np.clip(np.round(levels), 0, 255).tolist())
+            white = Image.new("L", green.size, 255)
+            packed = Image.merge("RGB", (white, green, white))
+            self._packed[key] = self._place(_encoded(packed, "JPEG"), "JPEG", file.path)
+        return self._packed[key]
 
     def _bytes(self, texture: UsdShade.Shader) -> bytes:
         path = texture.GetInput("file").Get().resolvedPath

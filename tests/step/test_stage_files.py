@@ -14,6 +14,7 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils, UsdValidation
 from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import AssetError, OutputError, SceneError
 from chord_usd.runtime.files import deliver
+from chord_usd.runtime.stages import files_of
 from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
@@ -131,6 +132,25 @@ def test_usdz_is_the_same_house_in_one_file(
     assert beside == {"house.usdz", "house_attribution.txt"}
     assert summary(packed.path) == summary(staged_house)
     assert problems(packed.path) == []
+
+
+def test_a_package_of_many_layers_and_large_pictures_is_read(tmp_path: Path) -> None:
+    """Each of its layers mapped all of it, and reading has a limit."""
+    root = Usd.Stage.CreateNew(str(tmp_path / "house.usda"))
+    names = [f"part_{number}.usdc" for number in range(150)]
+    for name in names:
+        part = Usd.Stage.CreateNew(str(tmp_path / name))
+        part.SetDefaultPrim(part.DefinePrim("/Part", "Xform"))
+        part.Save()
+        root.DefinePrim(f"/{name[:-5]}").GetReferences().AddReference(f"./{name}")
+    root.Save()
+    (tmp_path / "picture.png").write_bytes(bytes(20_000_000))
+    package = tmp_path / "house.usdz"
+    with Sdf.ZipFileWriter.CreateNew(str(package)) as writer:
+        for name in ("house.usda", *names, "picture.png"):
+            writer.AddFile(str(tmp_path / name), name)
+    assert files_of(package).layers == (package,)
+    assert files_of(package).missing == ()
 
 
 @pytest.mark.parametrize("suffix", [".usd", ".usdc"])
