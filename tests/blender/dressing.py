@@ -23,6 +23,7 @@ table, bowl, picture = (
     f"{room}/{path}"
     for path in ("Furniture/BedsideTable_0", "Dressing/Bowl_0", "Dressing/Picture_0")
 )
+told["densities"] = [s.objects()[path].get("chord:kg_per_m3") for path in (bowl, picture)]
 before = s.places()
 s.objects()[table].location.x += 0.25
 bpy.context.view_layer.update()

@@ -64,10 +64,8 @@ def test_the_sun_is_as_strong_as_the_house_says(dressed: Told) -> None:
     assert dressed["suns"] == pytest.approx([said])
 
 
-def test_a_swapped_piece_weighs_what_its_size_says(dressed: Told) -> None:
-    said = edits_of(dressed).GetPrimAtPath(BOWL).attributes
-    volume_m3 = np.prod(said["chord:size_m"].default)
-    assert said["physics:mass"].default == pytest.approx(KG_PER_M3["bowl"] * volume_m3, rel=1e-3)
+def test_what_moves_brings_what_a_swap_needs_to_weigh_it(dressed: Told) -> None:
+    assert dressed["densities"] == [KG_PER_M3["bowl"], None]
 
 
 def test_changes_as_root_keep_the_render_settings(dressed: Told) -> None:

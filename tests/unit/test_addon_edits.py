@@ -142,6 +142,20 @@ NEAREST = {
 }  # fmt: skip
 
 
+def test_a_swapped_piece_weighs_what_its_size_says(tmp_path: Path) -> None:
+    (model,) = swaps.candidates({"assets": [NEAREST]})
+    swap = swaps.swap_for(model, (1.6, 2.0, 0.9), "x", "white", 40.0)
+    length, width, height = swap.size_m
+    changes = edits.Changes(pieces={CHAIR: edits.Edit(moved(0.0), moved(0.0), swap)})
+    text = layer.layer_text("house.usda", changes)
+    assert f"float physics:mass = {40.0 * length * width * height:.6g}\n" in text
+    house = tmp_path / "house.usda"
+    layer.write_changes(house, changes)
+    assert layer.read_changes(house) == changes
+    built_in = edits.Changes(pieces={BED: edits.Edit(moved(0.0), moved(0.0), SWAP)})
+    assert "physics:mass" not in layer.layer_text("house.usda", built_in)
+
+
 def test_a_swap_keeps_the_colour_where_the_model_has_it() -> None:
     (model,) = swaps.candidates({"assets": [NEAREST]})
     assert model.label == "Bed A, 1.60 × 1.80 m"
