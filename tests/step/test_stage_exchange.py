@@ -111,6 +111,16 @@ def test_odd_names_and_near_openings_come_back(package: str, plain: Path, tmp_pa
 
 
 @pytest.mark.parametrize("package", FORMATS)
+def test_a_window_half_behind_a_wall_keeps_its_length(package: str, tmp_path: Path) -> None:
+    """A bay's side wall stands behind its end, so that less is cut through than the plan says."""
+    corners = [(3.12, 0), (6.5, 0), (6.5, 4), (3.12, 4), (3.12, 2.8), (2.6, 2.8), (2.6, 1.2)]
+    room = Room("bay", "living", frozen_array([*corners, (3.12, 1.2)]))
+    plan = Plan((room,), (hole("window", "window", 3.0, 3.45, 1.1, 90.0),))
+    found = read_plan_file(exported(write_bare_stage(plan, tmp_path / "b.usda"), tmp_path, package))
+    assert likeness(found, plan).holds(0.01), likeness(found, plan)
+
+
+@pytest.mark.parametrize("package", FORMATS)
 def test_sixty_rooms_come_back(package: str, large: tuple[Plan, Path], tmp_path: Path) -> None:
     found = read_plan_file(exported(large[1], tmp_path, package))
     assert likeness(found, large[0]).holds(0.01), likeness(found, large[0])

@@ -80,9 +80,11 @@ def _drawing(name: str, elements: list[Any]) -> VectorDrawing:
     rooms: list[RoomShape] = []
     walls: list[Polygon] = []
     floor_m = 0.0
-    meshes = {element.id(): _triangles(element) for element in elements}
+    # What fills a hole is as large as the hole, and often drawn to the last screw.
+    drawn = (one for one in elements if not getattr(one, "FillsVoids", ()))
+    meshes = {element.id(): _triangles(element) for element in drawn}
     for element in elements:
-        triangles = meshes[element.id()]
+        triangles = meshes.get(element.id())
         if triangles is None or not (element.is_a("IfcSpace") or element.is_a("IfcWall")):
             continue
         floor_m = float(triangles[..., 2].min()) if not (rooms or walls) else floor_m

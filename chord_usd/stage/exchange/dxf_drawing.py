@@ -22,10 +22,10 @@ from chord_usd.runtime.fonts import fonts_kept
 from chord_usd.scene.geometry import footprint, polygons_of, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Level
 from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Room
-from chord_usd.stage.exchange.house import House, house_of
+from chord_usd.stage.exchange.house import House, house_of, span_in_plan
 from chord_usd.stage.exchange.pieces import Piece, pieces_of
 from chord_usd.stage.names import identifier
-from chord_usd.stage.opening_parts import leaves_of, railing_guard, span_of
+from chord_usd.stage.opening_parts import leaves_of, railing_guard
 from chord_usd.stage.walls import Tunnel
 
 _LAYERS = {
@@ -110,9 +110,11 @@ class _Sheet:
             self._draw_door(tunnel, height_m)
             return
         layer = "WINDOWS" if opening.kind == "window" else "PASSAGES"
-        self._outline(list(tunnel.area_m.exterior.coords)[:-1], layer, tunnel.low_m, height_m)
+        span = span_in_plan(tunnel)
+        hole = box(span.left, span.front, span.right, span.back)
+        corners = to_world(opening.box, list(hole.exterior.coords)[:-1])
+        self._outline(corners, layer, tunnel.low_m, height_m)
         if opening.kind == "window":
-            span = span_of(tunnel)
             start, end = to_world(
                 opening.box, [(span.left, span.middle), (span.right, span.middle)]
             )
@@ -120,7 +122,7 @@ class _Sheet:
 
     def _draw_door(self, tunnel: Tunnel, height_m: float) -> None:
         """Leaves as wide as the hole, so that arcs end at its jambs."""
-        opening, span = tunnel.opening, span_of(tunnel)
+        opening, span = tunnel.opening, span_in_plan(tunnel)
         opens = self._house.opens_to(opening)
         width = span.right - span.left
         leaves = [(span.left, width, 1.0)]

@@ -17,9 +17,10 @@ from chord_usd.scene.types import Item, Opening, Plan, Room, SceneGraph
 from chord_usd.stage.check_contact import Body
 from chord_usd.stage.check_scene import read_scene
 from chord_usd.stage.names import ROOM_LABELS
-from chord_usd.stage.opening_parts import side_of
+from chord_usd.stage.opening_parts import side_of, span_of
+from chord_usd.stage.opening_shapes import Span
 from chord_usd.stage.shell import opens_to
-from chord_usd.stage.walls import Walls, build_walls
+from chord_usd.stage.walls import Tunnel, Walls, build_walls
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +122,15 @@ def _title(room: Room, shown: str, rooms: Sequence[Room]) -> str:
     of_kind = [one.id for one in rooms if one.kind == room.kind]
     number = f" {of_kind.index(room.id) + 1}" if len(of_kind) > 1 else ""
     return f"{_spoken(ROOM_LABELS[room.kind])}{number}"
+
+
+def span_in_plan(tunnel: Tunnel) -> Span:
+    """The hole of an opening as long as the plan has it, in the opening's own frame.
+
+    Where a wall runs crosswise behind an end of it, less of it is cut through.
+    """
+    half = tunnel.opening.box.size_m[0] / 2
+    return replace(span_of(tunnel), left=-half, right=half)
 
 
 def printable(text: str) -> str:

@@ -17,13 +17,13 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
-from chord_usd.scene.types import ROOM_HEIGHT_M, Opening
+from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.exchange.house import House, house_of
+from chord_usd.stage.exchange.house import House, house_of, span_in_plan
 from chord_usd.stage.exchange.ifc_builder import Entity, IfcBuilder, label
 from chord_usd.stage.exchange.ifc_furniture import add_furniture
 from chord_usd.stage.exchange.wall_pieces import WallPiece, wall_pieces
-from chord_usd.stage.opening_parts import leaf_box, leaves_of, railing_guard, span_of
+from chord_usd.stage.opening_parts import leaf_box, leaves_of, railing_guard
 from chord_usd.stage.opening_shapes import GLASS_M
 from chord_usd.stage.walls import Tunnel
 
@@ -198,7 +198,7 @@ class _Building:
         return self._fill("IfcDoor", tunnel, hole, turned, 0.0 if opens > 0 else 180.0, operation)
 
     def _window(self, tunnel: Tunnel, hole: Entity) -> Entity:
-        span = span_of(tunnel)
+        span = span_in_plan(tunnel)
         pane = box(
             span.left + _FRAME_M, span.middle - GLASS_M / 2,
             span.right - _FRAME_M, span.middle + GLASS_M / 2,
@@ -211,7 +211,7 @@ class _Building:
         boxes: Sequence[tuple[Polygon, float, float]], yaw_deg: float, works: str,
     ) -> Entity:  # fmt: skip
         """A door or window. boxes: (area, low, high) in its own frame."""
-        b, opening, span = self.builder, tunnel.opening, span_of(tunnel)
+        b, opening, span = self.builder, tunnel.opening, span_in_plan(tunnel)
         bodies = [b.extrusion(area, low, high) for area, low, high in boxes if high > low]
         size_m = round(span.right - span.left, 4), round(span.height, 4)
         enum = "OperationType" if kind == "IfcDoor" else "PartitioningType"
@@ -263,14 +263,13 @@ def _turn(yaw_deg: float) -> np.ndarray:
 
 def _own_area(tunnel: Tunnel) -> Polygon:
     """The hole seen from above, in the frame of its opening."""
-    frame: Opening = tunnel.opening
-    corners = np.asarray(tunnel.area_m.exterior.coords)[:-1] - np.array(frame.box.center_m[:2])
-    return Polygon(corners @ rotation_2d(frame.box.yaw_deg))
+    span = span_in_plan(tunnel)
+    return box(span.left, span.front, span.right, span.back)
 
 
 def _frame(tunnel: Tunnel, *, sill: bool) -> list[tuple[Polygon, float, float]]:
     """Jambs and head of a door or window, and its sill, in the frame of the hole."""
-    span = span_of(tunnel)
+    span = span_in_plan(tunnel)
     front, back = span.middle - _FRAME_M / 2, span.middle + _FRAME_M / 2
     inner = span.left + _FRAME_M, span.right - _FRAME_M
     parts = [
