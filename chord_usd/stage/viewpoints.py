@@ -108,11 +108,28 @@ def choose_view(
     """
     room = _Room(floor, items, openings, dressing)
     best, most = View((0.0, 0.0), 0.0, 24.0, _SHIFTS_MM[0][0]), -math.inf
-    for stand in stands(floor, [*items, *dressing], openings):
-        found = room.best(stand)
-        if found is not None and found[1] > most:
+    sights = [room.sight(stand) for stand in stands(floor, [*items, *dressing], openings)]
+    # What fills the picture takes longer to find: only where what is shown is worth more yet.
+    for sight in sorted(sights, key=lambda one: -one.at_most):
+        if sight.at_most <= most:
+            break
+        found = room.best(sight)
+        if found[1] > most:
             best, most = found
     return best
+
+
+@dataclass(frozen=True, eq=False)
+class _Sight:
+    """What a place shows through K lenses in H directions."""
+
+    stand: Stand
+    floor: FloatArray
+    """(K, H) share of the floor."""
+    worth: FloatArray
+    """(K, H) of floor and pieces; infinitely little for a lens that sees other rooms."""
+    at_most: float
+    """No view from here is worth more."""
 
 
 class _Room:
@@ -133,9 +150,41 @@ class _Room:
         tall = [one.box for one in things if top_m(one) > _HIDES_FROM_M]
         self._tall = Surroundings(floor, tall, ())
 
-    def best(self, stand: Stand) -> tuple[View, float] | None:
-        """The best view from a place, and its worth; None where no lens fits."""
+    def sight(self, stand: Stand) -> _Sight:
+        """Floor and pieces seen from a place."""
         floor, pieces = self._shown(stand)
+        worth = _FLOOR_WORTH * np.minimum(floor / _ENOUGH_FLOOR, 1.0) + _PIECES_WORTH * pieces
+        if stand.is_behind_wall:
+            fits = stand.near_m * SENSOR_MM[0] / 2 / _LENS_MM <= stand.beside_m
+            worth = np.where(fits[:, None], worth, -np.inf)
+        more = _WINDOW_WORTH * _WINDOW_SHARE + _DEPTH_WORTH
+        at_most = float(((worth + more) * _WORTH[:, None] * stand.worth).max())
+        return _Sight(stand, floor, worth, at_most)
+
+    def best(self, sight: _Sight) -> tuple[View, float]:
+        """The best view from a place, and its worth."""
+        stand = sight.stand
+        crowd, deep, close, door, window = self._filling(stand)
+        worth = sight.worth + _WINDOW_WORTH * np.minimum(window, _WINDOW_SHARE)
+        worth = (worth + _DEPTH_WORTH * deep) * (1.0 - _CROWDING * crowd)
+        worth = worth * _WORTH[:, None] * stand.worth
+        worth = worth - _CLOSE_COST * np.maximum(close - _CLOSE_SHARE, 0.0)
+        worth = (worth - _DOOR_COST * np.maximum(door - _DOOR_SHARE, 0.0)).round(5)
+        lens, heading = np.unravel_index(int(np.argmax(worth)), worth.shape)
+        x, y = (round(float(value), 3) for value in stand.position_m)
+        view = View(
+            position_m=(x, y),
+            yaw_deg=round(float(TURNS_DEG[heading] + (stand.heading_deg or 0.0)), 3),
+            lens_mm=float(_LENS_MM[lens]),
+            shift_mm=float(_SHIFT_MM[lens]),
+            near_m=round(stand.near_m, 3),
+            floor_share=round(float(sight.floor[lens, heading]), 3),
+        )
+        return view, float(worth[lens, heading])
+
+    def _filling(self, stand: Stand) -> FloatArray:
+        """(5, K, H) how crowded pictures are, how deep, and their shares of what is close, of doors
+        and of windows."""
         eye_m = np.array([*stand.position_m, EYE_M])
         free_m, at_door, at_window, is_box = self._all.panorama(
             eye_m, stand.heading_deg or 0.0, stand.near_m
@@ -151,32 +200,8 @@ class _Room:
             ]
         ).reshape(5, -1)
         headings = slice(0, 1) if stand.is_behind_wall else slice(None)
-        crowd, deep, close, door, window = np.moveaxis(
-            _weights()[:, headings] @ features.T.astype(np.float32), 2, 0
-        )
-        worth = _FLOOR_WORTH * np.minimum(floor / _ENOUGH_FLOOR, 1.0) + _PIECES_WORTH * pieces
-        worth = worth + _WINDOW_WORTH * np.minimum(window, _WINDOW_SHARE)
-        worth = (worth + _DEPTH_WORTH * deep) * (1.0 - _CROWDING * crowd)
-        worth = worth * _WORTH[:, None] * stand.worth
-        worth = worth - _CLOSE_COST * np.maximum(close - _CLOSE_SHARE, 0.0)
-        worth = worth - _DOOR_COST * np.maximum(door - _DOOR_SHARE, 0.0)
-        fits = stand.near_m * SENSOR_MM[0] / 2 / _LENS_MM <= stand.beside_m
-        if stand.is_behind_wall:
-            worth = np.where(fits[:, None], worth, -np.inf)
-            if not fits.any():
-                return None
-        worth = worth.round(5)
-        lens, heading = np.unravel_index(int(np.argmax(worth)), worth.shape)
-        x, y = (round(float(value), 3) for value in stand.position_m)
-        view = View(
-            position_m=(x, y),
-            yaw_deg=round(float(TURNS_DEG[heading] + (stand.heading_deg or 0.0)), 3),
-            lens_mm=float(_LENS_MM[lens]),
-            shift_mm=float(_SHIFT_MM[lens]),
-            near_m=round(stand.near_m, 3),
-            floor_share=round(float(floor[lens, heading]), 3),
-        )
-        return view, float(worth[lens, heading])
+        shares = _weights()[:, headings] @ features.T.astype(np.float32)
+        return np.moveaxis(shares, 2, 0)
 
     def _shown(self, stand: Stand) -> tuple[FloatArray, FloatArray]:
         """(K, H) shares of the floor and of the pieces, each of which counts less in part."""
