@@ -36,6 +36,10 @@ from chord_usd.scene.types import (
 
 _SMALLEST_ROOM_M2 = 0.8
 _NARROWEST_ROOM_M = 0.5
+_DRAWN_EXACTLY = 0.999
+_SMALLEST_DRAWN_M2, _NARROWEST_DRAWN_M = 0.4, 0.05
+"""A room that its file draws, and that walls take no more than a thousandth of, is as it is."""
+
 _USUAL_DOOR_M = 0.8
 _SMALLEST_HOME_M2 = 4.0
 _LEAST_COVERED = 0.2
@@ -149,7 +153,9 @@ def _rooms(drawing: VectorDrawing) -> tuple[Room, ...]:
     rooms, taken = [], Polygon()
     for shape in sorted(shapes, key=lambda shape: shape.polygon.area):
         # Some draughtsmen draw the flat round its rooms; what is left between these is wall.
-        floor = _tidy(shape.polygon.buffer(0).difference(walls).difference(taken))
+        free = shape.polygon.buffer(0).difference(walls).difference(taken)
+        is_exact = bool(drawing.rooms) and free.area > _DRAWN_EXACTLY * shape.polygon.area
+        floor = _tidy(free, is_exact)
         if floor is not None:
             rooms.append((shape.name, floor))
             taken = taken.union(floor.buffer(1e-6, join_style="mitre"))
@@ -203,9 +209,10 @@ def _wall_span(
     return None if is_lengthwise else (float(offsets.min()), float(offsets.max()))
 
 
-def _tidy(area: BaseGeometry) -> Polygon | None:
+def _tidy(area: BaseGeometry, is_exact: bool) -> Polygon | None:
     """The largest part of what is left of a room; None where that is too small to be one."""
-    half = _NARROWEST_ROOM_M / 2
+    half = (_NARROWEST_DRAWN_M if is_exact else _NARROWEST_ROOM_M) / 2
+    least_m2 = _SMALLEST_DRAWN_M2 if is_exact else _SMALLEST_ROOM_M2
     core = area.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
     # Slivers between a room drawn by hand and its walls go; true corners stay as they are.
     kept = area.intersection(core.buffer(1e-3, join_style="mitre"))
@@ -214,7 +221,7 @@ def _tidy(area: BaseGeometry) -> Polygon | None:
         return None
     floor = max(parts, key=lambda part: part.area)
     floor = Polygon(floor.exterior).simplify(_CORNER_M)
-    return orient(floor) if floor.is_valid and floor.area >= _SMALLEST_ROOM_M2 else None
+    return orient(floor) if floor.is_valid and floor.area >= least_m2 else None
 
 
 def _room(name: str, floor: Polygon) -> Room:
