@@ -22,7 +22,7 @@ from chord_usd.plan.read import read_plan_file
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 from chord_usd.stage.author import author_stage
-from chord_usd.stage.exchange.house import House, house_of
+from chord_usd.stage.exchange.built_house import House, house_of
 from chord_usd.stage.exchange.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from chord_usd.stage.exchange.robot_map import ROBOT_RADIUS_M
 from chord_usd.stage.export import export_stage

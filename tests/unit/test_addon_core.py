@@ -45,8 +45,8 @@ def test_the_extension_is_built_by_the_python_named_without_setting_it_up() -> N
         return subprocess.run(command, capture_output=True, check=True, text=True, cwd=ROOT).stdout
 
     assert "pip install" in steps()
-    assert "pip install" not in steps("BIN=/opt/bpy/bin")
-    assert "/opt/bpy/bin/python" in steps("BIN=/opt/bpy/bin")
+    assert "pip install" not in steps("BIN=/srv/bpy/bin")
+    assert "/srv/bpy/bin/python" in steps("BIN=/srv/bpy/bin")
 
 
 def test_names_are_as_short_as_no_other_has_them() -> None:

@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 from chord_usd import __version__
 from chord_usd.runtime.extras import needed_for
 from chord_usd.scene.types import FloatArray
-from chord_usd.stage.exchange.house import printable
+from chord_usd.stage.exchange.built_house import printable
 
 Entity = Any
 """ifcopenshell.entity_instance, which has attributes by schema."""

@@ -11,10 +11,10 @@ from PIL import Image
 from pxr import Ar, Usd, UsdShade
 
 from chord_usd.scene.palette import CATEGORIES
-from chord_usd.stage.exchange.house import House
+from chord_usd.stage.exchange.built_house import House
 from chord_usd.stage.exchange.ifc_builder import Entity, IfcBuilder
 from chord_usd.stage.exchange.ifc_classes import ifc_class
-from chord_usd.stage.exchange.pieces import Piece, pieces_of
+from chord_usd.stage.exchange.placed_pieces import Piece, pieces_of
 from chord_usd.stage.textures import bound_material, source_of, value_of
 
 

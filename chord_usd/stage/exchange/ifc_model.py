@@ -19,7 +19,7 @@ from shapely.ops import unary_union
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.exchange.house import House, house_of, span_in_plan
+from chord_usd.stage.exchange.built_house import House, house_of, span_in_plan
 from chord_usd.stage.exchange.ifc_builder import Entity, IfcBuilder, label
 from chord_usd.stage.exchange.ifc_furniture import add_furniture
 from chord_usd.stage.exchange.wall_pieces import WallPiece, wall_pieces

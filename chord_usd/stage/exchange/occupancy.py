@@ -21,8 +21,8 @@ from shapely.ops import unary_union
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import BoolArray, ByteArray, FloatArray
-from chord_usd.stage.exchange.house import House
-from chord_usd.stage.exchange.pieces import pieces_of
+from chord_usd.stage.exchange.built_house import House
+from chord_usd.stage.exchange.placed_pieces import pieces_of
 from chord_usd.stage.exchange.wall_pieces import wall_pieces
 
 RESOLUTION_M = 0.05

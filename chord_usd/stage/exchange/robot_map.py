@@ -18,7 +18,7 @@ from pxr import Usd
 from chord_usd.metrics.walk import entrance
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import BoolArray, Room
-from chord_usd.stage.exchange.house import House, house_of
+from chord_usd.stage.exchange.built_house import House, house_of
 from chord_usd.stage.exchange.occupancy import FREE, RESOLUTION_M, Grid, Window
 
 ROBOT_RADIUS_M = 0.25

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from chord_usd.scene.palette import CATEGORIES, Level, Mount
 from chord_usd.scene.types import FloatArray, Item
 from chord_usd.stage.check_contact import Solid
-from chord_usd.stage.exchange.house import House
+from chord_usd.stage.exchange.built_house import House
 
 _STRAIGHT = 1e-4
 """Axes that are less square than this are skewed, and no placement says so."""
