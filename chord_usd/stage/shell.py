@@ -255,6 +255,8 @@ def _draw_opening(
     opens = opens_to(tunnel, walls, inside)
     for part in fixed_parts(tunnel, inside=inside, opens=opens):
         _draw_part(component, named.name, part, room, frame)
+        if part.name == "Board":  # vases stand on it
+            component.guard(group, _around(part.faces))
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
         drawn = component.group(f"{named.name}/Leaf_{index}")
         place(drawn, at_m=hinge_m, yaw_deg=0.0)
@@ -263,6 +265,14 @@ def _draw_opening(
         ):
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
         component.hang(drawn, hinge_m, leaf, opens)
+
+
+def _around(faces: Sequence[Face]) -> Box:
+    """The upright box around faces, in their own frame."""
+    points = mesh_of(faces).points_m
+    low, high = points.min(axis=0), points.max(axis=0)
+    (x, y, _), (length, depth, height) = ((low + high) / 2).tolist(), (high - low).tolist()
+    return Box((x, y, float(low[2])), (length, depth, height), 0.0)
 
 
 def _draw_railing(component: _Component, name: str, tunnel: Tunnel, room: NamedRoom) -> None:

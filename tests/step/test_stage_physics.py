@@ -90,6 +90,16 @@ def test_walls_stop_what_windows_and_doors_let_through(
             assert not inside if free else hits
 
 
+def test_window_boards_carry_what_stands_on_them(stage: Usd.Stage) -> None:
+    boards = [prim for prim in stage.Traverse() if prim.GetName() == "Board"]
+    boards = [prim for prim in boards if "Window" in prim.GetParent().GetName()]
+    assert boards
+    for board in boards:
+        collider = board.GetParent().GetChild("Collider")
+        assert collider.HasAPI(UsdPhysics.CollisionAPI)
+        assert np.allclose(bounds_m(stage, collider), bounds_m(stage, board), atol=1e-4)
+
+
 def test_doors_hang_on_hinges_and_open_into_a_room(
     stage: Usd.Stage, staged_graph: SceneGraph
 ) -> None:
