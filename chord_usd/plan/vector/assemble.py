@@ -37,7 +37,7 @@ from chord_usd.scene.types import (
 _SMALLEST_ROOM_M2 = 0.8
 _NARROWEST_ROOM_M = 0.5
 _DRAWN_EXACTLY = 0.999
-_SMALLEST_DRAWN_M2, _NARROWEST_DRAWN_M = 0.4, 0.05
+_SMALLEST_DRAWN_M2, _NARROWEST_DRAWN_M = 0.4, 0.01
 """A room that its file draws, and that walls take no more than a thousandth of, is as it is."""
 
 _USUAL_DOOR_M = 0.8
