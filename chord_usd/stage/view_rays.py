@@ -74,7 +74,7 @@ class Surroundings:
 
     def panorama(
         self, eye_m: FloatArray, turn_deg: float, near_m: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    ) -> tuple[FloatArray, BoolArray, BoolArray, BoolArray]:
         """Of rays in all directions, each (T, R): how far one sees, metres seen from above, and
         whether that is where a door is, a window, or a box.
 
