@@ -204,7 +204,7 @@ def _throw_over_bed(frame: RoomFrame, item: Item, seat: Seat) -> None:
     own = Box((0.0, y, 0.0), (length, size_m[1], 0.1), 0.0)
     top_m = relief.highest_m(own) + 0.012
     box = in_world(Box((0.0, y, top_m - size_m[2]), size_m, 0.0), item.box)
-    if frame.is_inside(box) and not frame.taken.hits(box, ("rug", "clear"), (item.id,)):
+    if frame.is_inside(box) and not frame.taken.hits(box, ("rug",), (item.id,)):
         frame.put(asset, box, rests_on=item.id)
 
 
@@ -256,5 +256,5 @@ def _over_front(
         return None
     own = Box((x, y, top_m + _THICK_M - height), (length, depth, height), 0.0)
     box = in_world(own, item.box)
-    free = not frame.taken.hits(box, ("rug", "clear"), (item.id,))
+    free = not frame.taken.hits(box, ("rug",), (item.id,))
     return box if free and frame.is_inside(box) else None
