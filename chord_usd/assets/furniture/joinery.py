@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -35,7 +36,7 @@ HANDLE_M = 0.03
 _UPRIGHT_M, _LEAN_BLOCKS = 0.02, 4
 """A leg that leans by more is felt as so many blocks."""
 
-_LEAST_FELT_M = 0.002
+_LEAST_FELT_M, _LEAST_CORNER_M = 0.002, 0.02
 
 _RIM_M, _ROUND_BLOCKS = 0.025, (3, 12)
 """How much of a round rim the blocks that it is felt as may leave out, and how many they are."""
@@ -229,6 +230,7 @@ def felt_around(plate: Solid, holes: Sequence[FloatArray]) -> _Solids:
     lefts = [float(low[0]), *(float(rim[1][0]) for rim in rims)]
     spans = [(low[0], high[0], low[1], front), (low[0], high[0], back, high[1])]
     spans += [(left, right, front, back) for left, right in zip(lefts, rights, strict=True)]
+    spans += [span for hole in holes for span in _round_corners(hole)]
     return tuple(
         box((float(x1 - x0), float(y1 - y0), float(high[2] - low[2]))).moved(
             float(x0 + x1) / 2, float(y0 + y1) / 2, float(low[2])
@@ -236,6 +238,18 @@ def felt_around(plate: Solid, holes: Sequence[FloatArray]) -> _Solids:
         for x0, x1, y0, y1 in spans
         if min(x1 - x0, y1 - y0) > _LEAST_FELT_M
     )
+
+
+def _round_corners(hole: FloatArray) -> Iterator[tuple[float, float, float, float]]:
+    """Squares between the round corners of an outline, (N, 2), and those of its bounds: lowest
+    and highest x, lowest and highest y."""
+    low, high = hole.min(axis=0), hole.max(axis=0)
+    for x, y in product((low[0], high[0]), (low[1], high[1])):
+        side = float(np.abs(hole - (x, y)).max(axis=1).min())
+        if side > _LEAST_CORNER_M:
+            to_x = x + math.copysign(side, low[0] + high[0] - 2 * x)
+            to_y = y + math.copysign(side, low[1] + high[1] - 2 * y)
+            yield min(x, to_x), max(x, to_x), min(y, to_y), max(y, to_y)
 
 
 def plinth(size_m: Size, height_m: float, inset_m: float = 0.05) -> Part:

@@ -104,7 +104,7 @@ def steel_table(size_m: Size, *, has_wheels: bool = True) -> tuple[Part, ...]:
     if has_wheels:
         tyre = cylinder(foot / 2, 0.024, 0.004, 20).moved(z=-0.012).turned("x", 90)
         wheels = [tyre.moved(0.94 * at_x, 0.94 * at_y, foot / 2) for at_x, at_y in places]
-        parts.append(Part("Wheels", joined(wheels), "leg", collider=None))
+        parts.append(Part("Wheels", joined(wheels), "leg", felt=tuple(wheels)))
     return tuple(parts)
 
 
