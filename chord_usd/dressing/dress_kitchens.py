@@ -154,8 +154,10 @@ def _pots(frame: RoomFrame, cooker: Item) -> None:
     count = 1 + int(rng.random() < 0.4)
     pots = frame.stock.some(frame.stock.offered("pot"), rng, count)
     for asset, side in zip(pots, (-1, 1), strict=False):
-        # The body is as wide as the pot is deep; a long handle is to the right of it.
-        handle_m = max(0.0, asset.size_m[0] - 1.5 * asset.size_m[1]) / 2
+        # The body is as wide as the pot is deep. A long handle is to its right, ears are on both
+        # sides.
+        beside_m = asset.size_m[0] - asset.size_m[1]
+        handle_m = beside_m / 2 if beside_m > 0.5 * asset.size_m[1] else 0.0
         sole_m = _SOLE * asset.size_m[1] / 2
         for back, along in product((-side, side), _BURNERS):
             at = (side * along * min(length, 0.6), back * 0.2 * min(depth, 0.6) + 0.02)
