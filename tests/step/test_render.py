@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdUtils
 from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
 from scipy.stats import spearmanr
 
+from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import OutputError, RenderError, StageError
 from chord_usd.image.exr import read_exr
 from chord_usd.image.options import RenderOptions
@@ -27,6 +29,10 @@ from chord_usd.image.products import are_finished
 from chord_usd.image.render import Rendered, render_stage
 from chord_usd.image.stage_cameras import read_views
 from chord_usd.runtime.manifest import MANIFEST_FILE
+from chord_usd.scene.types import SceneGraph
+from chord_usd.stage.author import author_stage
+
+LooksOf = Callable[[int], StyleLooks]
 
 
 @pytest.fixture(scope="module")
@@ -144,6 +150,22 @@ def test_two_runs_into_one_folder_leave_whole_pictures(house, tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == [
         MANIFEST_FILE, "Bedroom_0.exr", "Bedroom_0.json", "Bedroom_0.png",
     ]  # fmt: skip
+
+
+def test_a_packed_house_looks_as_its_files_do(
+    staged_house: Path, staged_graph: SceneGraph, looks_of: LooksOf, tmp_path: Path
+) -> None:
+    packed = tmp_path / "house.usdz"
+    author_stage(staged_graph, packed, seed=3, looks=looks_of(3))
+    cameras = tuple(camera.name for camera in read_views(packed).cameras if camera.room)[:3]
+    options = RenderOptions(cameras=cameras, resolution_px=(96, 54), samples=8)
+    taken = [
+        render_stage(stage, tmp_path / stage.suffix, options).pictures
+        for stage in (staged_house, packed)
+    ]
+    assert len(taken[0]) == 3
+    for from_files, from_package in zip(*taken, strict=True):
+        assert np.abs(rgb(from_files) - rgb(from_package)).mean() < 1.0
 
 
 def test_a_packed_stage_brings_its_textures(house, tmp_path):
