@@ -17,6 +17,9 @@ SUN_IMPORT = 4.0
 CEILING = "Ceiling"
 """Names of ceilings start so."""
 
+_LEFT_OUT = "left_out"
+"""Property of what an open roof hides."""
+
 SKY_STRENGTH = 6.0
 """Radiance outside, for stages without a sky of their own: several times that of a lit wall."""
 
@@ -117,9 +120,20 @@ def open_roof(scene: Any, is_open: bool) -> None:
     Ceilings go on casting shadows: so the rooms keep the light they have inside.
     """
     for thing in bpy.data.objects:
-        if thing.type == "MESH" and (thing.name.startswith(CEILING) or _hangs_high(thing)):
+        if thing.type == "MESH" and thing.name.startswith(CEILING):
             thing.visible_camera = not is_open
+        if thing.type != "LIGHT" and _hangs_high(thing):
+            _leave_out(thing, is_open)
     scene.render.film_transparent = is_open
+
+
+def _leave_out(thing: Any, is_out: bool) -> None:
+    """Hide a thing, or show it again where it was hidden here: instances know no camera."""
+    if is_out and not thing.hide_render:
+        thing.hide_render, thing[_LEFT_OUT] = True, True
+    elif not is_out and thing.get(_LEFT_OUT):
+        thing.hide_render = False
+        del thing[_LEFT_OUT]
 
 
 def _hangs_high(thing: Any) -> bool:
