@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+import mujoco
 import numpy as np
-import pytest
 
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
@@ -49,9 +49,8 @@ def test_what_is_seen_to_stand_is_felt_to_stand() -> None:
 
 
 def test_what_is_movable_stays_where_it_is_put() -> None:
-    mujoco = pytest.importorskip("mujoco", reason="of the extra dev")
     chosen = ends_of(MOVABLE)
-    model = floor_with(mujoco, chosen)
+    model = floor_with(chosen)
     data = mujoco.MjData(model)
     before = data.qpos.reshape(-1, 7).copy()
     for _ in range(round(SECONDS / STEP_S)):
@@ -67,7 +66,7 @@ def test_what_is_movable_stays_where_it_is_put() -> None:
     assert restless == {}
 
 
-def floor_with(mujoco: Any, chosen: Sequence[Design]) -> Any:
+def floor_with(chosen: Sequence[Design]) -> Any:
     """A MuJoCo model: designs as free bodies in rows on a floor."""
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S
@@ -79,11 +78,11 @@ def floor_with(mujoco: Any, chosen: Sequence[Design]) -> Any:
     for index, design in enumerate(chosen):
         row, column = divmod(index, columns)
         at = (APART_M * (column - columns / 2), APART_M * (row - columns / 2), 0.0)
-        _add_body(mujoco, spec, design, at)
+        _add_body(spec, design, at)
     return spec.compile()
 
 
-def _add_body(mujoco: Any, spec: Any, design: Design, at_m: tuple[float, float, float]) -> None:
+def _add_body(spec: Any, design: Design, at_m: tuple[float, float, float]) -> None:
     body = spec.worldbody.add_body(pos=at_m)
     body.add_freejoint()
     parts = design.parts()
