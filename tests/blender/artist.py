@@ -70,7 +70,9 @@ mine.objects.link(chair)
 bpy.data.materials.new("My varnish").use_fake_user = False
 told["reopen"] = s.press("open_house", filepath=str(house))
 told["after"] = len(s.objects())
-told["all"] = len([one for one in bpy.context.scene.objects if one.name.startswith("Cabinet_0")])
+told["all"] = len(
+    [one for one in bpy.context.scene.objects if one.name.split()[-1].startswith("Cabinet_0")]
+)
 told["cabinets"] = sum(path.endswith("/Cabinet_0") for path in s.objects())
 told["stays"] = sorted(
     one.name for one in bpy.context.scene.objects if one.name in ("My chair", "Handle", name)

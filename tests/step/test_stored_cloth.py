@@ -11,7 +11,8 @@ import trimesh
 from chord_usd.assets.cloth.stored import FOLDER, names, save, stored
 from chord_usd.errors import AssetError
 
-SHEETS = ("curtain_",)
+SHEETS = ("coat_", "curtain_")
+"""Coats are open at collar and hem."""
 MOST_TRIANGLES = 6000
 MOST_BYTES = 1_500_000
 
