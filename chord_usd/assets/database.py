@@ -34,7 +34,7 @@ TEXTURE_PX = 1024
 
 _GENERATOR = (
     "component.py", "drawn.py", "finishes.py", "fittings.py", "look_noise.py", "material.py",
-    "model.py", "shading.py", "solids.py", "surface_cloth.py", "surface_maps.py",
+    "model.py", "physical.py", "shading.py", "solids.py", "surface_cloth.py", "surface_maps.py",
     "surface_mineral.py", "surface_pattern.py", "surface_wood.py", "surface_worked.py",
     "furniture", "dressing", "cloth",
 )  # fmt: skip

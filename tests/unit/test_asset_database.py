@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import random
 from pathlib import Path
@@ -168,3 +169,21 @@ def test_a_cache_that_is_a_file_is_an_output_error(
     monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "file"))
     with pytest.raises(OutputError):
         database.draw_embedded(shipped_bed())
+
+
+def test_whatever_draws_assets_counts_when_they_are_drawn_anew() -> None:
+    root = Path(database.__file__).parent
+    named = {root / name for name in database._GENERATOR}
+    sources = [file for one in named for file in (one.rglob("*.py") if one.is_dir() else [one])]
+    used = set()
+    for file in sources:
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(root_of(root)):
+                used.add((node.module or "").removeprefix(root_of(root)).split(".")[0])
+    assert {"physical", "material", "furniture"} <= used
+    known = {one.stem for one in named}
+    assert used <= known, "a change there would leave old assets in caches"
+
+
+def root_of(folder: Path) -> str:
+    return f"chord_usd.{folder.name}."
