@@ -4,7 +4,6 @@ those that touch, which have no wall between them."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.image.stage_cameras import room_prims
 from chord_usd.runtime.stages import open_stage
+from chord_usd.scene.geometry import seams
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -46,10 +46,10 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
 
 def touching(floors_m: Mapping[str, Polygon]) -> Iterator[tuple[str, str]]:
     """Pairs of names, in order, of floors along whose edges no wall stands."""
-    for (one, floor), (other, beside) in combinations(sorted(floors_m.items()), 2):
-        near = floor.exterior.buffer(_SLIT_M) if floor.distance(beside) < _SLIT_M else Polygon()
-        if near.intersection(beside.exterior).length > _LEAST_M:
-            yield one, other
+    names = sorted(floors_m)
+    for one, other, seam in seams([floors_m[name] for name in names], _SLIT_M):
+        if seam.length > _LEAST_M:
+            yield names[one], names[other]
 
 
 def lit_with(room: str, joined: Iterable[tuple[str, str]]) -> set[str]:

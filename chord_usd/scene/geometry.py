@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -150,6 +150,14 @@ def is_axis_aligned(plan: Plan, tolerance_m: float = 0.005) -> bool:
         if (sides.min(axis=1) > tolerance_m).any():
             return False
     return True
+
+
+def seams(floors: Sequence[Polygon], within_m: float) -> Iterator[tuple[int, int, BaseGeometry]]:
+    """Pairs of floors that are no farther apart than within_m, by their places in order, and the
+    part of the first one's edge that is so near to the second."""
+    near = STRtree(floors).query(floors, predicate="dwithin", distance=within_m)
+    for one, other in sorted((one, other) for one, other in near.T.tolist() if one < other):
+        yield one, other, floors[one].exterior.intersection(floors[other].buffer(within_m))
 
 
 def shared_rows(uvs: npt.ArrayLike) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:

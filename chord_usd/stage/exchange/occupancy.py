@@ -90,15 +90,9 @@ class Grid:
         """Take the cells that an area reaches into; what lies beyond the grid is left out."""
         reach = RESOLUTION_M / 2 - _REACH_M
         for part in polygons_of(area):
-            low, high = self._cell(part.bounds[:2]), self._cell(part.bounds[2:])
-            rows = np.arange(max(high[0], 0), min(low[0] + 1, self.image.shape[0]))
-            columns = np.arange(max(low[1], 0), min(high[1] + 1, self.image.shape[1]))
-            x, y = np.meshgrid(*self.at_m(rows, columns))
-            shapely.prepare(part)
-            hit = shapely.intersects(part, shapely.box(x - reach, y - reach, x + reach, y + reach))
-            self.image[rows[:, None], columns] = np.where(
-                hit, OCCUPIED, self.image[rows[:, None], columns]
-            )
+            window, x, y = self._window_of(part)
+            cells = shapely.box(x - reach, y - reach, x + reach, y + reach)
+            self.image[window][shapely.intersects(part, cells)] = OCCUPIED
 
     def at_m(self, rows: Any, columns: Any) -> tuple[FloatArray, FloatArray]:
         """x of the middles of columns, y of those of rows."""
@@ -114,12 +108,19 @@ class Grid:
 
     def cells_in(self, floor: Polygon) -> tuple[Window, BoolArray]:
         """The window of the image round a floor, and which of its cells lie in it."""
-        low, high = self._cell(floor.bounds[:2]), self._cell(floor.bounds[2:])
-        rows, columns = np.arange(high[0], low[0] + 1), np.arange(low[1], high[1] + 1)
-        x, y = np.meshgrid(*self.at_m(rows, columns))
-        shapely.prepare(floor)
-        window = slice(high[0], low[0] + 1), slice(low[1], high[1] + 1)
+        window, x, y = self._window_of(floor)
         return window, shapely.contains_xy(floor, x, y)
+
+    def _window_of(self, area: Polygon) -> tuple[Window, FloatArray, FloatArray]:
+        """The window of the image round an area, which is prepared, and the middles of its cells:
+        (H, W) x and y."""
+        low, high = self._cell(area.bounds[:2]), self._cell(area.bounds[2:])
+        rows = slice(max(high[0], 0), max(low[0] + 1, 0))
+        columns = slice(max(low[1], 0), max(high[1] + 1, 0))
+        height, width = self.image.shape
+        x, y = np.meshgrid(*self.at_m(np.arange(height)[rows], np.arange(width)[columns]))
+        shapely.prepare(area)
+        return (rows, columns), x, y
 
 
 def obstacles(house: House, stage: Usd.Stage) -> Iterator[BaseGeometry]:

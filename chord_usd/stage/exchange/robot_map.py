@@ -16,7 +16,7 @@ import shapely
 from pxr import Usd
 
 from chord_usd.metrics.walk import entrance
-from chord_usd.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.scene.geometry import footprint_polygon, room_polygon, seams
 from chord_usd.scene.types import BoolArray, Room
 from chord_usd.stage.exchange.built_house import House, house_of
 from chord_usd.stage.exchange.occupancy import FREE, RESOLUTION_M, Grid, Window
@@ -144,11 +144,7 @@ def _doors(house: House) -> Iterator[dict[str, Any]]:
 def _open_edges(house: House) -> Iterator[dict[str, Any]]:
     """Where rooms touch and nothing parts them."""
     rooms = house.plan.rooms
-    floors = [room_polygon(room) for room in rooms]
-    tree = shapely.STRtree(floors)
-    pairs = tree.query(floors, predicate="dwithin", distance=_TOUCH_M).T.tolist()
-    for one, other in sorted(pair for pair in pairs if pair[0] < pair[1]):
-        seam = floors[one].exterior.intersection(floors[other].buffer(_TOUCH_M))
+    for one, other, seam in seams([room_polygon(room) for room in rooms], _TOUCH_M):
         seam = shapely.line_merge(seam) if seam.geom_type == "MultiLineString" else seam
         line = max(shapely.get_parts(seam), key=lambda part: part.length, default=None)
         if line is None or line.length < _LEAST_OPEN_M:
@@ -196,7 +192,8 @@ def _poses(
         return
     padded = np.pad(able.astype(np.uint8), 1)
     room_m = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
-    chosen = int(np.argmax(room_m[rows, columns]))
+    # Of several as far from everything the first: the last digits are not the same in each run.
+    chosen = int(np.argmax(room_m[rows, columns].round(3)))
     rows, columns = rows + window[0].start, columns + window[1].start
     at = np.column_stack([rows, columns]).astype(np.float64)
     away = np.full(len(at), np.inf)
