@@ -117,7 +117,7 @@ def _over(frame: RoomFrame, item: Item, height_m: float) -> Spot | None:
     if item.category in ("bed", "sofa", "tv_cabinet"):
         top_m = max(top_m, float(frame.relief(item).heights_m.max()))
     for child in item.children:
-        top_m = max(top_m, min(child.box.center_m[2] + child.box.size_m[2], top_m + 0.25))
+        top_m = max(top_m, min(child.box.top_m, top_m + 0.25))
     base_m = top_m + _OVER_PIECE_M
     if base_m + height_m > _TOP_M:
         return None
@@ -212,11 +212,9 @@ def _put_all(
     frame: RoomFrame, assets: Sequence[Asset], boxes: Sequence[Box], used: set[str]
 ) -> int:
     """All of a group or none; 1 for a group that hangs."""
-    if not all(frame.fits(box) and frame.has_wall_behind(box) for box in boxes):
+    if not frame.hang_group(list(zip(assets, boxes, strict=True))):
         return 0
-    for asset, box in zip(assets, boxes, strict=True):
-        frame.put(asset, box)
-        used.add(asset.id)
+    used.update(asset.id for asset in assets)
     return 1
 
 

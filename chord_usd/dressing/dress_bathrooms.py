@@ -88,7 +88,7 @@ def _mirror(frame: RoomFrame, basin: Item) -> None:
 def _mirror_lamp(frame: RoomFrame, face: WallFace, mirror: Item, middle: float) -> None:
     """Over the mirror, or one at either side."""
     lamps = frame.stock.family(frame.stock.offered("wall_lamp"), "wall_lamp/bath")
-    top_m = mirror.box.center_m[2] + mirror.box.size_m[2]
+    top_m = mirror.box.top_m
     for lamp in sorted(lamps, key=lambda a: (-a.size_m[0], a.id)):
         if lamp.size_m[0] >= 0.25:
             box = face.box(middle, top_m + 0.06, lamp.size_m)
@@ -98,9 +98,7 @@ def _mirror_lamp(frame: RoomFrame, face: WallFace, mirror: Item, middle: float) 
         aside = mirror.box.size_m[0] / 2 + 0.06 + lamp.size_m[0] / 2
         base_m = top_m - 0.35 - lamp.size_m[2] / 2
         pair = [face.box(middle + side * aside, base_m, lamp.size_m) for side in (-1, 1)]
-        if all(frame.fits(box) and frame.has_wall_behind(box) for box in pair):
-            for box in pair:
-                frame.put(lamp, box)
+        if frame.hang_group([(lamp, box) for box in pair]):
             return
 
 

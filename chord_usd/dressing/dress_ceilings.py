@@ -36,7 +36,7 @@ def dress_ceilings(frame: RoomFrame) -> None:
 
 def _pendant(frame: RoomFrame, table: Item) -> Item | None:
     """A lamp that hangs over the middle of a table, no longer than it."""
-    top_m = table.box.center_m[2] + table.box.size_m[2]
+    top_m = table.box.top_m
     most_m = (0.8 * table.box.size_m[0], 0.95 * table.box.size_m[1],
               ROOM_HEIGHT_M - top_m - _OVER_TABLE_M)  # fmt: skip
     lamps = within(frame.stock.offered("pendant_lamp"), most_m)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -108,7 +108,7 @@ class RoomFrame:
 
     def is_inside(self, box: Box) -> bool:
         """Whether a box stands within the room's walls, below its ceiling and above its floor."""
-        top_m = box.center_m[2] + box.size_m[2]
+        top_m = box.top_m
         if box.center_m[2] < -1e-6 or top_m > ROOM_HEIGHT_M + 1e-6:
             return False
         return bool(self._grown.covers(footprint_polygon(box)))
@@ -156,6 +156,14 @@ class RoomFrame:
         if not self.fits(box, ignoring, but) or (hangs and not self.has_wall_behind(box)):
             return None
         return self.put(asset, box, rests_on=rests_on)
+
+    def hang_group(self, group: Sequence[tuple[Asset, Box]]) -> bool:
+        """Hang all of a group where each is free and has a wall behind it, or none of it."""
+        if not all(self.fits(box) and self.has_wall_behind(box) for _, box in group):
+            return False
+        for asset, box in group:
+            self.put(asset, box)
+        return True
 
     def boards(self, item: Item) -> FloatArray:
         """Open boards of a piece (assets.asset_boards); none of one without a mesh."""
@@ -229,7 +237,7 @@ def _risen(item: Item, relief: Relief) -> Box | None:
     y0, y1 = rows[0] * cell_y, (rows[-1] + 1) * cell_y
     middle = ((x0 + x1 - item.box.size_m[0]) / 2, (item.box.size_m[1] - y0 - y1) / 2)
     x, y = to_world(item.box, middle)
-    base_m = item.box.center_m[2] + item.box.size_m[2]
+    base_m = item.box.top_m
     rise_m = float(relief.heights_m.max()) - item.box.size_m[2]
     return Box((float(x), float(y), base_m), (x1 - x0, y1 - y0, rise_m), item.box.yaw_deg)
 

@@ -178,7 +178,7 @@ def _stood(item: Item, relief: Relief, standing: Sequence[Item], reliefs: Relief
 def _top_of(carrier: Item, box: Box, reliefs: Reliefs) -> float:
     """The highest point of a carrier's mesh below a box; both in the frame of the piece."""
     if carrier.asset is None:
-        return carrier.box.center_m[2] + carrier.box.size_m[2]
+        return carrier.box.top_m
     relief = reliefs(carrier.asset).scaled(carrier.box.size_m)
     x, y = to_own(carrier.box, box.center_m[:2])
     own = Box((float(x), float(y), 0.0), box.size_m, box.yaw_deg - carrier.box.yaw_deg)
@@ -190,10 +190,10 @@ def _runs_into(box: Box, table: Box, around: Sequence[Item]) -> bool:
     if not around:
         return False
     world = in_world(box, table)
-    low, high = world.center_m[2], world.center_m[2] + world.size_m[2]
+    low, high = world.center_m[2], world.top_m
     shape = footprint_polygon(world)
     for other in around:
-        base, top = other.box.center_m[2], other.box.center_m[2] + other.box.size_m[2]
+        base, top = other.box.center_m[2], other.box.top_m
         overlaps = base < high - _TOUCH_M and top > low + _TOUCH_M
         if overlaps and shape.intersects(footprint_polygon(other.box)):
             return True

@@ -113,7 +113,7 @@ def _can_be_hit(other: Item, piece: Item) -> bool:
     base_m = other.box.center_m[2]
     if base_m > _HANGS_FROM_M:
         return True
-    rises = base_m + other.box.size_m[2] > piece.box.center_m[2] + piece.box.size_m[2]
+    rises = base_m + other.box.size_m[2] > piece.box.top_m
     shared = footprint_polygon(other.box).intersection(footprint_polygon(piece.box))
     return bool(rises and shared.area <= MIN_OVERLAP_M2)
 

@@ -100,7 +100,7 @@ def overlaps_by_nature(a: Item, b: Item) -> bool:
     if frozenset((a.category, b.category)) in NATURAL_PAIRS or is_underfoot(a) or is_underfoot(b):
         return True
     lower, upper = sorted((a.box, b.box), key=lambda box: box.center_m[2])
-    return upper.center_m[2] >= lower.center_m[2] + lower.size_m[2] - STACKED_TOLERANCE_M
+    return upper.center_m[2] >= lower.top_m - STACKED_TOLERANCE_M
 
 
 def overlapping_pairs(prints: Footprints) -> list[PairOverlap]:

@@ -85,6 +85,11 @@ class Box:
     yaw_deg: float
     """Counter-clockwise; at 0 the front faces -y."""
 
+    @property
+    def top_m(self) -> float:
+        """z of its top."""
+        return self.center_m[2] + self.size_m[2]
+
 
 @dataclass(frozen=True, eq=False)
 class Room:

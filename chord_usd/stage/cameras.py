@@ -108,7 +108,7 @@ def _is_in_way(view: View, items: Iterable[Item]) -> bool:
     touches, hides = _first_m(view, _CLEAR_M), _first_m(view, _CLOSE_M)
     through_wall = view.near_m > NEAR_M + 1e-6
     for item in items:
-        is_tall = item.box.center_m[2] + item.box.size_m[2] > _LOW_M
+        is_tall = item.box.top_m > _LOW_M
         shape = footprint_polygon(item.box)
         if (through_wall or is_tall) and shape.distance(touches) < _CLEAR_M:
             return True

@@ -91,7 +91,7 @@ def extent_of(items: Iterable[Item]) -> FloatArray:
         [*corner, z]
         for item in items
         for corner in footprint(item.box)
-        for z in (item.box.center_m[2], item.box.center_m[2] + item.box.size_m[2])
+        for z in (item.box.center_m[2], item.box.top_m)
     ]
     return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
 

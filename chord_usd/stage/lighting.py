@@ -60,9 +60,6 @@ MOODS: dict[Time, Mood] = {
 }
 """The first is selected where no sky of another time was chosen."""
 
-LAMPS_K = 2800.0
-"""Colour temperature of lamps that are pieces of furniture or dressing."""
-
 
 def set_lighting(
     layer: Sdf.Layer, lamps: Sequence[Lamp], walls: Walls, folder: Path, sky: Sky = SKIES[0]

@@ -32,6 +32,7 @@ _W_PER_LUMEN = 0.015
 """A panel gives a room what 200 lumens a square metre do."""
 
 _LAMPS_K = 2800.0
+"""Colour temperature of lamps that are pieces of furniture or dressing."""
 
 LIGHT_ROOTS = ("Furniture", "Dressing")
 """Groups of a room that may hold lamps."""

@@ -96,17 +96,13 @@ def let_move(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> No
     carrier_id = item.facts.rests_on
     if carrier_id is not None:
         carrier = carriers.get(carrier_id)
-        if carrier is None or item.box.center_m[2] < _top_m(carrier) - _ON_TOP_M:
+        if carrier is None or item.box.center_m[2] < carrier.box.top_m - _ON_TOP_M:
             return
     if item.category in KG_PER_M3:
         length, width, height = item.box.size_m
         density = KG_PER_M3[item.category]
         _give_body(prim, density * length * width * height)
         note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
-
-
-def _top_m(item: Item) -> float:
-    return item.box.center_m[2] + item.box.size_m[2]
 
 
 def hang_leaf(

@@ -79,7 +79,7 @@ def stands(floor: Polygon, things: Sequence[Item], openings: Sequence[Opening]) 
 def _inside(floor: Polygon, items: Sequence[Item], doors: Sequence[Opening]) -> Iterator[Stand]:
     """Corners of the free floor, middles of its sides, doorways; never inside an item: where there
     is no room between them one leans over the low ones."""
-    tall = unary_union([footprint_polygon(i.box) for i in items if top_m(i) > LOW_M])
+    tall = unary_union([footprint_polygon(i.box) for i in items if i.box.top_m > LOW_M])
     everything = unary_union([footprint_polygon(item.box) for item in items])
     middles = [shapely.Point(door.box.center_m[:2]) for door in doors]
     for distance_m in _CLEAR_OF_PIECES_M:
@@ -166,8 +166,3 @@ def _cut_m(
         if cut_m > _DEEPEST_CUT_M:
             return None
     return None
-
-
-def top_m(item: Item) -> float:
-    """Height of the top of an item over the floor."""
-    return item.box.center_m[2] + item.box.size_m[2]

@@ -21,7 +21,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.types import BoolArray, FloatArray, Item, Opening
-from chord_usd.stage.view_places import NEAR_M, Stand, stands, top_m
+from chord_usd.stage.view_places import NEAR_M, Stand, stands
 from chord_usd.stage.view_rays import TURNS_DEG, Surroundings, picture_weights
 
 EYE_M = 1.5
@@ -147,7 +147,7 @@ class _Room:
         self._pieces_m, self._owners, self._weights = _piece_points(items)
         things = [*items, *dressing]
         self._all = Surroundings(floor, [one.box for one in things], openings)
-        tall = [one.box for one in things if top_m(one) > _HIDES_FROM_M]
+        tall = [one.box for one in things if one.box.top_m > _HIDES_FROM_M]
         self._tall = Surroundings(floor, tall, ())
 
     def sight(self, stand: Stand) -> _Sight:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.assets.cloth.blender_cloth import Fabric, draped
-from chord_usd.assets.cloth.cloth_grids import grid_faces, smoothed, thickened
+from chord_usd.assets.cloth.cloth_grids import Made, grid_faces, smoothed, thickened
 from chord_usd.assets.solids import Solid, box, soft_block
 from chord_usd.scene.types import FloatArray
 
@@ -19,9 +19,6 @@ MATTRESS_INSET_M = 0.08
 """From the side of a bed to the side of its mattress: what hangs down needs it."""
 
 _CELL_M = 0.025
-
-Made = tuple[FloatArray, np.ndarray, FloatArray]
-"""Points, faces, cloth coordinates."""
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ import numpy as np
 
 from chord_usd.scene.types import FloatArray
 
+Made = tuple[FloatArray, np.ndarray, FloatArray]
+"""Points, faces, cloth coordinates."""
+
 
 def grid_faces(rows: int, columns: int) -> np.ndarray:
     """(T, 3) triangles of a grid of points; its front is where rows run down, columns right."""

@@ -7,12 +7,8 @@ import math
 import numpy as np
 
 from chord_usd.assets.cloth.blender_cloth import Fabric, draped
-from chord_usd.assets.cloth.cloth_grids import grid_faces, smoothed
+from chord_usd.assets.cloth.cloth_grids import Made, grid_faces, smoothed
 from chord_usd.assets.solids import box
-from chord_usd.scene.types import FloatArray
-
-Made = tuple[FloatArray, np.ndarray, FloatArray]
-"""Points, faces, cloth coordinates."""
 
 _AROUND = 48
 _ROW_M = 0.03

@@ -10,17 +10,12 @@ import sys
 from collections.abc import Callable
 from functools import partial
 
-import numpy as np
-
 from chord_usd.assets.cloth.bedding import Duvet, laid, over_edge, over_rail, thrown
+from chord_usd.assets.cloth.cloth_grids import Made
 from chord_usd.assets.cloth.garments import coat
 from chord_usd.assets.cloth.hangings import Hanging, hung
 from chord_usd.assets.cloth.stored import save
 from chord_usd.assets.cloth.stuffed import Stuffed, filled
-from chord_usd.scene.types import FloatArray
-
-Made = tuple[FloatArray, np.ndarray, FloatArray]
-"""Points, faces, cloth coordinates."""
 
 _HANGINGS = {
     "curtain_wave_narrow": Hanging("wave", 0.6, 5, 2.0, 5, seed=1),

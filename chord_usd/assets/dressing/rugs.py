@@ -119,11 +119,10 @@ def _tassels(length: float, width: float, height: float) -> Solid:
 
 _CREAM, _OAT, _SAND = (232, 224, 208), (208, 194, 170), (190, 170, 140)
 _CHARCOAL, _BLACK, _GREY = (74, 72, 72), (44, 42, 42), (160, 158, 154)
-_SAGE, _MOSS, _OLIVE = (150, 160, 138), (98, 106, 80), (116, 114, 82)
+_SAGE, _MOSS = (150, 160, 138), (98, 106, 80)
 _RUST, _TERRA, _BLUSH = (164, 92, 64), (182, 114, 88), (212, 178, 166)
-_MUSTARD, _GOLD, _TAN = (196, 152, 72), (178, 144, 86), (170, 130, 92)
+_MUSTARD, _TAN = (196, 152, 72), (170, 130, 92)
 _TEAL, _NAVY, _INDIGO, _BLUE = (64, 106, 110), (48, 60, 86), (54, 64, 94), (112, 134, 156)
-_BURGUNDY, _FOREST = (110, 44, 50), (56, 78, 66)
 
 _BORDERED = {
     "grey": ((196, 192, 184), _CHARCOAL), "oat": (_OAT, _CREAM), "sage": (_CREAM, _SAGE),

@@ -99,7 +99,7 @@ class Board:
             if _lies_underfoot(category) or not _lies_underfoot(other.category):
                 return None
             if _overlap(one, other, 0.0):
-                base_m = max(base_m, other.box.center_m[2] + other.box.size_m[2])
+                base_m = max(base_m, other.box.top_m)
         raised = Box((x, y, base_m), size_m, one.box.yaw_deg)
         self.placed.append(Placed(category, raised, one.corners, one.reach_m))
         return self.placed[-1]

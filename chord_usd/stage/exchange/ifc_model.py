@@ -190,7 +190,7 @@ class _Building:
         for (x_m, y_m, _), leaf in leaves:
             guard = leaf_box(leaf)
             area = shapely.affinity.translate(footprint_polygon(guard), x_m, y_m)
-            boxes.append((area, guard.center_m[2], guard.center_m[2] + guard.size_m[2]))
+            boxes.append((area, guard.center_m[2], guard.top_m))
         turned = [
             (shapely.affinity.scale(area, opens, opens, origin=(0, 0)), low, high)
             for area, low, high in boxes
