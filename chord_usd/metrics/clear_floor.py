@@ -56,7 +56,8 @@ def rooms_beside(
     step_m = np.array([front_direction(box.yaw_deg) for box in boxes]) * reach_m[:, None]
     # (2, openings, 1, xy) probes against (rooms,) floors
     probes_m = np.stack([center_m + step_m, center_m - step_m])[:, :, None, :]
-    floors = np.array([room_polygon(room) for room in rooms])
+    # Of object dtype where there is no room, too: the query takes no other.
+    floors = np.array([room_polygon(room) for room in rooms], dtype=object)
     inside = shapely.contains_xy(floors, probes_m[..., 0], probes_m[..., 1])
 
     def holder(row: BoolArray) -> Room | None:
@@ -90,7 +91,8 @@ def clearance_boxes(opening: Opening) -> tuple[Box, Box]:
 
 def _open_floors(rooms: Sequence[Room]) -> dict[str, shapely.Geometry]:
     """By room id, the floor one sees without looking through a wall: it and what touches it."""
-    floors = np.array([room_polygon(room) for room in rooms])
+    # Of object dtype where there is no room, too: the query takes no other.
+    floors = np.array([room_polygon(room) for room in rooms], dtype=object)
     near, other = shapely.STRtree(floors).query(floors, predicate="dwithin", distance=TOUCH_M)
     return {
         room.id: shapely.union_all(floors[other[near == index]]) for index, room in enumerate(rooms)

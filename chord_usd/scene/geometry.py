@@ -155,7 +155,9 @@ def is_axis_aligned(plan: Plan, tolerance_m: float = 0.005) -> bool:
 def seams(floors: Sequence[Polygon], within_m: float) -> Iterator[tuple[int, int, BaseGeometry]]:
     """Pairs of floors that are no farther apart than within_m, by their places in order, and the
     part of the first one's edge that is so near to the second."""
-    near = STRtree(floors).query(floors, predicate="dwithin", distance=within_m)
+    # Of object dtype where there is no floor, too: the query takes no other.
+    areas = np.array(floors, dtype=object)
+    near = STRtree(areas).query(areas, predicate="dwithin", distance=within_m)
     for one, other in sorted((one, other) for one, other in near.T.tolist() if one < other):
         yield one, other, floors[one].exterior.intersection(floors[other].buffer(within_m))
 
