@@ -65,11 +65,8 @@ def set_cameras(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> N
 def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> None:
     openings = [tunnel.opening for tunnel in walls.tunnels_of(room.room.id)]
     floor, items = walls.floors_m[room.index], [named.item for named in room.items]
-    view = choose_view(floor, items, openings)
     dressing = _large(named.item for named in room.dressing)
-    if _is_in_way(view, dressing):
-        view = choose_view(floor, items, openings, dressing)
-    _write_view(layer, room.name, view)
+    _write_view(layer, room.name, choose_view(floor, items, openings, dressing))
 
 
 def _large(dressing: Iterable[Item]) -> list[Item]:

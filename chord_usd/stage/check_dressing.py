@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 
 import shapely
-from pxr import Usd
+from pxr import Sdf, Usd, UsdShade
 
 from chord_usd.metrics.clear_floor import rooms_beside
 from chord_usd.metrics.rooms import rooms_to_furnish
@@ -95,20 +95,29 @@ def _is_at_window(item: Item) -> bool:
 
 
 def _textured_area(stage: Usd.Stage, scene: StageScene) -> float:
-    """Instances of one mesh are looked at once."""
-    known: dict[str, bool] = {}
+    """Instances of one mesh are looked at once, and so is a material of many meshes."""
+    meshes: dict[Sdf.Path, bool] = {}
+    materials: dict[Sdf.Path, bool] = {}
     textured_m2 = all_m2 = 0.0
     for solid in (solid for body in scene.items for solid in body.solids):
         mesh = stage.GetPrimAtPath(solid.path)
         own = mesh.GetPrimInPrototype() if mesh.IsInstanceProxy() else mesh
-        key = str(own.GetPath())
-        if key not in known:
-            material = bound_material(own)
-            surface = material.ComputeSurfaceSource()[0] if material else None
-            known[key] = bool(surface and coordinates_read(surface))
+        path = own.GetPath()
+        if path not in meshes:
+            meshes[path] = _is_textured(bound_material(own), materials)
         all_m2 += solid.area_m2
-        textured_m2 += solid.area_m2 * known[key]
+        textured_m2 += solid.area_m2 * meshes[path]
     return _share(textured_m2, all_m2)
+
+
+def _is_textured(material: UsdShade.Material | None, known: dict[Sdf.Path, bool]) -> bool:
+    if material is None:
+        return False
+    path = material.GetPath()
+    if path not in known:
+        surface = material.ComputeSurfaceSource()[0]
+        known[path] = bool(surface and coordinates_read(surface))
+    return known[path]
 
 
 def _share(part: float, whole: float) -> float:
