@@ -50,7 +50,8 @@ house: setup
 test: setup-dev
 	@command -v strace >/dev/null || $(call install,strace)
 	$(BIN)/python -m pytest -n 2 tests/unit
-	$(BIN)/python -m pytest tests/step tests/end_to_end
+	$(BIN)/python -m pytest -n 2 --dist loadfile --ignore-glob '*/test_hostile_*' tests/step tests/end_to_end
+	$(BIN)/python -m pytest tests/step/test_hostile_*.py  # what takes time is timed alone
 
 lint: setup-dev
 	$(BIN)/ruff check .

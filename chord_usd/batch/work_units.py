@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,6 +83,14 @@ def list_units(
         Unit(f"{name}-{seed}", seed, plan, {**common, **source, "seed": seed})
         for name, plan, source in named
         for seed in seeds
+    )
+
+
+def numbered_units(numbers: Iterable[int], settings: Settings) -> tuple[Unit, ...]:
+    """House N of the procedural plan N with the seed N. Raises CheckpointError."""
+    common = _common_recipe(settings)
+    return tuple(
+        Unit(f"house_{n:06d}", n, n, {**common, "procedural_plan": n, "seed": n}) for n in numbers
     )
 
 

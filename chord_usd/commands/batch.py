@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,14 +52,15 @@ def add(verbs: Verbs) -> None:
     add_output(
         parser, "folder for the houses, one folder each; finished ones in it are kept", output_place
     )
-    _add_houses(parser)
-    _add_pictures(parser)
-    _add_exports(parser)
-    _add_workers(parser)
+    _add_plans(parser)
+    add_houses(parser)
+    add_pictures(parser)
+    add_exports(parser)
+    add_workers(parser)
 
 
-def _add_houses(parser: Parser) -> None:
-    group = parser.add_argument_group("houses")
+def _add_plans(parser: Parser) -> None:
+    group = parser.add_argument_group("plans")
     add_seed(group)
     group.add_argument(
         "--seeds", type=whole_number(1, 1_000_000), default=1, metavar="N",
@@ -68,21 +70,27 @@ def _add_houses(parser: Parser) -> None:
         "--synth", type=whole_number(1, 1_000_000), default=0, metavar="N",
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
+    group.add_argument(
+        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
+    )
+
+
+def add_houses(parser: Parser) -> None:
+    """The options of houses whatever their plans, for settings_of."""
+    group = parser.add_argument_group("houses")
     add_style(group)
     add_texture_size(group)
     add_steps(group)
     add_lists(group)
     add_arrange(group)
     add_redraws(group)
-    group.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
-    )
     group.add_argument("--no-tabletop", action="store_true", help="leave tables bare")
     add_dressing(group)
     add_assets(group)
 
 
-def _add_pictures(parser: Parser) -> None:
+def add_pictures(parser: Parser) -> None:
+    """The options of pictures, for render_options."""
     group = parser.add_argument_group("pictures")
     group.add_argument(
         "--renders", action="store_true", help="also render every camera of every house"
@@ -90,7 +98,8 @@ def _add_pictures(parser: Parser) -> None:
     add_look(group)
 
 
-def _add_exports(parser: Parser) -> None:
+def add_exports(parser: Parser) -> None:
+    """The options --parquet and --webdataset."""
     group = parser.add_argument_group("exports, beside index.jsonl")
     group.add_argument("--parquet", action="store_true", help="the index as index.parquet, too")
     group.add_argument(
@@ -98,7 +107,8 @@ def _add_exports(parser: Parser) -> None:
     )
 
 
-def _add_workers(parser: Parser) -> None:
+def add_workers(parser: Parser) -> None:
+    """The options of workers, for engine_of."""
     group = parser.add_argument_group("workers")
     group.add_argument(
         "--engine", choices=("local", "ray"), default="local",
@@ -135,25 +145,25 @@ def run(options: argparse.Namespace) -> Outcome:
         raise UsageError("no plans", expected="PLAN, or --synth N", try_="chord-usd batch --help")
     if options.parquet:
         require_parquet()
-    settings = _settings(options)
+    settings = replace(settings_of(options), m_per_px=options.scale)
     seeds = range(options.seed, options.seed + options.seeds)
     units = list_units(options.plans, options.synth, seeds, settings)
-    order = Order(options.output.absolute(), settings, _render_options(options))
-    engine = _engine(options, order.folder)
+    order = Order(options.output.absolute(), settings, render_options(options))
+    engine = engine_of(options, order.folder)
     watch = stopwatch(options)
     try:
         done = run_batch(units, order, engine, Exports(options.parquet, options.webdataset), watch)
     except KeyboardInterrupt as reason:
         raise type(reason)("finished houses were kept; run this again to make the others") from None
-    return _outcome(done, options, watch.seconds)
+    return outcome_of(done, options, watch.seconds)
 
 
-def _settings(options: argparse.Namespace) -> Settings:
+def settings_of(options: argparse.Namespace) -> Settings:
+    """Of the options of houses."""
     from chord_usd.pipeline import Settings
 
     return Settings(
         steps=options.steps,
-        m_per_px=options.scale,
         device=options.device,
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         style=options.style,
@@ -166,7 +176,7 @@ def _settings(options: argparse.Namespace) -> Settings:
     )
 
 
-def _render_options(options: argparse.Namespace) -> RenderOptions | None:
+def render_options(options: argparse.Namespace) -> RenderOptions | None:
     """Raises RenderError for what cannot be rendered, before any house is made."""
     if not options.renders:
         return None
@@ -175,7 +185,8 @@ def _render_options(options: argparse.Namespace) -> RenderOptions | None:
     return RenderOptions(**look_of(options), device=options.device, skip_existing=True)
 
 
-def _engine(options: argparse.Namespace, folder: Path) -> Engine:
+def engine_of(options: argparse.Namespace, folder: Path) -> Engine:
+    """Raises UsageError for an option of the other engine."""
     if options.engine == "ray":
         from chord_usd.batch.ray_engine import RayEngine
 
@@ -188,7 +199,8 @@ def _engine(options: argparse.Namespace, folder: Path) -> Engine:
     return LocalEngine(options.workers or usual_workers())
 
 
-def _outcome(done: Done, options: argparse.Namespace, seconds: dict[str, float]) -> Outcome:
+def outcome_of(done: Done, options: argparse.Namespace, seconds: dict[str, float]) -> Outcome:
+    """What is told of a batch."""
     failures = {result.unit.name: result.why for result in done.failures}
     data: dict[str, Any] = {
         "folder": str(options.output),

@@ -1,4 +1,4 @@
-"""dataset: procedural houses, readers, cleaning, statistics, splits and pictures.
+"""dataset: procedural houses, readers, cleaning, statistics, splits, pictures and releases.
 
 A data set is a folder of CHOrD JSON files, one house each.
 """
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.commands import dataset_release
 from chord_usd.commands.common import (
     Outcome,
     UsageError,
@@ -40,7 +41,9 @@ MOST_TOLD = 5
 
 def add(verbs: Verbs) -> None:
     """Adds the verbs."""
-    group = add_group(verbs, "dataset", "procedural houses, readers, statistics, splits, pictures")
+    group = add_group(
+        verbs, "dataset", "procedural houses, readers, statistics, splits, pictures, releases"
+    )
     _add_synth(group)
     _add_import(group)
     cleaner = add_verb(
@@ -68,6 +71,7 @@ def add(verbs: Verbs) -> None:
     draw.add_argument(
         "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
     )
+    dataset_release.add(group)
 
 
 def _add_synth(group: Verbs) -> None:

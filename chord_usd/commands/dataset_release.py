@@ -1,0 +1,73 @@
+"""dataset release: houses by the thousand as a data set that others can cite and check."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+from chord_usd.commands.batch import (
+    add_exports,
+    add_houses,
+    add_pictures,
+    add_workers,
+    engine_of,
+    outcome_of,
+    render_options,
+    settings_of,
+)
+from chord_usd.commands.common import (
+    Outcome,
+    Verbs,
+    add_output,
+    add_seed,
+    add_verb,
+    stopwatch,
+    whole_number,
+)
+from chord_usd.commands.paths import output_place
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(
+        verbs,
+        "release",
+        run,
+        "houses with plans, scores, splits, hashes, licence and card; resumable",
+    )
+    add_output(parser, "folder of the data set; finished houses in it are kept", output_place)
+    parser.add_argument(
+        "--count", type=whole_number(1, 1_000_000), default=1000, metavar="N", help="(1000)"
+    )
+    add_seed(parser)
+    add_houses(parser)
+    add_pictures(parser)
+    add_exports(parser)
+    add_workers(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb. House N stands on the procedural plan N and has the seed N."""
+    from chord_usd.batch.index import require_parquet
+    from chord_usd.batch.release import require_own, write_release
+    from chord_usd.batch.run import Exports, run_batch
+    from chord_usd.batch.work_units import Order, numbered_units
+
+    if options.parquet:
+        require_parquet()
+    require_own(options.output)
+    settings = settings_of(options)
+    units = numbered_units(range(options.seed, options.seed + options.count), settings)
+    order = Order(options.output.absolute(), settings, render_options(options))
+    engine = engine_of(options, order.folder)
+    watch = stopwatch(options)
+    exports = Exports(options.parquet, options.webdataset)
+    try:
+        done = run_batch(units, order, engine, exports, watch)
+    except KeyboardInterrupt as reason:
+        raise type(reason)("finished houses were kept; run this again to make the others") from None
+    with watch.step("release"):
+        release = write_release(order.folder, [unit.name for unit in units])
+    outcome = outcome_of(done, options, watch.seconds)
+    text = f"{outcome.text}\n{release.summary}"
+    return replace(outcome, text=text, data={**outcome.data, "release": release.as_json()})
