@@ -3,6 +3,7 @@
     Desk_A/Desk_A.usda        kind, assetInfo, class, extentsHint, colourways, payload
     Desk_A/payload.usda       sublayers: physics, materials, geometry
     Desk_A/{physics.usda, materials.usdc, geometry.usdc}
+    Desk_A/jointed.usdc   another payload, of a variant, where doors or drawers open
 
 A closed payload still gives bounds and colourways. Structure: ASWF asset-structure guidelines.
 """
@@ -10,13 +11,29 @@ A closed payload still gives bounds and colourways. Structure: ASWF asset-struct
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chord_usd.assets.component_prims import (
+    bind_feel,
+    define_box,
+    define_mesh,
+    detached,
+    material_path,
+    new_stage,
+)
 from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
+from chord_usd.assets.jointed import (
+    ARTICULATION,
+    FIXED,
+    JOINTED,
+    JOINTED_LAYER,
+    write_jointed,
+)
+from chord_usd.assets.links import opens
 from chord_usd.assets.material import (
     TEXTURES,
     Looks,
@@ -27,18 +44,11 @@ from chord_usd.assets.material import (
     slot_looks,
 )
 from chord_usd.assets.model import Design, Part
-from chord_usd.assets.physical import feel_of, write_feel
-from chord_usd.assets.shading import corner_normals, corner_uvs_m
-from chord_usd.assets.solids import Solid
 from chord_usd.assets.surface_maps import MAPS_FOLDER
 from chord_usd.scene.credits import AUTHOR, LICENCE
-from chord_usd.scene.geometry import shared_rows
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
-
-_LEAST_FACE_M2 = 2e-12
-"""What is smaller is a line; validators refuse it."""
 
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
@@ -72,81 +82,25 @@ def write_component(
     _write_materials(design, parts, worn, package / "materials.usdc")
     _write_physics(design, parts, package / "physics.usda")
     _write_payload(design, package / "payload.usda")
+    if opens(parts):
+        write_jointed(design, parts, package / JOINTED_LAYER)
     interface = package / f"{design.id}.usda"
     _write_interface(design, parts, worn, interface, info or ComponentInfo())
     return interface
-
-
-def _new_stage(design: Design) -> Usd.Stage:
-    """A stage in memory with the root prim as its default prim."""
-    from pxr import Usd, UsdGeom
-
-    stage = Usd.Stage.CreateInMemory()
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    root = UsdGeom.Xform.Define(stage, f"/{design.id}")
-    stage.SetDefaultPrim(root.GetPrim())
-    return stage
 
 
 def _save(stage: Usd.Stage, path: Path) -> None:
     stage.GetRootLayer().Export(str(path))
 
 
-def _detached(stage: Usd.Stage) -> Sdf.Layer:
-    """The stage's layer without the stage, which would look at once for what it points to."""
-    from pxr import Sdf
-
-    layer = Sdf.Layer.CreateAnonymous(".usda")
-    layer.TransferContent(stage.GetRootLayer())
-    return layer
-
-
 def _write_geometry(design: Design, parts: Iterable[Part], path: Path) -> None:
     from pxr import UsdGeom
 
-    stage = _new_stage(design)
+    stage = new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     for part in parts:
-        _define_mesh(stage, f"/{design.id}/Geometry/{part.name}", part)
+        define_mesh(stage, f"/{design.id}/Geometry/{part.name}", part)
     _save(stage, path)
-
-
-def _define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
-    from pxr import Sdf, UsdGeom, Vt
-
-    part = _without_slivers(part)
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    points = Vt.Vec3fArray.FromNumpy(part.solid.points_m.astype(np.float32))
-    corners = part.solid.faces.reshape(-1).astype(np.int32)
-    mesh.CreatePointsAttr(points)
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray([3] * (len(corners) // 3)))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
-    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(points))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    if part.two_sided:
-        mesh.CreateDoubleSidedAttr(True)
-    normals = corner_normals(part.solid).astype(np.float32)
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
-    flat = corner_uvs_m(part.solid, part.name) if part.uvs is None else part.uvs
-    uvs, places = shared_rows(flat)
-    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
-        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
-    )
-    primvar.Set(Vt.Vec2fArray.FromNumpy(uvs))
-    primvar.SetIndices(Vt.IntArray.FromNumpy(places))
-
-
-def _without_slivers(part: Part) -> Part:
-    """The part without faces that have no area once their corners are in single precision."""
-    solid = part.solid
-    a, b, c = np.moveaxis(solid.points_m.astype(np.float32)[solid.faces].astype(np.float64), 1, 0)
-    is_face = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2 >= _LEAST_FACE_M2
-    if is_face.all():
-        return part
-    uvs = None if part.uvs is None else part.uvs.reshape(-1, 3, 2)[is_face].reshape(-1, 2)
-    return replace(part, solid=Solid(solid.points_m, solid.faces[is_face]), uvs=uvs)
 
 
 def _write_materials(
@@ -155,7 +109,7 @@ def _write_materials(
     """One material per slot in use, dressed in the first colourway, and what wears which."""
     from pxr import UsdGeom, UsdShade
 
-    stage = _new_stage(design)
+    stage = new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     UsdGeom.Scope.Define(stage, f"/{design.id}/Materials")
     for slot, looks in worn.items():
@@ -173,11 +127,6 @@ def used_slots(parts: Iterable[Part]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(part.slot for part in parts))
 
 
-def material_path(root: str, slot: str) -> str:
-    """Prim path of a slot's material: `book_red` becomes `BookRed`."""
-    return f"/{root}/Materials/{''.join(word.capitalize() for word in slot.split('_'))}"
-
-
 def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
     """Colliders only: whether a piece may move is decided where it is placed.
 
@@ -186,12 +135,12 @@ def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
     """
     from pxr import UsdGeom, UsdPhysics
 
-    stage = _new_stage(design)
+    stage = new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     UsdGeom.Scope.Define(stage, f"/{design.id}/Colliders")
     for part in parts:
         felt = [
-            _define_box(stage, f"/{design.id}/Colliders/{name}", bounds_m)
+            define_box(stage, f"/{design.id}/Colliders/{name}", bounds_m)
             for name, bounds_m in part.felt_boxes_m().items()
         ]
         if part.collider not in ("boundingCube", None):
@@ -200,40 +149,12 @@ def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
             mesh = UsdPhysics.MeshCollisionAPI.Apply(prim)
             mesh.CreateApproximationAttr(part.collider)
             felt.append(prim)
-        _bind_feel(design, part.slot, felt)
+        bind_feel(design, part.slot, felt)
     _save(stage, path)
 
 
-def _bind_feel(design: Design, slot: str, colliders: Iterable[Usd.Prim]) -> None:
-    """Colliders are felt like the finish that their part wears in the first colourway."""
-    from pxr import UsdShade
-
-    looks = next(iter(design.colourways.values()))
-    for collider in colliders:
-        stage = collider.GetStage()
-        path = material_path(design.id, slot)
-        write_feel(stage.OverridePrim(path), feel_of(design.finishes[looks[slot]]))
-        relation = UsdShade.MaterialBindingAPI.Apply(collider).GetDirectBindingRel("physics")
-        relation.SetTargets([path])
-
-
-def _define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> Usd.Prim:
-    """A collider that is a box between two corners, (2, 3)."""
-    from pxr import Gf, UsdGeom, UsdPhysics
-
-    low, high = bounds_m
-    cube = UsdGeom.Cube.Define(stage, path)
-    cube.CreateSizeAttr(1.0)
-    cube.CreateExtentAttr([Gf.Vec3f(-0.5), Gf.Vec3f(0.5)])
-    cube.CreatePurposeAttr(UsdGeom.Tokens.guide)
-    cube.AddTranslateOp().Set(Gf.Vec3d(*((low + high) / 2).tolist()))
-    cube.AddScaleOp().Set(Gf.Vec3f(*(high - low).tolist()))
-    UsdPhysics.CollisionAPI.Apply(cube.GetPrim())
-    return cube.GetPrim()
-
-
 def _write_payload(design: Design, path: Path) -> None:
-    layer = _detached(_new_stage(design))
+    layer = detached(new_stage(design))
     layer.subLayerPaths = ["./physics.usda", "./materials.usdc", "./geometry.usdc"]
     layer.Export(str(path))
 
@@ -244,7 +165,7 @@ def _write_interface(
 ) -> None:  # fmt: skip
     from pxr import Sdf, Usd, UsdGeom
 
-    stage = _new_stage(design)
+    stage = new_stage(design)
     root = stage.GetDefaultPrim()
     Usd.ModelAPI(root).SetKind("component")
     root.SetAssetInfo(
@@ -263,9 +184,11 @@ def _write_interface(
     # The first set is the stronger one.
     _add_metals(stage, design, worn)
     _add_colourways(stage, design, worn)
-    layer = _detached(stage)
+    layer = detached(stage)
     spec = layer.GetPrimAtPath(f"/{design.id}")
     spec.payloadList.prependedItems = [Sdf.Payload("./payload.usda")]
+    if opens(parts):
+        _add_articulation(spec)
     layer.Export(str(path))
 
 
@@ -337,6 +260,18 @@ def _add_metals(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks]) -> 
             for slot in slots:
                 override_material(stage, material_path(design.id, slot), worn[slot], index)
     variants.SetVariantSelection(USUAL)
+
+
+def _add_articulation(root: Sdf.PrimSpec) -> None:
+    """The variant set that opens a piece: another payload over the usual one."""
+    from pxr import Sdf
+
+    variants = Sdf.VariantSetSpec(root, ARTICULATION)
+    root.variantSetNameList.prependedItems.append(ARTICULATION)
+    root.variantSelections[ARTICULATION] = FIXED
+    Sdf.VariantSpec(variants, FIXED)
+    jointed = Sdf.VariantSpec(variants, JOINTED).primSpec
+    jointed.payloadList.prependedItems = [Sdf.Payload(f"./{JOINTED_LAYER}")]
 
 
 def _worn(design: Design, slots: Sequence[str], maps: MapShelf) -> dict[str, Looks]:

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from chord_usd.assets.finishes import FINISHES, Finish
-from chord_usd.assets.solids import Solid
+from chord_usd.assets.moves import Leaf, Moving, fitted_leaf
+from chord_usd.assets.solids import Solid, joined
 from chord_usd.errors import AssetError
 from chord_usd.scene.types import FloatArray
 
@@ -43,6 +45,19 @@ class Part:
     """(3 T, 2) texture coordinates of the corners; None projects them in metres."""
     two_sided: bool = False
     """Its surface may be open: both sides are seen."""
+    moves: tuple[Moving, ...] = ()
+    """What of it moves where the piece is jointed; its solid has that, shut, too."""
+    hollow: tuple[Solid, ...] = ()
+    """Closed bodies in its solid that doors and drawers open: boards, where it is jointed."""
+    still: Solid | None = None
+    """What stands still where the piece is jointed, unless that is all of it."""
+    still_felt: tuple[Solid, ...] = ()
+    """Solids whose bounding boxes are felt in place of what is still."""
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is the same where the piece is jointed."""
+        return not self.moves and not self.hollow and self.still is None
 
     @property
     def is_body(self) -> bool:
@@ -148,11 +163,56 @@ def fitted(
             expected=f"{list(size_m)} m",
         )
     base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    return placed(parts, -base, factor)
+
+
+def placed(
+    parts: tuple[Part, ...], shift_m: npt.ArrayLike, factor: npt.ArrayLike = (1.0, 1.0, 1.0)
+) -> tuple[Part, ...]:
+    """Parts shifted, then stretched, with all that moves in them."""
+    shift, factors = np.asarray(shift_m), np.asarray(factor)
+    leaves: dict[Leaf, Leaf] = {}
 
     def fit(solid: Solid) -> Solid:
-        return solid.moved(*(-base)).scaled(*factor)
+        return solid.moved(*shift).scaled(*factors)
+
+    def fit_all(solids: tuple[Solid, ...]) -> tuple[Solid, ...]:
+        return tuple(fit(one) for one in solids)
+
+    def moving(one: Moving) -> Moving:
+        if one.leaf not in leaves:
+            leaves[one.leaf] = fitted_leaf(one.leaf, shift, factors)
+        return Moving(leaves[one.leaf], fit(one.solid), fit_all(one.felt))
 
     return tuple(
-        replace(part, solid=fit(part.solid), felt=tuple(fit(one) for one in part.felt))
+        replace(
+            part,
+            solid=fit(part.solid),
+            felt=fit_all(part.felt),
+            moves=tuple(moving(one) for one in part.moves),
+            hollow=fit_all(part.hollow),
+            still=None if part.still is None else fit(part.still),
+            still_felt=fit_all(part.still_felt),
+        )
         for part in parts
     )
+
+
+def moving_part(
+    name: str, solids: Sequence[Solid], slot: str, leaves: Sequence[Leaf],
+    collider: Collider | None = "boundingCube",
+) -> Part:  # fmt: skip
+    """A part each of whose solids moves with the leaf of the same place."""
+    moves = tuple(Moving(leaf, solid) for leaf, solid in zip(leaves, solids, strict=True))
+    return Part(name, joined(solids), slot, collider, moves=moves)
+
+
+def partly_moving(name: str, moving: Solid, leaf: Leaf, still: Solid, slot: str) -> Part:
+    """Trim of which one solid goes with a leaf and one stays."""
+    moves = (Moving(leaf, moving),)
+    return Part(name, moving + still, slot, collider=None, moves=moves, still=still)
+
+
+def hollow_part(name: str, solid: Solid, slot: str = "body") -> Part:
+    """A closed body that doors and drawers open into."""
+    return Part(name, solid, slot, hollow=(solid,))

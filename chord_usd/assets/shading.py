@@ -102,6 +102,16 @@ def _axes_of(points: FloatArray) -> FloatArray:
     return axes
 
 
+def separate(solid: Solid) -> list[Solid]:
+    """The connected solids that one consists of, in order of appearance."""
+    piece = _pieces(solid)
+    found = []
+    for number in range(int(piece.max()) + 1):
+        used, faces = np.unique(solid.faces[piece == number], return_inverse=True)
+        found.append(Solid(solid.points_m[used], faces.reshape(-1, 3)))
+    return found
+
+
 def _pieces(solid: Solid) -> np.ndarray:
     """(T,) number of the connected solid that each face belongs to, in order of appearance."""
     from scipy.sparse import coo_matrix

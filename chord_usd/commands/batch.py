@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     UsageError,
     Verbs,
     add_arrange,
+    add_articulation,
     add_assets,
     add_device,
     add_dressing,
@@ -80,6 +81,7 @@ def add_houses(parser: Parser) -> None:
     group = parser.add_argument_group("houses")
     add_style(group)
     add_texture_size(group)
+    add_articulation(group)
     add_steps(group)
     add_lists(group)
     add_arrange(group)
@@ -168,6 +170,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
         asset_folders=tuple(folder.absolute() for folder in options.assets),
         style=options.style,
         texture_px=options.texture_size,
+        articulation=options.articulation,
         tabletop=not options.no_tabletop,
         dressing=not options.no_dressing,
         lists=not options.no_list,

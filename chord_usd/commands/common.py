@@ -190,6 +190,14 @@ def add_style(parser: Options, without: str = "") -> None:
     )  # fmt: skip
 
 
+def add_articulation(parser: Options) -> None:
+    """The option --articulation."""
+    parser.add_argument(
+        "--articulation", choices=("fixed", "jointed"), default="fixed",
+        help="jointed: doors, drawers and lids of furniture open (fixed)",
+    )  # fmt: skip
+
+
 def add_texture_size(parser: Options) -> None:
     """The option --texture-size."""
     parser.add_argument(

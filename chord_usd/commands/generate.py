@@ -11,6 +11,7 @@ from chord_usd.commands.common import (
     UsageError,
     Verbs,
     add_arrange,
+    add_articulation,
     add_assets,
     add_device,
     add_dressing,
@@ -49,6 +50,7 @@ def add(verbs: Verbs) -> None:
     add_seed(parser)
     add_style(parser)
     add_texture_size(parser)
+    add_articulation(parser)
     add_steps(parser)
     add_lists(parser)
     add_arrange(parser)
@@ -106,6 +108,7 @@ def run(options: argparse.Namespace) -> Outcome:
         asset_folders=tuple(options.assets),
         style=options.style,
         texture_px=options.texture_size,
+        articulation=options.articulation,
         tabletop=not options.no_tabletop,
         dressing=not options.no_dressing,
         lists=not options.no_list,

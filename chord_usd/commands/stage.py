@@ -9,6 +9,7 @@ from chord_usd.commands.common import (
     Outcome,
     Verbs,
     add_arrange,
+    add_articulation,
     add_assets,
     add_output,
     add_seed,
@@ -31,6 +32,7 @@ def add(verbs: Verbs) -> None:
     add_seed(parser)
     add_style(parser, "the scene's own")
     add_texture_size(parser)
+    add_articulation(parser)
     add_arrange(parser)
     add_sky(parser)
     add_assets(parser)
@@ -49,6 +51,7 @@ def run(options: argparse.Namespace) -> Outcome:
         arrange=not options.no_arrange,
         style=options.style or "",
         texture_px=options.texture_size,
+        articulation=options.articulation,
     )
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)

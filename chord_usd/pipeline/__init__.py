@@ -339,8 +339,9 @@ def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> Stag
     style = style_named(graph.style or settings.style or MIXED, settings.seed)
     looks = style_looks(style, settings.seed, settings.texture_px)
     return author_stage(
-        graph, stage_path, seed=settings.seed, looks=looks, style=style.name, sky=settings.sky
-    )
+        graph, stage_path, seed=settings.seed, looks=looks, style=style.name, sky=settings.sky,
+        articulation=settings.articulation,
+    )  # fmt: skip
 
 
 def in_style(graph: SceneGraph, style: HomeStyle) -> SceneGraph:

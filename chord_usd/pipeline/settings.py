@@ -40,6 +40,8 @@ class Settings:
     """Side of the textures of floors and walls, 256 to 4096; furniture has half of it."""
     sky: str = ""
     """Name of a sky or an HDRI's file; "" for the sky of the time of day."""
+    articulation: str = "fixed"
+    """`jointed` where doors and drawers of furniture open (stage.variants)."""
     lists: bool = True
     """Whether a list of pieces is drawn of each room before they are painted; without, the
     diffusion model alone decides what a room holds, as in the paper."""

@@ -54,7 +54,7 @@ from chord_usd.stage.prims import (
 )
 from chord_usd.stage.shell import draw_shell
 from chord_usd.stage.surfaces import fitout
-from chord_usd.stage.variants import Wardrobe
+from chord_usd.stage.variants import FIXED, Wardrobe
 from chord_usd.stage.walls import build_walls
 
 SCHEMA = 1
@@ -74,6 +74,7 @@ def author_stage(
     looks: LookSource | None = None,
     style: str = "",
     sky: str = "",
+    articulation: str = FIXED,
 ) -> StageFile:
     """Write a house as a USD stage, with everything it points to beside it.
 
@@ -83,7 +84,8 @@ def author_stage(
 
     looks: where those of walls and floors come from; without, surfaces are plain. style: name of
     a style; by default that of the graph, and where that has none, one by the seed. sky: name of
-    one (scene.skies), or an HDRI's file.
+    one (scene.skies), or an HDRI's file. articulation: whether doors and drawers of furniture open
+    (stage.variants).
 
     Raises ChordError for an unknown sky, SceneError for a graph without rooms or with an unknown
     category, AssetError for a missing mesh, OutputError for a target that cannot be written.
@@ -102,6 +104,7 @@ def author_stage(
         looks,
         style_named(style or graph.style or MIXED, seed),
         sky_named(sky),
+        articulation,
     )
     require_picture(house.sky)
     with deliver() as delivery:
@@ -127,6 +130,7 @@ class _House:
     looks: LookSource | None
     style: HomeStyle
     sky: Sky
+    articulation: str
 
 
 def _write_house(house: _House, target: Path, final: Path) -> str:
@@ -143,7 +147,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
         finish = fitout(house.style, agreed)
         extent = draw_shell(layer, house.rooms, walls, architecture, finish)
         lamps = []
-        wardrobe = Wardrobe(house.seed, house.style, agreed)
+        wardrobe = Wardrobe(house.seed, house.style, agreed, house.articulation)
         for room in house.rooms:
             floor = walls.floors_m[room.index]
             place_furniture(layer, room, assets, Path(scratch), wardrobe)
@@ -172,6 +176,7 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
                 "seed": house.seed,
                 "style": house.style.name,
                 "sky": house.sky.name,
+                "articulation": house.articulation,
                 "generator": f"chord-usd {__version__}",
                 "schema": SCHEMA,
                 "provenance": {

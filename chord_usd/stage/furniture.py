@@ -19,8 +19,9 @@ from chord_usd.scene.palette import Level, category
 from chord_usd.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
+from chord_usd.stage.opening_pieces import let_open
 from chord_usd.stage.packages import Packages
-from chord_usd.stage.physics import let_move, write_collider
+from chord_usd.stage.physics import give_body, mass_of, write_collider
 from chord_usd.stage.prims import (
     bind,
     define,
@@ -36,7 +37,7 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.stage.variants import Wardrobe
+from chord_usd.stage.variants import ARTICULATION, Wardrobe
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
@@ -117,9 +118,9 @@ def _refer(
     asset = item.asset or _placeholder(shop.scratch)
     prim = define(layer, path, "Xform", kind="component", name=category(item.category).label)
     prim.referenceList.prependedItems.append(Sdf.Reference(shop.assets.add(asset.usd_path)))
-    for variant_set, variant in shop.wardrobe.selections(item, shop.named.room).items():
+    chosen = shop.wardrobe.selections(item, shop.named.room)
+    for variant_set, variant in chosen.items():
         prim.variantSelections[variant_set] = variant
-    prim.instanceable = True
     box: Box = item.box
     scale = np.array(box.size_m) / np.array(asset.size_m)
     if placed:
@@ -136,7 +137,13 @@ def _refer(
         note(prim, rests_on=item.facts.rests_on)
     _note_origin(prim, item)
     note_size(prim, box.size_m)
-    let_move(prim, item, shop.carriers)
+    mass_kg = mass_of(prim, item, shop.carriers)
+    if ARTICULATION in chosen:
+        let_open(layer, prim, mass_kg)
+        return
+    prim.instanceable = True
+    if mass_kg is not None:
+        give_body(prim, mass_kg)
 
 
 def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:

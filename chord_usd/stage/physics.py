@@ -87,8 +87,8 @@ def write_gravity(layer: Sdf.Layer, path: str) -> None:
     attribute(scene, "physics:gravityMagnitude", Types.Float, GRAVITY_M_PER_S2)
 
 
-def let_move(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> None:
-    """Make an item a rigid body with its mass, if it is one that people move.
+def mass_of(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> float | None:
+    """Mass in kg of an item that people move, its density noted; None for others.
 
     carriers: by id. Dressing moves only on floors and on tops: what stands within a piece, on one
     of its boards, would lie in the collider around it.
@@ -97,12 +97,13 @@ def let_move(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> No
     if carrier_id is not None:
         carrier = carriers.get(carrier_id)
         if carrier is None or item.box.center_m[2] < carrier.box.top_m - _ON_TOP_M:
-            return
-    if item.category in KG_PER_M3:
-        length, width, height = item.box.size_m
-        density = KG_PER_M3[item.category]
-        _give_body(prim, density * length * width * height)
-        note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
+            return None
+    if item.category not in KG_PER_M3:
+        return None
+    length, width, height = item.box.size_m
+    density = KG_PER_M3[item.category]
+    note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
+    return density * length * width * height
 
 
 def hang_leaf(
@@ -117,7 +118,7 @@ def hang_leaf(
     hinge_m: the leaf's origin in the frame of its door. box: what the leaf fills, in its own frame.
     opens_deg: the smallest and the largest turn; closed is 0.
     """
-    _give_body(leaf, _LEAF_KG_PER_M2 * box.size_m[0] * box.size_m[2])
+    give_body(leaf, _LEAF_KG_PER_M2 * box.size_m[0] * box.size_m[2])
     write_collider(layer, leaf.path.AppendChild("Collider"), box)
     path = leaf.path.GetParentPath().AppendChild(leaf.name.replace("Leaf", "Hinge"))
     joint = define(layer, path, "PhysicsRevoluteJoint")
@@ -144,6 +145,7 @@ def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box) -> None:
     place(cube, at_m=(x, y, z + box.size_m[2] / 2), yaw_deg=box.yaw_deg, scale=box.size_m)
 
 
-def _give_body(prim: Sdf.PrimSpec, mass_kg: float) -> None:
+def give_body(prim: Sdf.PrimSpec, mass_kg: float) -> None:
+    """Make a prim a rigid body."""
     apply_schema(prim, "PhysicsRigidBodyAPI", "PhysicsMassAPI")
     attribute(prim, "physics:mass", Types.Float, round(mass_kg, 4))

@@ -36,7 +36,7 @@ from chord_usd.stage.lights import hang_lamps
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
-from chord_usd.stage.variants import Wardrobe
+from chord_usd.stage.variants import FIXED, Wardrobe
 
 SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
@@ -337,7 +337,9 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
         style = style_named(new.style, new.home_seed) if new.style else None
         home = style.agreed(new.home_seed) if style else None
-        wardrobe = Wardrobe(new.made.seed, style, home)
+        noted = layer.customLayerData.get("chord", {})
+        articulation = str(noted.get("articulation", FIXED))
+        wardrobe = Wardrobe(new.made.seed, style, home, articulation)
         packages = Packages(path.parent, finals, "assets")
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
         if dressing:

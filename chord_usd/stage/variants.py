@@ -12,8 +12,11 @@ from chord_usd.scene.style_finishes import kind_of, metal_like, suitability
 from chord_usd.scene.styles import Agreed, HomeStyle
 from chord_usd.scene.types import Item, Room
 
-COLOUR, METAL = "colour", "metal"
+COLOUR, METAL, ARTICULATION = "colour", "metal", "articulation"
 """Names of the variant sets of components."""
+
+FIXED, JOINTED = "fixed", "jointed"
+"""Variants of articulation: a piece in one, or one whose doors and drawers open."""
 
 _OVER_RUNS = ("wall_cabinet", "cooker_hood")
 
@@ -40,6 +43,8 @@ class Wardrobe:
     """None chooses colourways by the draw alone."""
     home: Agreed | None = None
     """What the rooms of the house agree on, of the style."""
+    articulation: str = FIXED
+    """Whether what can open does."""
     _choices: dict[Path, _Offer] = field(default_factory=dict)
 
     def selections(self, item: Item, room: Room) -> dict[str, str]:
@@ -55,6 +60,8 @@ class Wardrobe:
             chosen[COLOUR] = self._colourway(offered, item, room)
         if self.home is not None and METAL in offered.variants:
             chosen[METAL] = metal_like(self.home.metal)
+        if ARTICULATION in offered.variants:
+            chosen[ARTICULATION] = self.articulation
         return chosen
 
     def _offered(self, path: Path) -> _Offer:

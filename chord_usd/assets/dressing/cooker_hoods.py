@@ -16,7 +16,7 @@ from chord_usd.assets.furniture.kitchen_fronts import (
     kitchen_fronts,
     reach_m,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Design, Part, hollow_part
 from chord_usd.assets.solids import (
     Size,
     block,
@@ -114,7 +114,7 @@ def built_in_hood(size_m: Size, *, form: FrontForm) -> tuple[Part, ...]:
     face = list(cells(length, height - lip - 0.004, columns, z_m=lip + 0.002))
     plate = block((length, depth - 0.004, lip - 0.002), 0.003).moved(y=0.002)
     return (
-        Part("Body", case, "body"),
+        hollow_part("Body", case),
         *kitchen_fronts(face, y, form, low=True),
         Part("Lip", plate, "metal"),
         *_underside(length, depth, depth / 2, front=-depth / 2 + 0.004),

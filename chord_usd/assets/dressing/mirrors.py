@@ -19,7 +19,8 @@ from chord_usd.assets.dressing.forms import (
     moulded_rail,
     outward,
 )
-from chord_usd.assets.model import Design, Draw, Part
+from chord_usd.assets.model import Design, Draw, Part, moving_part
+from chord_usd.assets.moves import door
 from chord_usd.assets.solids import Size, Solid, block, box, extruded, joined, lathe, rounded_slab
 from chord_usd.scene.types import FloatArray
 
@@ -139,10 +140,12 @@ def cabinet(size_m: Size) -> tuple[Part, ...]:
         leaves.append(block((wide - 0.003, thick - 0.004, height), 0.002).moved(x, y + 0.002))
         glass = rounded_slab((wide - 0.005, height - 0.002, 0.004), 0.004, 0.0015, 3)
         glasses.append(_upright(glass, -width / 2, 0.004).moved(x, z=height / 2))
+    case = body.moved(y=(thick + 0.002) / 2, z=0.003)
+    swings = [door(leaf, hung="right" if n else "left") for n, leaf in enumerate(leaves)]
     return (
-        Part("Body", body.moved(y=(thick + 0.002) / 2, z=0.003), "frame", None),
-        Part("Doors", joined(leaves), "frame", None),
-        Part("Glass", joined(glasses), "mirror", None),
+        Part("Body", case, "frame", None, hollow=(case,)),
+        moving_part("Doors", leaves, "frame", swings, None),
+        moving_part("Glass", glasses, "mirror", swings, None),
     )
 
 

@@ -7,7 +7,7 @@ from functools import partial
 
 from chord_usd.assets.dressing.designing import design, sized
 from chord_usd.assets.dressing.kitchen_finishes import KITCHENS
-from chord_usd.assets.furniture.joinery import FRONT_M, Cell, cells
+from chord_usd.assets.furniture.joinery import FRONT_M, Cell, cells, hung
 from chord_usd.assets.furniture.kitchen_fronts import (
     FORM_STYLES,
     FrontForm,
@@ -15,7 +15,8 @@ from chord_usd.assets.furniture.kitchen_fronts import (
     pull_bar,
     reach_m,
 )
-from chord_usd.assets.model import Design, Part
+from chord_usd.assets.model import Design, Part, hollow_part, moving_part
+from chord_usd.assets.moves import door
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -39,7 +40,7 @@ def wall_cabinet(size_m: Size, *, form: FrontForm) -> tuple[Part, ...]:
     y = -depth / 2 + reach_m(form) + FRONT_M
     case = block((length, depth / 2 - y, height), 0.002).moved(y=(depth / 2 + y) / 2)
     face = _face(length, height)
-    return (Part("Body", case, "body"), *kitchen_fronts(face, y, form, low=True))
+    return (hollow_part("Body", case), *kitchen_fronts(face, y, form, low=True))
 
 
 def _face(length: float, height: float) -> list[Cell]:
@@ -47,21 +48,20 @@ def _face(length: float, height: float) -> list[Cell]:
     return list(cells(length, height - 0.004, columns, z_m=0.002))
 
 
-def _carcass(length: float, depth: float, height: float, y: float) -> Solid:
+def _carcass(length: float, depth: float, height: float, y: float) -> list[Solid]:
     """Sides, top, bottom, back: the front open, at y."""
     deep = depth / 2 - y
     middle = y + deep / 2
     side = block((_BOARD_M, deep, height), 0.0015)
     plate = block((length - 2 * _BOARD_M + 0.002, deep - 0.001, _BOARD_M), 0.0015)
     back = box((length - 2 * _BOARD_M + 0.004, 0.008, height - 2 * _BOARD_M + 0.003))
-    pieces = [
+    return [
         side.moved((length - _BOARD_M) / 2, middle),
         side.moved(-(length - _BOARD_M) / 2, middle),
         plate.moved(y=middle, z=0.0005),
         plate.moved(y=middle, z=height - _BOARD_M - 0.0005),
         back.moved(y=depth / 2 - 0.006, z=_BOARD_M - 0.0015),
     ]
-    return joined(pieces)
 
 
 def open_cabinet(size_m: Size) -> tuple[Part, ...]:
@@ -69,9 +69,10 @@ def open_cabinet(size_m: Size) -> tuple[Part, ...]:
     length, depth, height = size_m
     case = _carcass(length, depth, height, -depth / 2)
     board = block((length - 2 * _BOARD_M + 0.003, depth - 0.02, _BOARD_M), 0.0015)
+    boards = (*case, board.moved(y=0.004, z=height / 2))
     ware, glasses = _tableware(length - 0.1, height)
     return (
-        Part("Case", case + board.moved(y=0.004, z=height / 2), "front"),
+        Part("Case", joined(boards), "front", felt=boards),
         Part("Ware", ware, "ware", collider=None),
         Part("Glasses", glasses, "glass", collider=None),
     )
@@ -104,7 +105,8 @@ def glazed_cabinet(size_m: Size, *, form: FrontForm) -> tuple[Part, ...]:
     length, depth, height = size_m
     y = -depth / 2 + reach_m(form) + FRONT_M
     board = box((length - 2 * _BOARD_M + 0.003, depth / 2 - y - 0.03, _BOARD_M))
-    case = _carcass(length, depth, height, y) + board.moved(y=(y + depth / 2) / 2, z=height / 2)
+    middle = board.moved(y=(y + depth / 2) / 2, z=height / 2)
+    case = (*_carcass(length, depth, height, y), middle)
     wide = 0.05 if form == "shaker" else 0.03
     frames, panes, grips = [], [], []
     for cell in _face(length, height):
@@ -112,23 +114,27 @@ def glazed_cabinet(size_m: Size, *, form: FrontForm) -> tuple[Part, ...]:
         pane = box((cell.length_m - 2 * wide + 0.01, 0.004, cell.height_m - 2 * wide + 0.01))
         panes.append(pane.moved(cell.x_m, y - FRONT_M / 2, cell.z_m + wide - 0.005))
     ware, glasses = _tableware(length - 0.1, height, (y + depth / 2) / 2)
+    leaves = [
+        door(frame, hung=hung(cell))
+        for cell, frame in zip(_face(length, height), frames, strict=True)
+    ]
     parts = [
-        Part("Case", case, "body"),
-        Part("Doors", joined(frames), "front"),
-        Part("Panes", joined(panes), "glass", collider=None),
+        Part("Case", joined(case), "body", felt=case),
+        moving_part("Doors", frames, "front", leaves),
+        moving_part("Panes", panes, "glass", leaves, None),
         Part("Ware", ware, "ware", collider=None),
         Part("Glasses", glasses, "glass", collider=None),
     ]
     if form in ("bar", "shaker"):
         for cell in _face(length, height):
-            inner = 1.0 if cell.column % 2 == 0 else -1.0
+            inner = 1.0 if hung(cell) == "left" else -1.0
             made = pull_bar(0.16).turned("y", 90)
             grips.append(
                 made.moved(
                     cell.x_m + inner * (cell.length_m / 2 - wide / 2), y - FRONT_M, cell.z_m + 0.15
                 )
             )
-        parts.append(Part("Door_Handles", joined(grips), "handle", collider=None))
+        parts.append(moving_part("Door_Handles", grips, "handle", leaves, None))
     return tuple(parts)
 
 

@@ -21,7 +21,15 @@ from chord_usd.assets.furniture.joinery import (
     plinth,
     shifted,
 )
-from chord_usd.assets.model import Part, Style, editions, steps
+from chord_usd.assets.model import (
+    Part,
+    Style,
+    editions,
+    hollow_part,
+    moving_part,
+    steps,
+)
+from chord_usd.assets.moves import Leaf, Slide, flap, leaves_of
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -34,6 +42,9 @@ from chord_usd.assets.solids import (
 )
 
 BOARD_M = 0.022
+
+_TILT_DEG = 35.0
+"""How far the flaps of a shoe cabinet tilt."""
 
 _LEAF_M = 0.46
 """Usual length of a wardrobe door."""
@@ -64,7 +75,7 @@ def wardrobe(size_m: Size, *, handle: HandleKind = "bar", framed: bool = False) 
     face = list(cells(wide, tall - drawer, leaves, z_m=low + drawer))
     parts = [
         plinth(size_m, base, inset_m=0.08),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *doors(face, y, handle, framed=framed),
     ]
     if framed:
@@ -82,19 +93,17 @@ def sliding_wardrobe(size_m: Size) -> tuple[Part, ...]:
     rail, depth = 0.05, 0.07
     y = -width / 2 + depth
     wide = (length - 0.05) / leaves
-    panels: dict[str, list[Solid]] = {"front": [], "glass": []}
+    panels, edges, slides = [], [], []
     for index in range(leaves):
         x = -(length - 0.05) / 2 + wide * (index + 0.5)
         track = y - (0.012 if index % 2 else 0.038)
-        leaf = block((wide + 0.02, 0.02, height - 2 * rail + 0.01)).moved(x, track, rail - 0.005)
-        panels["glass" if index % 2 else "front"].append(leaf)
-    edges = [
-        block((0.018, 0.026, height - 2 * rail)).moved(
-            -(length - 0.05) / 2 + wide * (index + 0.5 + side * 0.4885), y - 0.03, rail
-        )
-        for index in range(leaves)
-        for side in (-1, 1)
-    ]
+        panel = block((wide + 0.02, 0.02, height - 2 * rail + 0.01)).moved(x, track, rail - 0.005)
+        edge = block((0.018, 0.022, height - 2 * rail)).moved(x, track, rail)
+        panels.append(panel)
+        edges.append(edge.moved(x=-wide * 0.4885) + edge.moved(x=wide * 0.4885))
+        # Every second one runs behind its neighbours.
+        way = -1.0 if index % 2 or index == leaves - 1 else 1.0
+        slides.append(Leaf("Door", Slide((x, track, rail), "x", way * (wide - 0.06))))
     frame = [
         block((length, depth, rail)).moved(y=y - depth / 2),
         block((length, depth, rail)).moved(y=y - depth / 2, z=height - rail),
@@ -105,11 +114,11 @@ def sliding_wardrobe(size_m: Size) -> tuple[Part, ...]:
         )
     )
     return (
-        Part("Body", carcass(length, y, width / 2, height, 0.0), "body"),
+        hollow_part("Body", carcass(length, y, width / 2, height, 0.0)),
         Part("Rails", joined(frame) + sides, "body", collider=None),
-        Part("Doors", joined(panels["front"]), "front"),
-        Part("Glass_Doors", joined(panels["glass"]), "glass"),
-        Part("Edges", joined(edges), "handle", collider=None),
+        moving_part("Doors", panels[::2], "front", slides[::2]),
+        moving_part("Glass_Doors", panels[1::2], "glass", slides[1::2]),
+        moving_part("Edges", edges, "handle", slides, None),
     )
 
 
@@ -125,7 +134,7 @@ def chest(
     plate = rounded_slab((length, width - HANDLE_M + 0.004, top), 0.006, 0.004, 3)
     return (
         *four_legs(length - 0.05, width - 0.1, base + 0.01, 0.04, is_round=True),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *drawers(face, y, handle),
         Part("Top", plate.moved(y=HANDLE_M / 2 - 0.002, z=height - top), "top"),
     )
@@ -141,7 +150,7 @@ def low_cabinet(size_m: Size) -> tuple[Part, ...]:
     plate = rounded_slab((length, width - HANDLE_M + 0.006, top), 0.006, 0.005, 3)
     return (
         plinth(size_m, base),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *doors(face, y, "knob", framed=True),
         Part("Top", plate.moved(y=HANDLE_M / 2 - 0.003, z=height - top), "top"),
     )
@@ -175,7 +184,7 @@ def bookcase(size_m: Size, *, low: float = 0.5) -> tuple[Part, ...]:
         Part("Uprights", joined(uprights), "body", felt=tuple(uprights)),
         Part("Shelves", joined(boards), "body", felt=tuple(boards)),
         Part("Back", back, "back"),
-        Part("Cupboard", cupboard, "body"),
+        hollow_part("Cupboard", cupboard),
         *doors(face, y, "knob"),
         *_books(inner / bays, bays, levels[:-1], step - BOARD_M, middle),
     )
@@ -267,16 +276,16 @@ def shoe_cabinet(size_m: Size, *, kind: ShoeKind = "flaps") -> tuple[Part, ...]:
     if kind == "flaps":
         rows = (1.0,) * max(2, round(tall / 0.38))
         face = list(cells(length - 0.018, tall, columns, rows, base + 0.004))
-        fronts = drawers(face, y, handle)
+        fronts = drawers(face, y, handle, leaf=partial(flap, opens_deg=_TILT_DEG, holds=True))
     else:
         face = list(cells(length - 0.018, tall, 2 * columns, z_m=base + 0.004))
-        fronts = (
-            *doors(face, y, handle),
-            Part("Louvres", joined([_louvres(c, y) for c in face]), "front", collider=None),
-        )
+        panels = doors(face, y, handle)
+        leaves = leaves_of(panels[0].moves)
+        louvres = [_louvres(c, y) for c in face]
+        fronts = (*panels, moving_part("Louvres", louvres, "front", leaves, None))
     return (
         plinth(size_m, base),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *fronts,
         Part("Top", plate.moved(y=HANDLE_M / 2 - 0.003, z=height - top), "top"),
     )
@@ -317,9 +326,9 @@ def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
     rail = block((bench - 0.1, 0.02, 0.08)).moved(x_bench, width / 2 - 0.03, 1.47)
     return (
         *parts,
-        Part("Tower", column, "body"),
-        Part("Bench", low, "body"),
-        Part("Upper_Cabinet", high, "body"),
+        hollow_part("Tower", column),
+        hollow_part("Bench", low),
+        hollow_part("Upper_Cabinet", high),
         Part("Back", back, "top"),
         *doors(face, y, "knob", low=False),
         Part("Seat", seat.moved(x_bench, HANDLE_M / 2, base + 0.318), "cushion"),

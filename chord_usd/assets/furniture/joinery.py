@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
 
 import numpy as np
 
-from chord_usd.assets.model import Part
+from chord_usd.assets.model import Part, moving_part
+from chord_usd.assets.moves import Leaf, door, drawer
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -113,9 +114,14 @@ def knob() -> Solid:
     return lathe(profile, 12).turned("x", 90)
 
 
+def hung(cell: Cell) -> Literal["left", "right"]:
+    """At which side a door hangs: doors open in pairs, the odd one out to the left."""
+    return "left" if cell.column % 2 == 0 else "right"
+
+
 def door_handle(cell: Cell, y_m: float, kind: HandleKind, *, low: bool = False) -> Solid:
-    """A handle beside the opening edge: doors open in pairs, the odd one out to the left."""
-    inner = 1.0 if cell.column % 2 == 0 else -1.0
+    """A handle beside the edge that opens."""
+    inner = 1.0 if hung(cell) == "left" else -1.0
     x = cell.x_m + inner * (cell.length_m / 2 - 0.035)
     reach = min(0.16 if cell.height_m < 1.0 else 0.32, cell.height_m * 0.6)
     near = cell.z_m + (cell.height_m - 0.12 - reach / 2 if not low else 0.12 + reach / 2)
@@ -135,22 +141,27 @@ def doors(
     face: Sequence[Cell], y_m: float, kind: HandleKind, *, framed: bool = False, low: bool = False
 ) -> tuple[Part, ...]:
     """Doors over these cells, with their handles; the handles touch the plane y_m - FRONT_M."""
-    panels = Part("Doors", joined([front(c, y_m, framed=framed) for c in face]), "front")
+    panels = [front(cell, y_m, framed=framed) for cell in face]
+    leaves = [door(panel, hung=hung(cell)) for cell, panel in zip(face, panels, strict=True)]
+    parts = (moving_part("Doors", panels, "front", leaves),)
     if kind == "none":
-        return (panels,)
-    grips = joined([door_handle(cell, y_m, kind, low=low) for cell in face])
-    return (panels, Part("Door_Handles", grips, "handle", collider=None))
+        return parts
+    grips = [door_handle(cell, y_m, kind, low=low) for cell in face]
+    return (*parts, moving_part("Door_Handles", grips, "handle", leaves, None))
 
 
 def drawers(
-    face: Sequence[Cell], y_m: float, kind: HandleKind, *, framed: bool = False
-) -> tuple[Part, ...]:
-    """Drawer fronts over these cells, with their handles."""
-    panels = Part("Drawers", joined([front(c, y_m, framed=framed) for c in face]), "front")
+    face: Sequence[Cell], y_m: float, kind: HandleKind, *, framed: bool = False,
+    leaf: Callable[[Solid], Leaf] = drawer,
+) -> tuple[Part, ...]:  # fmt: skip
+    """Drawer fronts over these cells, with their handles; leaf: how one opens."""
+    panels = [front(cell, y_m, framed=framed) for cell in face]
+    leaves = [leaf(panel) for panel in panels]
+    parts = (moving_part("Drawers", panels, "front", leaves),)
     if kind == "none":
-        return (panels,)
-    grips = joined([drawer_handle(cell, y_m, kind) for cell in face])
-    return (panels, Part("Drawer_Handles", grips, "handle", collider=None))
+        return parts
+    grips = [drawer_handle(cell, y_m, kind) for cell in face]
+    return (*parts, moving_part("Drawer_Handles", grips, "handle", leaves, None))
 
 
 def four_legs(

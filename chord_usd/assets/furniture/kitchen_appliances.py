@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from chord_usd.assets.furniture.joinery import FRONT_M, cells
+from chord_usd.assets.furniture.joinery import FRONT_M, cells, hung
 from chord_usd.assets.furniture.kitchen_fronts import pull_bar
-from chord_usd.assets.model import Part
+from chord_usd.assets.model import Part, hollow_part, moving_part, partly_moving
+from chord_usd.assets.moves import Leaf, door, flap
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -21,6 +22,7 @@ from chord_usd.assets.solids import (
 
 FridgeKind = Literal["single", "double", "retro"]
 _PANEL_M = 0.1
+_OVEN_DEG, _MICROWAVE_DEG, _FRIDGE_DEG = 85.0, 90.0, 105.0
 
 
 def dial(radius: float = 0.02) -> tuple[Solid, Solid]:
@@ -58,16 +60,13 @@ def oven(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
         box((0.007, 0.001, 0.015)).moved(0.012 * n, face - 0.0033, panel_z + 0.043)
         for n in (-2, -1, 1, 2)
     ]
+    leaf = flap(frame, opens_deg=_OVEN_DEG)
+    dials = joined([skirt.moved(x, face + 0.001, knob_z) for x in places])
     return (
-        Part("Oven_Door", frame, "appliance"),
+        moving_part("Oven_Door", [frame], "appliance", [leaf]),
         Part("Oven_Panel", panel, "appliance"),
-        Part("Oven_Window", glass + clock, "dark_glass", collider=None),
-        Part(
-            "Oven_Rail",
-            rail + joined([skirt.moved(x, face + 0.001, knob_z) for x in places]),
-            "handle",
-            collider=None,
-        ),
+        partly_moving("Oven_Window", glass, leaf, clock, "dark_glass"),
+        partly_moving("Oven_Rail", rail, leaf, dials, "handle"),
         Part(
             "Oven_Marks",
             joined([mark.moved(x, face, knob_z) for x in places] + figures),
@@ -96,16 +95,14 @@ def microwave(length: float, height: float, y: float, z: float) -> tuple[Part, .
     ]
     skirt, mark = dial(0.022)
     rail = pull_bar(height * 0.7).turned("y", 90).moved(x - side / 2 - 0.022, face, z + height / 2)
+    leaf = door(case, hung="left", opens_deg=_MICROWAVE_DEG, inside="nothing")
+    grips = joined([*keys, rail, skirt.moved(x, face + 0.001, z + 0.065)])
+    mark = mark.moved(x, face, z + 0.065)
     return (
-        Part("Microwave", case, "appliance"),
-        Part("Microwave_Window", pane + display, "dark_glass", collider=None),
-        Part(
-            "Microwave_Keys",
-            joined([*keys, rail, skirt.moved(x, face + 0.001, z + 0.065)]),
-            "handle",
-            collider=None,
-        ),
-        Part("Microwave_Mark", mark.moved(x, face, z + 0.065), "mark", collider=None),
+        moving_part("Microwave", [case], "appliance", [leaf]),
+        moving_part("Microwave_Window", [pane + display], "dark_glass", [leaf], None),
+        moving_part("Microwave_Keys", [grips], "handle", [leaf], None),
+        moving_part("Microwave_Mark", [mark], "mark", [leaf], None),
     )
 
 
@@ -210,9 +207,9 @@ def refrigerator(size_m: Size, *, kind: FridgeKind = "single") -> tuple[Part, ..
     if kind == "retro":
         return _retro_fridge(size_m)
     length, width, height = size_m
-    out, door, base, seal = 0.045, 0.06, 0.045, 0.008
+    out, thick, base, seal = 0.045, 0.06, 0.045, 0.008
     y = -width / 2 + out
-    depth = width - out - door - seal
+    depth = width - out - thick - seal
     case = block((length, depth, height - base - 0.006), 0.008).moved(
         y=width / 2 - depth / 2, z=base
     )
@@ -220,40 +217,38 @@ def refrigerator(size_m: Size, *, kind: FridgeKind = "single") -> tuple[Part, ..
     rows = (0.62, 1.0) if kind == "single" else (0.5, 1.0)
     face = list(cells(length + 0.002, height - base, 1 if kind == "single" else 2, rows, base))
     leaves = [
-        block((c.length_m, door, c.height_m), 0.008).moved(c.x_m, y + door / 2, c.z_m) for c in face
+        block((c.length_m, thick, c.height_m), 0.008).moved(c.x_m, y + thick / 2, c.z_m)
+        for c in face
     ]
     seals = [
         box((c.length_m - 0.03, seal + 0.004, c.height_m - 0.03)).moved(
-            c.x_m, y + door + seal / 2, c.z_m + 0.015
+            c.x_m, y + thick + seal / 2, c.z_m + 0.015
         )
         for c in face
     ]
+    swings = [
+        door(leaf, hung=hung(c), opens_deg=_FRIDGE_DEG)
+        for c, leaf in zip(face, leaves, strict=True)
+    ]
+    grips = [
+        _fridge_grip(c.x_m, c.z_m, c.length_m, c.height_m, c.row, c.column, y, out) for c in face
+    ]
     parts = [
         Part("Feet", feet, "plinth"),
-        Part("Body", case, "body"),
-        Part("Doors", joined(leaves), "front"),
-        Part("Seals", joined(seals), "seal", collider=None),
-        Part(
-            "Door_Handles",
-            joined(
-                [
-                    _fridge_grip(c.x_m, c.z_m, c.length_m, c.height_m, c.row, c.column, y, out)
-                    for c in face
-                ]
-            ),
-            "handle",
-            collider=None,
-        ),
+        hollow_part("Body", case),
+        moving_part("Doors", leaves, "front", swings),
+        moving_part("Seals", seals, "seal", swings, None),
+        moving_part("Door_Handles", grips, "handle", swings, None),
     ]
     if kind == "double":
-        cell = next(c for c in face if c.row == 1 and c.column == 0)
-        parts += _dispenser(cell.x_m - 0.03, y, cell.z_m + 0.12)
+        at = next(i for i, c in enumerate(face) if c.row == 1 and c.column == 0)
+        parts += _dispenser(face[at].x_m - 0.03, y, face[at].z_m + 0.12, swings[at])
     else:
         top = face[-1]
         plate = block((0.09, 0.004, 0.026), 0.001).moved(
             top.x_m, y - 0.0012, top.z_m + top.height_m - 0.09
         )
-        parts.append(Part("Display", plate, "dark_glass", collider=None))
+        parts.append(moving_part("Display", [plate], "dark_glass", swings[-1:], None))
     return tuple(parts)
 
 
@@ -272,7 +267,7 @@ def _fridge_grip(
     return joined([bar, *feet]).moved(x + sign * (long / 2 - 0.04), y, middle)
 
 
-def _dispenser(x: float, y: float, z: float) -> list[Part]:
+def _dispenser(x: float, y: float, z: float, leaf: Leaf) -> list[Part]:
     """A niche for a glass with its controls over it."""
     wide, tall = 0.19, 0.34
     frame = block((wide, 0.006, tall), 0.002).moved(x, y - 0.002, z)
@@ -285,9 +280,9 @@ def _dispenser(x: float, y: float, z: float) -> list[Part]:
         for n in (-1, 0, 1)
     ]
     return [
-        Part("Dispenser", frame, "dark_glass", collider=None),
-        Part("Dispenser_Lip", lip + spout, "handle", collider=None),
-        Part("Display", joined(marks), "mark", collider=None),
+        moving_part("Dispenser", [frame], "dark_glass", [leaf], None),
+        moving_part("Dispenser_Lip", [lip + spout], "handle", [leaf], None),
+        moving_part("Display", [joined(marks)], "mark", [leaf], None),
     ]
 
 
@@ -298,7 +293,7 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     out, base = 0.03, 0.05
     y = -width / 2 + out
-    door, seal = 0.075, 0.006
+    thick, seal = 0.075, 0.006
     tall = height - base
 
     def shell(front: float, deep: float, low: float, high: float, bulge: float) -> Solid:
@@ -316,14 +311,14 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
             )
         return loft(rings).turned("x", 90).moved(0.0, front + deep, (low + high) / 2)
 
-    depth = width - out - door - seal
+    depth = width - out - thick - seal
     body = shell(width / 2 - depth, depth, base, height, 0.02)
     split = base + tall * 0.3
-    lower = shell(y, door, base + 0.004, split - 0.004, 0.05)
-    upper = shell(y, door, split + 0.004, height - 0.003, 0.05)
+    lower = shell(y, thick, base + 0.004, split - 0.004, 0.05)
+    upper = shell(y, thick, split + 0.004, height - 0.003, 0.05)
     seals = [
         box((length - 0.12, seal + 0.02, high - low - 0.12)).moved(
-            y=y + door + seal / 2, z=low + 0.06
+            y=y + thick + seal / 2, z=low + 0.06
         )
         for low, high in ((base + 0.004, split - 0.004), (split + 0.004, height - 0.003))
     ]
@@ -348,11 +343,12 @@ def _retro_fridge(size_m: Size) -> tuple[Part, ...]:
         )
         grips.append(tube(bow, 0.0078, 10).moved(length / 2 - 0.075, y, z))
     badge = block((0.13, 0.004, 0.022), 0.0015).moved(-length * 0.18, y - 0.001, height - 0.2)
+    swings = [door(leaf, hung="left", opens_deg=_FRIDGE_DEG) for leaf in (lower, upper)]
     return (
         Part("Feet", joined(feet), "handle", collider=None),
-        Part("Body", body, "body"),
-        Part("Doors", lower + upper, "front"),
-        Part("Seals", joined(seals), "seal", collider=None),
-        Part("Door_Handles", joined(grips), "handle", collider=None),
-        Part("Badge", badge, "handle", collider=None),
+        hollow_part("Body", body),
+        moving_part("Doors", [lower, upper], "front", swings),
+        moving_part("Seals", seals, "seal", swings, None),
+        moving_part("Door_Handles", grips, "handle", swings, None),
+        moving_part("Badge", [badge], "handle", swings[1:], None),
     )

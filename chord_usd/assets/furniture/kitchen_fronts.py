@@ -14,8 +14,9 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, Cell, knob
-from chord_usd.assets.model import Part
+from chord_usd.assets.furniture.joinery import FRONT_M, HANDLE_M, Cell, hung, knob
+from chord_usd.assets.model import Part, moving_part
+from chord_usd.assets.moves import door, drawer
 from chord_usd.assets.solids import (
     Solid,
     box,
@@ -57,8 +58,13 @@ def kitchen_fronts(
     """
     name = name or ("Drawers" if drawers else "Doors")
     channelled = form in ("handleless", "slatted")
-    leaves = [_short(cell, low=low) for cell in face] if channelled else list(face)
-    parts = [Part(name, joined([_front(cell, y_m, form) for cell in leaves]), "front")]
+    seen = [_short(cell, low=low) for cell in face] if channelled else list(face)
+    panels = [_front(cell, y_m, form) for cell in seen]
+    leaves = [
+        drawer(panel) if drawers else door(panel, hung=hung(cell))
+        for cell, panel in zip(face, panels, strict=True)
+    ]
+    parts = [moving_part(name, panels, "front", leaves)]
     if channelled:
         strips = [
             box((cell.length_m - 0.004, 0.003, cell.height_m - 0.006)).moved(
@@ -66,10 +72,10 @@ def kitchen_fronts(
             )
             for cell in face
         ]
-        return (*parts, Part(f"{name}_Channels", joined(strips), "channel", collider=None))
+        return (*parts, moving_part(f"{name}_Channels", strips, "channel", leaves, None))
     grips = [_grip(cell, y_m, form, drawer=drawers, low=low) for cell in face]
     stem = name.removesuffix("s")
-    return (*parts, Part(f"{stem}_Handles", joined(grips), "handle", collider=None))
+    return (*parts, moving_part(f"{stem}_Handles", grips, "handle", leaves, None))
 
 
 def _short(cell: Cell, *, low: bool) -> Cell:
@@ -124,7 +130,7 @@ def _grip(cell: Cell, y_m: float, form: FrontForm, *, drawer: bool, low: bool) -
         made = _cup_pull() if form == "shaker" else pull_bar(reach)
         at = 0.5 if form == "shaker" else 1.0 - 0.045 / cell.height_m
         return made.moved(cell.x_m, y_m - FRONT_M, cell.z_m + cell.height_m * max(at, 0.5))
-    inner = 1.0 if cell.column % 2 == 0 else -1.0
+    inner = 1.0 if hung(cell) == "left" else -1.0
     x = cell.x_m + inner * (cell.length_m / 2 - 0.031)
     reach = min(0.26, cell.height_m * 0.5) if form == "bar" else 0.03
     away = 0.05 + reach / 2

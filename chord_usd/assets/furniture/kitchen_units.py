@@ -23,7 +23,7 @@ from chord_usd.assets.furniture.kitchen_fronts import (
 from chord_usd.assets.furniture.kitchen_looks import FRIDGE_LOOKS, LOOKS
 from chord_usd.assets.furniture.sinks import apron_sink, drainer_sink, undermount_bowl
 from chord_usd.assets.furniture.taps import SinkTap, sink_tap
-from chord_usd.assets.model import Design, Draw, Part, Style, editions, steps
+from chord_usd.assets.model import Design, Draw, Part, Style, editions, hollow_part, steps
 from chord_usd.assets.solids import Size, block, box, extruded, joined, ring
 
 PLINTH_M = 0.1
@@ -58,7 +58,7 @@ class _Form:
         depth = width / 2 - y
         tall = height - PLINTH_M - self.worktop_m + 0.001
         case = block((length, depth, tall), 0.0015).moved(y=y + depth / 2, z=PLINTH_M)
-        return plinth(size_m, PLINTH_M, inset_m=0.09), Part("Body", case, "body")
+        return plinth(size_m, PLINTH_M, inset_m=0.09), hollow_part("Body", case)
 
     def worktop(self, size_m: Size) -> Part:
         """A plate over the footprint, cut straight at both ends so that a run has no joints."""
@@ -232,7 +232,7 @@ def _sink_body(size_m: Size, form: _Form) -> tuple[Part, ...]:
         walls.append(box((length - 0.03, 0.016, upper - 0.001)).moved(y=y + 0.01, z=z + 0.001))
     return (
         plinth(size_m, PLINTH_M, inset_m=0.09),
-        Part("Body", low, "body"),
+        hollow_part("Body", low),
         Part("Upper_Body", joined([*cheeks, *walls]), "body", collider=None),
     )
 
@@ -257,7 +257,7 @@ def electrical_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
     upper = list(cells(length, height - top_z - 0.004, 1, z_m=top_z))
     return (
         plinth(size_m, PLINTH_M, inset_m=0.09),
-        Part("Body", case, "body"),
+        hollow_part("Body", case),
         *kitchen_fronts(low, y, form.fronts, drawers=True),
         *oven(length - 0.008, 0.592, y, oven_z),
         *microwave(length - 0.008, 0.385, y, micro_z + 0.002),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from chord_usd.assets.furniture.joinery import (
@@ -16,7 +17,16 @@ from chord_usd.assets.furniture.joinery import (
 from chord_usd.assets.furniture.kitchen_fronts import FORM_STYLES, FrontForm, kitchen_fronts
 from chord_usd.assets.furniture.sinks import sink_bowl
 from chord_usd.assets.furniture.taps import sink_tap
-from chord_usd.assets.model import Design, Part, Style, editions
+from chord_usd.assets.model import (
+    Design,
+    Part,
+    Style,
+    editions,
+    hollow_part,
+    moving_part,
+    placed,
+)
+from chord_usd.assets.moves import Moving, door
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -36,14 +46,14 @@ _DOOR_OUT_M = 0.035
 def washing_machine(size_m: Size) -> tuple[Part, ...]:
     """A front loader: casing with a round opening, bulging glass door, drawer, dial, display."""
     length, width, height = size_m
-    casing, trim = _machine(length, width - _DOOR_OUT_M, height, drum=min(0.175, length * 0.3))
-    return _machine_parts(casing, trim, y=_DOOR_OUT_M / 2)
+    machine = _machine(length, width - _DOOR_OUT_M, height, drum=min(0.175, length * 0.3))
+    return placed(machine, (0.0, _DOOR_OUT_M / 2, 0.0))
 
 
 def _machine(
-    length: float, width: float, height: float, drum: float
-) -> tuple[dict[str, Solid], dict[str, Solid]]:
-    """Casing and trim of one machine, its own front at y = -width / 2."""
+    length: float, width: float, height: float, drum: float, prefix: str = ""
+) -> tuple[Part, ...]:
+    """One machine, its own front at y = -width / 2. Its door opens, and the drum is behind it."""
     y = -width / 2
     front_m, feet = 0.03, 0.02
     centre_z = height * 0.47
@@ -120,55 +130,61 @@ def _machine(
         box((0.006, 0.001, 0.014)).moved(length * 0.29 + 0.0105 * n, y - 0.0047, panel_z + 0.05)
         for n in (-2, -1, 1, 2)
     ]
-    casing = {
-        "Casing": body + face,
-        "Feet": joined(foot),
-        "Drawer": drawer + flap,
-        "Seams": joined([*seam, pull]),
-    }
-    trim = {
-        "Hoop": joined([hoop.turned("x", 90).moved(**door_at), grip]),
-        "Lip": lip.turned("x", 90).moved(**door_at),
-        "Door_Glass": lens.turned("x", 90).moved(**door_at),
-        "Dial": dial,
-        "Display": display,
-        "Keys": joined([*keys, *figures]),
-    }
-    return casing, trim
+    hoop = joined([hoop.turned("x", 90).moved(**door_at), grip])
+    hatch = door(hoop, hung="left", inside="nothing")
+    felt = _up_to(hoop, y)
+    lip = lip.turned("x", 90).moved(**door_at)
+    tub, tub_felt = _tub(drum + 0.03, width - front_m - 0.06, y + front_m, centre_z)
+    parts = (
+        Part("Casing", body + face, "machine", hollow=(body,), still=face,
+             still_felt=felt_around_upright(face, drum, centre_z)),
+        Part("Feet", joined(foot), "rubber", None),
+        Part("Drawer", drawer + flap, "trim", None),
+        Part("Seams", joined([*seam, pull]), "seam", None),
+        Part("Hoop", hoop, "hoop", None, moves=(Moving(hatch, hoop, (felt,)),)),
+        Part("Lip", lip, "hoop", None, still=lip + tub, still_felt=tub_felt),
+        moving_part("Door_Glass", [lens.turned("x", 90).moved(**door_at)], "dark_glass", [hatch],
+                    None),
+        Part("Dial", dial, "hoop", None),
+        Part("Display", display, "dark_glass", None),
+        Part("Keys", joined([*keys, *figures]), "mark", None),
+    )  # fmt: skip
+    return tuple(replace(part, name=prefix + part.name) for part in parts)
 
 
-_MACHINE_SLOTS = {
-    "Casing": "machine",
-    "Feet": "rubber",
-    "Drawer": "trim",
-    "Hoop": "hoop",
-    "Lip": "hoop",
-    "Door_Glass": "dark_glass",
-    "Dial": "hoop",
-    "Display": "dark_glass",
-    "Seams": "seam",
-    "Keys": "mark",
-}
+def _up_to(solid: Solid, y: float) -> Solid:
+    """The box around what of a solid is before a plane."""
+    low, high = solid.bounds_m()
+    size = (float(high[0] - low[0]), float(y - low[1]), float(high[2] - low[2]))
+    return box(size).moved(float(low[0] + high[0]) / 2, float(low[1] + y) / 2, float(low[2]))
 
 
-def _machine_parts(
-    casing: dict[str, Solid],
-    trim: dict[str, Solid],
-    *,
-    x: float = 0.0,
-    y: float = 0.0,
-    z: float = 0.0,
-    prefix: str = "",
-) -> tuple[Part, ...]:
-    return tuple(
-        Part(
-            prefix + name,
-            solid.moved(x, y, z),
-            _MACHINE_SLOTS[name],
-            collider="boundingCube" if name == "Casing" else None,
-        )
-        for name, solid in {**casing, **trim}.items()
-    )
+def _tub(radius: float, deep: float, y: float, z: float) -> tuple[Solid, tuple[Solid, ...]]:
+    """A drum that is open towards -y, and the boards that it is felt as: a square around it."""
+    wall = 0.004
+    profile = [(0.0, 0.0), (radius, 0.0), (radius, deep), (radius - wall, deep),
+               (radius - wall, wall), (0.0, wall)]  # fmt: skip
+    tub = lathe(profile, 36).turned("x", 90).moved(y=y + deep, z=z)
+    plate = box((2 * radius, deep, 0.01))
+    side = box((0.01, deep, 2 * radius))
+    middle = y + deep / 2
+    felt = [plate.moved(y=middle, z=z - radius - 0.01), plate.moved(y=middle, z=z + radius)]
+    felt += [side.moved(s * (radius + 0.005), middle, z - radius) for s in (-1, 1)]
+    return tub, tuple(felt)
+
+
+def felt_around_upright(face: Solid, radius: float, z: float) -> tuple[Solid, ...]:
+    """Boards around a round hole in an upright sheet, to be felt in its place."""
+    low, high = face.bounds_m()
+    deep, y = float(high[1] - low[1]), float(low[1] + high[1]) / 2
+    length, x = float(high[0] - low[0]), float(low[0] + high[0]) / 2
+    side = length / 2 - radius
+    return (
+        box((length, deep, z - radius - float(low[2]))).moved(x, y, float(low[2])),
+        box((length, deep, float(high[2]) - z - radius)).moved(x, y, z + radius),
+        *(box((side, deep, 2 * radius)).moved(x + s * (radius + side / 2), y, z - radius)
+          for s in (-1, 1)),
+    )  # fmt: skip
 
 
 def laundry_counter(
@@ -180,11 +196,11 @@ def laundry_counter(
     tall = height - top - 0.012
     machine_l = min(0.6, length * 0.52) if not has_dryer else min(0.6, length / 2 - 0.02)
     machine_w = width - _DOOR_OUT_M
-    casing, trim = _machine(machine_l, machine_w, tall, drum=min(0.175, machine_l * 0.3))
+    machine = partial(_machine, machine_l, machine_w, tall, min(0.175, machine_l * 0.3))
     x = -(length - machine_l) / 2 + 0.012
-    parts = [*_machine_parts(casing, trim, x=x, y=_DOOR_OUT_M / 2, prefix="Washer_")]
+    parts = [*placed(machine("Washer_"), (x, _DOOR_OUT_M / 2, 0.0))]
     if has_dryer:
-        parts += _machine_parts(casing, trim, x=-x, y=_DOOR_OUT_M / 2, prefix="Dryer_")
+        parts += placed(machine("Dryer_"), (-x, _DOOR_OUT_M / 2, 0.0))
         parts.append(Part("Worktop", _plate(length, width, top, height), "worktop"))
         return tuple(parts)
     case_l = length - machine_l - 0.024
@@ -221,7 +237,7 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float, form: FrontFor
     tap = sink_tap().scaled(0.9, 0.9, 0.9).moved(x, -0.02 + bowl_w / 2 + 0.05, height - 0.002)
     return [
         Part("Plinth", base_part.solid.moved(x=x), "plinth"),
-        Part("Sink_Body", case, "body"),
+        hollow_part("Sink_Body", case),
         Part("Sink_Upper_Body", joined([*rims, back]), "body", collider=None),
         *kitchen_fronts(face, y, form),
         Part("Worktop", plate, "worktop", felt=felt_around(plate, [hole])),
@@ -235,7 +251,7 @@ def laundry_tower(size_m: Size, *, form: FrontForm = "bar") -> tuple[Part, ...]:
     length, width, height = size_m
     machine_l = 0.6
     machine_h = 0.84
-    casing, trim = _machine(machine_l, width - _DOOR_OUT_M, machine_h, drum=0.175)
+    machine = partial(_machine, machine_l, width - _DOOR_OUT_M, machine_h, 0.175)
     x = -(length - machine_l) / 2 + 0.025
     case_l = length - machine_l - 0.05
     case_x = (length - case_l) / 2
@@ -252,13 +268,12 @@ def laundry_tower(size_m: Size, *, form: FrontForm = "bar") -> tuple[Part, ...]:
         *shifted(cells(machine_l + 0.03, height - upper_z - 0.004, 2, z_m=upper_z + 0.002), x),
     ]
     base_part = plinth((case_l, width, height), base, inset_m=0.09)
-    shift = {"x": x, "y": _DOOR_OUT_M / 2}
     return (
-        *_machine_parts(casing, trim, **shift, prefix="Washer_"),
-        *_machine_parts(casing, trim, **shift, z=machine_h + 0.012, prefix="Dryer_"),
+        *placed(machine("Washer_"), (x, _DOOR_OUT_M / 2, 0.0)),
+        *placed(machine("Dryer_"), (x, _DOOR_OUT_M / 2, machine_h + 0.012)),
         Part("Plinth", base_part.solid.moved(x=case_x), "plinth"),
-        Part("Tall_Body", case, "body"),
-        Part("Upper_Body", upper, "body"),
+        hollow_part("Tall_Body", case),
+        hollow_part("Upper_Body", upper),
         Part("Cheek", cheek, "body"),
         *kitchen_fronts(face, y, form),
     )

@@ -10,7 +10,8 @@ import numpy as np
 
 from chord_usd.assets.furniture.joinery import felt_around
 from chord_usd.assets.furniture.taps import tub_tap
-from chord_usd.assets.model import Part, Style, editions
+from chord_usd.assets.model import Part, Style, editions, moving_part
+from chord_usd.assets.moves import Hinge, Leaf, Moving, lid
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -31,6 +32,7 @@ ToiletKind = Literal["coupled", "framed", "classic", "washlet"]
 TubKind = Literal["built_in", "oval", "claw_foot"]
 
 _SEAT_Z_M = 0.4
+_LID_DEG = 88.0
 _SKIRTED = (
     (0.78, 0.72, 0.0),
     (0.795, 0.735, 0.006),
@@ -92,11 +94,11 @@ def _seat(length: float, width: float, back: float) -> list[Part]:
     """A seat and its lid, with the shadow between them, on two hinges."""
     long, deep = length * 1.005, width - 0.045
     seat = _plate(long, deep, _SEAT_Z_M - 0.002, 0.015, back - 0.036)
-    lid = _plate(long * 0.99, deep * 0.99, _SEAT_Z_M + 0.0165, 0.017, back - 0.037, crown=0.006)
+    plate = _plate(long * 0.99, deep * 0.99, _SEAT_Z_M + 0.0165, 0.017, back - 0.037, crown=0.006)
     hinge = cylinder(0.011, 0.034, 0.003, 18).moved(length * 0.2, back - 0.022, _SEAT_Z_M - 0.006)
     return [
         Part("Seat", seat, "seat", collider=None),
-        Part("Lid", lid, "seat"),
+        moving_part("Lid", [plate], "seat", [lid(plate, opens_deg=_LID_DEG)]),
         Part("Hinges", mirrored_pair(hinge), "metal", collider=None),
     ]
 
@@ -115,7 +117,7 @@ def _washlet_seat(length: float, width: float, back: float) -> list[Part]:
     front = back - works_m + 0.03
     deep = width - works_m - 0.01
     seat = _plate(length * 1.005, deep, _SEAT_Z_M - 0.002, 0.02, front)
-    lid = _plate(length * 0.985, deep * 0.99, _SEAT_Z_M + 0.021, 0.024, front, crown=0.014)
+    plate = _plate(length * 0.985, deep * 0.99, _SEAT_Z_M + 0.021, 0.024, front, crown=0.014)
     keys = block((0.046, 0.11, 0.018), 0.004).moved(length / 2 + 0.0, back - 0.1, _SEAT_Z_M + 0.032)
     buttons = [
         cylinder(0.007, 0.004, 0.001, 12).moved(
@@ -129,7 +131,7 @@ def _washlet_seat(length: float, width: float, back: float) -> list[Part]:
     return [
         Part("Works", works, "seat"),
         Part("Seat", seat, "seat", collider=None),
-        Part("Lid", lid, "seat"),
+        _works_lid(plate, back - works_m),
         Part("Pad", pad, "seat", collider=None),
         Part(
             "Hinges",
@@ -138,6 +140,16 @@ def _washlet_seat(length: float, width: float, back: float) -> list[Part]:
             collider=None,
         ),
     ]
+
+
+def _works_lid(plate: Solid, works_y: float) -> Part:
+    """A lid that turns about its upper face where it reaches the works, and goes on into them."""
+    low, high = plate.bounds_m()
+    leaf = Leaf("Lid", Hinge((0.0, works_y, float(high[2])), "x", -_LID_DEG), inside="nothing")
+    deep = works_y - float(low[1]) - 0.002
+    felt = box((float(high[0] - low[0]), deep, float(high[2] - low[2])))
+    felt = felt.moved(y=float(low[1]) + deep / 2, z=float(low[2]))
+    return Part("Lid", plate, "seat", moves=(Moving(leaf, plate, (felt,)),))
 
 
 def _plate(

@@ -28,11 +28,12 @@ from chord_usd.assets.furniture.joinery import (
     doors,
     drawers,
     four_legs,
-    front,
+    hung,
     knob,
     plinth,
 )
-from chord_usd.assets.model import Part, Style, editions, steps
+from chord_usd.assets.model import Part, Style, editions, hollow_part, moving_part, steps
+from chord_usd.assets.moves import door
 from chord_usd.assets.solids import Size, Solid, block, box, joined, mirrored_pair, rounded_slab
 
 
@@ -49,7 +50,7 @@ def sideboard(
     plate = rounded_slab((length, width - HANDLE_M + 0.004, top), 0.006, 0.004, 3)
     return (
         *four_legs(length - 0.1, width - 0.1, base + 0.01, 0.045, is_round=True, splay_m=0.015),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *doors([three[0], three[2]], y, handle, framed=framed),
         *drawers(middle, y, handle),
         Part("Top", plate.moved(y=HANDLE_M / 2 - 0.002, z=height - top), "top"),
@@ -88,6 +89,8 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
         )
         for c in glass
     ]
+    sashes = [_sash(c.x_m, y_up, c.z_m, c.length_m, c.height_m) for c in glass]
+    leaves = [door(sash, hung=hung(c)) for c, sash in zip(glass, sashes, strict=True)]
     plates = [
         _dishes(index).moved(x, width / 2 - depth / 2 + 0.02, z)
         for index, (x, z) in enumerate(
@@ -99,15 +102,14 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
     cornice = block((length, depth + 0.03, top), 0.01)
     return (
         plinth(size_m, base),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *doors(list(cells(length - 0.014, low - base - 0.008, columns, z_m=base + 0.004)), y,
                "knob", framed=True),
         Part("Counter", counter.moved(y=HANDLE_M / 2 - 0.005, z=low), "top"),
         Part("Upper_Cabinet", joined(shell), "body", felt=tuple(shell)),
         Part("Plates", joined(plates), "plate", collider=None),
-        Part("Glazing", joined(panes), "pane", collider=None),
-        Part("Glazed_Doors", joined([_sash(c.x_m, y_up, c.z_m, c.length_m, c.height_m)
-                                     for c in glass]), "front", collider=None),
+        moving_part("Glazed_Doors", sashes, "front", leaves, None),
+        moving_part("Glazing", panes, "pane", leaves, None),
         Part("Cornice", cornice.moved(y=width / 2 - (depth + 0.03) / 2, z=height - top), "body"),
     )  # fmt: skip
 
@@ -159,7 +161,7 @@ def bedside_table(
         *four_legs(length - 0.04, width - 0.08, 0.115, 0.035),
         Part("Sides", mirrored_pair(right), "body", felt=(right, right.scaled(x=-1.0))),
         Part("Shelf", shelf, "body"),
-        Part("Drawer_Box", case, "body"),
+        hollow_part("Drawer_Box", case),
         Part("Back", back, "body"),
         *drawers(list(cells(length - 0.01, 0.172, 1, z_m=drawer_z + 0.004)), y, "knob"),
         Part("Top", plate.moved(y=HANDLE_M / 2 - 0.002, z=height - board), "top"),
@@ -215,13 +217,15 @@ def _flat_front(size_m: Size, *, has_slats: bool) -> tuple[Part, ...]:
     columns = max(2, round(length / 0.6))
     face = list(cells(length - 0.016, height - base - top - 0.006, columns, z_m=base + 0.003))
     if has_slats:
-        panels = Part("Doors", joined([_slatted(c, y) for c in face]), "front")
+        slatted = [_slatted(c, y) for c in face]
+        leaves = [door(one, hung=hung(c)) for c, one in zip(face, slatted, strict=True)]
+        panels = moving_part("Doors", slatted, "front", leaves)
     else:
-        panels = Part("Drawers", joined([front(c, y) for c in face]), "front")
+        (panels,) = drawers(face, y, "none")
     plate = rounded_slab((length, width, top), 0.006, 0.004, 3)
     return (
         *four_legs(length - 0.12, width - 0.06, base + 0.01, 0.045, is_round=True, splay_m=0.012),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         panels,
         Part("Top", plate.moved(z=height - top), "top"),
     )
@@ -243,15 +247,18 @@ def _open_middle(size_m: Size) -> tuple[Part, ...]:
     back = box((inner + 0.01, 0.01, tall - 2 * board)).moved(y=width / 2 - 0.008, z=z)
     shelf = box((inner + 0.006, depth - 0.03, 0.016)).moved(y=middle + 0.01, z=base + 0.52 * tall)
     face = [
-        Cell(side * x, z + 0.003, wide - 0.006, tall - 2 * board - 0.006, 0, 0) for side in (-1, 1)
+        Cell(side * x, z + 0.003, wide - 0.006, tall - 2 * board - 0.006, column, 0)
+        for column, side in enumerate((-1, 1))
     ]
+    right = case.moved(x, middle, z)
+    ends = (right, right.scaled(x=-1.0))
     return (
         *four_legs(length - 0.1, width - 0.04, base + 0.01, 0.05, is_round=True, splay_m=0.05),
         Part("Bottom", plate.scaled(0.998, 0.998, 1.0).moved(z=base), "body"),
-        Part("Ends", mirrored_pair(case.moved(x, middle, z)), "body"),
+        Part("Ends", joined(ends), "body", felt=ends, hollow=ends),
         Part("Back", back, "body", collider=None),
         Part("Shelf", shelf, "body", collider=None),
-        Part("Doors", joined([front(cell, y) for cell in face]), "front"),
+        *doors(face, y, "none"),
         Part("Top", plate.moved(z=height - board), "top"),
     )
 
@@ -266,7 +273,7 @@ def _panelled(size_m: Size) -> tuple[Part, ...]:
     plate = rounded_slab((length, width, top), 0.008, 0.01, 3, 3)
     return (
         plinth((length - 0.01, width, height), base, 0.03),
-        Part("Body", body, "body"),
+        hollow_part("Body", body),
         *doors(face, y, "knob", framed=True),
         Part("Top", plate.moved(z=height - top), "top"),
     )
@@ -290,7 +297,7 @@ def _steel_rack(size_m: Size) -> tuple[Part, ...]:
         *(Part(f"Post_{i}", post.moved(*at), "leg") for i, at in enumerate(places, start=1)),
         Part("Frame", joined(hoops), "leg", collider=None),
         Part("Shelf", plank.moved(z=0.055), "top"),
-        Part("Drawer_Box", case, "body"),
+        hollow_part("Drawer_Box", case),
         *drawers([face], -width / 2 + 0.035, "none"),
         Part("Top", top, "top"),
     )

@@ -14,7 +14,7 @@ from chord_usd.assets.furniture.period_tables import (
     turned_pedestal,
     turned_table,
 )
-from chord_usd.assets.model import Design, Part, Style, editions, steps
+from chord_usd.assets.model import Design, Part, Style, editions, hollow_part, placed, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -118,9 +118,9 @@ def drawer_desk(size_m: Size, *, side: Literal["left", "right"] = "right") -> tu
     feet = block((wide - 0.04, box_depth - 0.06, 0.052)).moved(x, y_face + box_depth / 2)
     return (
         Part("Top", top, "top"),
-        Part("Pedestal", pedestal, "body"),
+        hollow_part("Pedestal", pedestal),
         Part("Pedestal_Feet", feet, "leg"),
-        *(Part(p.name, p.solid.moved(x=x), p.slot, p.collider) for p in fronts),
+        *placed(fronts, (x, 0.0, 0.0)),
         Part("Side_Panel", panel, "body"),
         Part("Modesty_Panel", modesty.moved(-sign * wide / 2, width / 2 - 0.08, tall - 0.35),
              "body"),
@@ -144,7 +144,7 @@ def waterfall_table(size_m: Size) -> tuple[Part, ...]:
     return (
         Part("Top", top, "top"),
         Part("Sides", mirrored_pair(right), "top", felt=(right, right.scaled(x=-1.0))),
-        Part("Drawer_Box", case, "body"),
+        hollow_part("Drawer_Box", case),
         *fronts,
     )  # fmt: skip
 

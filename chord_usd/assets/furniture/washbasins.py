@@ -20,7 +20,7 @@ from chord_usd.assets.furniture.taps import (
     plate_tap,
     tall_basin_tap,
 )
-from chord_usd.assets.model import Part, Style, editions, steps
+from chord_usd.assets.model import Part, Style, editions, hollow_part, steps
 from chord_usd.assets.solids import (
     Size,
     Solid,
@@ -74,20 +74,21 @@ def sunk_bowl(length: float, width: float, deep: float, corner: float) -> Solid:
     return loft(rings)
 
 
-def _open_case(length: float, y: float, back: float, low: float, high: float) -> Solid:
+def _open_case(length: float, y: float, back: float, low: float, high: float) -> Part:
     """A carcass with a hollow top, where bowls hang down: low box, cheeks, back, front rail."""
     depth, hollow = back - y, _BOWL_DEEP_M + 0.02
     body = block((length, depth, high - low - hollow), 0.0015).moved(y=y + depth / 2, z=low)
     z = high - hollow - 0.001
     cheek = box((0.018, depth - 0.002, hollow + 0.001))
     wall = box((length - 0.03, 0.016, hollow - 0.0005))
-    return joined(
-        [
-            body,
-            *(cheek.moved(s * (length - 0.0184) / 2, y + depth / 2, z) for s in (-1, 1)),
-            *(wall.moved(y=at, z=z + 0.0006) for at in (y + 0.0095, back - 0.0095)),
-        ]
-    )
+    upper = [
+        *(cheek.moved(s * (length - 0.0184) / 2, y + depth / 2, z) for s in (-1, 1)),
+        *(wall.moved(y=at, z=z + 0.0006) for at in (y + 0.0095, back - 0.0095)),
+    ]
+    return Part(
+        "Body", joined([body, *upper]), "body", felt=(body, *upper), hollow=(body,),
+        still=joined(upper), still_felt=tuple(upper),
+    )  # fmt: skip
 
 
 def vanity(
@@ -113,7 +114,7 @@ def vanity(
     taps = [basin_tap(tap).moved(x, width / 2 - 0.055, height - 0.001) for x in places]
     foot = block((length * 0.86, width - 0.16, _PLINTH_M + 0.002)).moved(y=0.075)
     return (
-        Part("Body", _open_case(length - 0.004, y, width / 2 - 0.001, _PLINTH_M, top), "body"),
+        _open_case(length - 0.004, y, width / 2 - 0.001, _PLINTH_M, top),
         *kitchen_fronts(face, y, form, drawers=True),
         Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
         Part("Bowl", joined(sunk), "ceramic", collider=None),
@@ -189,7 +190,7 @@ def vessel_unit(
     drain = _drain(x, -0.035, counter + 0.0125)
     return (
         Part("Plinth", foot, "plinth"),
-        Part("Body", case.moved(y=y + depth / 2, z=base), "body"),
+        hollow_part("Body", case.moved(y=y + depth / 2, z=base)),
         *kitchen_fronts(face, y, form),
         Part("Counter", block((length, width, top), 0.003).moved(z=counter - top), "counter"),
         Part("Bowl", bowl, "vessel", collider="none"),
