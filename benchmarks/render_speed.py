@@ -1,14 +1,16 @@
 """What each lever of a render gives: processor seconds to a picture of equal quality.
 
-    python benchmarks/render_speed.py STAGE ... [--camera NAME ...] [--size WxH] [--reference N]
+    python benchmarks/render_speed.py STAGE[:ROOM,...] ... [--size WxH] [--reference N]
 
 Each way of rendering is tried with rising sample counts and compared, as a finished picture, with
-one of many samples by Blender's default settings. The seconds at 35 dB lie between two tries, on
-a straight line of PSNR over the logarithm of seconds. Processor time, since a shared machine's
-clock says little; the import of the stage is counted apart, it is paid once for all cameras.
+one of many samples by Blender's default settings that clamps nothing. The seconds at 35 dB lie
+between two tries, on a straight line of PSNR over the logarithm of seconds. Processor time, since
+a shared machine's clock says little; the import of the stage is counted apart. Every room has a
+run and an exposure of its own, so each picture is the first of its scene.
 
 References and tries are kept in --keep: what was there when a run ended is not made again. A
-reference is the mean of denoised pictures of --block samples, each with noise of its own.
+reference is the mean of denoised pictures of --block samples, each with noise of its own; how far
+the mean of one half of them lies from that of the other tells its noise.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import json
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -32,7 +35,7 @@ from chord_usd.image.exr import read_exr, write_exr
 from chord_usd.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Quality
 from chord_usd.image.joined import joined_rooms
 from chord_usd.image.options import QUALITIES
-from chord_usd.image.stage_cameras import StageCamera, read_views
+from chord_usd.image.stage_cameras import read_views
 from chord_usd.runtime.files import hash_file
 from chord_usd.scene.types import FloatArray
 
@@ -53,7 +56,6 @@ BLENDER = Quality(
     sample_glow=True,
     matte_bounces=False,
     clear_glass=False,
-    portals=False,
     keep_scene=False,
 )
 """Blender's own settings, its denoiser on; at the exposures of rooms its clamp is near ours."""
@@ -67,9 +69,8 @@ WAYS: dict[str, Quality] = {
     LAST: OURS,
     "ours, all lamps": replace(OURS, own_lamps=False),
     "ours, light tree": replace(OURS, light_tree_lamps=0),
-    "ours, shadow rays to sky and screens": replace(OURS, sample_glow=True),
+    "ours, shadow rays to screens": replace(OURS, sample_glow=True),
     "ours, bounces off whole materials": replace(OURS, matte_bounces=False),
-    "ours, portals": replace(OURS, portals=True),
     "ours, glass in the way of light": replace(OURS, clear_glass=False),
     "ours, 12 bounces": replace(OURS, bounces=12),
     "ours, 4 bounces": replace(OURS, bounces=4, diffuse_bounces=3),
@@ -101,38 +102,36 @@ def main() -> None:
     """Measures and writes benchmarks/RESULTS.md."""
     options = _options()
     options.keep.mkdir(parents=True, exist_ok=True)
-    houses = [House.of(stage, options) for stage in options.stage]
-    tried = {name: _tries(name, houses, options) for name in options.way or WAYS}
+    rooms = [room for stage in options.stage for room in Room.all_of(stage, options)]
+    tried = {name: _tries(name, rooms, options) for name in options.way or WAYS}
     rows = [(name, _row(tries)) for name, tries in tried.items()]
     if {FIRST, LAST} <= tried.keys():
         for goal_db in (GOAL_DB, FURTHER_DB):
             gain = _gain(tried[FIRST], tried[LAST], goal_db)
             rows.append((f"{LAST}, times as fast to {goal_db:.0f} dB", gain))
-    count = sum(len(house.job.cameras) for house in houses)
     note = (
         f"Processor seconds a picture to {GOAL_DB:.0f} dB, the PSNR at "
         f"{', '.join(map(str, options.samples))} samples, and by how many levels of 255 the last "
-        f"are brighter; means of {count} rooms of "
-        f"{len(houses)} house{'s' * (len(houses) > 1)} at {options.size} against "
-        f"{options.reference} samples by Blender's defaults."
+        f"are brighter; means of {len(rooms)} rooms of "
+        f"{len(options.stage)} house{'s' * (len(options.stage) > 1)} at {options.size} against "
+        f"{options.reference} samples by Blender's defaults that clamp nothing, whose own noise is "
+        f"{_listed(room.noise_db for room in rooms)} dB below white."
     )
     sys.stdout.write(write_section("render", rows, note))
 
 
-def _tries(name: str, houses: list[House], options: argparse.Namespace) -> list[Try]:
+def _tries(name: str, rooms: list[Room], options: argparse.Namespace) -> list[Try]:
     tries = []
     for samples in options.samples:
-        quality = replace(WAYS[name], samples=samples)
-        found = [house.judged(quality) for house in houses]
-        tries.append(Try(samples, *(np.concatenate(column) for column in zip(*found, strict=True))))
+        found = [room.judged(replace(WAYS[name], samples=samples)) for room in rooms]
+        tries.append(Try(samples, *map(np.array, zip(*found, strict=True))))
         sys.stderr.write(f"{name}: {tries[-1]}\n")
     return tries
 
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("stage", type=Path, nargs="+")
-    parser.add_argument("--camera", action="append", default=[], help="of this room; all rooms")
+    parser.add_argument("stage", nargs="+", help="house.usda, or house.usda:Kitchen_0,Bedroom_0")
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--reference", type=int, default=4096, help="samples (4096)")
     parser.add_argument("--block", type=int, default=256, help="samples rendered at once (256)")
@@ -143,40 +142,44 @@ def _options() -> argparse.Namespace:
 
 
 @dataclass(frozen=True)
-class House:
-    """A stage, and what pictures of its rooms should look like."""
+class Room:
+    """A camera in a room, and what its picture should look like."""
 
     shelf: Shelf
     job: Job
-    wanted: list[FloatArray]
-    """A picture per camera, (H, W, 3) in 0 to 255."""
+    wanted: FloatArray
+    """(H, W, 3) in 0 to 255."""
+    noise_db: float
+    """How far the noise of that lies below white."""
 
     @classmethod
-    def of(cls, stage: Path, options: argparse.Namespace) -> House:
-        """Its references are made now, where they are not kept already."""
+    def all_of(cls, asked: str, options: argparse.Namespace) -> Iterator[Room]:
+        """Their references are made now, where they are not kept already."""
+        path, _, names = asked.partition(":")
+        stage = Path(path)
         width, height = map(int, options.size.split("x"))
         views = read_views(stage)
-        chosen = tuple(c for c in views.cameras if c.room in (options.camera or views.rooms))
-        job = Job(
-            folder="",
-            stage=str(stage.absolute()),
-            cameras=chosen,
-            width_px=width,
-            height_px=height,
-            has_dome=views.has_dome,
-            rooms=views.rooms,
-            joined=joined_rooms(stage),
-        )
-        shelf = Shelf(options.keep, hash_file(stage))
-        exposed = replace(job, exposure_ev=shelf.exposure_ev(job))
-        return cls(shelf, exposed, [shelf.reference(exposed, c, options) for c in chosen])
+        for camera in views.cameras:
+            if camera.room not in (names.split(",") if names else views.rooms):
+                continue
+            job = Job(
+                folder="",
+                stage=str(stage.absolute()),
+                cameras=(camera,),
+                width_px=width,
+                height_px=height,
+                has_dome=views.has_dome,
+                rooms=views.rooms,
+                joined=joined_rooms(stage),
+            )
+            shelf = Shelf(options.keep, hash_file(stage))
+            exposed = replace(job, exposure_ev=shelf.exposure_ev(job))
+            yield cls(shelf, exposed, *shelf.reference(exposed, options))
 
-    def judged(self, quality: Quality) -> tuple[list[float], list[float], list[float]]:
-        """By each camera: processor seconds, PSNR, and the levels by which it is too bright."""
-        cpu_s, pictures = self.shelf.pictures(replace(self.job, quality=quality))
-        off = [a - b for a, b in zip(pictures, self.wanted, strict=True)]
-        psnr_db = [10.0 * np.log10(255.0**2 / np.mean(one**2)) for one in off]
-        return cpu_s, psnr_db, [float(one.mean()) for one in off]
+    def judged(self, quality: Quality) -> tuple[float, float, float]:
+        """Processor seconds, PSNR, and the levels by which the picture is too bright."""
+        cpu_s, picture = self.shelf.picture(replace(self.job, quality=quality))
+        return cpu_s, _psnr_db(picture, self.wanted), float((picture - self.wanted).mean())
 
 
 @dataclass(frozen=True)
@@ -187,36 +190,32 @@ class Shelf:
     stage_hash: str
 
     def exposure_ev(self, job: Job) -> float:
-        """One exposure for all pictures, so that they can be compared: what the first room asks."""
-        first = replace(job, cameras=job.cameras[:1], quality=replace(BLENDER, samples=1))
+        """One exposure for all pictures of a room, so that they can be compared."""
+        first = replace(job, quality=replace(BLENDER, samples=1))
         file = self.folder / f"{self._key(first)}.json"
         if not file.exists():
             with tempfile.TemporaryDirectory() as folder:
                 file.write_text(json.dumps(_run(replace(first, folder=folder))))
         return next(float(m["exposure_ev"]) for m in json.loads(file.read_text()) if "taken" in m)
 
-    def reference(self, job: Job, camera: StageCamera, options: argparse.Namespace) -> FloatArray:
-        """The picture of one camera by Blender's defaults, (H, W, 3) in 0 to 255."""
-        best = replace(BLENDER, samples=options.block, noise=0.0)
-        light = []
-        for block in range(max(1, options.reference // options.block)):
-            one = replace(job, cameras=(camera,), quality=best, seed=1000 + block)
-            channels, _ = read_exr(self._taken(one) / COLOUR_FILE.format(camera.name))
+    def reference(self, job: Job, options: argparse.Namespace) -> tuple[FloatArray, float]:
+        """The picture by Blender's defaults, (H, W, 3) in 0 to 255, and its noise in dB."""
+        best = replace(BLENDER, samples=options.block, noise=0.0, clamp=False)
+        light: list[np.ndarray] = []
+        for block in range(max(2, options.reference // options.block)):
+            one = replace(job, quality=best, seed=1000 + block)
+            channels, _ = read_exr(self._taken(one) / COLOUR_FILE.format(job.cameras[0].name))
             light.append(np.stack([channels[name] for name in "RGB"], axis=-1))
-        with tempfile.TemporaryDirectory() as folder:
-            linear, picture = Path(folder, "mean.exr"), Path(folder, "mean.png")
-            mean = np.mean(light, axis=0)
-            write_exr(linear, {name: mean[..., at] for at, name in enumerate("RGB")})
-            negative = Negative(str(linear), str(picture), float(job.exposure_ev or 0.0))
-            run_blender(Job(folder=folder, negatives=(negative,)), lambda message: None)
-            return _read(picture)
+        whole, *halves = _developed([light, light[::2], light[1::2]], job.exposure_ev or 0.0)
+        # The mean of two halves has half of their difference as its noise.
+        return whole, _psnr_db(*halves) + 20.0 * np.log10(2.0)
 
-    def pictures(self, job: Job) -> tuple[list[float], list[FloatArray]]:
-        """Processor seconds of each picture, and the pictures, (H, W, 3) each."""
+    def picture(self, job: Job) -> tuple[float, FloatArray]:
+        """Processor seconds of the picture, and the picture, (H, W, 3)."""
         folder = self._taken(job)
-        taken = [m for m in json.loads((folder / "messages.json").read_text()) if "taken" in m]
-        files = [folder / PICTURE_FILE.format(camera.name) for camera in job.cameras]
-        return [float(m["cpu_s"]) for m in taken], [_read(file) for file in files]
+        messages = json.loads((folder / "messages.json").read_text())
+        cpu_s = next(float(m["cpu_s"]) for m in messages if "taken" in m)
+        return cpu_s, _read(folder / PICTURE_FILE.format(job.cameras[0].name))
 
     def _taken(self, job: Job) -> Path:
         """The folder with all files of a job, rendered now if it was not before."""
@@ -245,13 +244,33 @@ def _run(job: Job) -> list[dict[str, Any]]:
     return [message for message in messages if "progress" not in message]
 
 
+def _developed(sets: list[list[np.ndarray]], exposure_ev: float) -> list[FloatArray]:
+    """A picture, (H, W, 3), of the mean of each set of linear light."""
+    with tempfile.TemporaryDirectory() as folder:
+        negatives = []
+        for number, light in enumerate(sets):
+            linear, mean = Path(folder, f"{number}.exr"), np.mean(light, axis=0)
+            write_exr(linear, {name: mean[..., at] for at, name in enumerate("RGB")})
+            negatives.append(Negative(str(linear), f"{folder}/{number}.png", exposure_ev))
+        run_blender(Job(folder=folder, negatives=tuple(negatives)), lambda message: None)
+        return [_read(Path(negative.picture)) for negative in negatives]
+
+
+def _psnr_db(picture: FloatArray, other: FloatArray) -> float:
+    return float(10.0 * np.log10(255.0**2 / np.mean((picture - other) ** 2)))
+
+
+def _listed(numbers: Iterable[float]) -> str:
+    return ", ".join(f"{one:.1f}" for one in numbers)
+
+
 def _read(picture: Path) -> np.ndarray:
     return np.asarray(Image.open(picture).convert("RGB")).astype(float)
 
 
 def _row(tries: list[Try]) -> str:
     decibels, cpu_s = _means(tries)
-    quality = ", ".join(f"{one:.1f}" for one in decibels)
+    quality = _listed(decibels)
     quality += f" dB; {tries[-1].brighter.mean():+.1f}"
     if max(decibels) < GOAL_DB:
         return f"not reached in {cpu_s[-1]:.1f} s ({quality})"
@@ -275,7 +294,7 @@ def _gain(theirs: list[Try], ours: list[Try], goal_db: float) -> str:
         both = [_of_room(tries, at) for tries in (theirs, ours)]
         if all(_reaches(decibels, goal_db) for decibels, _ in both):
             rooms.append(_seconds(*both[0], goal_db) / _seconds(*both[1], goal_db))
-    each = ", ".join(f"{one:.1f}" for one in sorted(rooms)) or "none"
+    each = _listed(sorted(rooms)) or "none"
     times = _seconds(*whole[0], goal_db) / _seconds(*whole[1], goal_db)
     return f"{times:.2f} (by room, where measured: {each})"
 

@@ -39,14 +39,11 @@ class Quality:
     """In a room, let only the lamps shine whose light can come in: those of rooms that a passage or
     glass joins to it."""
     sample_glow: bool = False
-    """In houses, send shadow rays to screens and an even sky, too. Few arrive."""
+    """In houses, send shadow rays to screens, too. Few arrive."""
     matte_bounces: bool = True
     """Take surfaces for matte and plain where scattered light meets them."""
     clear_glass: bool = True
     """In houses, let shadow rays and scattered light pass through windows as if they stood open."""
-    portals: bool = False
-    """In houses, send shadow rays to the sky through the windows' holes: 0.6 dB more at equal
-    samples, for 1.4 times the time, in which more samples give more (one room)."""
     guiding: bool = False
     """Learn where light comes from while rendering."""
     clamp: bool = True

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 from shapely.geometry import Polygon
 
 from chord_usd.image.exr import read_exr
@@ -235,12 +236,40 @@ def test_rooms_are_joined_by_what_light_passes(staged_house: Path) -> None:
     assert shut
 
 
+@pytest.fixture
+def house_with_screen(staged_house: Path) -> Iterator[Path]:
+    """The house and, in the middle of the camera's room, a screen that lights it."""
+    path = staged_house.with_name("with_screen.usda")
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(staged_house.name)
+    house = stage.GetPrimAtPath("/House")
+    stage.SetDefaultPrim(house)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    room = house.GetPrimAtPath(f"Rooms/{CAMERA}")
+    middle = Polygon(room.GetAttribute("chord:polygon_m").Get()).centroid
+    corners = [(middle.x + x, middle.y, 1.5 + z) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    screen = UsdGeom.Mesh.Define(stage, room.GetPath().AppendChild("Screen"))
+    screen.CreatePointsAttr(corners)
+    screen.CreateFaceVertexCountsAttr([4])
+    screen.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    material = UsdShade.Material.Define(stage, screen.GetPath().AppendChild("Picture"))
+    shader = UsdShade.Shader.Define(stage, material.GetPath().AppendChild("Surface"))
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f).Set((5.0, 5.0, 5.0))
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    UsdShade.MaterialBindingAPI.Apply(screen.GetPrim()).Bind(material)
+    stage.Save()
+    yield path
+    path.unlink()
+
+
 @pytest.mark.parametrize("lever", [{"own_lamps": False}, {"sample_glow": True}])
 def test_what_shadow_rays_are_sent_to_leaves_the_light_as_it_is(
-    staged_house: Path, tmp_path: Path, lever: dict
+    house_with_screen: Path, tmp_path: Path, lever: dict
 ) -> None:
     ours, other = (
-        _light(staged_house, tmp_path / str(n), matte_bounces=False, **kind)
+        _light(house_with_screen, tmp_path / str(n), matte_bounces=False, **kind)
         for n, kind in enumerate(({}, lever))
     )
     assert not np.array_equal(ours, other)

@@ -41,7 +41,7 @@ def shoot(job: Job, report: Report) -> None:
     data = data_scene(scene, job) if job.data else None
     outside, shades = Outside(scene, job), Shades(job)
     by_lamps = balance(scene, job)
-    aim_at_lamps(scene, job)
+    aim_at_lamps(job)
     if job.quality.matte_bounces:
         make_bounces_matte()
     cut_m, alone = 0.0, any(view.is_alone for view in job.cameras)
