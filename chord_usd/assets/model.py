@@ -15,12 +15,9 @@ from chord_usd.assets.solids import Solid, joined
 from chord_usd.errors import AssetError
 from chord_usd.scene.types import FloatArray
 
-Collider = Literal["boundingCube", "convexHull", "none"]
-"""USD Physics approximation; `none` collides with the triangles themselves (fixed, hollow parts).
-
-boundingCube, along the model's axes, is the steady one in the MuJoCo solver: whatever something
-movable stands on has it. `none` is for what never moves; solvers make one hull of such a mesh.
-"""
+Collider = Literal["boundingCube", "convexHull"]
+"""USD Physics approximation. boundingCube, along the model's axes, is the steady one in the MuJoCo
+solver: whatever something movable stands on has it, and what is hollow is felt as several."""
 
 FIT_TOLERANCE = 0.08
 """Largest share by which a drawn model may miss its nominal size before it counts as wrong."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from chord_usd.assets.furniture.joinery import felt_around
+from chord_usd.assets.furniture.rims import felt_bowl
 from chord_usd.assets.furniture.taps import tub_tap
 from chord_usd.assets.model import Part, Style, editions, moving_part
 from chord_usd.assets.moves import Hinge, Leaf, Moving, lid
@@ -309,13 +309,9 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
     drain = lathe([(0.03, 0), (0.03, 0.004), (0.022, 0.005), (0.02, 0.008), (0, 0.009)], 26)
     overflow = lathe([(0.033, 0), (0.033, 0.006), (0.028, 0.012), (0, 0.013)], 26).turned("y", 90)
     at = -inner_l / 2 + 0.036
-    tub = Part("Tub", loft([*_tub_skin(size_m, kind), *hollow]), "ceramic", collider="none")
-    if kind == "built_in":
-        sunk = box((inner_l, inner_w, floor))
-        felt = (*felt_around(tub.solid, [hollow[0][:, :2]]), sunk)
-        tub = replace(tub, collider="boundingCube", felt=felt)
+    tub = loft([*_tub_skin(size_m, kind), *hollow])
     parts = [
-        tub,
+        Part("Tub", tub, "ceramic", felt=_felt_tub(tub, hollow[0][:, :2], rim, floor, kind)),
         Part("Drain", drain.moved(-inner_l * 0.27, 0.0, floor + 0.0005), "metal", collider=None),
         Part(
             "Overflow",
@@ -338,6 +334,18 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
         0.0, width / 2 - rim / 2 - (0.011 if kind == "claw_foot" else 0.003), height - 0.003
     )
     return (*parts, Part("Tap", tap, "metal", collider=None, above=True))
+
+
+def _felt_tub(
+    tub: Solid, mouth: FloatArray, rim: float, floor: float, kind: TubKind
+) -> tuple[Solid, ...]:
+    """Its sides and its floor. mouth: (N, 2) where the hollow begins; rim: width around it."""
+    if kind == "built_in":
+        length, width = (float(side) for side in np.ptp(mouth, axis=0))
+        return (*felt_around(tub, [mouth]), box((length, width, floor)))
+    low_m, height = (float(corner[2]) for corner in tub.bounds_m())
+    middles = mouth * (1.0 + rim / np.abs(mouth).max(axis=0))
+    return felt_bowl(middles, rim, low_m, floor, height)
 
 
 def _tub_skin(size_m: Size, kind: TubKind) -> list[FloatArray]:

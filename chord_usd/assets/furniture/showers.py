@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from chord_usd.assets.furniture.rims import felt_bowl
 from chord_usd.assets.model import Part, Style, editions
 from chord_usd.assets.solids import (
     Size,
@@ -31,34 +32,40 @@ def shower(
 ) -> tuple[Part, ...]:
     """A shower: tray with drain, glass in metal profiles, riser rail with head at the back wall."""
     length, width, height = size_m
-    corner = 0.01 if kind != "corner" else 0.0
-    tray = _tray(length, width, corner) if kind != "corner" else _quadrant_tray(length, width)
+    tray, line = _tray(length, width, 0.01), ring(length, width, 0.0, 0.0, 0)[:, :2]
     glass_h = min(2.0, height - 0.06)
-    if kind in ("walk_in", "gridded"):
-        screens, frame = _walk_in(length, width, glass_h, gridded=kind == "gridded")
+    if kind == "corner":
+        tray, line = _quadrant_tray(length, width), _quadrant_line(length, width, 0.0)
+        panes, frame = _quadrant(length, width, glass_h)
     elif kind == "cabin":
-        screens, frame = _cabin(length, width, glass_h)
+        panes, frame = _cabin(length, width, glass_h)
     else:
-        screens, frame = _quadrant(length, width, glass_h)
+        panes, frame = _walk_in(length, width, glass_h, gridded=kind == "gridded")
     x = -length * 0.18 if kind == "corner" else 0.0
     drain_y = 0.12 if kind == "corner" else -0.05
     rim = lathe([(0.06, 0), (0.06, 0.004), (0.052, 0.006), (0.05, 0.0045), (0, 0.0045)], 32)
     cover = lathe([(0.046, 0.004), (0.046, 0.0075), (0.042, 0.009), (0, 0.009)], 32)
     drain = rim + cover
     return (
-        Part("Tray", tray, "ceramic", collider="none"),
+        Part("Tray", tray, "ceramic", felt=_felt_tray(line)),
         Part("Drain", drain.moved(x, drain_y, 0.022), "metal", collider=None),
-        Part("Glass", screens, "glass", collider="none"),
+        Part("Glass", joined(panes), "glass", felt=panes),
         Part("Profiles", frame, "metal", collider=None),
         *_riser(x, width / 2, height),
     )
 
 
-_TRAY_M = 0.07
+_TRAY_M, _RIM_M = 0.07, 0.05
+
+
+def _felt_tray(line: FloatArray) -> tuple[Solid, ...]:
+    """Rim and floor of a tray with this outline, (N, 2)."""
+    rim = line * (1.0 - _RIM_M / 2 / np.abs(line).max(axis=0))
+    return felt_bowl(rim, _RIM_M, 0.0, 0.03, _TRAY_M)
 
 
 def _tray(length: float, width: float, corner: float) -> Solid:
-    rim = 0.05
+    rim = _RIM_M
     return loft(
         [
             ring(length, width, corner + 0.02, 0.0, 3),
@@ -101,15 +108,16 @@ def _pane(length: float, x: float, y: float, height: float, *, sideways: bool = 
 
 def _walk_in(
     length: float, width: float, height: float, *, gridded: bool = False
-) -> tuple[Solid, Solid]:
+) -> tuple[tuple[Solid, ...], Solid]:
     """One fixed screen over two thirds of the front and one along the right side.
 
     gridded: crossed by slim bars, as windows of workshops are.
     """
     wide, y = length * 0.62, -width / 2 + 0.025
     front_x, side_x = (length - wide) / 2 - 0.02, length / 2 - 0.025
-    panes = _pane(wide, front_x, y, height) + _pane(
-        width - 0.05, side_x, 0.0, height, sideways=True
+    panes = (
+        _pane(wide, front_x, y, height),
+        _pane(width - 0.05, side_x, 0.0, height, sideways=True),
     )
     post = block((0.02, 0.02, height + 0.004), 0.002)
     posts = [
@@ -143,16 +151,16 @@ def _grid_bars(wide: float, x: float, y: float, height: float) -> list[Solid]:
     ]
 
 
-def _cabin(length: float, width: float, height: float) -> tuple[Solid, Solid]:
+def _cabin(length: float, width: float, height: float) -> tuple[tuple[Solid, ...], Solid]:
     """Glass on the front and both sides, a sliding door with a grip, rails top and bottom."""
     y, side_x = -width / 2 + 0.025, length / 2 - 0.025
     half = (length - 0.05) / 2
-    panes = [
+    panes = (
         _pane(half + 0.02, -half / 2, y, height),
         _pane(half + 0.02, half / 2, y + 0.02, height),
         _pane(width - 0.05, side_x, 0.0, height, sideways=True),
         _pane(width - 0.05, -side_x, 0.0, height, sideways=True),
-    ]
+    )
     post = block((0.028, 0.028, height + 0.007), 0.003)
     frame = [
         mirrored_pair(post.moved(side_x, at, _TRAY_M - 0.0045)) for at in (y, width / 2 - 0.016)
@@ -166,14 +174,19 @@ def _cabin(length: float, width: float, height: float) -> tuple[Solid, Solid]:
         [[0.0, 0.0, 0.85], [0, -0.022, 0.85], [0, -0.022, 1.25], [0, 0, 1.25]], 0.02, 2
     )
     frame.append(tube(grip, 0.006, 8).moved(0.02, y - 0.002))
-    return joined(panes), joined(frame)
+    return panes, joined(frame)
 
 
-def _quadrant(length: float, width: float, height: float) -> tuple[Solid, Solid]:
-    """Curved glass over the round corner."""
+def _quadrant(length: float, width: float, height: float) -> tuple[tuple[Solid, ...], Solid]:
+    """Curved glass over the round corner, in flat panes."""
     line = _quadrant_line(length, width, 0.025)[1:]
     inner = _quadrant_line(length, width, 0.033)[1:]
-    glass = extruded(np.concatenate([line, inner[::-1]]), height).moved(z=_TRAY_M - 0.004)
+    panes = tuple(
+        extruded(np.array([*line[n : n + 2], *inner[n : n + 2][::-1]]), height).moved(
+            z=_TRAY_M - 0.004
+        )
+        for n in range(len(line) - 1)
+    )
     outer, inmost = (
         _quadrant_line(length, width, 0.014)[1:],
         _quadrant_line(length, width, 0.044)[1:],
@@ -188,7 +201,7 @@ def _quadrant(length: float, width: float, height: float) -> tuple[Solid, Solid]
     ]
     middle = line[6] * 1.02
     grip = tube([[*middle, 0.85], [*middle, 1.25]], 0.008, 8)
-    return glass, joined([*frame, grip])
+    return panes, joined([*frame, grip])
 
 
 def _riser(x: float, back: float, height: float) -> tuple[Part, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Literal
 
@@ -14,6 +15,7 @@ from chord_usd.assets.furniture.kitchen_fronts import (
     kitchen_fronts,
     reach_m,
 )
+from chord_usd.assets.furniture.rims import felt_bowl
 from chord_usd.assets.furniture.taps import (
     BasinTap,
     basin_tap,
@@ -74,6 +76,18 @@ def sunk_bowl(length: float, width: float, deep: float, corner: float) -> Solid:
     return loft(rings)
 
 
+def _felt_sunk(length: float, width: float, deep: float, slab: float) -> tuple[Solid, ...]:
+    """Of a sunk bowl: what hangs down below a slab."""
+    line = ring(length - 0.02, width - 0.02, 0.06, 0.0, 3)[:, :2]
+    return felt_bowl(line, 0.02, -deep - 0.012, -deep, max(-slab, -deep + 0.01))
+
+
+def _at_each(
+    felt: Sequence[Solid], places: Sequence[float], y: float, z: float
+) -> tuple[Solid, ...]:
+    return tuple(one.moved(x, y, z) for x in places for one in felt)
+
+
 def _open_case(length: float, y: float, back: float, low: float, high: float) -> Part:
     """A carcass with a hollow top, where bowls hang down: low box, cheeks, back, front rail."""
     depth, hollow = back - y, _BOWL_DEEP_M + 0.02
@@ -110,6 +124,7 @@ def vanity(
     outline = ring(length, width, 0.006, 0.0, 2)[:, :2]
     plate = extruded(outline, _SLAB_M, holes).moved(z=top)
     sunk = [sunk_bowl(bowl_l, bowl_w, _BOWL_DEEP_M, 0.07).moved(x, at_y, height) for x in places]
+    felt = _felt_sunk(bowl_l, bowl_w, _BOWL_DEEP_M, _SLAB_M)
     drains = [_drain(x, at_y, height - _BOWL_DEEP_M - 0.001) for x in places]
     taps = [basin_tap(tap).moved(x, width / 2 - 0.055, height - 0.001) for x in places]
     foot = block((length * 0.86, width - 0.16, _PLINTH_M + 0.002)).moved(y=0.075)
@@ -117,7 +132,7 @@ def vanity(
         _open_case(length - 0.004, y, width / 2 - 0.001, _PLINTH_M, top),
         *kitchen_fronts(face, y, form, drawers=True),
         Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
-        Part("Bowl", joined(sunk), "ceramic", collider=None),
+        Part("Bowl", joined(sunk), "ceramic", felt=_at_each(felt, places, at_y, height)),
         Part("Drain", joined(drains), "metal", collider=None),
         Part("Tap", joined(taps), "metal", collider=None, above=True),
         Part("Plinth", foot, "plinth"),
@@ -165,6 +180,15 @@ def _vessel(kind: VesselKind, radius: float, rise: float) -> Solid:
     return lathe([*soft, (0.0, 0.014)], 44)
 
 
+def _felt_vessel(bowl: Solid) -> tuple[Solid, ...]:
+    """Its rim and its floor."""
+    low, high = bowl.bounds_m()
+    length, width, rise = (float(side) for side in high - low)
+    inner = ring(length - 0.024, width - 0.024, min(length, width) / 2 - 0.012, 0.0, 5)[:, :2]
+    at = low + (high - low) * (0.5, 0.5, 0.0)
+    return tuple(one.moved(*at) for one in felt_bowl(inner, 0.024, 0.0, 0.016, rise))
+
+
 def vessel_unit(
     size_m: Size, *, form: FrontForm = "slatted", kind: VesselKind = "round", wall_tap: bool = False
 ) -> tuple[Part, ...]:
@@ -193,7 +217,7 @@ def vessel_unit(
         hollow_part("Body", case.moved(y=y + depth / 2, z=base)),
         *kitchen_fronts(face, y, form),
         Part("Counter", block((length, width, top), 0.003).moved(z=counter - top), "counter"),
-        Part("Bowl", bowl, "vessel", collider="none"),
+        Part("Bowl", bowl, "vessel", felt=_felt_vessel(bowl)),
         Part("Drain", drain, "metal", collider=None),
         Part("Tap", tap, "metal", collider=None, above=True),
     )
@@ -211,6 +235,7 @@ def console(size_m: Size) -> tuple[Part, ...]:
     outline = ring(length, width, 0.01, 0.0, 3)[:, :2]
     plate = extruded(outline, slab, holes).moved(z=height - slab)
     sunk = [sunk_bowl(bowl_l, bowl_w, slab - 0.02, 0.03).moved(x, at_y, height) for x in places]
+    felt = _felt_sunk(bowl_l, bowl_w, slab - 0.02, slab)
     x, y = length / 2 - leg_m / 2 - 0.004, width / 2 - leg_m / 2 - 0.004
     leg = block((leg_m, leg_m, height - slab + 0.001), 0.002)
     frame = [leg.moved(sx * x, sy * y) for sx in (-1, 1) for sy in (-1, 1)]
@@ -231,7 +256,7 @@ def console(size_m: Size) -> tuple[Part, ...]:
     ]
     return (
         Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
-        Part("Bowl", joined(sunk), "ceramic", collider=None),
+        Part("Bowl", joined(sunk), "ceramic", felt=_at_each(felt, places, at_y, height)),
         Part(
             "Drain",
             joined([_drain(at, at_y, height - slab + 0.019) for at in places]),
