@@ -2,29 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from chord_usd.assets.finishes import Finish, Surface
+from chord_usd.scene.feels import Feel
 
 if TYPE_CHECKING:
     from pxr import Usd
 
 _METAL_FROM = 0.5
 _CLEAR_BELOW = 0.7
-
-
-@dataclass(frozen=True)
-class Feel:
-    """A physics material, in the terms of USD Physics."""
-
-    static_friction: float
-    dynamic_friction: float
-    """Against a surface like itself."""
-    restitution: float
-    """Speed after a bounce as a share of that before."""
-    density_kg_per_m3: float
-    """Of the solid stuff, without the air in what is made of it."""
 
 
 METAL = Feel(0.45, 0.35, 0.25, 7800.0)

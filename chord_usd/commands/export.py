@@ -23,6 +23,7 @@ _PACKAGES = {
     "ifc": "a building in IFC4",
     "dxf": "a plan for CAD",
     "ros": "a folder with an occupancy grid, rooms, doors and free poses for robots",
+    "mujoco": "a folder with an MJCF model, its meshes and textures",
 }
 
 

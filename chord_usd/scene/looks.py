@@ -39,6 +39,8 @@ class Look:
     author: str
     standing: bool = False
     """Whether it begins at the floor, such as panels with a rail."""
+    family: str = ""
+    """What it was drawn by, if it was."""
 
 
 class LookSource(Protocol):
@@ -106,4 +108,5 @@ def _look(data: Mapping[str, Any], folder: Path) -> Look:
         licence=str(data["licence"]),
         author=str(data["author"]),
         standing=bool(data.get("standing", False)),
+        family=str(data.get("family", "")),
     )

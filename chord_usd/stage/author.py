@@ -194,7 +194,8 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
     root = define(layer, "/House", "Xform", kind="assembly")
     identify(root, "House", f"./{target.name}")
     inherit(root, define_class(layer, "House"))
-    write_gravity(layer, "/House/PhysicsScene")
+    # Beside the house: two houses on one stage bring no two scenes.
+    write_gravity(layer, "/PhysicsScene")
     define(layer, "/House/Rooms", "Xform", kind="group")
     return layer
 
@@ -215,7 +216,7 @@ def _order_prims(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
         prim.nameChildrenOrder = ["Architecture", "Furniture", "Lights"]
     house = layer.GetPrimAtPath("/House")
     house.nameChildrenOrder = [
-        "PhysicsScene", "Rooms", "Exterior", "Ground", "Lighting", "Cameras", "Render"
+        "Rooms", "Exterior", "Ground", "Lighting", "Cameras", "Render"
     ]  # fmt: skip
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 PACKAGES = {
     "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
+    "mujoco": "",
 }  # fmt: skip
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
@@ -27,10 +28,11 @@ _WRITERS = {
     "ifc": "exchange.ifc_model.write_ifc",
     "dxf": "exchange.dxf_drawing.write_dxf",
     "ros": "exchange.robot_map.write_map",
+    "mujoco": "exchange.mjcf_model.write_mjcf",
 }
 """What writes each, in this folder: a function of the open stage and of where to write."""
 
-_FILES = (".yaml", ".pgm", ".json")
+_FILES = (".yaml", ".pgm", ".json", ".xml", ".mjcf")
 """Suffixes of what lies in folders: whoever names such a file means its folder."""
 
 

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
-from chord_usd.scene.geometry import shared_rows
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
 from chord_usd.stage.gltf_lights import camera_of, light_of
 from chord_usd.stage.gltf_looks import Looks
-from chord_usd.stage.mesh import corner_normals, fans
-from chord_usd.stage.textures import bound_material, placed, st_of
+from chord_usd.stage.textures import bound_material
+from chord_usd.stage.vertices import Vertices, vertices_of
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
@@ -26,7 +23,6 @@ _ASIDE = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)
 """Purposes of colliders and of the ground outside."""
 
 _LABELS = "SemanticsLabelsAPI:"
-_NORMAL_STEPS = 2.0**20
 _DIGITS = 6
 
 
@@ -39,16 +35,6 @@ def write_glb(stage: Usd.Stage, target: Path) -> None:
     """
     writer = _Writer(stage)
     target.write_bytes(writer.file.to_bytes(writer.root(stage.GetDefaultPrim())))
-
-
-@dataclass(frozen=True, eq=False)
-class _Vertices:
-    """Vertices of one material, and (T, 3) triangles of them."""
-
-    points: FloatArray
-    normals: FloatArray
-    uvs: FloatArray | None
-    triangles: np.ndarray
 
 
 class _Writer:
@@ -135,18 +121,18 @@ class _Writer:
 
     def _primitives(self, node: Usd.Prim, prims: list[Usd.Prim]) -> list[Entry]:
         """One primitive for each material."""
-        parts: dict[int | None, list[_Vertices]] = {}
+        parts: dict[int | None, list[Vertices]] = {}
         for prim in prims:
             frame, _ = self._frames.ComputeRelativeTransform(prim, node)
             two_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get())
             look = self._looks.of(bound_material(prim), two_sided=two_sided)
             material, placement = look or (None, None)
-            vertices = _vertices(prim, np.array(frame).T, placement)
+            vertices = vertices_of(prim, np.array(frame).T, placement)
             if vertices is not None:
                 parts.setdefault(material, []).append(vertices)
         return [self._primitive(material, found) for material, found in parts.items()]
 
-    def _primitive(self, material: int | None, parts: list[_Vertices]) -> Entry:
+    def _primitive(self, material: int | None, parts: list[Vertices]) -> Entry:
         starts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
         triangles = [part.triangles + at for part, at in zip(parts, starts, strict=True)]
         points = np.vstack([part.points for part in parts])
@@ -187,68 +173,3 @@ def _extras(prim: Usd.Prim, room: str) -> Entry:
         said["room"] = room
     noted = prim.GetAttribute("chord:node_id").Get()
     return said | ({"id": noted} if noted else {}) | {"path": str(prim.GetPath())}
-
-
-def _vertices(prim: Usd.Prim, frame: FloatArray, placement: FloatArray | None) -> _Vertices | None:
-    """The mesh of a prim in another frame, (4, 4); corners that agree in all are one vertex.
-
-    placement: (2, 3) of texture coordinates; None for a mesh that needs none.
-    """
-    mesh = UsdGeom.Mesh(prim)
-    counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or (), dtype=np.int32)
-    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
-    if not len(corners):
-        return None
-    points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64)
-    normals = _per_corner(mesh.GetNormalsAttr().Get(), mesh.GetNormalsInterpolation(), corners)
-    if normals is None:
-        normals = corner_normals(points[corners], counts)
-    keys = [corners, _numbered(normals)]
-    uvs = None
-    if placement is not None:
-        uvs = _uvs(prim, corners, placement)
-        keys.append(shared_rows(uvs)[1].astype(np.int64))
-    first, index = _same_in_all(keys)
-    points, normals = points[corners[first]], normals[first]
-    triangles = index[fans(counts)]
-    if not np.array_equal(frame, np.eye(4)):
-        points = points @ frame[:3, :3].T + frame[:3, 3]
-        normals = normals @ np.linalg.inv(frame[:3, :3])
-        if np.linalg.det(frame[:3, :3]) < 0.0:
-            triangles = triangles[:, ::-1]
-    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    return _Vertices(points, normals, None if uvs is None else uvs[first], triangles)
-
-
-def _uvs(prim: Usd.Prim, corners: np.ndarray, placement: FloatArray) -> FloatArray:
-    """(C, 2) texture coordinates as glTF has them: v runs down."""
-    st = st_of(prim)
-    flat = _per_corner(st.ComputeFlattened(), st.GetInterpolation(), corners) if st else None
-    laid = placed(np.zeros((len(corners), 2)) if flat is None else flat, placement)
-    return np.column_stack([laid[:, 0], 1.0 - laid[:, 1]])
-
-
-def _per_corner(values: Any, interpolation: str, corners: np.ndarray) -> FloatArray | None:
-    """(C, K) values of each corner of a mesh; None where there are none."""
-    if values is None or not len(values):
-        return None
-    array = np.array(values, dtype=np.float64)
-    if interpolation == UsdGeom.Tokens.constant:
-        return np.repeat(array[:1], len(corners), axis=0)
-    return array if interpolation == UsdGeom.Tokens.faceVarying else array[corners]
-
-
-def _numbered(normals: FloatArray) -> np.ndarray:
-    """(C,) the same number for the same direction."""
-    steps = np.round((normals + 1.0) / 2.0 * (_NORMAL_STEPS - 1.0)).astype(np.int64)
-    packed = (steps[:, 0] << 42) | (steps[:, 1] << 21) | steps[:, 2]
-    return np.unique(packed, return_inverse=True)[1].reshape(-1)
-
-
-def _same_in_all(keys: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """First corner of each group that agrees in all keys, and (C,) the group of each corner."""
-    together = keys[0]
-    for key in keys[1:]:
-        together = np.unique(together * (key.max() + 1) + key, return_inverse=True)[1].reshape(-1)
-    _, first, index = np.unique(together, return_index=True, return_inverse=True)
-    return first, index.reshape(-1)

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
-from pxr import Ar, UsdShade
+from pxr import UsdShade
 
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
-from chord_usd.stage.textures import placement_of, source_of, value_of
+from chord_usd.stage.textures import picture_bytes, placement_of, texture_of, value_of
 
 _TYPES = {"JPEG": "image/jpeg", "PNG": "image/png"}
 _QUALITY = 85
@@ -51,7 +51,7 @@ class Looks:
 
     def _entry(self, shader: UsdShade.Shader) -> tuple[Entry, FloatArray | None]:
         inputs = ("diffuseColor", "roughness", "normal", "emissiveColor")
-        colour, rough, normal, glow = (_texture(shader, name) for name in inputs)
+        colour, rough, normal, glow = (texture_of(shader, name) for name in inputs)
         opacity = float(value_of(shader, "opacity", 1.0))
         metallic = float(value_of(shader, "metallic", 0.0))
         # Constants under a texture are its mean, for readers without pictures.
@@ -90,14 +90,6 @@ class Looks:
             self._file.extend("KHR_materials_emissive_strength")
             said = {"emissiveStrength": _rounded([beyond])[0]}
             entry["extensions"] = {"KHR_materials_emissive_strength": said}
-
-
-def _texture(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
-    """The texture that an input reads; None for one whose file is not there."""
-    texture = source_of(shader, name)
-    wire = texture.GetInput("file") if texture else None
-    file = wire.Get() if wire else None
-    return texture if file and file.resolvedPath else None
 
 
 def _rgb(shader: UsdShade.Shader, name: str) -> Any:
@@ -148,8 +140,7 @@ class _Pictures:
     def _bytes(self, texture: UsdShade.Shader) -> bytes:
         path = texture.GetInput("file").Get().resolvedPath
         if path not in self._read:
-            asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
-            self._read[path] = bytes(asset.GetBuffer())
+            self._read[path] = picture_bytes(texture)
         return self._read[path]
 
     def _place(self, data: bytes, kind: str, path: str) -> int:

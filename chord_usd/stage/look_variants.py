@@ -13,9 +13,11 @@ import numpy as np
 from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
+from chord_usd.scene.feels import FEEL_OF_LOOK, FEEL_OF_SURFACE
 from chord_usd.scene.looks import LOOK_FILE, Look, LookSource
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
+from chord_usd.stage.physics import write_feel
 from chord_usd.stage.prims import Types, add_variants, attribute, label, over
 from chord_usd.stage.shell import floor_material, wall_material
 from chord_usd.stage.surfaces import PLAIN_SURFACES, shade
@@ -44,6 +46,7 @@ def wear_looks(
         ("wall", wall_material(room)),
     )
     for part, material in parts:
+        plain = f"Plain{part.capitalize()}"
         rng = _generator(seed, room.room.id, part)
         choices = looks.choices(part, room.room, CHOICES) if looks else ()
         variants = add_variants(
@@ -51,11 +54,12 @@ def wear_looks(
         )
         specs = [over(variant, "Architecture", "Materials", material) for variant in variants]
         if not choices:
-            shade(layer, specs[0], PLAIN_SURFACES[f"Plain{part.capitalize()}"])
+            shade(layer, specs[0], PLAIN_SURFACES[plain])
         for spec, look in zip(specs, choices, strict=False):
             package = materials.add(look.usd_path, [LOOK_FILE])
             spec.referenceList.prependedItems.append(Sdf.Reference(package))
             label(spec, "material", look.name)
+            write_feel(spec, FEEL_OF_LOOK.get(look.family, FEEL_OF_SURFACE[plain]))
             _lay(spec, look, part == "floor" and _runs_north(floor), rng)
 
 

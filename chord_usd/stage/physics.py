@@ -12,6 +12,7 @@ from collections.abc import Mapping
 
 from pxr import Gf, Sdf, Vt
 
+from chord_usd.scene.feels import Feel
 from chord_usd.scene.types import Box, Item
 from chord_usd.stage.prims import Types, apply_schema, attribute, define, note, place, relate
 
@@ -112,14 +113,15 @@ def hang_leaf(
     hinge_m: tuple[float, float, float],
     box: Box,
     opens_deg: tuple[float, float],
+    material: Sdf.Path,
 ) -> None:
     """Make a door's leaf a body that turns about its own z axis, beside it a joint `Hinge_n`.
 
     hinge_m: the leaf's origin in the frame of its door. box: what the leaf fills, in its own frame.
-    opens_deg: the smallest and the largest turn; closed is 0.
+    opens_deg: the smallest and the largest turn; closed is 0. material: that it feels like.
     """
     give_body(leaf, _LEAF_KG_PER_M2 * box.size_m[0] * box.size_m[2])
-    write_collider(layer, leaf.path.AppendChild("Collider"), box)
+    write_collider(layer, leaf.path.AppendChild("Collider"), box, material)
     path = leaf.path.GetParentPath().AppendChild(leaf.name.replace("Leaf", "Hinge"))
     joint = define(layer, path, "PhysicsRevoluteJoint")
     relate(joint, "physics:body0", [leaf.path.GetParentPath()])
@@ -133,10 +135,20 @@ def hang_leaf(
     attribute(joint, "physics:upperLimit", Types.Float, opens_deg[1])
 
 
-def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box) -> None:
-    """A box that is not seen but felt; its size is also its scale."""
+def write_feel(material: Sdf.PrimSpec, feel: Feel) -> None:
+    """Make a material one that is felt, too."""
+    apply_schema(material, "PhysicsMaterialAPI")
+    attribute(material, "physics:staticFriction", Types.Float, feel.static_friction)
+    attribute(material, "physics:dynamicFriction", Types.Float, feel.dynamic_friction)
+    attribute(material, "physics:restitution", Types.Float, feel.restitution)
+    attribute(material, "physics:density", Types.Float, feel.density_kg_per_m3)
+
+
+def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box, material: Sdf.Path) -> None:
+    """A box that is not seen but felt like a material; its size is also its scale."""
     cube = define(layer, path, "Cube")
-    apply_schema(cube, "PhysicsCollisionAPI")
+    apply_schema(cube, "PhysicsCollisionAPI", "MaterialBindingAPI")
+    relate(cube, "material:binding:physics", [material])
     attribute(cube, "purpose", Types.Token, "guide", uniform=True)
     attribute(cube, "size", Types.Double, 1.0)
     extent = Vt.Vec3fArray([Gf.Vec3f(-0.5), Gf.Vec3f(0.5)])

@@ -18,6 +18,7 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
+from chord_usd.scene.feels import FEEL_OF_SURFACE
 from chord_usd.scene.geometry import footprint_polygon, polygons_of
 from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
@@ -35,7 +36,7 @@ from chord_usd.stage.opening_parts import (
     side_of,
 )
 from chord_usd.stage.opening_shapes import Leaf, Part
-from chord_usd.stage.physics import DOOR_OPENS_DEG, hang_leaf, write_collider
+from chord_usd.stage.physics import DOOR_OPENS_DEG, hang_leaf, write_collider, write_feel
 from chord_usd.stage.prims import (
     bind,
     define,
@@ -70,6 +71,8 @@ _SLAB_M = 0.2
 _TILED = ("bathroom", "balcony")
 """Kinds of rooms without skirting boards."""
 
+_FLOOR = "_Floor"
+
 _GLASS_DOOR_FROM_M = 1.5
 """Outer doors this wide are glass doors, whatever they lead to."""
 
@@ -97,7 +100,7 @@ def draw_shell(
 
 def floor_material(room: NamedRoom) -> str:
     """Name of the room's floor material; unique in the house, since Blender merges by name."""
-    return f"{room.name}_Floor"
+    return f"{room.name}{_FLOOR}"
 
 
 def wall_material(room: NamedRoom) -> str:
@@ -138,21 +141,26 @@ class _Component:
         self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
         return prim
 
-    def block(self, boxes: Sequence[Box]) -> None:
-        """Colliders of what is drawn as sheets."""
+    def block(self, boxes: Sequence[tuple[Box, str]]) -> None:
+        """Colliders of what is drawn as sheets, each with what it feels like."""
         scope = define(self._layer, self._root.AppendChild("Colliders"), "Scope")
-        for index, box in enumerate(boxes):
-            write_collider(self._layer, scope.path.AppendChild(f"Box_{index}"), box)
+        for index, (box, material) in enumerate(boxes):
+            path = scope.path.AppendChild(f"Box_{index}")
+            write_collider(self._layer, path, box, self._material(material))
 
-    def guard(self, parent: Sdf.PrimSpec, box: Box) -> None:
+    def guard(self, parent: Sdf.PrimSpec, box: Box, material: str) -> None:
         """The collider of a part that is drawn in bars."""
-        write_collider(self._layer, parent.path.AppendChild("Collider"), box)
+        path = parent.path.AppendChild("Collider")
+        write_collider(self._layer, path, box, self._material(material))
 
-    def hang(self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf, side: int) -> None:
+    def hang(
+        self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf, side: int, material: str
+    ) -> None:
         """Let a leaf swing towards +y of its opening where side is 1, towards -y where it is -1."""
         turn_deg = DOOR_OPENS_DEG * (-side if drawn.hung_right else side)
         limits_deg = (min(turn_deg, 0.0), max(turn_deg, 0.0))
-        hang_leaf(self._layer, leaf, hinge_m, leaf_box(drawn), limits_deg)
+        own = self._material(material)
+        hang_leaf(self._layer, leaf, hinge_m, leaf_box(drawn), limits_deg, own)
 
     def _material(self, name: str) -> Sdf.Path:
         path = self._root.AppendPath(f"Materials/{name}")
@@ -160,7 +168,8 @@ class _Component:
             if name in self.fitout.surfaces:
                 write_surface(self._layer, path, self.fitout.surfaces[name])
             else:  # the room's variant sets say what it looks like
-                define(self._layer, path, "Material")
+                plain = "PlainFloor" if name.endswith(_FLOOR) else "PlainWall"
+                write_feel(define(self._layer, path, "Material"), FEEL_OF_SURFACE[plain])
         return path
 
     def save(self) -> None:
@@ -213,7 +222,8 @@ def _draw_room(
     railings = [tunnel for index, tunnel in walls.railings if index == room.index]
     for number, tunnel in enumerate(railings):
         _draw_railing(component, f"Railing_{number}", tunnel, room)
-    component.block([_slab(floor), *wall_boxes(lines)])
+    walled = [(box, wall_material(room)) for box in wall_boxes(lines)]
+    component.block([(_slab(floor), floor_material(room)), *walled])
     component.save()
     return _refer(layer, f"/House/Rooms/{room.name}/Architecture", component)
 
@@ -256,15 +266,15 @@ def _draw_opening(
     for part in fixed_parts(tunnel, inside=inside, opens=opens):
         _draw_part(component, named.name, part, room, frame)
         if part.name == "Board":  # vases stand on it
-            component.guard(group, _around(part.faces))
+            component.guard(group, _around(part.faces), part.surface)
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
         drawn = component.group(f"{named.name}/Leaf_{index}")
         place(drawn, at_m=hinge_m, yaw_deg=0.0)
-        for part in leaf_parts(
-            leaf, kind=_leaf_kind(opening, rooms, component.fitout), opens=opens
-        ):
+        kind = _leaf_kind(opening, rooms, component.fitout)
+        parts = leaf_parts(leaf, kind=kind, opens=opens)
+        for part in parts:
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
-        component.hang(drawn, hinge_m, leaf, opens)
+        component.hang(drawn, hinge_m, leaf, opens, parts[0].surface)
 
 
 def _around(faces: Sequence[Face]) -> Box:
@@ -284,7 +294,7 @@ def _draw_railing(component: _Component, name: str, tunnel: Tunnel, room: NamedR
     label(group, "category", "railing")
     for part in railing_parts(tunnel):
         _draw_part(component, name, part, room, frame)
-    component.guard(group, railing_guard(tunnel))
+    component.guard(group, railing_guard(tunnel), "Metal")
 
 
 def opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:

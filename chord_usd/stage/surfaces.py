@@ -7,8 +7,10 @@ from dataclasses import dataclass, field, replace
 
 from pxr import Gf, Sdf
 
+from chord_usd.scene.feels import FEEL_OF_SURFACE
 from chord_usd.scene.style_finishes import metal_like
 from chord_usd.scene.styles import Agreed, HomeStyle, InnerDoor
+from chord_usd.stage.physics import write_feel
 from chord_usd.stage.prims import Types, attribute, define, label
 
 
@@ -70,6 +72,7 @@ def write_surface(layer: Sdf.Layer, path: Sdf.Path, surface: Surface) -> None:
     material = define(layer, path, "Material")
     label(material, "material", path.name)
     shade(layer, material, surface)
+    write_feel(material, FEEL_OF_SURFACE[path.name])
 
 
 def shade(layer: Sdf.Layer, material: Sdf.PrimSpec, surface: Surface) -> None:

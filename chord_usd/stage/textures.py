@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Ar, Usd, UsdGeom, UsdShade
 
 from chord_usd.scene.types import FloatArray
 from chord_usd.scene.units import rotation_2d
@@ -27,6 +27,20 @@ def source_of(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
 def _source(wire: UsdShade.Input) -> UsdShade.Shader | None:
     sources = wire.GetConnectedSources()[0] if wire else []
     return UsdShade.Shader(sources[0].source.GetPrim()) if sources else None
+
+
+def texture_of(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
+    """The texture that an input reads; None for one whose file is not there."""
+    texture = source_of(shader, name)
+    wire = texture.GetInput("file") if texture else None
+    file = wire.Get() if wire else None
+    return texture if file and file.resolvedPath else None
+
+
+def picture_bytes(texture: UsdShade.Shader) -> bytes:
+    """The file of a texture, from a folder or out of a package."""
+    path = Ar.ResolvedPath(texture.GetInput("file").Get().resolvedPath)
+    return bytes(Ar.GetResolver().OpenAsset(path).GetBuffer())
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
