@@ -9,14 +9,14 @@ import argparse
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 from results import write_section
 
 from chord_usd.assets.component import write_component
@@ -77,59 +77,75 @@ def jointed_spec(path: Path) -> Any:
     """
     stage = Usd.Stage.Open(str(path))
     stage.GetDefaultPrim().GetVariantSet(ARTICULATION).SetVariantSelection(JOINTED)
+    return spec_of(stage.Traverse())
+
+
+def spec_of(prims: Iterable[Usd.Prim]) -> Any:
+    """Rigid bodies, the joints they hang on, and colliders, as a MuJoCo model to be compiled.
+
+    Bodies are direct children of the world, which is where what they hang on stands still.
+    """
+    chosen = list(prims)
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     joints = {
-        str(joint.GetBody1Rel().GetTargets()[0]): joint.GetPrim()
-        for joint in (UsdPhysics.Joint(prim) for prim in stage.Traverse())
+        joint.GetBody1Rel().GetTargets()[0]: joint.GetPrim()
+        for joint in map(UsdPhysics.Joint, chosen)
         if joint and not joint.GetPrim().IsA(UsdPhysics.FixedJoint)
     }
     cache = UsdGeom.XformCache()
-    for prim in stage.Traverse():
+    bodies: dict[Sdf.Path, tuple[Any, np.ndarray]] = {}
+    for prim in chosen:
         if prim.HasAPI(UsdPhysics.RigidBodyAPI):
-            _add_body(spec, prim, joints.get(str(prim.GetPath())), cache)
+            at = cache.GetLocalToWorldTransform(prim)
+            pose = np.array(at.RemoveScaleShear())
+            quat = at.RemoveScaleShear().ExtractRotationQuat()
+            body = spec.worldbody.add_body(
+                name=str(prim.GetPath()), pos=pose[3, :3],
+                quat=[quat.GetReal(), *quat.GetImaginary()],
+            )  # fmt: skip
+            bodies[prim.GetPath()] = body, np.linalg.inv(pose)
+            if prim.GetPath() in joints:
+                _add_joint(body, joints[prim.GetPath()])
+            body.explicitinertial = False
+            body.mass = UsdPhysics.MassAPI(prim).GetMassAttr().Get()
+        if prim.HasAPI(UsdPhysics.CollisionAPI):
+            above = [path for path in prim.GetPath().GetPrefixes() if path in bodies]
+            owner = bodies[above[-1]] if above else (spec.worldbody, np.eye(4))
+            _add_geom(spec, prim, owner, np.array(cache.GetLocalToWorldTransform(prim)))
     return spec
 
 
-def _add_body(spec: Any, prim: Usd.Prim, joint: Usd.Prim | None, cache: UsdGeom.XformCache) -> None:
-    at = cache.GetLocalToWorldTransform(prim)
-    origin = np.array(at.ExtractTranslation())
-    body = spec.worldbody.add_body(name=prim.GetName(), pos=origin)
-    if joint is not None:
-        turns = joint.IsA(UsdPhysics.RevoluteJoint)
-        kind = mujoco.mjtJoint.mjJNT_HINGE if turns else mujoco.mjtJoint.mjJNT_SLIDE
-        axis = ["X", "Y", "Z"].index(joint.GetAttribute("physics:axis").Get())
-        low, high = (joint.GetAttribute(f"physics:{end}Limit").Get() for end in ("lower", "upper"))
-        drive = UsdPhysics.DriveAPI(joint, "angular" if turns else "linear")
-        damping = drive.GetDampingAttr().Get()
-        body.add_joint(
-            name=joint.GetName(), type=kind, axis=np.eye(3)[axis], limited=1,
-            range=[low, high],
-            damping=np.degrees(damping) if turns else damping, armature=1e-4,
-        )  # fmt: skip
-    boxes = 0
-    for collider in Usd.PrimRange(prim):
-        if not collider.HasAPI(UsdPhysics.CollisionAPI):
-            continue
-        matrix = np.array(cache.GetLocalToWorldTransform(collider))
-        if collider.IsA(UsdGeom.Cube):
-            boxes += 1
-            half = np.linalg.norm(matrix[:3, :3], axis=1) / 2
-            body.add_geom(
-                name=f"{prim.GetName()}/{collider.GetName()}", type=mujoco.mjtGeom.mjGEOM_BOX,
-                size=half, pos=matrix[3, :3] - origin,
-            )  # fmt: skip
-        else:
-            boxes += 1
-            points = np.array(UsdGeom.Mesh(collider).GetPointsAttr().Get())
-            mesh = spec.add_mesh(name=f"{prim.GetName()}/{collider.GetName()}")
-            mesh.uservert = (points + matrix[3, :3] - origin).reshape(-1)
-            body.add_geom(name=mesh.name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh.name)
-    if not boxes:
-        raise ValueError(f"{prim.GetPath()} is felt nowhere")
-    body.explicitinertial = False
-    body.mass = UsdPhysics.MassAPI(prim).GetMassAttr().Get()
+def _add_joint(body: Any, joint: Usd.Prim) -> None:
+    turns = joint.IsA(UsdPhysics.RevoluteJoint)
+    kind = mujoco.mjtJoint.mjJNT_HINGE if turns else mujoco.mjtJoint.mjJNT_SLIDE
+    axis = ["X", "Y", "Z"].index(joint.GetAttribute("physics:axis").Get())
+    limits = [joint.GetAttribute(f"physics:{end}Limit").Get() for end in ("lower", "upper")]
+    damping = UsdPhysics.DriveAPI(joint, "angular" if turns else "linear").GetDampingAttr().Get()
+    body.add_joint(
+        name=str(joint.GetPath()), type=kind, axis=np.eye(3)[axis], limited=1, range=limits,
+        damping=np.degrees(damping) if turns else damping, armature=1e-4,
+    )  # fmt: skip
+
+
+def _add_geom(spec: Any, prim: Usd.Prim, owner: tuple[Any, np.ndarray], matrix: np.ndarray) -> None:
+    """A box, or the hull of a mesh. matrix: of the prim in the world; rows are its axes."""
+    body, to_body = owner
+    own = matrix @ to_body
+    name = str(prim.GetPath())
+    if prim.IsA(UsdGeom.Cube):
+        size = np.linalg.norm(own[:3, :3], axis=1)
+        quat = np.empty(4)
+        mujoco.mju_mat2Quat(quat, (own[:3, :3] / size[:, None]).T.reshape(-1))
+        body.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=size / 2, pos=own[3, :3], quat=quat
+        )
+        return
+    points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get())
+    mesh = spec.add_mesh(name=name)
+    mesh.uservert = (points @ own[:3, :3] + own[3, :3]).reshape(-1)
+    body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name)
 
 
 def faults_of(model: mujoco.MjModel) -> Iterator[str]:
@@ -164,7 +180,9 @@ def _pull(model: mujoco.MjModel, joint: int) -> Iterator[str]:
             away = target - data.qpos[joint]
             if abs(away) < _stray(model, joint):
                 break
-            data.qfrc_applied[joint] = np.sign(away) * push + data.qfrc_bias[joint]
+            # Nobody slams it: the last tenth of the way goes slower.
+            slow = np.clip(10 * abs(away / wide), 0.2, 1.0)
+            data.qfrc_applied[joint] = np.sign(away) * slow * push + data.qfrc_bias[joint]
             mujoco.mj_step(model, data)
             if data.ncon:
                 yield from _touches(model, data, f"while {name} goes {word}")

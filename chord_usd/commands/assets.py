@@ -222,6 +222,8 @@ def run_add(options: argparse.Namespace) -> Outcome:
     }
     lines = [f"{folder}: {len(added.assets)} models added, {len(added.refused)} refused"]
     lines += [f"  {refused.id}: {refused.why}" for refused in added.refused]
+    if added.assets:
+        lines.append("nothing of them opens (articulation): their meshes have no parts that move")
     return Outcome("\n".join(lines), data, warnings=added.warnings)
 
 

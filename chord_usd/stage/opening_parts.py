@@ -25,7 +25,7 @@ from chord_usd.stage.opening_shapes import (
 )
 from chord_usd.stage.railings import railing_box, railing_faces
 from chord_usd.stage.tunnels import Tunnel, lining_faces, sill_faces
-from chord_usd.stage.window_parts import window_parts
+from chord_usd.stage.window_parts import Sash, sashes_of, window_parts
 
 PointM = tuple[float, float, float]
 
@@ -53,7 +53,7 @@ def span_of(tunnel: Tunnel) -> Span:
 
 
 def fixed_parts(tunnel: Tunnel, *, inside: int, opens: int) -> list[Part]:
-    """Linings, frame and glass of an opening, in its own frame; all but the leaves of a door.
+    """Linings and frame of an opening, in its own frame; all but the leaves of doors and windows.
 
     inside: 1 where the owning room lies towards +y, else -1. opens: 1 where the leaves of a door
     swing towards +y, else -1.
@@ -108,6 +108,14 @@ def leaves_of(tunnel: Tunnel) -> list[tuple[PointM, Leaf]]:
         ((left, middle, 0.0), Leaf(half, height, hung_right=False)),
         ((right, middle, 0.0), Leaf(half, height, hung_right=True)),
     ]
+
+
+def sashes_in(tunnel: Tunnel, inside: int) -> list[Sash]:
+    """The casements of a window; none in a small hole, or a door. inside: as fixed_parts has it."""
+    span = span_of(tunnel)
+    if tunnel.opening.kind != "window" or not span.is_fitted:
+        return []
+    return sashes_of(span, inside)
 
 
 def _linings(tunnel: Tunnel) -> list[Part]:

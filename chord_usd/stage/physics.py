@@ -8,6 +8,7 @@ them): unseen boxes behind them do that.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from pxr import Gf, Sdf, Vt
@@ -73,10 +74,13 @@ KG_PER_M3: dict[str, float] = {
 """Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
 that are not in the table stay where they are."""
 
-_LEAF_KG_PER_M2 = 14.0
-"""An inner door; glass ones are about as heavy."""
+DOOR_KG_PER_M2, SASH_KG_PER_M2 = 14.0, 25.0
+"""An inner door; glass ones are about as heavy. Two panes in their frame."""
 
 DOOR_OPENS_DEG = 90.0
+
+_SETTLES_S = 0.4
+"""A leaf that was pushed slows down to a third in this time."""
 
 _ON_TOP_M = 0.01
 
@@ -114,15 +118,19 @@ def hang_leaf(
     box: Box,
     opens_deg: tuple[float, float],
     material: Sdf.Path,
+    kg_per_m2: float = DOOR_KG_PER_M2,
 ) -> None:
-    """Make a door's leaf a body that turns about its own z axis, beside it a joint `Hinge_n`.
+    """Make the leaf of a door or window a body that turns about its own z axis, beside it a joint
+    `Hinge_n` that nothing drives.
 
-    hinge_m: the leaf's origin in the frame of its door. box: what the leaf fills, in its own frame.
+    hinge_m: the leaf's origin in the frame of its opening. box: what it fills, in its own frame.
     opens_deg: the smallest and the largest turn; closed is 0. material: that it feels like.
     """
-    give_body(leaf, _LEAF_KG_PER_M2 * box.size_m[0] * box.size_m[2])
+    width_m, _, height_m = box.size_m
+    mass_kg = kg_per_m2 * width_m * height_m
+    give_body(leaf, mass_kg)
     write_collider(layer, leaf.path.AppendChild("Collider"), box, material)
-    path = leaf.path.GetParentPath().AppendChild(leaf.name.replace("Leaf", "Hinge"))
+    path = leaf.path.GetParentPath().AppendChild(f"Hinge_{leaf.name.rpartition('_')[2]}")
     joint = define(layer, path, "PhysicsRevoluteJoint")
     relate(joint, "physics:body0", [leaf.path.GetParentPath()])
     relate(joint, "physics:body1", [leaf.path])
@@ -133,6 +141,10 @@ def hang_leaf(
     attribute(joint, "physics:localRot1", Types.Quatf, Gf.Quatf(1.0))
     attribute(joint, "physics:lowerLimit", Types.Float, opens_deg[0])
     attribute(joint, "physics:upperLimit", Types.Float, opens_deg[1])
+    apply_schema(joint, "PhysicsDriveAPI:angular")
+    damping = math.radians(mass_kg * width_m**2 / 3 / _SETTLES_S)
+    attribute(joint, "drive:angular:physics:stiffness", Types.Float, 0.0)
+    attribute(joint, "drive:angular:physics:damping", Types.Float, round(damping, 6))
 
 
 def write_feel(material: Sdf.PrimSpec, feel: Feel) -> None:

@@ -33,10 +33,18 @@ from chord_usd.stage.opening_parts import (
     leaves_of,
     railing_guard,
     railing_parts,
+    sashes_in,
     side_of,
 )
 from chord_usd.stage.opening_shapes import Leaf, Part
-from chord_usd.stage.physics import DOOR_OPENS_DEG, hang_leaf, write_collider, write_feel
+from chord_usd.stage.physics import (
+    DOOR_KG_PER_M2,
+    DOOR_OPENS_DEG,
+    SASH_KG_PER_M2,
+    hang_leaf,
+    write_collider,
+    write_feel,
+)
 from chord_usd.stage.prims import (
     bind,
     define,
@@ -61,6 +69,7 @@ from chord_usd.stage.walls import (
     wall_boxes,
     wall_faces,
 )
+from chord_usd.stage.window_parts import Sash
 
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
@@ -154,13 +163,17 @@ class _Component:
         write_collider(self._layer, path, box, self._material(material))
 
     def hang(
-        self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf, side: int, material: str
+        self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf | Sash, side: int, material: str
     ) -> None:
         """Let a leaf swing towards +y of its opening where side is 1, towards -y where it is -1."""
         turn_deg = DOOR_OPENS_DEG * (-side if drawn.hung_right else side)
         limits_deg = (min(turn_deg, 0.0), max(turn_deg, 0.0))
         own = self._material(material)
-        hang_leaf(self._layer, leaf, hinge_m, leaf_box(drawn), limits_deg, own)
+        if isinstance(drawn, Sash):
+            box, kg_per_m2 = drawn.box, SASH_KG_PER_M2
+        else:
+            box, kg_per_m2 = leaf_box(drawn), DOOR_KG_PER_M2
+        hang_leaf(self._layer, leaf, hinge_m, box, limits_deg, own, kg_per_m2)
 
     def _material(self, name: str) -> Sdf.Path:
         path = self._root.AppendPath(f"Materials/{name}")
@@ -275,6 +288,13 @@ def _draw_opening(
         for part in parts:
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
         component.hang(drawn, hinge_m, leaf, opens, parts[0].surface)
+    for index, sash in enumerate(sashes_in(tunnel, inside)):
+        drawn = component.group(f"{named.name}/Sash_{index}")
+        place(drawn, at_m=sash.hinge_m, yaw_deg=0.0)
+        for part in sash.parts:
+            path = f"{named.name}/{drawn.name}"
+            _draw_part(component, path, part, room, frame.inner(sash.hinge_m))
+        component.hang(drawn, sash.hinge_m, sash, inside, sash.parts[0].surface)
 
 
 def _around(faces: Sequence[Face]) -> Box:

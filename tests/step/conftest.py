@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from pxr import Gf, Kind, Usd, UsdGeom
@@ -90,3 +93,14 @@ def staged_house(
 @pytest.fixture
 def stage(staged_house: Path) -> Usd.Stage:
     return Usd.Stage.Open(str(staged_house))
+
+
+@pytest.fixture(scope="session")
+def puller() -> ModuleType:
+    """benchmarks/openable.py, which pulls what moves open and shut."""
+    folder = Path(__file__).parents[2] / "benchmarks"
+    sys.path.insert(0, str(folder))
+    try:
+        return importlib.import_module("openable")
+    finally:
+        sys.path.remove(str(folder))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,8 +17,6 @@ from chord_usd.assets.links import links_of, opens
 from chord_usd.assets.model import Design, Part, hollow_part, moving_part
 from chord_usd.assets.moves import Slide, door
 from chord_usd.assets.solids import box
-
-_BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 ALL_OPEN = (
     "cabinet", "cooker_cabinet", "dining_cabinet", "double_door_floor_cabinet",
@@ -38,19 +34,6 @@ def _families() -> list[Design]:
         if form not in found and opens(design.parts()):
             found[form] = design
     return list(found.values())
-
-
-@pytest.fixture(scope="module")
-def puller() -> ModuleType:
-    """The benchmark that pulls."""
-    sys.path.insert(0, str(_BENCHMARKS))
-    spec = importlib.util.spec_from_file_location("openable", _BENCHMARKS / "openable.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    sys.path.remove(str(_BENCHMARKS))
-    return module
 
 
 @pytest.fixture(scope="module")
@@ -108,12 +91,13 @@ def test_a_ball_in_a_drawer_travels_with_it(puller: ModuleType, folder: Path) ->
     ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.03, 0, 0], mass=0.1)
     model = spec.compile()
     data = mujoco.MjData(model)
-    slide = model.joint(drawers[0].name)
+    name = f"/{chest.id}/Joints/{drawers[0].name}"
+    slide = model.joint(name)
     force = 2 * float(model.dof_damping[slide.dofadr[0]]) * float(slide.range[0])
     for _ in range(round(2.0 / model.opt.timestep)):
-        data.joint(drawers[0].name).qfrc_applied[0] = force
+        data.joint(name).qfrc_applied[0] = force
         mujoco.mj_step(model, data)
-    moved = float(data.joint(drawers[0].name).qpos[0])
+    moved = float(data.joint(name).qpos[0])
     assert moved < 0.9 * float(slide.range[0])
     at = data.body("ball").xpos - [0.0, moved, 0.0]
     assert np.all(at > low)

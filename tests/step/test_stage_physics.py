@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 import shapely
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
@@ -136,3 +138,15 @@ def _free_end(matrix: Gf.Matrix4d, leaf: Usd.Prim, turn_deg: float) -> shapely.P
     middle = collider.ExtractTranslation()
     turn = Gf.Rotation(Gf.Vec3d(0, 0, 1), turn_deg)
     return shapely.Point(*list(matrix.Transform(turn.TransformDir(2.0 * middle)))[:2])
+
+
+def test_doors_and_windows_open_and_shut_and_touch_no_wall(
+    stage: Usd.Stage, puller: ModuleType
+) -> None:
+    shell = [prim for prim in stage.Traverse() if "Architecture" in str(prim.GetPath())]
+    hinges = [prim for prim in shell if prim.IsA(UsdPhysics.RevoluteJoint)]
+    sashes = [prim for prim in hinges if "Window" in str(prim.GetPath())]
+    assert 0 < len(sashes) < len(hinges)
+    model = puller.spec_of(shell).compile()
+    assert model.njnt == len(hinges)
+    assert list(puller.faults_of(model)) == []

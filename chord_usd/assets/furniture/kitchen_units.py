@@ -133,7 +133,7 @@ def cooker_cabinet(size_m: Size, *, form: _Form, gas: bool = True) -> tuple[Part
             )
             for sign in (-1, 1)
         ]
-        parts.append(Part("Side_Fronts", joined(fillers), "front"))
+        parts.append(Part("Side_Fronts", joined(fillers), "front", felt=tuple(fillers)))
     return tuple(parts)
 
 
