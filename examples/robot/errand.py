@@ -115,10 +115,34 @@ class Map:
         away = [pose for pose in poses if np.linalg.norm(pose - near_m) > 1.0]
         return min(away or poses, key=lambda pose: float(np.linalg.norm(pose - near_m)))
 
+    def _room_m(self) -> np.ndarray:
+        """Of each cell, how far from everything it is."""
+        distance: np.ndarray = ndimage.distance_transform_edt(np.pad(self.free, 1))[1:-1, 1:-1]
+        return distance * self.cell_m
+
+    def _able(self) -> np.ndarray:
+        """Which cells the robot's middle may be in."""
+        return self._room_m() > RADIUS_M + self.cell_m / 2
+
+    def leads(self, start_m: np.ndarray, goal_m: np.ndarray) -> bool:
+        """Whether there is a way."""
+        able = self._able()
+        parts, _ = ndimage.label(able, np.ones((3, 3)))
+        first, last = _nearest(able, self.cell(start_m)), _nearest(able, self.cell(goal_m))
+        return bool(parts[first] == parts[last])
+
+    def draw(self, corners_m: np.ndarray) -> None:
+        """Note that a quadrangle, (4, 2), is in the way."""
+        self.free = self.free.copy()
+        for share in np.linspace(0.0, 1.0, 40):
+            for one, other in (corners_m[:2], corners_m[2:][::-1]):
+                row, column = self.cell(one + share * (other - one))
+                if 0 <= row < self.free.shape[0] and 0 <= column < self.free.shape[1]:
+                    self.free[row, column] = False
+
     def way(self, start_m: np.ndarray, goal_m: np.ndarray) -> np.ndarray:
         """(N, 2) points from start to goal, off what is in the way."""
-        room_m = ndimage.distance_transform_edt(np.pad(self.free, 1))[1:-1, 1:-1] * self.cell_m
-        able = room_m > RADIUS_M + self.cell_m / 2
+        room_m, able = self._room_m(), self._able()
         dear = 1.0 + 2.0 * np.clip(0.5 - room_m, 0.0, None) / 0.5
         first, last = _nearest(able, self.cell(start_m)), _nearest(able, self.cell(goal_m))
         steps = [(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1) if r or c]
@@ -183,18 +207,23 @@ class House:
         self._hold()
         mujoco.mj_step(self.model, self.data)
 
-    def leaves(self) -> list[np.ndarray]:
-        """(4, 2) corners, seen from above, of the doors that stand open."""
+    def leaf(self, joint: int) -> list[np.ndarray]:
+        """(4, 2) corners, seen from above, of what turns on a joint."""
         found = []
         signs = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
-        for joint in self.held:
-            body = self.model.jnt_bodyid[joint]
-            for geom in np.flatnonzero(self.model.geom_bodyid == body):
-                if self.model.geom_contype[geom]:
-                    turn = self.data.geom_xmat[geom].reshape(3, 3)
-                    corners = (signs * self.model.geom_size[geom]) @ turn.T
-                    found.append((self.data.geom_xpos[geom] + corners)[:, :2])
+        body = self.model.jnt_bodyid[joint]
+        for geom in np.flatnonzero(self.model.geom_bodyid == body):
+            if self.model.geom_contype[geom]:
+                turn = self.data.geom_xmat[geom].reshape(3, 3)
+                corners = (signs * self.model.geom_size[geom]) @ turn.T
+                found.append((self.data.geom_xpos[geom] + corners)[:, :2])
         return found
+
+    def shut(self, joint: int) -> None:
+        """Keep a door shut."""
+        self.held[joint] = 0.0
+        self._hold()
+        mujoco.mj_forward(self.model, self.data)
 
     def fridge_door(self) -> int | None:
         """The joint of the refrigerator that turns furthest."""
@@ -254,16 +283,19 @@ def run(stage: Path, folder: Path) -> Errand:
     export_stage(stage, folder / "map", "ros")
     export_stage(stage, folder / "model", "mujoco")
     plan, house = Map(folder / "map"), House(folder / "model")
-    for corners in house.leaves():
-        for share in np.linspace(0.0, 1.0, 40):
-            for side in (corners[:2], corners[2:][::-1]):
-                row, column = plan.cell(side[0] + share * (side[1] - side[0]))
-                if 0 <= row < plan.free.shape[0] and 0 <= column < plan.free.shape[1]:
-                    plan.free = plan.free.copy()
-                    plan.free[row, column] = False
     door = house.fridge_door()
     near: Any = house.data.body(house.fridge).xpos[:2] if house.fridge else None
-    way = plan.way(plan.start(), plan.goal(near))
+    start, goal = plan.start(), plan.goal(near)
+    for joint in house.held:
+        without = plan.free
+        for corners in house.leaf(joint):
+            plan.draw(corners)
+        if not plan.leads(start, goal):  # one leaf of two may stand in the only way when it is open
+            plan.free = without
+            house.shut(joint)
+            for corners in house.leaf(joint):
+                plan.draw(corners)
+    way = plan.way(start, goal)
     length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
     house.put(way[0], way[min(4, len(way) - 1)])
     off = house.drive(way, most_s=10.0 + 4.0 * length / SPEED_M_PER_S)
