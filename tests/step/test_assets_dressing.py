@@ -14,6 +14,7 @@ from chord_usd.assets.dressing.wall_pictures import ART_SLOTS
 from chord_usd.assets.model import Design, Part
 from chord_usd.scene.palette import CATEGORIES, Mount, category
 from chord_usd.scene.styles import STYLES
+from tests.whole_meshes import is_manifold, points_differ
 
 ALL = designs()
 MOST_TRIANGLES = {"floor_plant": 6200, "trailing_plant": 6000}
@@ -66,6 +67,8 @@ def test_a_design_is_sound(design: Design) -> None:
         assert mesh.is_winding_consistent, part.name
         assert part.two_sided or (mesh.is_watertight and mesh.volume > 0.0), part.name
         assert mesh.area_faces.min() > 0.0, part.name
+        assert points_differ(part.solid.points_m), part.name
+        assert is_manifold(part.solid.faces), part.name
         assert part.uvs is None or part.uvs.shape == (3 * len(part.solid.faces), 2)
         worn = {looks[part.slot] for looks in design.colourways.values()}
         assert all(name in design.finishes for name in worn), part.name

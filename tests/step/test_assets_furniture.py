@@ -20,6 +20,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import AssetError
 from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
+from tests.whole_meshes import is_manifold, points_differ
 
 ALL = tuple(
     design for design in designs() if CATEGORIES[design.category].level is not Level.DRESSING
@@ -57,13 +58,6 @@ def _parts(design_id: str) -> tuple[Part, ...]:
 
 def parts_of(design: Design) -> tuple[Part, ...]:
     return _parts(design.id)
-
-
-def points_differ(mesh: trimesh.Trimesh) -> bool:
-    """Whether no two points of one shell are one in single precision; mitred rails may touch."""
-    shell = connected_component_labels(mesh.edges_unique, len(mesh.vertices))
-    written = np.column_stack([mesh.vertices.astype(np.float32), shell.astype(np.float32)])
-    return len(np.unique(written, axis=0)) == len(written)
 
 
 def bounds_m(parts: list[Part]) -> np.ndarray:
@@ -133,7 +127,8 @@ def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
         assert part.two_sided or mesh.is_watertight, part.name
         assert part.two_sided or mesh.volume > 0.0, part.name
         assert mesh.area_faces.min() > 0.0, part.name
-        assert points_differ(mesh), f"{part.name}: points coincide"
+        assert points_differ(part.solid.points_m), part.name
+        assert is_manifold(part.solid.faces), part.name
 
 
 @every_design

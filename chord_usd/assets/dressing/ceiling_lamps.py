@@ -90,7 +90,7 @@ def bowl(size_m: Size) -> tuple[Part, ...]:
     )
     return (
         Part("Glass", outward(lathe(glass, 40)), "opal", None),
-        Part("Rim", outward(lathe([*rim, (0.0, height), (0.0, deep)], 40)), "metal", None),
+        Part("Rim", outward(lathe([*rim, (0.0, height)], 40)), "metal", None),
         Part("Finial", finial, "metal", None),
     )
 
@@ -123,13 +123,13 @@ def spots(size_m: Size, *, count: int = 3) -> tuple[Part, ...]:
         can = outward(
             lathe(
                 [
+                    (0.0, 0.03),
+                    (can_r - 0.004, 0.03),
+                    (can_r - 0.003, 0.0),
                     (can_r, 0.0),
                     (can_r, can_h - 0.012),
                     (can_r * 0.75, can_h),
                     (0.0, can_h),
-                    (0.0, 0.03),
-                    (can_r - 0.004, 0.016),
-                    (can_r - 0.003, 0.0),
                 ],
                 24,
             )
@@ -161,7 +161,7 @@ def lattice(size_m: Size) -> tuple[Part, ...]:
         block((length, rail * 0.7, height), 0.003).moved(y=s * (width - rail * 0.7) / 2)
         for s in (-1, 1)
     ] + [
-        block((rail * 0.7, width - 1.4 * rail, height), 0.003).moved(
+        block((rail * 0.7, width - 1.4 * rail - 0.0002, height), 0.003).moved(
             x=s * (length - side[2, 0]) / 2
         )
         for s in (-1, 1)

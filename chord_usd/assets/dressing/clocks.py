@@ -100,7 +100,7 @@ def open_clock(size_m: Size) -> tuple[Part, ...]:
                 )
             )
     spokes = [
-        block((0.008, radius * 0.63, 0.006), 0.001).moved(y=radius * 0.315, z=0.003).turned("z", a)
+        block((0.008, radius * 0.6, 0.006), 0.001).moved(y=radius * 0.33, z=0.003).turned("z", a)
         for a in (45, 135, 225, 315)
     ]
     hub = cylinder(0.04, width - 0.008, 0.003, 28)

@@ -21,6 +21,9 @@ MODERN, SCANDINAVIAN, CLASSIC, INDUSTRIAL, JAPANESE = (
     "japanese",
 )
 
+_MITRE_M = 4e-5
+"""Between two rails of a frame."""
+
 
 def rng_of(name: str) -> np.random.Generator:
     """A generator that is always the same for a name."""
@@ -100,7 +103,8 @@ def frame_rails(length_m: float, height_m: float, section_m: npt.ArrayLike) -> S
     """Four mitred rails around an upright rectangle that stands on z = 0 in the plane y = 0.
 
     section_m: (K, 2) outline of a rail, (inwards from the outer edge, y), in order.
-    Each rail is closed by itself, so that the grain runs along it.
+    Each rail is closed by itself, so that the grain runs along it; the mitres are hairlines, so
+    that no point of one rail lies on the next.
     """
     section = np.asarray(section_m, dtype=np.float64)
     inward, deep = section[:, 0], section[:, 1]
@@ -109,7 +113,10 @@ def frame_rails(length_m: float, height_m: float, section_m: npt.ArrayLike) -> S
     for sx, low in ((-1, True), (1, True), (1, False), (-1, False)):
         z = inward if low else height_m - inward
         corners.append(np.stack([sx * (half - inward), deep, z], axis=-1))
-    rails = [lofted([corners[i], corners[(i + 1) % 4]]) for i in range(4)]
+    rails = []
+    for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
+        along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
+        rails.append(lofted([start + _MITRE_M / 2 * along, end - _MITRE_M / 2 * along]))
     return joined(rails)
 
 

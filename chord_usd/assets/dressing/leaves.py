@@ -21,7 +21,6 @@ from chord_usd.assets.solids import (
     loft,
     rounded_slab,
     tube,
-    welded,
 )
 from chord_usd.scene.types import FloatArray, frozen_array
 
@@ -33,6 +32,9 @@ LANCE = (0.1, 0.7, 1.0, 0.85, 0.5, 0.0)
 HEART = (0.3, 0.95, 1.0, 0.86, 0.62, 0.32, 0.0)
 PADDLE = (0.08, 0.66, 0.94, 1.0, 0.98, 0.86, 0.56, 0.0)
 SWORD = (0.62, 0.86, 1.0, 0.96, 0.8, 0.5, 0.0)
+
+_APART_M = 4e-6
+"""From leaf to leaf: sheets that meet in a point alone are no surface."""
 
 
 def leaf(
@@ -90,14 +92,8 @@ def turned(grid: FloatArray, yaw_deg: float, at: Sequence[float] | FloatArray) -
 
 
 def foliage(grids: Sequence[FloatArray]) -> Solid:
-    """All leaves in one open mesh."""
-    points, faces, count = [], [], 0
-    for grid in grids:
-        one = sheet(grid)
-        points.append(one.points_m)
-        faces.append(one.faces + count)
-        count += len(one.points_m)
-    return welded(np.concatenate(points), np.concatenate(faces))
+    """All leaves in one open mesh; none shares a point with another, even on one stalk."""
+    return joined([sheet(grid).moved(z=_APART_M * n) for n, grid in enumerate(grids)])
 
 
 def bow(

@@ -19,7 +19,17 @@ from chord_usd.assets.dressing.forms import (
 )
 from chord_usd.assets.dressing.textiles import TEXTILES
 from chord_usd.assets.model import Design, Draw, Part
-from chord_usd.assets.solids import Size, Solid, block, box, cylinder, extruded, joined, tube
+from chord_usd.assets.solids import (
+    Size,
+    Solid,
+    block,
+    box,
+    cylinder,
+    extruded,
+    joined,
+    tube,
+    welded,
+)
 
 _BOARD_M = 0.022
 
@@ -181,10 +191,15 @@ def with_coats(size_m: Size, *, rail: Draw) -> tuple[Part, ...]:
         x = float(np.clip(x, (_COAT_M - length) / 2, (length - _COAT_M) / 2))
         cloth = cloth.moved(x, -0.012, height - 0.05)
         coats.append(
-            Part(f"Coat_{index}", cloth.solid, f"coat_{index % 2}", None,
+            Part(f"Coat_{index}", _sewn(cloth.solid), f"coat_{index % 2}", None,
                  uvs=cloth.corner_uvs_m(), two_sided=True)
         )  # fmt: skip
     return *back, *coats
+
+
+def _sewn(cloth: Solid) -> Solid:
+    """The same faces, the two sides of a seam on the same points."""
+    return welded(cloth.points_m, cloth.faces)
 
 
 def _coated(looks: dict, *pairs: tuple[str, str]) -> dict[str, dict[str, str]]:

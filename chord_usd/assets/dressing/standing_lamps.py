@@ -206,8 +206,8 @@ def reader(size_m: Size) -> tuple[Part, ...]:
         *(
             tube(
                 [
-                    (elbow + np.array([0.0, s * 0.014, 0.0])).tolist(),
-                    (hand + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                    (elbow + np.array([0.0, s * 0.0145, 0.0])).tolist(),
+                    (hand + np.array([0.0, s * 0.0145, 0.0])).tolist(),
                 ],
                 0.005,
                 8,

@@ -156,7 +156,7 @@ def _tulips(
         yaw = 137.5 * index
         share = math.sqrt((index + 0.3) / count)
         path = bow(
-            (0.0, 0.0, top[2] - 0.06),
+            (0.001 * math.cos(yaw), 0.001 * math.sin(yaw), top[2] - 0.06),
             yaw,
             spread * share * 0.8,
             (rise * (0.92 - 0.3 * share)) + 0.06,
@@ -209,7 +209,7 @@ def _pampas(
         yaw = 137.5 * index
         share = math.sqrt((index + 0.3) / count)
         path = bow(
-            (0.0, 0.0, top[2] - 0.06),
+            (0.001 * math.cos(yaw), 0.001 * math.sin(yaw), top[2] - 0.06),
             yaw,
             spread * share,
             rise * (0.97 - 0.22 * share) + 0.06,

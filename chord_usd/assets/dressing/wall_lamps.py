@@ -209,7 +209,7 @@ def candles(size_m: Size) -> tuple[Part, ...]:
     arms, cups_, wax, shades, bulbs = [], [], [], [], []
     for s in (-1, 1):
         bend = [
-            (0.0, width / 2 - 0.012, 0.055),
+            (s * 0.001, width / 2 - 0.012, 0.055),
             (s * spread * 0.5, 0.0, -0.02),
             (s * spread, at_y, 0.0),
             (s * spread, at_y, low - 0.07),

@@ -238,13 +238,13 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
     rods = [
         tube(
             [
-                (a + np.array([0.0, s * 0.009, 0.0])).tolist(),
-                (b + np.array([0.0, s * 0.009, 0.0])).tolist(),
+                (a + np.array([0.0, s * aside, 0.0])).tolist(),
+                (b + np.array([0.0, s * aside, 0.0])).tolist(),
             ],
             0.0036,
             8,
         )
-        for a, b in ((waist, elbow), (elbow, hand))
+        for a, b, aside in ((waist, elbow, 0.009), (elbow, hand, 0.0085))
         for s in (-1, 1)
     ]
     knuckle = cylinder(0.011, 0.028, 0.002, 16).moved(z=-0.014).turned("x", 90)
