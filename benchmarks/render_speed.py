@@ -58,7 +58,10 @@ BLENDER = Quality(
     clear_glass=False,
     keep_scene=False,
 )
-"""Blender's own settings, its denoiser on; at the exposures of rooms its clamp is near ours."""
+"""Blender's own settings, its denoiser on."""
+
+BLENDER_CLAMP = 10.0
+"""Radiance at which Blender cuts indirect light; ours counts in what is white in the picture."""
 
 OURS = QUALITIES["good"]
 
@@ -75,7 +78,8 @@ WAYS: dict[str, Quality] = {
     "ours, 12 bounces": replace(OURS, bounces=12),
     "ours, 4 bounces": replace(OURS, bounces=4, diffuse_bounces=3),
     "ours, caustics": replace(OURS, caustics=True),
-    "ours, fireflies not clamped": replace(OURS, clamp=False),
+    "ours, fireflies not clamped": replace(OURS, clamp=0.0),
+    "ours, clamped at 10 times white": replace(OURS, clamp=10.0),
     "ours, path guiding": replace(OURS, guiding=True),
     "ours, fast prefilter": replace(OURS, prefilter="FAST"),
     "ours, no prefilter": replace(OURS, prefilter="NONE"),
@@ -123,7 +127,8 @@ def main() -> None:
 def _tries(name: str, rooms: list[Room], options: argparse.Namespace) -> list[Try]:
     tries = []
     for samples in options.samples:
-        found = [room.judged(replace(WAYS[name], samples=samples)) for room in rooms]
+        quality = replace(WAYS[name], samples=samples)
+        found = [room.judged(room.clamped(quality) if name == FIRST else quality) for room in rooms]
         tries.append(Try(samples, *map(np.array, zip(*found, strict=True))))
         sys.stderr.write(f"{name}: {tries[-1]}\n")
     return tries
@@ -176,6 +181,10 @@ class Room:
             exposed = replace(job, exposure_ev=shelf.exposure_ev(job))
             yield cls(shelf, exposed, *shelf.reference(exposed, options))
 
+    def clamped(self, quality: Quality) -> Quality:
+        """With Blender's own clamp, which asks for no exposure."""
+        return replace(quality, clamp=BLENDER_CLAMP * 2.0 ** (self.job.exposure_ev or 0.0))
+
     def judged(self, quality: Quality) -> tuple[float, float, float]:
         """Processor seconds, PSNR, and the levels by which the picture is too bright."""
         cpu_s, picture = self.shelf.picture(replace(self.job, quality=quality))
@@ -200,7 +209,7 @@ class Shelf:
 
     def reference(self, job: Job, options: argparse.Namespace) -> tuple[FloatArray, float]:
         """The picture by Blender's defaults, (H, W, 3) in 0 to 255, and its noise in dB."""
-        best = replace(BLENDER, samples=options.block, noise=0.0, clamp=False)
+        best = replace(BLENDER, samples=options.block, noise=0.0, clamp=0.0)
         light: list[np.ndarray] = []
         for block in range(max(2, options.reference // options.block)):
             one = replace(job, quality=best, seed=1000 + block)

@@ -46,8 +46,9 @@ class Quality:
     """In houses, let shadow rays and scattered light pass through windows as if they stood open."""
     guiding: bool = False
     """Learn where light comes from while rendering."""
-    clamp: bool = True
-    """Cut indirect light that is far brighter than white, which would be a firefly."""
+    clamp: float = 40.0
+    """Cut indirect light that is this many times as bright as white, which would be a firefly; 0
+    cuts none. At 10, rooms are up to three levels of 255 darker, at any number of samples."""
     denoise: bool = True
     prefilter: str = "ACCURATE"
     """How the denoiser's guides are cleaned: NONE, FAST or ACCURATE."""

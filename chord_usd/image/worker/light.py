@@ -20,10 +20,6 @@ _LUMA = (0.2126, 0.7152, 0.0722)
 _ROOM_ALPHA = 0.6
 """Pixels that show less than this of anything but sky are a view through a window."""
 
-FIREFLY_WHITE = 10.0
-"""Indirect light is clamped at this many times white. An absolute limit would take the bounced
-light out of a stage whose lamps are given in large numbers."""
-
 
 def set_quality(scene: Any, job: Job) -> None:
     """Settings for interiors: few bounces, no caustics, denoised."""
@@ -75,11 +71,14 @@ def set_look(scene: Any) -> None:
     scene.view_settings.look = "AgX - Medium High Contrast"
 
 
-def expose(scene: Any, exposure_ev: float, clamp: bool) -> None:
-    """Set the exposure, and clamp fireflies at a brightness that is white after it."""
+def expose(scene: Any, exposure_ev: float, clamp: float) -> None:
+    """Set the exposure, and clamp fireflies at so many times what is white after it.
+
+    An absolute limit would take the bounced light out of a stage whose lamps are given in large
+    numbers.
+    """
     scene.view_settings.exposure = exposure_ev
-    limit = FIREFLY_WHITE * 2.0**-exposure_ev
-    scene.cycles.sample_clamp_indirect = limit if clamp else 0.0
+    scene.cycles.sample_clamp_indirect = clamp * 2.0**-exposure_ev
 
 
 def metered_exposure_ev(scene: Any, job: Job, key: float) -> float:
