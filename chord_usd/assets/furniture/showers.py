@@ -182,7 +182,7 @@ def _quadrant(length: float, width: float, height: float) -> tuple[tuple[Solid, 
     line = _quadrant_line(length, width, 0.025)[1:]
     inner = _quadrant_line(length, width, 0.033)[1:]
     panes = tuple(
-        extruded(np.array([*line[n : n + 2], *inner[n : n + 2][::-1]]), height).moved(
+        extruded(_apart(np.array([*line[n : n + 2], *inner[n : n + 2][::-1]])), height).moved(
             z=_TRAY_M - 0.004
         )
         for n in range(len(line) - 1)
@@ -202,6 +202,11 @@ def _quadrant(length: float, width: float, height: float) -> tuple[tuple[Solid, 
     middle = line[6] * 1.02
     grip = tube([[*middle, 0.85], [*middle, 1.25]], 0.008, 8)
     return panes, joined([*frame, grip])
+
+
+def _apart(pane: FloatArray) -> FloatArray:
+    """A pane's outline (4, 2) that shares no point with the next pane's."""
+    return pane + (pane[[1, 0, 3, 2]] - pane) * 1e-4
 
 
 def _riser(x: float, back: float, height: float) -> tuple[Part, ...]:
