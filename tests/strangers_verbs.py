@@ -42,6 +42,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "dataset stats": ("houses",),
     "dataset split": ("houses",),
     "dataset draw": ("houses",),
+    "dataset release": ("--count", "1"),
     "train plan2layout": (),
     "train table": (),
     "train text2plan": (),

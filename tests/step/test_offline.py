@@ -44,6 +44,7 @@ QUICK: dict[str, str] = {
     "dataset stats": "{houses} --plot {out}/plot.png",
     "dataset split": "{houses} -o {out}/split.json",
     "dataset draw": "{houses} -o {out}/sheet.png",
+    "dataset release": "--count 1 -o {out}/release --workers 1 --steps 1 --redraws 0 --no-dressing",
     "train detector": f"{TRAIN} --score-houses 1",
     "evaluate detector": "--houses 1 --generated 0",
     "assets list": "",

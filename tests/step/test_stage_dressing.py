@@ -179,7 +179,9 @@ def test_what_changed_names_dressing(
     looks_of: Callable[[int], StyleLooks],
     tmp_path: Path,
 ) -> None:
-    groups_gone = {change.path for change in diff_stages(dressed_house, staged_house)}
+    changed = {change.path for change in diff_stages(dressed_house, staged_house)}
+    # Cameras stand where dressing is not in their way.
+    groups_gone = {path for path in changed if not path.startswith("/House/Cameras/")}
     assert all(path.endswith("/Dressing") or path == "/House" for path in groups_gone), groups_gone
     first, *others = dressed_graph.dressing
     x, y, z = first.box.center_m

@@ -55,6 +55,8 @@ def shoot(job: Job, report: Report) -> None:
         if alone:
             show_alone(view, job.rooms)
         open_roof(scene, view.from_above)
+        # What is left out of views from above would change the noise of these, as Cycles keeps it.
+        scene.render.use_persistent_data = job.quality.keep_scene and not view.from_above
         outside.show_ground(False)
         switch_lamps(scene, job, view.room)
         key = KEY_FROM_ABOVE if view.from_above else KEY_BY_LAMPS if by_lamps else KEY
