@@ -26,13 +26,7 @@ from chord_usd.assets.component_prims import (
     new_stage,
 )
 from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
-from chord_usd.assets.jointed import (
-    ARTICULATION,
-    FIXED,
-    JOINTED,
-    JOINTED_LAYER,
-    write_jointed,
-)
+from chord_usd.assets.jointed import JOINTED_LAYER, write_jointed
 from chord_usd.assets.links import opens
 from chord_usd.assets.material import (
     TEXTURES,
@@ -45,6 +39,7 @@ from chord_usd.assets.material import (
 )
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.surface_maps import MAPS_FOLDER
+from chord_usd.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.scene.credits import AUTHOR, LICENCE
 
 if TYPE_CHECKING:

@@ -43,6 +43,7 @@ def detached(stage: Usd.Stage) -> Sdf.Layer:
 
 
 def define_mesh(stage: Usd.Stage, path: str, part: Part) -> None:
+    """The mesh of a part, with normals and texture coordinates of each corner."""
     from pxr import Sdf, UsdGeom, Vt
 
     part = _without_slivers(part)

@@ -33,21 +33,16 @@ from chord_usd.assets.model import Design, Part
 from chord_usd.assets.moves import Hinge
 from chord_usd.assets.physical import feel_of
 from chord_usd.assets.shading import corner_uvs_m
+from chord_usd.scene.articulation import SETTLES_S
 
 if TYPE_CHECKING:
     from pxr import Usd
-
-ARTICULATION, FIXED, JOINTED = "articulation", "fixed", "jointed"
-"""The variant set and its variants."""
 
 JOINTED_LAYER = "jointed.usdc"
 JOINTS, ANCHOR = "Joints", "Anchor"
 
 _SOLID_SHARE, _MOST_KG_PER_M3 = 0.7, 700.0
 """Boards weigh so much of what solid stuff of their finish would; metal and glass are sheets."""
-
-_SETTLES_S = 0.4
-"""What was pushed slows down to a third in this time."""
 
 _LEAST_KG, _LEAST_KG_M2 = 0.05, 1e-3
 
@@ -168,9 +163,9 @@ def _write_joint(stage: Usd.Stage, design: Design, link: Link, mass_kg: float) -
 def _damping(link: Link, mass_kg: float) -> float:
     """Newton seconds per metre, or newton metre seconds per degree."""
     if not isinstance(link.motion, Hinge):
-        return float(round(mass_kg / _SETTLES_S, 4))
+        return float(round(mass_kg / SETTLES_S, 4))
     boxes = np.concatenate([np.array(piece.felt_m) for piece in link.pieces if piece.felt_m])
     away = np.abs(boxes - np.array(link.motion.at_m)).max(axis=(0, 1))
     away["xyz".index(link.motion.axis)] = 0.0
     inertia = max(mass_kg * float(away @ away) / 3, _LEAST_KG_M2)
-    return float(round(math.radians(inertia / _SETTLES_S), 6))
+    return float(round(math.radians(inertia / SETTLES_S), 6))

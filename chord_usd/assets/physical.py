@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from chord_usd.assets.finishes import Finish, Surface
-from chord_usd.scene.feels import Feel
+from chord_usd.scene.feels import CONCRETE, GLASS, LACQUER, METAL, STONE, WOOD, Feel
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -14,20 +14,15 @@ _METAL_FROM = 0.5
 _CLEAR_BELOW = 0.7
 
 
-METAL = Feel(0.45, 0.35, 0.25, 7800.0)
-GLASS = Feel(0.45, 0.35, 0.3, 2500.0)
-_LACQUER = Feel(0.45, 0.35, 0.25, 900.0)
-_WOOD = Feel(0.55, 0.45, 0.2, 680.0)
 _CLOTH = Feel(0.75, 0.65, 0.05, 250.0)
-_STONE = Feel(0.6, 0.5, 0.15, 2600.0)
 _GLAZED = Feel(0.5, 0.4, 0.2, 2300.0)
 _PAPER = Feel(0.5, 0.45, 0.1, 800.0)
 _EARTH = Feel(0.8, 0.7, 0.05, 1400.0)
 _GREEN = Feel(0.6, 0.5, 0.1, 500.0)
 
 BY_SURFACE: dict[Surface, Feel] = {
-    "plain": _LACQUER,
-    "wood": _WOOD,
+    "plain": LACQUER,
+    "wood": WOOD,
     "weave": _CLOTH,
     "linen": _CLOTH,
     "knit": _CLOTH,
@@ -35,11 +30,11 @@ BY_SURFACE: dict[Surface, Feel] = {
     "velvet": _CLOTH,
     "leather": Feel(0.65, 0.55, 0.1, 860.0),
     "brushed": METAL,
-    "stone": _STONE,
-    "marble": _STONE,
-    "quartz": _STONE,
+    "stone": STONE,
+    "marble": STONE,
+    "quartz": STONE,
     "ceramic": _GLAZED,
-    "concrete": Feel(0.7, 0.6, 0.1, 2300.0),
+    "concrete": CONCRETE,
     "terracotta": Feel(0.65, 0.55, 0.1, 1900.0),
     "rattan": Feel(0.6, 0.5, 0.15, 450.0),
     "paper": _PAPER,
@@ -66,10 +61,8 @@ def feel_of(finish: Finish) -> Feel:
 
 def write_feel(prim: Usd.Prim, feel: Feel) -> None:
     """Make a material one that is felt, too."""
-    from pxr import UsdPhysics
+    from pxr import Sdf, UsdPhysics
 
-    material = UsdPhysics.MaterialAPI.Apply(prim)
-    material.CreateStaticFrictionAttr(feel.static_friction)
-    material.CreateDynamicFrictionAttr(feel.dynamic_friction)
-    material.CreateRestitutionAttr(feel.restitution)
-    material.CreateDensityAttr(feel.density_kg_per_m3)
+    UsdPhysics.MaterialAPI.Apply(prim)
+    for name, value in feel.attributes().items():
+        prim.CreateAttribute(name, Sdf.ValueTypeNames.Float, custom=False).Set(value)

@@ -75,12 +75,9 @@ class Release:
         told = [sum(one.told["seconds"].values()) for one in self.records.values()]
         return float(median(told or [0.0]))
 
-    def _mean(self, value: Any) -> float:
-        return mean([float(value(one.told)) for one in self.records.values()] or [0.0])
-
     def figure(self, name: str) -> float:
         """Mean over the houses of a figure of their records."""
-        return self._mean(lambda told: told[name])
+        return mean([float(one.told[name]) for one in self.records.values()] or [0.0])
 
     @property
     def megabytes(self) -> float:

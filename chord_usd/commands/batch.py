@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,8 +37,10 @@ from chord_usd.commands.render import add_look, look_of
 if TYPE_CHECKING:
     from chord_usd.batch.engine import Engine
     from chord_usd.batch.run import Done
+    from chord_usd.batch.work_units import Unit
     from chord_usd.image.options import RenderOptions
     from chord_usd.pipeline import Settings
+    from chord_usd.runtime.progress import Stopwatch
 
 MOST_TOLD = 5
 """Failures told on stderr; --json and the index list all."""
@@ -92,7 +95,7 @@ def add_houses(parser: Parser) -> None:
 
 
 def add_pictures(parser: Parser) -> None:
-    """The options of pictures, for render_options."""
+    """The options of pictures, for make_houses."""
     group = parser.add_argument_group("pictures")
     group.add_argument(
         "--renders", action="store_true", help="also render every camera of every house"
@@ -101,7 +104,7 @@ def add_pictures(parser: Parser) -> None:
 
 
 def add_exports(parser: Parser) -> None:
-    """The options --parquet and --webdataset."""
+    """The options --parquet and --webdataset, for make_houses."""
     group = parser.add_argument_group("exports, beside index.jsonl")
     group.add_argument("--parquet", action="store_true", help="the index as index.parquet, too")
     group.add_argument(
@@ -110,7 +113,7 @@ def add_exports(parser: Parser) -> None:
 
 
 def add_workers(parser: Parser) -> None:
-    """The options of workers, for engine_of."""
+    """The options of workers, for make_houses."""
     group = parser.add_argument_group("workers")
     group.add_argument(
         "--engine", choices=("local", "ray"), default="local",
@@ -139,25 +142,35 @@ def add_workers(parser: Parser) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. Finished houses stay, whatever becomes of the others."""
-    from chord_usd.batch.index import require_parquet
-    from chord_usd.batch.run import Exports, run_batch
-    from chord_usd.batch.work_units import Order, list_units
+    from chord_usd.batch.work_units import list_units
 
     if not options.plans and not options.synth:
         raise UsageError("no plans", expected="PLAN, or --synth N", try_="chord-usd batch --help")
-    if options.parquet:
-        require_parquet()
     settings = replace(settings_of(options), m_per_px=options.scale)
     seeds = range(options.seed, options.seed + options.seeds)
     units = list_units(options.plans, options.synth, seeds, settings)
-    order = Order(options.output.absolute(), settings, render_options(options))
-    engine = engine_of(options, order.folder)
     watch = stopwatch(options)
+    done = make_houses(units, settings, options, watch)
+    return outcome_of(done, options, watch.seconds)
+
+
+def make_houses(
+    units: Sequence[Unit], settings: Settings, options: argparse.Namespace, watch: Stopwatch
+) -> Done:
+    """Make what is due of the units, as the options of pictures, exports and workers say."""
+    from chord_usd.batch.index import require_parquet
+    from chord_usd.batch.run import Exports, run_batch
+    from chord_usd.batch.work_units import Order
+
+    if options.parquet:
+        require_parquet()
+    order = Order(options.output.absolute(), settings, _render_options(options))
+    engine = _engine(options, order.folder)
+    exports = Exports(options.parquet, options.webdataset)
     try:
-        done = run_batch(units, order, engine, Exports(options.parquet, options.webdataset), watch)
+        return run_batch(units, order, engine, exports, watch)
     except KeyboardInterrupt as reason:
         raise type(reason)("finished houses were kept; run this again to make the others") from None
-    return outcome_of(done, options, watch.seconds)
 
 
 def settings_of(options: argparse.Namespace) -> Settings:
@@ -179,7 +192,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
     )
 
 
-def render_options(options: argparse.Namespace) -> RenderOptions | None:
+def _render_options(options: argparse.Namespace) -> RenderOptions | None:
     """Raises RenderError for what cannot be rendered, before any house is made."""
     if not options.renders:
         return None
@@ -188,7 +201,7 @@ def render_options(options: argparse.Namespace) -> RenderOptions | None:
     return RenderOptions(**look_of(options), device=options.device, skip_existing=True)
 
 
-def engine_of(options: argparse.Namespace, folder: Path) -> Engine:
+def _engine(options: argparse.Namespace, folder: Path) -> Engine:
     """Raises UsageError for an option of the other engine."""
     if options.engine == "ray":
         from chord_usd.batch.ray_engine import RayEngine

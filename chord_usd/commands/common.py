@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from chord_usd.commands.paths import UsageError, output_file, output_folder
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+from chord_usd.scene.articulation import FIXED, JOINTED
 from chord_usd.scene.limits import M_PER_PX
 from chord_usd.scene.styles import MIXED, STYLES, style_named
 
@@ -193,7 +194,7 @@ def add_style(parser: Options, without: str = "") -> None:
 def add_articulation(parser: Options) -> None:
     """The option --articulation."""
     parser.add_argument(
-        "--articulation", choices=("fixed", "jointed"), default="fixed",
+        "--articulation", choices=(FIXED, JOINTED), default=FIXED,
         help="jointed: doors, drawers and lids of furniture open (fixed)",
     )  # fmt: skip
 

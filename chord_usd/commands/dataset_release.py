@@ -10,9 +10,8 @@ from chord_usd.commands.batch import (
     add_houses,
     add_pictures,
     add_workers,
-    engine_of,
+    make_houses,
     outcome_of,
-    render_options,
     settings_of,
 )
 from chord_usd.commands.common import (
@@ -48,26 +47,16 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. House N stands on the procedural plan N and has the seed N."""
-    from chord_usd.batch.index import require_parquet
     from chord_usd.batch.release import require_own, write_release
-    from chord_usd.batch.run import Exports, run_batch
-    from chord_usd.batch.work_units import Order, numbered_units
+    from chord_usd.batch.work_units import numbered_units
 
-    if options.parquet:
-        require_parquet()
     require_own(options.output)
     settings = settings_of(options)
     units = numbered_units(range(options.seed, options.seed + options.count), settings)
-    order = Order(options.output.absolute(), settings, render_options(options))
-    engine = engine_of(options, order.folder)
     watch = stopwatch(options)
-    exports = Exports(options.parquet, options.webdataset)
-    try:
-        done = run_batch(units, order, engine, exports, watch)
-    except KeyboardInterrupt as reason:
-        raise type(reason)("finished houses were kept; run this again to make the others") from None
+    done = make_houses(units, settings, options, watch)
     with watch.step("release"):
-        release = write_release(order.folder, [unit.name for unit in units])
+        release = write_release(options.output.absolute(), [unit.name for unit in units])
     outcome = outcome_of(done, options, watch.seconds)
     text = f"{outcome.text}\n{release.summary}"
     return replace(outcome, text=text, data={**outcome.data, "release": release.as_json()})

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from chord_usd.scene.articulation import FIXED
+
 if TYPE_CHECKING:
     from chord_usd.lists.wishes import Wishes
     from chord_usd.plan.corrections import RoomSaid
@@ -40,8 +42,8 @@ class Settings:
     """Side of the textures of floors and walls, 256 to 4096; furniture has half of it."""
     sky: str = ""
     """Name of a sky or an HDRI's file; "" for the sky of the time of day."""
-    articulation: str = "fixed"
-    """`jointed` where doors and drawers of furniture open (stage.variants)."""
+    articulation: str = FIXED
+    """`jointed` where doors and drawers of furniture open (scene.articulation)."""
     lists: bool = True
     """Whether a list of pieces is drawn of each room before they are painted; without, the
     diffusion model alone decides what a room holds, as in the paper."""

@@ -18,6 +18,7 @@ from chord_usd.errors import OutputError
 from chord_usd.raster.hdri import require_picture
 from chord_usd.runtime.files import deliver, destination
 from chord_usd.runtime.stages import open_layer
+from chord_usd.scene.articulation import FIXED
 from chord_usd.scene.looks import LookSource
 from chord_usd.scene.skies import Sky, sky_named
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
@@ -54,7 +55,7 @@ from chord_usd.stage.prims import (
 )
 from chord_usd.stage.shell import draw_shell
 from chord_usd.stage.surfaces import fitout
-from chord_usd.stage.variants import FIXED, Wardrobe
+from chord_usd.stage.variants import Wardrobe
 from chord_usd.stage.walls import build_walls
 
 SCHEMA = 1
@@ -85,7 +86,7 @@ def author_stage(
     looks: where those of walls and floors come from; without, surfaces are plain. style: name of
     a style; by default that of the graph, and where that has none, one by the seed. sky: name of
     one (scene.skies), or an HDRI's file. articulation: whether doors and drawers of furniture open
-    (stage.variants).
+    (scene.articulation).
 
     Raises ChordError for an unknown sky, SceneError for a graph without rooms or with an unknown
     category, AssetError for a missing mesh, OutputError for a target that cannot be written.

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Sdf
 
+from chord_usd.scene.articulation import ARTICULATION
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.palette import Level, category
 from chord_usd.scene.types import Asset, Box, FloatArray, Item
@@ -37,7 +38,7 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import PLAIN_SURFACES, write_surface
-from chord_usd.stage.variants import ARTICULATION, Wardrobe
+from chord_usd.stage.variants import Wardrobe
 
 PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""

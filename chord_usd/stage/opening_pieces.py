@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from pxr import Sdf
 
+from chord_usd.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.stage.prims import (
     Types,
     add_variants,
@@ -18,7 +19,6 @@ from chord_usd.stage.prims import (
     inherit,
     over,
 )
-from chord_usd.stage.variants import ARTICULATION, FIXED, JOINTED
 
 OPENABLE, MOVABLE = "Openable", "OpenableMovable"
 """Names of the classes."""

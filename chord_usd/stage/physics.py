@@ -13,6 +13,7 @@ from collections.abc import Mapping
 
 from pxr import Gf, Sdf, Vt
 
+from chord_usd.scene.articulation import SETTLES_S
 from chord_usd.scene.feels import Feel
 from chord_usd.scene.types import Box, Item
 from chord_usd.stage.prims import Types, apply_schema, attribute, define, note, place, relate
@@ -79,9 +80,6 @@ DOOR_KG_PER_M2, SASH_KG_PER_M2 = 14.0, 25.0
 
 DOOR_OPENS_DEG = 90.0
 
-_SETTLES_S = 0.4
-"""A leaf that was pushed slows down to a third in this time."""
-
 _ON_TOP_M = 0.01
 
 
@@ -142,7 +140,7 @@ def hang_leaf(
     attribute(joint, "physics:lowerLimit", Types.Float, opens_deg[0])
     attribute(joint, "physics:upperLimit", Types.Float, opens_deg[1])
     apply_schema(joint, "PhysicsDriveAPI:angular")
-    damping = math.radians(mass_kg * width_m**2 / 3 / _SETTLES_S)
+    damping = math.radians(mass_kg * width_m**2 / 3 / SETTLES_S)
     attribute(joint, "drive:angular:physics:stiffness", Types.Float, 0.0)
     attribute(joint, "drive:angular:physics:damping", Types.Float, round(damping, 6))
 
@@ -150,10 +148,8 @@ def hang_leaf(
 def write_feel(material: Sdf.PrimSpec, feel: Feel) -> None:
     """Make a material one that is felt, too."""
     apply_schema(material, "PhysicsMaterialAPI")
-    attribute(material, "physics:staticFriction", Types.Float, feel.static_friction)
-    attribute(material, "physics:dynamicFriction", Types.Float, feel.dynamic_friction)
-    attribute(material, "physics:restitution", Types.Float, feel.restitution)
-    attribute(material, "physics:density", Types.Float, feel.density_kg_per_m3)
+    for name, value in feel.attributes().items():
+        attribute(material, name, Types.Float, value)
 
 
 def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box, material: Sdf.Path) -> None:

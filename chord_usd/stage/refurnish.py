@@ -22,6 +22,7 @@ from chord_usd.errors import StageError
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
+from chord_usd.scene.articulation import FIXED
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.styles import style_named
 from chord_usd.scene.types import Asset, Item, Provenance, Room, SceneGraph, StageFile
@@ -36,7 +37,7 @@ from chord_usd.stage.lights import hang_lamps
 from chord_usd.stage.names import NamedRoom, name_items
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
-from chord_usd.stage.variants import FIXED, Wardrobe
+from chord_usd.stage.variants import Wardrobe
 
 SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""

@@ -7,16 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from chord_usd.runtime.stages import open_layer
+from chord_usd.scene.articulation import ARTICULATION, FIXED
 from chord_usd.scene.palette import Level, category
 from chord_usd.scene.style_finishes import kind_of, metal_like, suitability
 from chord_usd.scene.styles import Agreed, HomeStyle
 from chord_usd.scene.types import Item, Room
 
-COLOUR, METAL, ARTICULATION = "colour", "metal", "articulation"
+COLOUR, METAL = "colour", "metal"
 """Names of the variant sets of components."""
-
-FIXED, JOINTED = "fixed", "jointed"
-"""Variants of articulation: a piece in one, or one whose doors and drawers open."""
 
 _OVER_RUNS = ("wall_cabinet", "cooker_hood")
 

@@ -120,13 +120,9 @@ class Map:
         distance: np.ndarray = ndimage.distance_transform_edt(np.pad(self.free, 1))[1:-1, 1:-1]
         return distance * self.cell_m
 
-    def _able(self) -> np.ndarray:
-        """Which cells the robot's middle may be in."""
-        return self._room_m() > RADIUS_M + self.cell_m / 2
-
     def leads(self, start_m: np.ndarray, goal_m: np.ndarray) -> bool:
         """Whether there is a way."""
-        able = self._able()
+        able = _passes(self._room_m(), self.cell_m)
         parts, _ = ndimage.label(able, np.ones((3, 3)))
         first, last = _nearest(able, self.cell(start_m)), _nearest(able, self.cell(goal_m))
         return bool(parts[first] == parts[last])
@@ -142,7 +138,8 @@ class Map:
 
     def way(self, start_m: np.ndarray, goal_m: np.ndarray) -> np.ndarray:
         """(N, 2) points from start to goal, off what is in the way."""
-        room_m, able = self._room_m(), self._able()
+        room_m = self._room_m()
+        able = _passes(room_m, self.cell_m)
         dear = 1.0 + 2.0 * np.clip(0.5 - room_m, 0.0, None) / 0.5
         first, last = _nearest(able, self.cell(start_m)), _nearest(able, self.cell(goal_m))
         steps = [(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1) if r or c]
@@ -168,6 +165,11 @@ class Map:
         while cells[-1] != first:
             cells.append(came[cells[-1]])
         return np.array([self.middle(cell) for cell in cells[::-1]])
+
+
+def _passes(room_m: np.ndarray, cell_m: float) -> np.ndarray:
+    """Which cells the robot's middle may be in."""
+    return room_m > RADIUS_M + cell_m / 2
 
 
 def _nearest(able: np.ndarray, cell: tuple[int, int]) -> tuple[int, int]:

@@ -33,13 +33,12 @@ def felt_bowl(
 
 
 def felt_along(
-    line_m: FloatArray, thick_m: float, low_m: float, high_m: float, *, closed: bool = True
+    line_m: FloatArray, thick_m: float, low_m: float, high_m: float
 ) -> tuple[Solid, ...]:
-    """Boxes from low_m to high_m that follow a line, (N, 2); as long as they can be where it runs
-    along an axis."""
-    ends = np.roll(line_m, -1, axis=0) if closed else line_m[1:]
+    """Boxes from low_m to high_m that follow an outline, (N, 2); as long as they can be where it
+    runs along an axis."""
     boxes = []
-    for start, end in zip(line_m, ends, strict=False):
+    for start, end in zip(line_m, np.roll(line_m, -1, axis=0), strict=True):
         across = np.abs(end - start).min()
         count = max(1, math.ceil(across / _STEP_M))
         for n in range(count):

@@ -32,15 +32,17 @@ def shower(
 ) -> tuple[Part, ...]:
     """A shower: tray with drain, glass in metal profiles, riser rail with head at the back wall."""
     length, width, height = size_m
-    tray, line = _tray(length, width, 0.01), ring(length, width, 0.0, 0.0, 0)[:, :2]
     glass_h = min(2.0, height - 0.06)
     if kind == "corner":
-        tray, line = _quadrant_tray(length, width), _quadrant_line(length, width, 0.0)
         panes, frame = _quadrant(length, width, glass_h)
-    elif kind == "cabin":
-        panes, frame = _cabin(length, width, glass_h)
+        tray, line = _quadrant_tray(length, width), _quadrant_line(length, width, 0.0)
     else:
-        panes, frame = _walk_in(length, width, glass_h, gridded=kind == "gridded")
+        panes, frame = (
+            _cabin(length, width, glass_h)
+            if kind == "cabin"
+            else _walk_in(length, width, glass_h, gridded=kind == "gridded")
+        )
+        tray, line = _tray(length, width), ring(length, width, 0.0, 0.0, 0)[:, :2]
     x = -length * 0.18 if kind == "corner" else 0.0
     drain_y = 0.12 if kind == "corner" else -0.05
     rim = lathe([(0.06, 0), (0.06, 0.004), (0.052, 0.006), (0.05, 0.0045), (0, 0.0045)], 32)
@@ -64,8 +66,8 @@ def _felt_tray(line: FloatArray) -> tuple[Solid, ...]:
     return felt_bowl(rim, _RIM_M, 0.0, 0.03, _TRAY_M)
 
 
-def _tray(length: float, width: float, corner: float) -> Solid:
-    rim = _RIM_M
+def _tray(length: float, width: float) -> Solid:
+    rim, corner = _RIM_M, 0.01
     return loft(
         [
             ring(length, width, corner + 0.02, 0.0, 3),

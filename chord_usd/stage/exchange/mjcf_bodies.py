@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from chord_usd.scene.types import FloatArray
-from chord_usd.stage.exchange.mjcf_frames import Frames, rigid
+from chord_usd.stage.exchange.mjcf_frames import Frames, dotted, rigid
 from chord_usd.stage.exchange.mjcf_joints import End, Link, degrees_of_freedom
 
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -67,11 +67,8 @@ class Mechanism:
 
 
 def name_of(prim: Usd.Prim) -> str:
-    """The path of a prim with dots, which no name of a prim holds: `House.Rooms.Kitchen_0`.
-
-    Some readers of MJCF refuse slashes; and all call the world so.
-    """
-    name = str(prim.GetPath()).strip("/").replace("/", ".")
+    """The dotted path of a prim; no prim may be called what all call the world."""
+    name = dotted(prim.GetPath())
     return f"{name}_" if name == "world" else name
 
 

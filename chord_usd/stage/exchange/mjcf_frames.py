@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 from scipy.spatial.transform import Rotation
 
 from chord_usd.scene.types import FloatArray
@@ -65,6 +65,12 @@ def scale_of(matrix: FloatArray) -> FloatArray | None:
 def turned(quaternion: Gf.Quatf | Gf.Quatd) -> FloatArray:
     """(3, 3) of a rotation of USD."""
     return Rotation.from_quat([*list(quaternion.GetImaginary()), quaternion.GetReal()]).as_matrix()
+
+
+def dotted(path: Sdf.Path | str) -> str:
+    """The path of a prim as a name, with dots, which no name of a prim holds:
+    `House.Rooms.Kitchen_0`. Some readers of MJCF refuse slashes."""
+    return str(path).strip("/").replace("/", ".")
 
 
 def numbers(values: Iterable[float]) -> str:

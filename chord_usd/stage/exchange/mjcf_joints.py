@@ -10,7 +10,7 @@ import numpy as np
 from pxr import UsdPhysics
 
 from chord_usd.scene.types import FloatArray
-from chord_usd.stage.exchange.mjcf_frames import Frames, numbers, rigid, turned
+from chord_usd.stage.exchange.mjcf_frames import Frames, dotted, numbers, rigid, turned
 
 _AXES = {"X": np.array([1.0, 0, 0]), "Y": np.array([0, 1.0, 0]), "Z": np.array([0, 0, 1.0])}
 _FAR = 1e4
@@ -77,7 +77,7 @@ def degrees_of_freedom(
     flipped: whether it is the base that hangs on the tip; its axes then look the other way.
     """
     prim = joint.GetPrim()
-    name = str(prim.GetPath()).strip("/").replace("/", ".")
+    name = dotted(prim.GetPath())
     told = _Told(prim, name, base, tip, frames.metres, -1.0 if flipped else 1.0)
     if prim.IsA(UsdPhysics.FixedJoint):
         return "fixed", []

@@ -14,7 +14,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdPhysics
 from chord_usd.errors import StageError
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.exchange.mjcf_bodies import Body, Mechanism, mechanism_of, name_of
-from chord_usd.stage.exchange.mjcf_frames import Frames, numbers, placed, rigid, scale_of
+from chord_usd.stage.exchange.mjcf_frames import Frames, dotted, numbers, placed, rigid, scale_of
 from chord_usd.stage.exchange.mjcf_geoms import Shape, friction_of, shapes_of, solid_of
 from chord_usd.stage.exchange.mjcf_lights import camera_attributes, light_attributes, strength
 from chord_usd.stage.exchange.mjcf_looks import MESHES, TEXTURES, Assets, seen_of
@@ -192,7 +192,7 @@ class _Writer:
         if mechanism.loops:
             equality = ET.SubElement(root, "equality")
             for loop in mechanism.loops:
-                told = {"name": loop.path.strip("/").replace("/", ".")}
+                told = {"name": dotted(loop.path)}
                 names = {"body1": _known(loop.first, world), "body2": _known(loop.second, world)}
                 if loop.kind != "fixed":
                     told["anchor"] = numbers(loop.anchor)
