@@ -76,15 +76,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _answer(words: Sequence[str]) -> int:
     from chord_usd.commands.paths import check_paths
 
-    options = build_parser().parse_args(words)
+    options = build_parser(words).parse_args(words)
     check_paths(options.parser, options)
     outcome = _run(options)
     _tell(outcome, as_json=options.json)
     return DONE if outcome.holds else NOT_HELD
 
 
-def build_parser() -> Parser:
-    """The whole command line."""
+def build_parser(words: Sequence[str] = ()) -> Parser:
+    """The whole command line; of words that begin with a verb, what that verb needs."""
     from chord_usd.commands.common import Parser
 
     parser = Parser(
@@ -94,7 +94,7 @@ def build_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"chord-usd {__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True, dest="verb")
-    for verb in VERBS:
+    for verb in words[:1] if words and words[0] in VERBS else VERBS:
         import_module(f"chord_usd.commands.{verb}").add(verbs)
     return parser
 

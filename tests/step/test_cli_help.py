@@ -13,8 +13,8 @@ HELP_SECONDS = 0.3
 
 @pytest.mark.parametrize("verb", ["", *VERBS])
 def test_help_answers_at_once(run_cli, verb: str) -> None:
-    """Processor seconds, up to three tries: the machine may be busy with other things."""
-    assert any(_help_seconds(run_cli, verb) < HELP_SECONDS for _ in range(3))
+    """Processor seconds, the best of six tries: other work on the machine only adds to them."""
+    assert any(_help_seconds(run_cli, verb) < HELP_SECONDS for _ in range(6))
 
 
 def _help_seconds(run_cli, verb: str) -> float:
