@@ -1,4 +1,4 @@
-"""Carpets and mats: thin plates whose pattern is a picture of their own size."""
+"""Carpets and mats, as thick as their weave or pile, with a picture of their own size."""
 
 from __future__ import annotations
 
@@ -16,14 +16,22 @@ from chord_usd.assets.dressing.rug_patterns import Pattern, Rgb, woven
 from chord_usd.assets.dressing.textiles import TEXTILES
 from chord_usd.assets.finishes import Finish
 from chord_usd.assets.model import Design, Part
-from chord_usd.assets.solids import Size, Solid, bevelled_plate, welded
+from chord_usd.assets.solids import Size, Solid, loft, welded
 from chord_usd.scene.types import FloatArray
 
 Shape = Literal["rectangle", "round"]
 
 _FRINGE_M = 0.045
 _TASSEL_EACH_M = 0.014
-_BEVEL_M = 0.0012
+_TASSEL_HIGH_M = 0.004
+_ROUND_M = 0.008
+"""Radius, at most, with which pile turns down at the edge."""
+
+_BINDING_M = 0.0045
+"""Half the width of the tape around a bound edge."""
+
+_BINDING_HIGH = 0.8
+"""Height of that tape over the carpet's: pile stands above it."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +49,9 @@ class _Weave:
     """How far the pile frays its outline."""
     yarn: float = 0.07
     pile: float = 0.05
-    height_m: float = 0.0045
+    height_m: float = 0.012
+    bound: int | None = None
+    """Which of its colours the tape around its edge has; None for an edge without."""
 
 
 def _finish_name(weave: _Weave, colour: str) -> str:
@@ -55,26 +65,57 @@ def _woven(weave: _Weave, colour: str, length_m: float, width_m: float) -> Finis
 
 
 def rug(
-    size_m: Size, *, shape: Shape = "rectangle", fringed: bool = False, shaggy_m: float = 0.0
-) -> tuple[Part, ...]:
-    """A carpet, its picture's u along the length; fringes lie at both ends of the length."""
+    size_m: Size, *, shape: Shape = "rectangle", fringed: bool = False, shaggy_m: float = 0.0,
+    bound: bool = False,
+) -> tuple[Part, ...]:  # fmt: skip
+    """A carpet, its picture's u along the length; fringes lie at both ends of the length.
+
+    bound: a tape goes around its edge.
+    """
     length, width, height = size_m
     body = length - 2 * (_FRINGE_M - 0.003) if fringed else length
     outline = _circle(length, width) if shape == "round" else _rectangle(body, width)
     if shaggy_m:
         outline = _frayed(outline, shaggy_m, body, width)
-    plate = bevelled_plate(outline, height, _BEVEL_M)
+    plate = _pile(outline, height, _BINDING_M if bound else 0.0)
     share = plate.points_m[:, :2] / [body, width] + 0.5
     parts = [Part("Rug", plate, "rug", None, uvs=share[plate.faces.reshape(-1)])]
     if fringed:
-        parts.append(Part("Fringe", _tassels(length, width, height), "fringe", None))
+        tall = min(height / 2, _TASSEL_HIGH_M)
+        parts.append(Part("Fringe", _tassels(length, width, tall), "fringe", None))
+    if bound:
+        parts.append(Part("Binding", _binding(outline, _BINDING_HIGH * height), "binding", None))
     return tuple(parts)
+
+
+def _inset(outline: FloatArray, by_m: float, z_m: float) -> FloatArray:
+    """(N, 3) the outline drawn in from all sides, at a height."""
+    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
+    flat = middle + (outline - middle) * (1.0 - 2 * by_m / np.ptp(outline, axis=0))
+    return np.column_stack([flat, np.full(len(flat), z_m)])
+
+
+def _pile(outline: FloatArray, height: float, within_m: float) -> Solid:
+    """What one walks on: round at its upper edge, drawn in a little at the floor."""
+    radius = min(0.7 * height, _ROUND_M)
+    turn = np.radians([0.0, 30.0, 60.0, 90.0])
+    insets = [0.25 * radius, *radius * (1.0 - np.cos(turn)), 3 * radius]
+    heights = [0.0, *(height - radius + radius * np.sin(turn)), height]
+    return loft([_inset(outline, within_m + b, z) for b, z in zip(insets, heights, strict=True)])
+
+
+def _binding(outline: FloatArray, height: float) -> Solid:
+    """A tape sewn around the edge."""
+    turn = np.radians(np.arange(-90.0, 270.0, 45.0))
+    sections = zip(_BINDING_M * (1.0 - np.cos(turn)), height / 2 * (1.0 + np.sin(turn)),
+                   strict=True)  # fmt: skip
+    return loft([_inset(outline, by, z) for by, z in sections], loop=True)
 
 
 def _rectangle(length: float, width: float) -> FloatArray:
     """Points every 4 cm along the edge, its corners a little round."""
     x, y = length / 2, width / 2
-    cut = 0.006
+    cut = 0.008
     corners = [(x, -y + cut), (x, y - cut), (x - cut, y), (-x + cut, y), (-x, y - cut),
                (-x, -y + cut), (-x + cut, -y), (x - cut, -y)]  # fmt: skip
     points: list[tuple[float, float]] = []
@@ -108,8 +149,8 @@ def _tassels(length: float, width: float, height: float) -> Solid:
             low, high = at - 0.0035, at + 0.0035
             base = len(points)
             points += [
-                (root, low, 0.0), (root, high, 0.0), (root, high, 0.5 * height),
-                (root, low, 0.5 * height), (tip - side * abs(slant), at + slant, 0.0),
+                (root, low, 0.0), (root, high, 0.0), (root, high, height), (root, low, height),
+                (tip - side * abs(slant), at + slant, 0.0),
             ]  # fmt: skip
             quad = [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
             quad = quad if side > 0 else [face[::-1] for face in quad]
@@ -182,39 +223,45 @@ _ROUNDS_M = ((0.9, 0.9), (1.2, 1.2), (1.6, 1.6), (2.0, 2.0))
 
 _P = rug_patterns
 _RECTANGLES = (
-    _Weave("Bordered", _P.bordered, _BORDERED, ("modern", "scandinavian", "japanese")),
+    _Weave("Bordered", _P.bordered, _BORDERED, ("modern", "scandinavian", "japanese"), bound=1),
     _Weave("Striped", _P.stripes, _STRIPED, ("scandinavian",), fringe="cream_wool",
-           height_m=0.004),
+           height_m=0.006),
     _Weave("Berber", _P.berber, _BERBER, ("scandinavian", "modern"), fringe="cream_wool",
-           shaggy_m=0.006, yarn=0.11, pile=0.09),
-    _Weave("Arcs", _P.arcs, _ARCS, ("modern",)),
+           shaggy_m=0.006, yarn=0.11, pile=0.09, height_m=0.022),
+    _Weave("Arcs", _P.arcs, _ARCS, ("modern",), height_m=0.015, bound=0),
     _Weave("Persian", _P.persian, _PERSIAN, ("classic",), fringe="cream_wool", pile=0.04),
     _Weave("Faded", _P.persian, _FADED, ("industrial",), fringe="oat_wool", yarn=0.1, pile=0.12),
     _Weave("Plain", _P.plain, _PLAIN, ("industrial", "japanese", "modern"), shaggy_m=0.003,
-           yarn=0.1, pile=0.06),
-    _Weave("Checked", _P.checks, _CHECKED, ("industrial",)),
-    _Weave("Rush", _P.tatami, _RUSH, ("japanese",), height_m=0.004, pile=0.03),
+           yarn=0.1, pile=0.06, height_m=0.018),
+    _Weave("Checked", _P.checks, _CHECKED, ("industrial",), height_m=0.008, bound=1),
+    _Weave("Rush", _P.tatami, _RUSH, ("japanese",), height_m=0.006, pile=0.03, bound=2),
 )  # fmt: skip
 _ROUNDS = (
     _Weave("Jute", _P.rings, _JUTE, ("scandinavian", "japanese", "industrial"), "round",
-           yarn=0.09),
+           yarn=0.09, height_m=0.008),
     _Weave("Disc", _P.plain, _PLAIN, ("modern", "japanese"), "round", shaggy_m=0.004, yarn=0.1,
-           pile=0.06),
+           pile=0.06, height_m=0.018),
 )  # fmt: skip
 _RUNNER_NAMES = ("Striped", "Persian", "Faded", "Bordered", "Plain", "Rush")
 
 
 def _design(weave: _Weave, name: str, length: float, width: float, category: str) -> Design:
-    draw = partial(rug, shape=weave.shape, fringed=bool(weave.fringe), shaggy_m=weave.shaggy_m)
+    draw = partial(rug, shape=weave.shape, fringed=bool(weave.fringe), shaggy_m=weave.shaggy_m,
+                   bound=weave.bound is not None)  # fmt: skip
     trim = {"fringe": weave.fringe} if weave.fringe else {}
     ways = {colour: {"rug": _finish_name(weave, colour), **trim} for colour in weave.palettes}
+    tapes = {}
+    if weave.bound is not None:
+        for colour, palette in weave.palettes.items():
+            ways[colour]["binding"] = tape = f"{_finish_name(weave, colour)}_tape"
+            tapes[tape] = Finish(palette[weave.bound], 0.95, surface="weave")
     id_ = f"{name}_{weave.name}_{100 * length:.0f}x{100 * width:.0f}"
     size_m = (length, width, weave.height_m)
     pictures = {
         _finish_name(weave, colour): cache(partial(_woven, weave, colour, length, width))
         for colour in weave.palettes
     }
-    finishes = DrawnFinishes(TEXTILES, pictures)
+    finishes = DrawnFinishes({**TEXTILES, **tapes}, pictures)
     return Design(id_, category, size_m, draw, ways, finishes, weave.styles)
 
 
@@ -241,11 +288,13 @@ _COIR = {
     "grey": ((120, 112, 100), (88, 82, 74)),
 }  # fmt: skip
 _MATS = (
-    (_Weave("Bath", _P.bordered, _BATH, shaggy_m=0.003, yarn=0.1), ((0.6, 0.4), (0.75, 0.5),
-                                                                   (0.9, 0.55))),
-    (_Weave("Ribbed", _P.ribs, _BATH, ("modern", "japanese", "industrial"), yarn=0.06),
+    (_Weave("Bath", _P.bordered, _BATH, shaggy_m=0.003, yarn=0.1, height_m=0.018),
      ((0.6, 0.4), (0.75, 0.5), (0.9, 0.55))),
-    (_Weave("Door", _P.bordered, _COIR, shaggy_m=0.004, yarn=0.22), ((0.6, 0.4), (0.75, 0.45))),
+    (_Weave("Ribbed", _P.ribs, _BATH, ("modern", "japanese", "industrial"), yarn=0.06,
+            height_m=0.009, bound=0),
+     ((0.6, 0.4), (0.75, 0.5), (0.9, 0.55))),
+    (_Weave("Door", _P.bordered, _COIR, shaggy_m=0.004, yarn=0.22, height_m=0.01),
+     ((0.6, 0.4), (0.75, 0.45))),
 )  # fmt: skip
 
 
