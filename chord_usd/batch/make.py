@@ -88,7 +88,12 @@ class Maker:
 def pictures_recipe(house: Path, options: RenderOptions, digests: Digests) -> Mapping[str, Any]:
     """All that decides the pictures of a house that is there."""
     made = options.made(digests.of(house / STAGE_FILE))
-    return {**made, "cameras": options.cameras, "walkthrough": options.walkthrough}
+    return {
+        **made,
+        "cameras": options.cameras,
+        "walkthrough": options.walkthrough,
+        "label_set": options.label_set,
+    }
 
 
 def _render(house: Path, options: RenderOptions, digests: Digests) -> None:

@@ -22,6 +22,7 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.commands.paths import output_place
+from chord_usd.scene.label_sets import LABEL_SETS, OWN
 
 if TYPE_CHECKING:
     from chord_usd.image.options import RenderOptions
@@ -81,6 +82,10 @@ def add_look(group: Options) -> None:
         help="some of rgb,depth,normal,instance,semantic (rgb)",
     )  # fmt: skip
     group.add_argument(
+        "--label-set", choices=LABEL_SETS, default=OWN,
+        help="whose names and ids coco.json of the instance pass has (chord: our own)",
+    )  # fmt: skip
+    group.add_argument(
         "--lighting", default="", metavar="NAME",
         help="day, evening or another lighting of the stage (the one it has selected)",
     )  # fmt: skip
@@ -106,6 +111,7 @@ def look_of(options: argparse.Namespace) -> dict[str, Any]:
         "quality": QUALITIES[options.quality],
         "samples": options.samples,
         "passes": options.passes,
+        "label_set": options.label_set,
         "lighting": options.lighting,
         "sky": options.sky,
     }
@@ -170,6 +176,7 @@ def words_of(options: argparse.Namespace) -> list[str]:
     words = {
         "--resolution": f"{width_px}x{height_px}",
         "--passes": ",".join(options.passes),
+        "--label-set": options.label_set,
         "--quality": options.quality,
         "--samples": options.samples,
         "--seed": options.seed,

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from chord_usd.image.marks import Thing
 from chord_usd.image.stage_cameras import StageCamera
+from chord_usd.scene.label_sets import OWN, class_of, classes_of
 from chord_usd.scene.palette import CATEGORIES, DRESSING_CATEGORIES
 
 MaskArray = npt.NDArray[np.uint16]
@@ -106,21 +107,31 @@ def _seen(
             yield thing, int(areas[thing.number]), box
 
 
-def coco(pictures: Sequence[tuple[str, dict[str, Any], MaskArray]]) -> dict[str, Any]:
-    """A COCO data set of pictures: (file name, sidecar, (H, W) instance mask) each."""
+def coco(
+    pictures: Sequence[tuple[str, dict[str, Any], MaskArray]], label_set: str = OWN
+) -> dict[str, Any]:
+    """A COCO data set of pictures: (file name, sidecar, (H, W) instance mask) each.
+
+    label_set: one of scene.label_sets. In others than OWN, `categories` holds all classes of the
+    set, seen or not, and things that it has no class for are left out.
+    """
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
-    categories: dict[int, str] = {}
+    categories = {} if label_set == OWN else classes_of(label_set)
     for image_id, (file_name, sidecar, numbers) in enumerate(pictures, start=1):
         height, width = numbers.shape
         images.append({"id": image_id, "file_name": file_name, "width": width, "height": height})
         for thing in sidecar["instances"]:
-            categories[thing["category_id"]] = thing["label"]
+            if label_set == OWN:
+                name = thing["label"]
+                categories[name] = thing["category_id"]
+            elif (name := class_of(thing["label"], label_set)) is None:
+                continue
             annotations.append(
                 {
                     "id": len(annotations) + 1,
                     "image_id": image_id,
-                    "category_id": thing["category_id"],
+                    "category_id": categories[name],
                     "bbox": thing["box_px"],
                     "area": thing["area_px"],
                     "segmentation": run_lengths(numbers == thing["id"]),
@@ -128,7 +139,8 @@ def coco(pictures: Sequence[tuple[str, dict[str, Any], MaskArray]]) -> dict[str,
                     "prim_path": thing["path"],
                 }
             )
-    named = [{"id": number, "name": name} for number, name in sorted(categories.items())]
+    ordered = sorted(categories.items(), key=lambda named: named[1])
+    named = [{"id": number, "name": name} for name, number in ordered]
     return {"images": images, "annotations": annotations, "categories": named}
 
 

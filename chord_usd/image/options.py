@@ -8,6 +8,7 @@ from typing import Any
 from chord_usd.errors import RenderError
 from chord_usd.image.job import Part, Quality
 from chord_usd.image.products import PASSES
+from chord_usd.scene.label_sets import LABEL_SETS, OWN
 
 DEVICES = ("auto", "cpu", "gpu", "cuda", "optix", "hip", "oneapi", "metal")
 
@@ -40,6 +41,8 @@ class RenderOptions:
     seed: int = 0
     """Of the noise; the same seed gives the same picture."""
     passes: tuple[str, ...] = ("rgb",)
+    label_set: str = OWN
+    """One of scene.label_sets: what `coco.json` calls things."""
     engine: str = "cycles"
     device: str = "auto"
     """auto (a GPU if there is one), cpu, gpu or a backend such as cuda."""
@@ -150,6 +153,12 @@ def _check_words(options: RenderOptions) -> None:
             f"unknown device '{options.device}'",
             where="--device",
             expected=f"one of {', '.join(DEVICES)}",
+        )
+    if options.label_set not in LABEL_SETS:
+        raise RenderError(
+            f"unknown label set '{options.label_set}'",
+            where="--label-set",
+            expected=f"one of {', '.join(LABEL_SETS)}",
         )
     if not options.passes:
         raise RenderError("no pass", where="--passes", expected=f"some of {', '.join(PASSES)}")

@@ -22,6 +22,7 @@ from chord_usd.image.exr import write_exr
 from chord_usd.image.marks import Thing
 from chord_usd.image.takes import Take
 from chord_usd.runtime.files import deliver, hash_file, write_atomic
+from chord_usd.scene.label_sets import OWN
 
 PASSES = ("rgb", "depth", "normal", "instance", "semantic")
 
@@ -105,8 +106,11 @@ def are_finished(folder: Path, camera: str, made: dict[str, Any]) -> bool:
         return False
 
 
-def write_coco(folder: Path, cameras: Sequence[str]) -> Path:
-    """Write the COCO data set of these cameras' instance masks. Raises OutputError."""
+def write_coco(folder: Path, cameras: Sequence[str], label_set: str = OWN) -> Path:
+    """Write the COCO data set of these cameras' instance masks. Raises OutputError.
+
+    label_set: as of annotations.coco.
+    """
     pictures = []
     for camera in cameras:
         sidecar = json.loads(sidecar_file(folder, camera).read_text())
@@ -114,7 +118,7 @@ def write_coco(folder: Path, cameras: Sequence[str]) -> Path:
         mask = read_mask(folder / f"{camera}.instance.png")
         pictures.append((f"{camera}.{shown}", sidecar, mask))
     target = folder / COCO_FILE
-    write_atomic(target, json.dumps(coco(pictures)), asked=False)
+    write_atomic(target, json.dumps(coco(pictures, label_set)), asked=False)
     return target
 
 

@@ -81,7 +81,8 @@ def render_stage(
                 _render(run, due, progress)
     files = [file for camera in cameras for file in run.files(camera.name)]
     if "instance" in options.passes and options.part is None:
-        files.append(write_coco(folder, [camera.name for camera in cameras]))
+        names = [camera.name for camera in cameras]
+        files.append(write_coco(folder, names, options.label_set))
     return Rendered(tuple(files), len(due), run.device, tuple(_warnings(stage, views)))
 
 

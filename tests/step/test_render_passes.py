@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,9 +17,10 @@ from shapely.geometry import Polygon
 from chord_usd.image.exr import read_exr
 from chord_usd.image.joined import joined_rooms, touching
 from chord_usd.image.options import QUALITIES, RenderOptions
-from chord_usd.image.products import read_mask
+from chord_usd.image.products import read_mask, write_coco
 from chord_usd.image.render import Rendered, render_stage
 from chord_usd.image.stage_cameras import read_views
+from chord_usd.scene.label_sets import classes_of
 
 DATA = ("depth", "normal", "instance", "semantic")
 CAMERA = "Bedroom_0"
@@ -199,6 +201,15 @@ def test_coco_lists_every_thing_that_is_seen(folder: Path, sidecar: dict) -> Non
     for annotation in mine:
         assert sum(annotation["segmentation"]["counts"][1::2]) == annotation["area"]
     assert {a["category_id"] for a in data["annotations"]} == {c["id"] for c in data["categories"]}
+
+
+def test_coco_can_speak_of_others_classes(folder: Path, tmp_path: Path) -> None:
+    """By the same masks: a render of them is not needed again."""
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+    data = json.loads(write_coco(tmp_path, [CAMERA, "Top"], "nyu40").read_text())
+    assert {a["category_id"] for a in data["annotations"]} <= set(classes_of("nyu40").values())
+    own = json.loads((folder / "coco.json").read_text())["annotations"]
+    assert [a["segmentation"] for a in data["annotations"]] == [a["segmentation"] for a in own]
 
 
 def _light(stage: Path, folder: Path, **quality: Any) -> np.ndarray:
