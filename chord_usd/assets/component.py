@@ -1,6 +1,6 @@
 """Writes a design as a USD component: interface, payload and the layers behind it.
 
-    Desk_A/Desk_A.usda        kind, assetInfo, class, extentsHint, colourways, payload
+    Desk_A/Desk_A.usda        kind, assetInfo, class, labels, extentsHint, colourways, payload
     Desk_A/payload.usda       sublayers: physics, materials, geometry
     Desk_A/{physics.usda, materials.usdc, geometry.usdc}
     Desk_A/jointed.usdc   another payload, of a variant, where doors or drawers open
@@ -24,6 +24,7 @@ from chord_usd.assets.component_prims import (
     detached,
     material_path,
     new_stage,
+    write_labels,
 )
 from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
 from chord_usd.assets.jointed import JOINTED_LAYER, write_jointed
@@ -41,6 +42,7 @@ from chord_usd.assets.model import Design, Part
 from chord_usd.assets.surface_maps import MAPS_FOLDER
 from chord_usd.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.scene.credits import AUTHOR, LICENCE
+from chord_usd.scene.label_sets import wikidata_item
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -171,6 +173,9 @@ def _write_interface(
         }
     )
     root.SetCustomDataByKey("chord", _about(design, worn, info))
+    item = wikidata_item(design.category)
+    category = design.category
+    write_labels(root, {"category": category, "class": category, "wikidata_qcode": item})
     stage.CreateClassPrim("/__class__")
     inherited = stage.CreateClassPrim(f"/__class__/{design.id}")
     root.GetInherits().AddInherit(inherited.GetPath())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -31,6 +31,14 @@ def new_stage(design: Design) -> Usd.Stage:
     root = UsdGeom.Xform.Define(stage, f"/{design.id}")
     stage.SetDefaultPrim(root.GetPrim())
     return stage
+
+
+def write_labels(prim: Usd.Prim, labels: Mapping[str, str]) -> None:
+    """Semantic labels of a prim, by their taxonomies."""
+    from pxr import UsdSemantics
+
+    for taxonomy, name in labels.items():
+        UsdSemantics.LabelsAPI.Apply(prim, taxonomy).CreateLabelsAttr([name])
 
 
 def detached(stage: Usd.Stage) -> Sdf.Layer:

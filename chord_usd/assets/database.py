@@ -37,7 +37,7 @@ _GENERATOR = (
     "jointed.py", "links.py", "look_noise.py", "material.py", "model.py", "moves.py",
     "physical.py", "shading.py", "solids.py", "surface_cloth.py", "surface_maps.py",
     "surface_mineral.py", "surface_pattern.py", "surface_wood.py", "surface_worked.py",
-    "furniture", "dressing", "cloth",
+    "furniture", "dressing", "cloth", "../scene/label_sets.tsv",
 )  # fmt: skip
 """What the bytes of the assets depend on."""
 

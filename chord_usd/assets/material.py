@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.assets.finishes import Finish
+from chord_usd.assets.physical import stuff_of
 from chord_usd.assets.surface_maps import (
     MAP_PX,
     MAPS_FOLDER,
@@ -37,7 +38,8 @@ _MAPS = (
 _PICTURE, _CONNECT, _WIRE = "Texture", "connect", ".connect"
 
 Values = dict[str, tuple[str, Any]]
-"""Property of a shader ("Surface.inputs:roughness") to its USD type and value; of type "connect"
+"""Property of a shader ("Surface.inputs:roughness"), or of the material itself (".doubleSided"), to
+its USD type and value; of type "connect"
 ("Surface.inputs:roughness.connect"), the output it reads, or None for none."""
 
 
@@ -123,9 +125,10 @@ def define_material(stage: Usd.Stage, path: str, looks: Looks) -> None:
     Blender does not follow inputs of the material itself, so all values are the shaders' own.
     Constants stay under the maps: they are the mean, for what reads no pictures.
     """
-    from pxr import Sdf, UsdShade
+    from pxr import Sdf, UsdSemantics, UsdShade
 
     material = UsdShade.Material.Define(stage, path)
+    UsdSemantics.LabelsAPI.Apply(material.GetPrim(), "material")
     shader = UsdShade.Shader.Define(stage, f"{path}/Surface")
     shader.CreateIdAttr("UsdPreviewSurface")
     shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.5)
@@ -158,6 +161,7 @@ def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
     )
     named = dict(zip(_INPUTS, values, strict=True))
     found: Values = {f"Surface.inputs:{k}": v for k, v in named.items()}
+    found[".semantics:labels:material"] = ("TokenArray", [stuff_of(finish)])
     for shader, fed, output, _ in _MAPS:
         source = f"{shader}.outputs:{output}" if maps else None
         found[f"Surface.inputs:{fed}{_WIRE}"] = (_CONNECT, source)
@@ -225,7 +229,7 @@ def _author(stage: Usd.Stage, path: str, values: Values) -> None:
 
     for name, (type_name, value) in values.items():
         shader, _, property_ = name.partition(".")
-        prim = stage.OverridePrim(f"{path}/{shader}")
+        prim = stage.OverridePrim(f"{path}/{shader}" if shader else path)
         if type_name == _CONNECT:
             attribute = _connected(prim, property_.removesuffix(_WIRE))
             attribute.SetConnections([Sdf.Path(f"{path}/{value}")] if value else [])

@@ -59,6 +59,31 @@ def feel_of(finish: Finish) -> Feel:
     return GLASS if finish.opacity < _CLEAR_BELOW else BY_SURFACE[finish.surface]
 
 
+_STUFFS = {
+    "wood": ("wood", "bark"),
+    "textile": ("weave", "linen", "knit", "boucle", "velvet"),
+    "leather": ("leather",),
+    "metal": ("brushed", "polished", "powder", "patina"),
+    "stone": ("stone", "marble", "quartz"),
+    "ceramic": ("ceramic", "glaze", "terracotta"),
+    "concrete": ("concrete",),
+    "wicker": ("rattan",),
+    "paper": ("paper",),
+    "plant": ("leaf", "peel", "kernels"),
+    "soil": ("soil",),
+    "plastic": ("moulded",),
+    "lacquer": ("plain",),
+}
+_STUFF_OF: dict[str, str] = {one: stuff for stuff, ones in _STUFFS.items() for one in ones}
+
+
+def stuff_of(finish: Finish) -> str:
+    """What a finish is made of, in a word; by the same rule as what it feels like."""
+    if finish.metallic >= _METAL_FROM:
+        return "metal"
+    return "glass" if finish.opacity < _CLEAR_BELOW else _STUFF_OF[finish.surface]
+
+
 def write_feel(prim: Usd.Prim, feel: Feel) -> None:
     """Make a material one that is felt, too."""
     from pxr import Sdf, UsdPhysics

@@ -28,7 +28,7 @@ NUMBER_MARK = "chord_number"
 MOST_THINGS = 65535
 """Masks have 16 bits."""
 
-_OTHER_TAXONOMIES = ("room", "material")
+_OTHER_TAXONOMIES = ("room", "material", "wikidata_qcode")
 """Labels that do not say what a thing is."""
 
 

@@ -1,4 +1,4 @@
-"""What our labels are called in the label sets that others train with.
+"""What our labels are called in the label sets that others train with, and in Wikidata.
 
 Names and ids are the published ones: of COCO's 80 things (1 to 90, with gaps; Lin et al. 2014),
 of ADE20K's 150 classes as `objectInfo150` of its scene parsing benchmark counts them (1 to 150;
@@ -63,6 +63,11 @@ def classes_of(label_set: str) -> dict[str, int]:
     }
 
 
+def wikidata_item(label: str) -> str:
+    """The Wikidata item (Q and a number) of a label of ours. Raises KeyError for others."""
+    return _table()[label][-1]
+
+
 def class_of(label: str, label_set: str) -> str | None:
     """What a set calls a thing of this label of ours; None where it has nothing of the kind.
 
@@ -79,6 +84,6 @@ def class_of(label: str, label_set: str) -> str | None:
 
 @cache
 def _table() -> dict[str, tuple[str, ...]]:
-    """By our label, what each set but OWN calls it."""
+    """By our label, what each set but OWN calls it, and the Wikidata item."""
     rows = (line.split("\t") for line in _FILE.read_text(encoding="utf-8").splitlines())
     return {label: tuple(names) for label, *names in rows if not label.startswith("#")}

@@ -7,14 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.assets.component import material_path, write_component
 from chord_usd.assets.database import build_assets, load_database, read_index
 from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.assets.model import Design
+from chord_usd.assets.physical import stuff_of
 from chord_usd.assets.surface_maps import MAPS_FOLDER
+from chord_usd.scene.label_sets import wikidata_item
 from chord_usd.scene.palette import DRESSING_CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
 from chord_usd.scene.types import Asset
 from chord_usd.stage.physics import KG_PER_M3
@@ -89,6 +91,28 @@ def test_components_are_built_as_the_asset_guidelines_ask(assets: tuple[Asset, .
         assert all(child.IsA(UsdGeom.Scope) for child in root.GetChildren())
         assert root.GetAssetInfoByKey("name") == asset.id
         assert root.HasPayload()
+
+
+def test_labels_say_what_a_component_is_and_what_it_is_made_of(assets: tuple[Asset, ...]) -> None:
+    changed = 0
+    for asset in assets:
+        stage, design = open_asset(asset), ALL[asset.id]
+        root = stage.GetDefaultPrim()
+        item = wikidata_item(asset.category)
+        for taxonomy, name in {"class": asset.category, "wikidata_qcode": item}.items():
+            assert list(UsdSemantics.LabelsAPI(root, taxonomy).GetLabelsAttr().Get()) == [name]
+        said = set()
+        for colourway, looks in list(design.colourways.items())[:2]:
+            root.GetVariantSet("colour").SetVariantSelection(colourway)
+            for slot, finish in looks.items():
+                material = stage.GetPrimAtPath(material_path(asset.id, slot))
+                if material:
+                    assert material.HasAPI(UsdSemantics.LabelsAPI, "material")
+                    labels = material.GetAttribute("semantics:labels:material").Get()
+                    assert list(labels) == [stuff_of(design.finishes[finish])], material
+                    said.add((slot, labels[0]))
+        changed += len(said) > len({slot for slot, _ in said})
+    assert changed, "some colourway is of other stuff"
 
 
 def test_a_closed_payload_still_gives_bounds_and_colourways(assets: tuple[Asset, ...]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -34,8 +35,9 @@ def test_classes_have_their_published_ids(name: str) -> None:
 def test_every_label_has_a_row_of_classes_that_the_sets_have() -> None:
     rows = [line.split("\t") for line in TABLE.read_text().splitlines() if line[0] != "#"]
     assert {row[0] for row in rows} >= {*CATEGORIES, *BUILDING}
-    for label, *names in rows:
+    for label, *names, item in rows:
         assert len(names) == len(OTHERS)
+        assert re.fullmatch(r"Q[1-9]\d+", item)
         for name in OTHERS:
             assert class_of(label, name) in {*classes_of(name), None}
         assert class_of(label, "nyu40") is not None  # it has classes for all that is left over
