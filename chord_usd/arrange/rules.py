@@ -17,6 +17,7 @@ from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.chairs_clear import draw_out_chairs
 from chord_usd.arrange.free_floor import kept_off
 from chord_usd.arrange.left_out import leave_out
+from chord_usd.arrange.off_casings import clear_casings
 from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
@@ -142,6 +143,7 @@ RULES: tuple[Rule, ...] = (
     Rule("chairs face tables, in sets", "read", seat_chairs),
     Rule("what stands in the way left out", "drawn", leave_out),
     Rule("panels on their walls", "meshed", hang_on_walls),
+    Rule("beside the casings of doors", "meshed", clear_casings),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),
 )
 """In the order in which they are applied."""

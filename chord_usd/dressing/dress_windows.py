@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import nearest_length, stretched, within
 from chord_usd.dressing.wall_faces import Hole, WallFace
+from chord_usd.scene.trim import HANDLE_M
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box
 
 CURTAINED = ("living", "dining", "bedroom", "study", "unknown")
@@ -36,10 +37,11 @@ _COVERS = 0.22
 """Share of a window that a curtain drawn aside may cover."""
 
 _GLASS_DOOR_FROM_M = 1.4
-_SASH_M = 0.035
-"""Half the depth of a window's frame, in the middle of its wall."""
+_BLIND_PROUD_M = 0.06
+"""How far a blind in a reveal may stand out of it, so as to hang clear of handles."""
 
 _REVEAL_SIDE_M = 0.006
+_CLEAR_M = 0.004
 _IN_WALL_M = 0.01
 _WALL = ("pane", "rug")
 
@@ -197,11 +199,11 @@ def _of_length(curtains: list[Asset], wanted: float, *, drawn: bool) -> Asset | 
 
 def _blind(frame: RoomFrame, face: WallFace, hole: Hole, topic: str) -> bool:
     """A blind in the reveal; a wide window has several of one width."""
-    reveal_m = max(hole.opening.box.size_m[1], 0.0) / 2 - _SASH_M
+    free_m = hole.opening.box.size_m[1] / 2 - HANDLE_M - _CLEAR_M
     low, high = max(hole.left_m, 0.0), min(hole.right_m, face.length_m)
     width = high - low - 2 * _REVEAL_SIDE_M
     tall = hole.high_m - hole.low_m - _IN_WALL_M
-    blinds = within(frame.stock.offered("blind"), (9.0, reveal_m, tall * 1.15))
+    blinds = within(frame.stock.offered("blind"), (9.0, free_m + _BLIND_PROUD_M, tall * 1.15))
     blinds = list(frame.stock.family(blinds, "blind"))
     if not blinds or width < 0.3:
         return False
@@ -228,7 +230,7 @@ def _blind(frame: RoomFrame, face: WallFace, hole: Hole, topic: str) -> bool:
         middle = low + _REVEAL_SIDE_M + length * (index + 0.5)
         box = face.box(
             middle, hole.high_m - _IN_WALL_M / 2 - height, (length - 0.004, depth, height),
-            -depth - 0.005,
+            -min(depth + _CLEAR_M, free_m),
         )  # fmt: skip
         if not frame.taken.hits(box, _WALL):
             frame.put(asset, box)

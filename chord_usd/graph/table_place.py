@@ -1,8 +1,8 @@
 """Items drawn for a top -> children that stand on the mesh of their piece.
 
 An item keeps the place it was drawn at; it is moved a little only to bring it back over the
-edge, or wholly onto or off a mat over whose rim it would tip. What cannot stand there is left out:
-beyond the edge, on top of another item, or up against a panel on the wall behind. Its height comes
+edge, off what stands out of the wall behind (a panel, a window board), or wholly onto or off a mat
+over whose rim it would tip. What cannot stand there is left out. Its height comes
 from the meshes: the highest point below its footprint, of the piece or of what lies underfoot.
 """
 
@@ -63,13 +63,13 @@ def place_on(
     things: Sequence[Item],
     database: Database,
     reliefs: Reliefs,
-    around: Sequence[Item] = (),
+    around: Sequence[Box] = (),
 ) -> Laid:
     """Stand what was drawn for a top on its piece.
 
     things: in the frame of the piece, without meshes. relief: of the piece's mesh at the size of
-    the piece. around: items of the room that hang over it. Raises AssetError where the database
-    has nothing of a category.
+    the piece. around: boxes of the room that things on it could run into. Raises AssetError where
+    the database has nothing of a category.
     """
     seen = [_matched(table, one, relief.level_m, database) for one in things]
     standing: list[Item] = []
@@ -78,7 +78,9 @@ def place_on(
         if moved is None:
             continue
         placed = _stood_firm(moved, relief, standing, reliefs)
-        if placed is not None and not _runs_into(placed.box, table.box, around):
+        if placed is not None and _runs_into(placed.box, table.box, around):
+            placed = _stood_clear(moved, table.box, relief, standing, reliefs, around)
+        if placed is not None:
             standing.append(placed)
     return Laid(_named(table, standing), tuple(seen))
 
@@ -150,6 +152,24 @@ def _stood_firm(
     return None
 
 
+def _stood_clear(
+    item: Item,
+    table: Box,
+    relief: Relief,
+    standing: Sequence[Item],
+    reliefs: Reliefs,
+    around: Sequence[Box],
+) -> Item | None:
+    """The item a few steps away, where it runs into nothing around the piece."""
+    for box in itertools.chain.from_iterable(_rings(item.box)):
+        if _runs_into(box, table, around) or _share_over(relief, box) < ON_TOP:
+            continue
+        placed = _stood_firm(replace(item, box=box), relief, standing, reliefs)
+        if placed is not None and not _runs_into(placed.box, table, around):
+            return placed
+    return None
+
+
 def _tips(box: Box, mats: Sequence[Polygon]) -> bool:
     """Whether a box stands on the rim of a mat, with its middle beside the mat or nearly so."""
     shape = footprint_polygon(box)
@@ -185,7 +205,7 @@ def _top_of(carrier: Item, box: Box, reliefs: Reliefs) -> float:
     return carrier.box.center_m[2] + relief.highest_m(own)
 
 
-def _runs_into(box: Box, table: Box, around: Sequence[Item]) -> bool:
+def _runs_into(box: Box, table: Box, around: Sequence[Box]) -> bool:
     """Whether a box in the frame of the piece shares space with a box of the room."""
     if not around:
         return False
@@ -193,9 +213,8 @@ def _runs_into(box: Box, table: Box, around: Sequence[Item]) -> bool:
     low, high = world.center_m[2], world.top_m
     shape = footprint_polygon(world)
     for other in around:
-        base, top = other.box.center_m[2], other.box.top_m
-        overlaps = base < high - _TOUCH_M and top > low + _TOUCH_M
-        if overlaps and shape.intersects(footprint_polygon(other.box)):
+        overlaps = other.center_m[2] < high - _TOUCH_M and other.top_m > low + _TOUCH_M
+        if overlaps and shape.intersects(footprint_polygon(other)):
             return True
     return False
 

@@ -10,13 +10,15 @@ from typing import Protocol
 from chord_usd.graph.match import Database
 from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.top_view import is_too_small, view_from_above
+from chord_usd.metrics.clear_floor import rooms_beside
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.raster.relief import Relief, Reliefs
 from chord_usd.raster.table_top import TableTop
 from chord_usd.runtime.progress import Progress
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.palette import CATEGORIES
-from chord_usd.scene.types import Item, SceneGraph
+from chord_usd.scene.trim import boards
+from chord_usd.scene.types import Box, Item, SceneGraph
 
 _HANGS_FROM_M = 0.3
 """What has its underside higher than this hangs, and things may be below it."""
@@ -30,8 +32,9 @@ class View:
     top: TableTop
     relief: Relief
     """Of its mesh, at its own size."""
-    around: tuple[Item, ...]
-    """What items on it could run into: what hangs in its room, or rises beside it."""
+    around: tuple[Box, ...]
+    """What items on it could run into: what hangs in its room, rises beside it, or stands out of
+    the walls."""
 
     @property
     def is_too_small(self) -> bool:
@@ -93,6 +96,7 @@ def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()
     """
     chosen = set(rooms) or {room.id for room in graph.rooms}
     views = []
+    trim = _boards(graph)
     for item in graph.items:
         carries = item.category in CATEGORIES and CATEGORIES[item.category].supports
         if not carries or item.asset is None or item.children or item.room_id not in chosen:
@@ -100,9 +104,19 @@ def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()
         relief = reliefs(item.asset).scaled(item.box.size_m)
         others = tuple(one for one in graph.items_of(item.room_id) if one.id != item.id)
         top = view_from_above(item, others, graph.plan.room(item.room_id), relief)
-        around = tuple(one for one in others if _can_be_hit(one, item))
-        views.append(View(item, top, relief, around))
+        around = [one.box for one in others if _can_be_hit(one, item)]
+        views.append(View(item, top, relief, (*around, *trim.get(item.room_id, ()))))
     return views
+
+
+def _boards(graph: SceneGraph) -> dict[str, list[Box]]:
+    """Window boards, by id of the room that they stand out into."""
+    found: dict[str, list[Box]] = {}
+    beside = zip(graph.openings, rooms_beside(graph.openings, graph.rooms), strict=True)
+    for opening, rooms in beside:
+        for room in filter(None, rooms):
+            found.setdefault(room.id, []).extend(boards(opening, room))
+    return found
 
 
 def _can_be_hit(other: Item, piece: Item) -> bool:

@@ -107,7 +107,7 @@ def _reported(stage: Usd.Stage) -> Report:
     scores = score_scene(scene.graph)
     return Report(
         errors=tuple(errors),
-        collisions=tuple(collisions(scene.items, scene.walls, underfoot(scene.graph.dressing))),
+        collisions=tuple(collisions(scene.items, scene.fixed, underfoot(scene.graph.dressing))),
         out_of_room=scores.out_of_room,
         blocked_openings=scores.blocked_openings,
         unsupported=tuple(unsupported(scene.items, scene.ground, Held(scene))),

@@ -59,7 +59,8 @@ class StageScene:
     """Ids are prim paths; items have no assets."""
     items: tuple[Body, ...]
     """One per item, tabletop items and dressing included; path is the item's id."""
-    walls: tuple[Body, ...]
+    fixed: tuple[Body, ...]
+    """Walls, frames of openings and what hangs in them."""
     ground: tuple[Body, ...]
     """Floors, thresholds and window boards."""
 
@@ -78,7 +79,7 @@ def read_scene(stage: Usd.Stage) -> StageScene:
             dressing=tuple(reader.dressing),
         ),
         items=tuple(reader.bodies),
-        walls=_meshed(reader.walls),
+        fixed=_meshed(reader.fixed),
         ground=_meshed(reader.ground),
     )
 
@@ -97,7 +98,7 @@ class _Reader:
         self.items: list[Item] = []
         self.dressing: list[Item] = []
         self.bodies: list[Body] = []
-        self.walls: list[Body] = []
+        self.fixed: list[Body] = []
         self.ground: list[Body] = []
         self._transforms = UsdGeom.XformCache()
         self._paths: dict[str, str] = {}
@@ -122,7 +123,7 @@ class _Reader:
             if name == "Floor" or name.startswith("Floor_"):
                 floors.append(self._body(part))
             elif name.startswith("Wall"):
-                self.walls.append(self._body(part))
+                self.fixed.append(self._body(part))
             elif _text(part, CATEGORY) in _KINDS:
                 self._read_opening(part)
         self.ground += floors
@@ -146,7 +147,9 @@ class _Reader:
                 box=Box(_place_m(matrix), (size[0], size[1], size[2]), _yaw_deg(matrix)),
             )
         )
-        self.ground.append(self._body(prim))
+        body = self._body(prim)
+        self.ground.append(body)
+        self.fixed.append(body)
 
     def _read_item(self, prim: Usd.Prim, room: str, carrier: Body | None) -> Item | None:
         """An item and, where its prim is a group, what stands on it. None for other prims."""

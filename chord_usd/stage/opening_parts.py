@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from shapely.geometry import Polygon
 
+from chord_usd.scene.trim import BOARD_FROM_M, CASING_M
 from chord_usd.scene.types import Box
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, moved
@@ -29,9 +30,6 @@ from chord_usd.stage.window_parts import Sash, sashes_of, window_parts
 
 PointM = tuple[float, float, float]
 
-CASING_WIDTH_M = 0.06
-"""How far a door's frame covers the wall beside its hole."""
-
 _JAMB_M = 0.035
 """Thickness of a door frame inside the hole."""
 
@@ -39,8 +37,6 @@ _STOP_M = (0.012, 0.02)
 """How far the stop that a leaf closes against stands out of the frame, and its depth."""
 
 _TWO_LEAVES_FROM_M = 1.2
-_BOARD_FROM_M = 0.3
-"""Windows whose sill is lower have no board."""
 
 
 def span_of(tunnel: Tunnel) -> Span:
@@ -65,7 +61,7 @@ def fixed_parts(tunnel: Tunnel, *, inside: int, opens: int) -> list[Part]:
     if tunnel.opening.kind == "door":
         parts.append(Part("Frame", _casing(span, opens), "Trim"))
     elif tunnel.opening.kind == "window":
-        parts += window_parts(span, inside, has_board=tunnel.low_m >= _BOARD_FROM_M)
+        parts += window_parts(span, inside, has_board=tunnel.low_m >= BOARD_FROM_M)
     return parts
 
 
@@ -139,7 +135,7 @@ def _own_frame(faces: list[Face], tunnel: Tunnel) -> list[Face]:
 
 def _casing(span: Span, opens: int) -> list[Face]:
     """Jambs and head, an architrave with two steps on both faces of the wall, the leaf's stop."""
-    inner, outer = _JAMB_M, CASING_WIDTH_M
+    inner, (outer, proud) = _JAMB_M, CASING_M
     clear = rectangle(span.left + inner, -1.0, span.right - inner, span.height - inner)
 
     def around(by: float) -> Polygon:
@@ -152,7 +148,7 @@ def _casing(span: Span, opens: int) -> list[Face]:
         span.left - outer + 0.02, -1.0, span.right + outer - 0.02, span.height + outer - 0.02
     ))  # fmt: skip
     for face, side in ((span.front, -1.0), (span.back, 1.0)):
-        faces += upright_prism(bead, face - side * 0.01, face + side * 0.017)
+        faces += upright_prism(bead, face - side * 0.01, face + side * proud)
     edge = span.middle - opens * (LEAF_M / 2 + 0.001)
     return faces + upright_prism(_stop(span), edge, edge - opens * _STOP_M[1])
 

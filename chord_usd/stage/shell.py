@@ -20,13 +20,13 @@ from shapely.ops import unary_union
 
 from chord_usd.scene.feels import FEEL_OF_SURFACE
 from chord_usd.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.trim import CASING_M
 from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.door_leaves import LeafKind, leaf_parts
 from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
 from chord_usd.stage.opening_parts import (
-    CASING_WIDTH_M,
     PointM,
     fixed_parts,
     leaf_box,
@@ -227,7 +227,7 @@ def _draw_room(
             wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
             label(wall, "category", "wall")
     if room.room.kind not in _TILED:
-        skirting = _skirting(floor, lines, walls.tunnels_near(floor, CASING_WIDTH_M))
+        skirting = _skirting(floor, lines, walls.tunnels_near(floor, CASING_M[0]))
         if skirting:
             component.mesh("Skirting", skirting, "Trim")
     for opening in room.openings:
@@ -361,9 +361,9 @@ def _skirting(floor: Polygon, lines: Iterable[WallLine], tunnels: Iterable[Tunne
         for stretch in free_stretches(line, below_m=height)
     ]
     frames = [
-        footprint_polygon(tunnel.opening.box).buffer(CASING_WIDTH_M, join_style="mitre")
+        footprint_polygon(tunnel.opening.box).buffer(CASING_M[0], join_style="mitre")
         for tunnel in tunnels
-        if tunnel.low_m < height and tunnel.area_m.distance(floor) < CASING_WIDTH_M
+        if tunnel.low_m < height and tunnel.area_m.distance(floor) < CASING_M[0]
     ]
     boards = ring.intersection(unary_union(backed)).difference(unary_union(frames))
     boards = boards.simplify(_SKIRTING_M[0] / 40)

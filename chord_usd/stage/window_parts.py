@@ -10,6 +10,7 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
+from chord_usd.scene.trim import BOARD_M, HANDLE_M
 from chord_usd.scene.types import Box
 from chord_usd.stage.mesh import Face, moved, prism
 from chord_usd.stage.opening_shapes import (
@@ -45,9 +46,6 @@ _PANE_M = 0.9
 
 _HANDLE_FROM_M = 0.45
 """Casements that are lower have no handle."""
-
-_BOARD_M = (0.022, 0.035)
-"""Thickness of a window board, and how far it stands out into the room."""
 
 _DRIP_M = (0.03, 0.06)
 """How far the outer sill stands out of the facade, and the fall over its depth."""
@@ -127,7 +125,7 @@ def _fittings(light: Polygon, y: float, inside: int, hung_right: bool) -> list[F
     faces = upright_prism(rose, near, near + inside * 0.009)
     faces += upright_prism(disc(x, z, 0.009), near + inside * 0.008, near + inside * 0.036)
     lever = bar((x, z + 0.004), (x, z - 0.105), 0.0085)
-    faces += upright_prism(lever, near + inside * 0.028, near + inside * 0.041)
+    faces += upright_prism(lever, near + inside * 0.028, y + inside * HANDLE_M)
     edge = right + _LAP_M + 0.002 if hung_right else left - _LAP_M - 0.002
     at_y = y + inside * (_FRAME_M[1] / 2 + 0.005)
     for at in (low + 0.09, high - 0.09 - 0.07):
@@ -137,7 +135,7 @@ def _fittings(light: Polygon, y: float, inside: int, hung_right: bool) -> list[F
 
 def _board(span: Span, inside: int) -> list[Face]:
     """A board on the room's side, rounded at its nose by two steps."""
-    thickness, proud = _BOARD_M
+    thickness, proud = BOARD_M
     room_face = span.back if inside > 0 else span.front
     start, nose = span.middle + inside * 0.02, room_face + inside * proud
     soft = 0.004

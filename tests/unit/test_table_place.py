@@ -13,8 +13,8 @@ from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
 from chord_usd.graph.top_view import is_too_small, view_from_above
 from chord_usd.raster.relief import Relief
 from chord_usd.raster.table_top import TableTop
-from chord_usd.scene.geometry import footprint, in_world
-from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph, frozen_array
+from chord_usd.scene.geometry import footprint, footprint_polygon, in_world
+from chord_usd.scene.types import Asset, Box, Item, Opening, Room, SceneGraph, frozen_array
 
 TOP_M = 0.75
 ROOM = Room("a", "living", frozen_array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]))
@@ -260,7 +260,20 @@ class TestPlacing:
         shelf = Item("s", "bed_background", Box((x, y + 0.25, 0.9), (1.2, 0.2, 0.5), 0.0), "a")
         lamp = thing("table_lamp", 0.0, 0.15, (0.25, 0.25, 0.45))
         assert laid(desk, lamp).children
-        assert laid(desk, lamp, around=(shelf,)).children == ()
+        assert laid(desk, lamp, around=(shelf.box,)).children == ()
+
+    def test_what_stands_below_a_window_is_moved_off_the_board(self) -> None:
+        desk = replace(table(), box=Box((2.0, 3.7, 0.0), (1.4, 0.6, 0.75), 0.0))
+        window = Opening("w", "window", Box((2.0, 4.12, 0.9), (1.2, 0.24, 1.2), 0.0))
+        room = Room("a", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
+        graph = SceneGraph((room,), (window,), (desk,))
+        (view,) = table_views(graph, flat_of)
+        (board,) = view.around
+        lamp = thing("table_lamp", 0.0, 0.2, (0.25, 0.18, 0.45))
+        (kept,) = laid(desk, lamp, around=view.around).children
+        world = footprint_polygon(in_world(kept.box, desk.box))
+        assert world.distance(footprint_polygon(board)) > 0.0
+        assert world.bounds[3] > 3.9, "moved as little as clears the board"
 
     def test_what_rises_beside_a_piece_is_minded_and_what_reaches_under_it_is_not(self) -> None:
         desk = table()
@@ -270,7 +283,7 @@ class TestPlacing:
         chair = Item("h", "chair", Box((x, y - 0.3, 0.0), (0.5, 0.5, 0.95), 0.0), "a")
         graph = SceneGraph((ROOM,), (), (desk, cabinet, low, chair))
         (view,) = (one for one in table_views(graph, flat_of) if one.item.id == desk.id)
-        assert view.around == (cabinet,)
+        assert view.around == (cabinet.box,)
 
     def test_a_child_turns_with_its_parent(self) -> None:
         parent = Box((2.0, 1.0, 0.0), (1.0, 0.5, 0.7), 90.0)

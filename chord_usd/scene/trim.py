@@ -1,0 +1,60 @@
+"""What stands out of the walls around openings: casings of doors, boards and handles of windows.
+
+Who writes it and who keeps clear of it read the same sizes here. Metres.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from shapely.ops import nearest_points
+
+from chord_usd.scene.geometry import room_polygon, to_own, to_world
+from chord_usd.scene.types import Box, Opening, Room
+
+CASING_M = (0.06, 0.017)
+"""How far the casing of a door covers the wall beside its hole, and stands out of it."""
+
+BOARD_M = (0.022, 0.035)
+"""Thickness of a window board, and how far it stands out into the room and beyond the hole."""
+
+BOARD_FROM_M = 0.3
+"""Windows whose sill is lower have no board."""
+
+HANDLE_M = 0.088
+"""From the middle of the wall to the tip of a window's handle."""
+
+
+def casings(opening: Opening, room: Room) -> list[Box]:
+    """The two legs of a door's casing on the side of a room; none of other openings."""
+    if opening.kind != "door":
+        return []
+    wide, proud = CASING_M
+    middle = opening.box.size_m[0] / 2 + wide / 2
+    return [
+        _at_wall(opening, room, at, (wide, proud, opening.box.size_m[2]))
+        for at in (-middle, middle)
+    ]
+
+
+def boards(opening: Opening, room: Room) -> list[Box]:
+    """The board of a window on the side of a room; none of other openings."""
+    low_m = opening.box.center_m[2]
+    if opening.kind != "window" or low_m < BOARD_FROM_M:
+        return []
+    thick, proud = BOARD_M
+    length = opening.box.size_m[0] + 2 * proud
+    return [_at_wall(opening, room, 0.0, (length, proud, thick))]
+
+
+def _at_wall(
+    opening: Opening, room: Room, along_m: float, size_m: tuple[float, float, float]
+) -> Box:
+    """A box with its back on the wall, so far along the opening, from its foot up."""
+    floor = room_polygon(room)
+    middle = shapely.Point(opening.box.center_m[:2])
+    nearest = np.array(nearest_points(floor, middle)[0].coords[0])
+    side = 1.0 if to_own(opening.box, nearest)[1] > 0 else -1.0
+    own = along_m, side * (floor.distance(middle) + size_m[1] / 2)
+    x_m, y_m = to_world(opening.box, own)
+    return Box((float(x_m), float(y_m), opening.box.center_m[2]), size_m, opening.box.yaw_deg)

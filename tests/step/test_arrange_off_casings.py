@@ -1,0 +1,81 @@
+"""Trim around openings: what is written is what furniture keeps clear of, and the check sees it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdGeom
+
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.arrange.off_casings import clear_casings
+from chord_usd.assets.database import load_database
+from chord_usd.graph.match import match_assets
+from chord_usd.scene.trim import boards, casings
+from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.check import check_stage
+
+ROOM = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
+DOOR = Opening("d", "door", Box((1.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("r",))
+WINDOW = Opening("w", "window", Box((2.0, 4.12, 0.9), (1.2, 0.24, 1.2), 0.0), ("r",))
+
+
+def cabinet(x_m: float, y_m: float = 0.225) -> Item:
+    return Item("c", "cabinet", Box((x_m, y_m, 0.0), (1.0, 0.45, 0.9), 180.0), "r")
+
+
+def house(*items: Item) -> SceneGraph:
+    return match_assets(SceneGraph((ROOM,), (DOOR, WINDOW), items), load_database())
+
+
+def test_trim_is_where_it_is_written(tmp_path: Path) -> None:
+    stage = Usd.Stage.Open(str(author_stage(house(), tmp_path / "h.usda").path))
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default", "render"])
+    frame, board = (
+        next(
+            cache.ComputeWorldBound(prim).ComputeAlignedRange()
+            for prim in stage.TraverseAll()
+            if prim.GetName() == name and f"/{opening}/" in str(prim.GetPath())
+        )
+        for opening, name in (("Door_0", "Frame"), ("Window_0", "Board"))
+    )
+    left, right = casings(DOOR, ROOM)
+    assert frame.GetMin()[0] == pytest.approx(left.center_m[0] - left.size_m[0] / 2, abs=1e-3)
+    assert frame.GetMax()[0] == pytest.approx(right.center_m[0] + right.size_m[0] / 2, abs=1e-3)
+    assert frame.GetMax()[1] == pytest.approx(right.center_m[1] + right.size_m[1] / 2, abs=1e-3)
+    (told,) = boards(WINDOW, ROOM)
+    assert board.GetMin()[1] == pytest.approx(told.center_m[1] - told.size_m[1] / 2, abs=1e-3)
+    assert board.GetMax()[0] == pytest.approx(told.center_m[0] + told.size_m[0] / 2, abs=1e-3)
+    assert board.GetMax()[2] == pytest.approx(told.top_m, abs=5e-3)
+
+
+@pytest.mark.parametrize("x_m", [1.96, 2.0])
+def test_furniture_flush_beside_a_door_comes_off_its_casing(tmp_path: Path, x_m: float) -> None:
+    before = house(cabinet(x_m))
+    after = clear_casings(Arrangement.of(before))
+    bad, good = (
+        check_stage(author_stage(graph, tmp_path / f"{name}.usda").path)
+        for name, graph in (("bad", before), ("good", after))
+    )
+    assert [one.b.split("/")[-1] for one in bad.collisions] == ["Door_0"]
+    assert good.collisions == ()
+    assert (
+        0.0
+        < np.hypot(*np.subtract(after.items[0].box.center_m, before.items[0].box.center_m)[:2])
+        < 0.06
+    )
+
+
+def test_what_is_clear_or_kept_stays() -> None:
+    clear, caught = house(cabinet(2.02)), house(cabinet(1.96))
+    assert clear_casings(Arrangement.of(clear)).items == clear.items
+    assert clear_casings(Arrangement.of(caught, movable=())).items == caught.items
+
+
+def test_the_check_sees_what_reaches_through_a_window_board(tmp_path: Path) -> None:
+    tall = replace(cabinet(2.0, 3.775), box=Box((2.0, 3.775, 0.0), (1.0, 0.45, 1.1), 0.0))
+    found = check_stage(author_stage(house(tall), tmp_path / "h.usda").path)
+    assert "Window_0" in [one.b.split("/")[-1] for one in found.collisions]
