@@ -119,6 +119,8 @@ def load_graph(
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads or usable_cores()
     options.log_severity_level = 3
+    # Threads that spin while they wait take a busy machine's cores from others, and from us.
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     given = [onnxruntime.OrtValue.ortvalue_from_numpy(value) for value in weights.values()]
     try:
         options.add_external_initializers(list(weights), given)

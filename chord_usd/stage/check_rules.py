@@ -31,7 +31,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pxr import Kind, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
+from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.runtime.stages import named_in
 from chord_usd.stage.textures import bound_material, coordinates_read
@@ -84,7 +84,16 @@ def _own_findings(stage: Usd.Stage) -> list[Finding]:
 def _usd_findings(stage: Usd.Stage) -> list[Finding]:
     """Errors of USD's own validators; their warnings are advice."""
     findings = []
-    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    # Each of these walks through all files again: CHORD008 has looked for what is missing, and
+    # what is no package breaks no rule of packages.
+    needless = {"usdUtilsValidators:MissingReferenceValidator"}
+    if not stage.GetRootLayer().GetFileFormat().IsPackage():
+        needless.add("usdUtilsValidators:UsdzPackageValidator")
+    validators = [
+        one
+        for one in UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+        if one.GetMetadata().name not in needless
+    ]
     for error in UsdValidation.ValidationContext(validators).Validate(stage):
         if error.GetType() != UsdValidation.ValidationErrorType.Error:
             continue
@@ -166,6 +175,22 @@ def _node_ids(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
         owners.setdefault(node_id, path)
 
 
+def _missing_coordinates(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
+    read: dict[Sdf.Path, list[str]] = {}  # by the material's path: many meshes wear each
+    for prim in _prims_once(stage):
+        material = bound_material(prim) if prim.IsA(UsdGeom.Mesh) else None
+        if not material:
+            continue
+        path = material.GetPath()
+        if path not in read:
+            surface = material.ComputeSurfaceSource()[0]
+            read[path] = coordinates_read(surface) if surface else []
+        primvars = UsdGeom.PrimvarsAPI(prim)
+        for name in read[path]:
+            if not primvars.FindPrimvarWithInheritance(name).HasValue():
+                yield _shown(prim), f"has no '{name}', by which a picture of {path.name} is laid"
+
+
 # --- rules about one prim -----------------------------------------------------------------------
 
 
@@ -244,16 +269,6 @@ def _bare_mesh(prim: Usd.Prim) -> Iterator[str]:
         UsdShade.MaterialBindingAPI(part.GetPrim()).ComputeBoundMaterial()[0] for part in parts
     ):
         yield "has no material"
-
-
-def _missing_coordinates(prim: Usd.Prim) -> Iterator[str]:
-    material = bound_material(prim) if prim.IsA(UsdGeom.Mesh) else None
-    surface = material.ComputeSurfaceSource()[0] if material else None
-    if material and surface:
-        primvars = UsdGeom.PrimvarsAPI(prim)
-        for name in coordinates_read(surface):
-            if not primvars.FindPrimvarWithInheritance(name).HasValue():
-                yield f"has no '{name}', by which a picture of {material.GetPath().name} is laid"
 
 
 # --- meshes -------------------------------------------------------------------------------------
@@ -352,6 +367,7 @@ _STAGE_RULES: dict[str, Callable[[Usd.Stage], Iterator[tuple[str, str]]]] = {
     "CHORD005": _asset_paths,
     "CHORD008": _missing_files,
     "CHORD014": _node_ids,
+    "CHORD017": _missing_coordinates,
 }
 
 _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
@@ -363,7 +379,6 @@ _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
     "CHORD012": _extents_hint,
     "CHORD013": _bare_mesh,
     "CHORD016": _hollow_body,
-    "CHORD017": _missing_coordinates,
 }
 
 _MESH_RULES: dict[str, Callable[[Usd.Prim, _Shape], Iterator[str]]] = {

@@ -7,15 +7,18 @@ changed. Packages of one database share a folder of pictures beside them, and ke
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 
-from chord_usd.errors import AssetError, StageError
-from chord_usd.runtime.files import hash_file
+from chord_usd.errors import AssetError, ChordError, StageError
+from chord_usd.runtime.files import hash_file, write_atomic
+from chord_usd.runtime.locations import cache_folder
 from chord_usd.runtime.stages import walk
 
 SHARED = "Finishes"
@@ -93,6 +96,13 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
             try_="chord-usd assets build",
         )
     source = Path(os.path.abspath(interface.parent))  # noqa: PTH100 (not through links)
+    package = _kept(interface, source) or _walked(interface, source)
+    beside = {Path(name): source / name for name in also if (source / name).is_file()}
+    return replace(package, files=dict(sorted({**package.files, **beside}.items())))
+
+
+def _walked(interface: Path, source: Path) -> Package:
+    """What the layers themselves name; noted where the package lies in the cache."""
     try:
         found = walk(interface)
     except StageError as error:
@@ -113,11 +123,44 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
             expected=f"an asset whose files lie in its folder, its pictures there or in {SHARED}/",
             try_="copy that file beside the asset, and refer to it there",
         )
-    beside = [source / name for name in also if (source / name).is_file()]
-    return Package(
-        {file.relative_to(source): file for file in sorted({*files, *beside})},
-        tuple(sorted(shared)),
-    )
+    package = Package({file.relative_to(source): file for file in files}, tuple(sorted(shared)))
+    _keep(package, source)
+    return package
+
+
+def _note(source: Path) -> Path | None:
+    """Where the files of a package are noted: of those in the cache only, which never change."""
+    database = source.parent
+    if database.parent != cache_folder():
+        return None
+    return database.with_name(f"{database.name}-files") / f"{source.name}.json"
+
+
+def _kept(interface: Path, source: Path) -> Package | None:
+    """What was noted of a package; None where nothing was, or where it holds no longer."""
+    note = _note(source)
+    try:
+        told = json.loads(note.read_bytes()) if note and interface.stem == source.name else None
+        if told is None:
+            return None
+        files = {Path(name): source / name for name in told["files"]}
+        shared = tuple(source.parent / SHARED / name for name in told["shared"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return Package(files, shared) if all(map(Path.is_file, (*files.values(), *shared))) else None
+
+
+def _keep(package: Package, source: Path) -> None:
+    note = _note(source)
+    if note is None:
+        return
+    told = {
+        "files": [name.as_posix() for name in package.files],
+        "shared": [picture.name for picture in package.shared],
+    }
+    with suppress(OSError, ChordError):  # the cache is a convenience
+        note.parent.mkdir(parents=True, exist_ok=True)
+        write_atomic(note, json.dumps(told).encode())
 
 
 def _shared_pictures(files: Iterable[Path], folder: Path) -> set[Path]:

@@ -25,7 +25,7 @@ def source_of(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
 
 
 def _source(wire: UsdShade.Input) -> UsdShade.Shader | None:
-    sources = wire.GetConnectedSources()[0] if wire else []
+    sources = wire.GetConnectedSources()[0] if wire and wire.HasConnectedSource() else []
     return UsdShade.Shader(sources[0].source.GetPrim()) if sources else None
 
 
