@@ -63,6 +63,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "assets list": (),
     "assets nearest": ("bed", "--size", "2x2x1"),
     "assets show": ("Bed",),
+    "assets export": ("Book_Lying", "--for", "simready"),
     "assets add": ("library",),
     "assets build": (),
     "looks sheet": (),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from chord_usd.assets.finishes import Finish, Surface
-from chord_usd.scene.feels import CONCRETE, GLASS, LACQUER, METAL, STONE, WOOD, Feel
+from chord_usd.scene.feels import CLOTH, CONCRETE, GLASS, LACQUER, METAL, STONE, WOOD, Feel
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -14,7 +14,6 @@ _METAL_FROM = 0.5
 _CLEAR_BELOW = 0.7
 
 
-_CLOTH = Feel(0.75, 0.65, 0.05, 250.0)
 _GLAZED = Feel(0.5, 0.4, 0.2, 2300.0)
 _PAPER = Feel(0.5, 0.45, 0.1, 800.0)
 _EARTH = Feel(0.8, 0.7, 0.05, 1400.0)
@@ -23,11 +22,11 @@ _GREEN = Feel(0.6, 0.5, 0.1, 500.0)
 BY_SURFACE: dict[Surface, Feel] = {
     "plain": LACQUER,
     "wood": WOOD,
-    "weave": _CLOTH,
-    "linen": _CLOTH,
-    "knit": _CLOTH,
-    "boucle": _CLOTH,
-    "velvet": _CLOTH,
+    "weave": CLOTH,
+    "linen": CLOTH,
+    "knit": CLOTH,
+    "boucle": CLOTH,
+    "velvet": CLOTH,
     "leather": Feel(0.65, 0.55, 0.1, 860.0),
     "brushed": METAL,
     "stone": STONE,

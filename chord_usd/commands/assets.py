@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +49,7 @@ def add(verbs: Verbs) -> None:
     add_assets(listing)
     _add_sheet(listing, "also draw a picture of each")
     _add_nearest(group)
+    _add_export(group)
     show = add_verb(group, "show", run_show, "show one mesh: size, licence, files")
     show.add_argument("id", metavar="ID", help="as chord-usd assets list prints it")
     add_assets(show)
@@ -89,6 +90,17 @@ def _add_nearest(group: Verbs) -> None:
     parser.add_argument(
         "--pictures", type=output_place, metavar="DIR", help="also draw a picture of each, ID.png"
     )
+    add_assets(parser)
+
+
+def _add_export(group: Verbs) -> None:
+    parser = add_verb(group, "export", run_export, "write meshes as packages for simulators")
+    parser.add_argument("ids", nargs="*", metavar="ID", help="which; without any, all there are")
+    parser.add_argument(
+        "--for", dest="package", choices=("simready",), required=True,
+        help="simready: a folder each after NVIDIA's SimReady, profile Robotics-Prop 4.0.0",
+    )  # fmt: skip
+    add_output_folder(parser, "folder for the packages")
     add_assets(parser)
 
 
@@ -170,23 +182,56 @@ def _is_younger(picture: Path, mesh: Path) -> bool:
 
 def run_show(options: argparse.Namespace) -> Outcome:
     """Runs assets show."""
-    from difflib import get_close_matches
-
     from chord_usd.assets.database import load_database
 
     database = load_database(options.assets)
-    assets = {asset.id: asset for asset in database.assets}
-    if options.id not in assets:
-        near = get_close_matches(options.id, assets, n=1)
-        raise UsageError(
-            f"there is no mesh {options.id!r}",
-            try_=f"chord-usd assets show {near[0]}" if near else "chord-usd assets list",
-        )
+    _known({asset.id: asset for asset in database.assets}, options.id)
     asset = database.named(options.id)
     if options.sheet:
         _draw_sheet(database, [asset], options, colours=True)
     data = _described(asset)
     return Outcome("\n".join(f"{key}: {value}" for key, value in data.items()), data)
+
+
+def _known(assets: Mapping[str, Asset], name: str) -> Asset:
+    """The asset of this id, perhaps not drawn yet. Raises UsageError."""
+    from difflib import get_close_matches
+
+    if name not in assets:
+        near = get_close_matches(name, assets, n=1)
+        raise UsageError(
+            f"there is no mesh {name!r}",
+            try_=f"chord-usd assets show {near[0]}" if near else "chord-usd assets list",
+        )
+    return assets[name]
+
+
+def run_export(options: argparse.Namespace) -> Outcome:
+    """Runs assets export."""
+    from datetime import UTC, datetime
+
+    from PIL import Image
+
+    from chord_usd.assets.contact_sheet import draw_asset
+    from chord_usd.assets.database import load_database
+    from chord_usd.stage.exchange.simready import THUMBNAIL_PX, write_simready
+
+    database = load_database(options.assets)
+    known = {asset.id: asset for asset in database.assets}
+    chosen = [_known(known, name).id for name in dict.fromkeys(options.ids or known)]
+    watch, today = stopwatch(options), datetime.now(UTC).date()
+    with (
+        output_folder(options.output, folder_mode(options)) as folder,
+        watch.step("assets") as progress,
+    ):
+        for done, name in enumerate(chosen):
+            progress(done, len(chosen))
+            asset = database.named(name)
+            picture = Image.fromarray(draw_asset(asset, THUMBNAIL_PX))
+            write_simready(asset, folder, picture, today)
+        progress(len(chosen), len(chosen))
+    data = {"folder": str(options.output), "assets": chosen, "seconds": watch.seconds}
+    return Outcome(f"{options.output}: {len(chosen)} packages", data)
 
 
 def run_build(options: argparse.Namespace) -> Outcome:

@@ -75,12 +75,64 @@ KG_PER_M3: dict[str, float] = {
 """Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
 that are not in the table stay where they are."""
 
+STILL_KG_PER_M3: dict[str, float] = {
+    "bed": 60.0,
+    "cabinet": 110.0,
+    "bed_background": 250.0,
+    "tv_cabinet": 110.0,
+    "sofa_background": 250.0,
+    "dining_cabinet": 110.0,
+    "shoe_cabinet": 110.0,
+    "single_door_floor_cabinet": 130.0,
+    "double_door_floor_cabinet": 120.0,
+    "cooker_cabinet": 140.0,
+    "sink_cabinet": 120.0,
+    "electrical_floor_cabinet": 160.0,
+    "refrigerator": 95.0,
+    "shower": 45.0,
+    "toilet": 180.0,
+    "washbasin": 120.0,
+    "washing_machine": 220.0,
+    "washing_set": 120.0,
+    "bathtub": 90.0,
+    "curtain": 20.0,
+    "curtain_rail": 150.0,
+    "blind": 60.0,
+    "rug": 150.0,
+    "mat": 200.0,
+    "ceiling_lamp": 80.0,
+    "pendant_lamp": 15.0,
+    "floor_lamp": 15.0,
+    "wall_lamp": 100.0,
+    "picture": 250.0,
+    "mirror": 300.0,
+    "clock": 150.0,
+    "wall_shelf": 150.0,
+    "hook_rail": 60.0,
+    "radiator": 350.0,
+    "light_switch": 600.0,
+    "socket": 600.0,
+    "wall_cabinet": 150.0,
+    "cooker_hood": 120.0,
+    "splashback": 2000.0,
+    "utensil_rail": 60.0,
+    "towel_rail": 60.0,
+    "paper_holder": 150.0,
+    "shower_screen": 1200.0,
+    "cushion": 40.0,
+    "throw": 60.0,
+    "cutting_board": 300.0,
+}
+"""The same of all others, for who takes them out of the house: a refrigerator of 0.7 cubic metres
+weighs about 67 kilograms."""
+
 DOOR_KG_PER_M2, SASH_KG_PER_M2 = 14.0, 25.0
 """An inner door; glass ones are about as heavy. Two panes in their frame."""
 
 DOOR_OPENS_DEG = 90.0
 
 _ON_TOP_M = 0.01
+_LEAST_KG = 0.01
 
 
 def write_gravity(layer: Sdf.Layer, path: str) -> None:
@@ -107,6 +159,12 @@ def mass_of(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> flo
     density = KG_PER_M3[item.category]
     note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
     return density * length * width * height
+
+
+def usual_mass_kg(name: str, size_m: tuple[float, float, float]) -> float:
+    """Mass of a piece of this category, by itself. Raises KeyError for one not in the palette."""
+    density = KG_PER_M3[name] if name in KG_PER_M3 else STILL_KG_PER_M3[name]
+    return max(density * math.prod(size_m), _LEAST_KG)
 
 
 def hang_leaf(

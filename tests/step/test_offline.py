@@ -51,6 +51,7 @@ QUICK: dict[str, str] = {
     "assets nearest": "table --size 1x1x1",
     "assets show": "Lamp_Shade --sheet {out}/sheet.png",
     "assets add": "{models} -o {out}/own",
+    "assets export": "Book_Lying --for simready -o {out}/props",
     "looks list": "",
     "looks show": "planks --picture {out}/planks.png",
     "looks sheet": "plaster -o {out}/sheet.png",

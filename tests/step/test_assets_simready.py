@@ -1,0 +1,109 @@
+"""Meshes as props for simulators: what NVIDIA's profile Robotics-Prop asks of a package."""
+
+from __future__ import annotations
+
+import shutil
+from datetime import date
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, UsdValidation
+
+from chord_usd.assets.component import write_component
+from chord_usd.assets.furniture.catalogue import designs
+from chord_usd.scene.articulation import ARTICULATION, JOINTED
+from chord_usd.scene.palette import CATEGORIES, Level
+from chord_usd.scene.types import Asset
+from chord_usd.stage.exchange.simready import THUMBNAIL_PX, write_simready
+from chord_usd.stage.physics import usual_mass_kg
+
+NAMES = ("Refrigerator_58x60", "Coffee_Cup", "Cushion_Bolster_42")
+"""One that opens, one that people carry, one that has no collider in a house."""
+
+TEXTS = (
+    "asset_name", "asset_type", "author", "asset_license", "category", "qcode", "source_file",
+    "usd_date_generated",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def props(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Root layers, in a folder that has been moved since it was written."""
+    built, written = tmp_path_factory.mktemp("built"), tmp_path_factory.mktemp("written")
+    picture = Image.new("RGB", (THUMBNAIL_PX, THUMBNAIL_PX))
+    roots = {}
+    for design in (design for design in designs() if design.id in NAMES):
+        path = write_component(design, built)
+        asset = Asset(design.id, design.category, design.size_m, path, "CC0-1.0")
+        roots[design.id] = write_simready(asset, written, picture, date(2026, 1, 2))
+    moved = tmp_path_factory.mktemp("moved") / "props"
+    shutil.move(written, moved)
+    shutil.rmtree(built)
+    return {name: moved / root.relative_to(written) for name, root in roots.items()}
+
+
+def bodies(stage: Usd.Stage) -> list[Usd.Prim]:
+    return [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_package_is_whole_and_alone(name: str, props: dict[str, Path]) -> None:
+    root = props[name]
+    assert root.parts[-3:] == (name, "simready_usd", f"{name}.usda")
+    assert [file.name for file in root.parent.glob("*.usd*")] == [root.name]
+    layers, files, missing = UsdUtils.ComputeAllDependencies(str(root))
+    assert missing == []
+    used = [Path(layer.realPath) for layer in layers] + [Path(file) for file in files]
+    assert all(file.is_relative_to(root.parent) for file in used)
+    with Image.open(root.parent / f".thumbs/256x256/{root.name}.png") as picture:
+        assert picture.size == (256, 256)
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    assert [error.GetMessage() for error in context.Validate(Usd.Stage.Open(str(root)))] == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_prop_is_one_labelled_body_that_is_felt(name: str, props: dict[str, Path]) -> None:
+    stage = Usd.Stage.Open(str(props[name]))
+    root = stage.GetDefaultPrim()
+    assert bodies(stage) == [root]
+    told = stage.GetRootLayer().customLayerData["SimReady_Metadata"]
+    assert UsdPhysics.MassAPI(root).GetMassAttr().Get() == pytest.approx(told["mass"])
+    assert told["mass"] > 0.0
+    assert told["rigid_body_count"] == 1
+    assert all(told[field] for field in TEXTS)
+    seen = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
+    size_m = seen.ComputeWorldBound(root).ComputeAlignedRange().GetSize()
+    assert list(told["asset_extents"]) == pytest.approx(list(size_m), abs=1e-5)
+    for taxonomy, field in {"class": "category", "wikidata_qcode": "qcode"}.items():
+        labels = UsdSemantics.LabelsAPI(root, taxonomy).GetLabelsAttr().Get()
+        assert list(labels) == [told[field]]
+    felt = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI)]
+    assert felt
+    for prim in felt:
+        bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")[0]
+        assert bound.GetPrim().HasAPI(UsdPhysics.MaterialAPI)
+    materials = [prim for prim in stage.Traverse() if prim.IsA(UsdShade.Material)]
+    assert all(prim.HasAPI(UsdSemantics.LabelsAPI, "material") for prim in materials)
+
+
+def test_a_piece_that_opens_has_no_body_within_a_body(props: dict[str, Path]) -> None:
+    stage = Usd.Stage.Open(str(props["Refrigerator_58x60"]))
+    root = stage.GetDefaultPrim()
+    root.GetVariantSet(ARTICULATION).SetVariantSelection(JOINTED)
+    inside = bodies(stage)
+    assert len(inside) > 1
+    assert root not in inside
+
+
+def test_everything_there_is_weighs_something() -> None:
+    for name, row in CATEGORIES.items():
+        if row.level is not Level.PLAN:
+            low, high = (
+                usual_mass_kg(
+                    name, tuple(side[end] for side in (row.length_m, row.width_m, row.height_m))
+                )
+                for end in (0, 1)
+            )
+            assert 0.0 < low <= high < 500.0, name
