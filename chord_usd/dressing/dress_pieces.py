@@ -26,8 +26,11 @@ _HANGS_FROM_M = 0.06
 """What is so much lower than the seat is before its edge."""
 
 _BEFORE_EDGE_M = 0.035
-_THICK_M = 0.02
-"""How far a throw hangs before the edge of a seat, and how high it lies on it."""
+_THICK_M = 0.034
+"""How far a throw hangs before the edge of a seat, and how high its folds lie."""
+
+_ON_BED_M = 0.022
+"""How high the folds of a throw lie on a duvet, which gives way."""
 
 _SEATS = ("sofa", "single_sofa", "leisure_sofa")
 
@@ -202,7 +205,7 @@ def _throw_over_bed(frame: RoomFrame, item: Item, seat: Seat) -> None:
     size_m = (stretched(asset.size_m[0], length + 0.06), *asset.size_m[1:])
     y = -depth / 2 + size_m[1] / 2 + 0.18
     own = Box((0.0, y, 0.0), (length, size_m[1], 0.1), 0.0)
-    top_m = relief.highest_m(own) + 0.012
+    top_m = relief.highest_m(own) + _ON_BED_M
     box = in_world(Box((0.0, y, top_m - size_m[2]), size_m, 0.0), item.box)
     if frame.is_inside(box) and not frame.taken.hits(box, ("rug",), (item.id,)):
         frame.put(asset, box, rests_on=item.id)

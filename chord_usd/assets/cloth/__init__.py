@@ -1,1 +1,1 @@
-"""Cloths that were let fall once in Blender and are kept as small meshes beside this file."""
+"""Cloths: those let fall once in Blender are kept as small meshes beside this file."""

@@ -1,5 +1,4 @@
-"""Duvets with folds, their turned-back ends, throws over a bed's foot or a
-seat's edge, towels over a rail.
+"""Duvets with folds, their turned-back ends, towels over a rail.
 
 A bed's own frame here: the mattress' upper side at z = 0, its foot end at y = 0, its head at +y.
 """
@@ -61,10 +60,10 @@ def laid(duvet: Duvet) -> dict[str, Made]:
     return found
 
 
-def stuffed_unevenly(made: Made, is_smooth: bool, seed: int, share: float = 1.0) -> Made:
+def stuffed_unevenly(made: Made, is_smooth: bool, seed: int) -> Made:
     """The same cloth with its filling shaken into soft hills: broad ones, or many small ones.
 
-    Layers with the same seed stay on each other. share: of the usual height of the hills.
+    Layers with the same seed stay on each other.
     """
     points, faces, uvs = made
     rng = np.random.default_rng(seed)
@@ -79,7 +78,7 @@ def stuffed_unevenly(made: Made, is_smooth: bool, seed: int, share: float = 1.0)
         hills += rng.uniform(-0.7, 1.0) * np.exp(-((u / size_m) ** 2) - (v / (3 * size_m)) ** 2)
     above = np.clip(1.0 + points[:, 2] / 0.06, 0.0, 1.0)
     lifted = points.copy()
-    lifted[:, 2] += share * depth_m * hills * above
+    lifted[:, 2] += depth_m * hills * above
     return lifted, faces, uvs
 
 
@@ -89,25 +88,19 @@ def _dropped(
     at: tuple[float, float, float],
     duvet: Duvet,
     under: list[Solid],
-    held_rows: int = 0,
 ) -> tuple[FloatArray, FloatArray]:
-    """A sheet after its fall, every second line of it, and its cloth coordinates.
-
-    held_rows: at the upper end, which stay: so that it does not slip off.
-    """
+    """A sheet after its fall, every second line of it, and its cloth coordinates."""
     rng = np.random.default_rng(duvet.seed)
     columns, rows = (2 * round(side / _CELL_M / 2) + 1 for side in (wide, deep))
     x, y = np.meshgrid(np.linspace(-wide / 2, wide / 2, columns),
                        np.linspace(deep / 2, -deep / 2, rows))  # fmt: skip
     rest = np.stack([x, y, np.zeros_like(x)], axis=-1)
     start = rest * (1.0 - duvet.slack) + at
-    bumps = 0.03 * _bumps(x, y, rng, 26, 0.12)
-    bumps[:held_rows] = 0.0
-    start[..., 2] += bumps
+    start[..., 2] += 0.03 * _bumps(x, y, rng, 26, 0.12)
     fabric = Fabric(bending=duvet.bending, self_collision=False, gap_m=0.012, mass_kg=0.2)
     found = draped(
         start.reshape(-1, 3), grid_faces(rows, columns), fabric, 45,
-        list(range(held_rows * columns)), under, rest_m=rest.reshape(-1, 3),
+        obstacles=under, rest_m=rest.reshape(-1, 3),
     ).reshape(rest.shape)  # fmt: skip
     return smoothed(found, 1)[::2, ::2], rest[::2, ::2, :2]
 
@@ -130,27 +123,6 @@ def _finished(
 ) -> Made:
     points, faces, owner = thickened(grid, thick_m, core_m)
     return points, faces, flat.reshape(-1, 2)[owner]
-
-
-def thrown(length_m: float, width_m: float, hang_m: float, seed: int) -> Made:
-    """A throw across a made bed of this length; its hems hang down at both sides."""
-    body = soft_block((length_m, 1.4, 0.6), 0.075, (8, 6, 2)).moved(z=-0.6)
-    blanket = Duvet(length_m, 0.0, 0.0, 0.6, 0.035, 0.014, seed)
-    wide = length_m - 0.08 + 2 * hang_m
-    grid, flat = _dropped(wide, width_m, (0.0, 0.0, 0.06), blanket, [body])
-    made = _finished(grid, flat, 0.014, (0.0, 0.0, -0.05))
-    # A throw lies on duvets of other shapes: it must be flatter than what it covers.
-    return stuffed_unevenly(made, False, seed, 0.25)
-
-
-def over_edge(length_m: float, reach_m: float, hang_m: float, seed: int) -> Made:
-    """A throw on a seat whose front edge is at y = 0; it hangs down there."""
-    seat = soft_block((1.6, 0.8, 0.5), 0.05, (8, 8, 2)).moved(y=0.4, z=-0.5)
-    blanket = Duvet(length_m, 0.0, 0.0, 0.8, 0.02, 0.012, seed)
-    deep = reach_m + hang_m
-    at = (0.0, (reach_m - hang_m) / 2, 0.02)
-    grid, flat = _dropped(length_m, deep, at, blanket, [seat], held_rows=3)
-    return stuffed_unevenly(_finished(grid, flat, 0.012, (0.0, 0.2, -0.15)), False, seed, 0.3)
 
 
 def over_rail(length_m: float, drop_m: float, seed: int) -> Made:

@@ -21,10 +21,6 @@ class Fabric:
     shear: float = 5.0
     bending: float = 0.5
     damping: float = 5.0
-    pressure: float = 0.0
-    """Blows up closed meshes."""
-    shrink: float = 0.0
-    """Share by which the rest lengths are shorter than drawn; negative makes cloth too large."""
     gap_m: float = 0.006
     """Distance kept from itself and from what it lies on."""
     self_collision: bool = True
@@ -40,15 +36,12 @@ def draped(
     frames: int,
     pinned: Sequence[int] = (),
     obstacles: Sequence[Solid] = (),
-    pulled_to_m: FloatArray | None = None,
-    pull_frames: int = 40,
     rest_m: FloatArray | None = None,
 ) -> FloatArray:
     """(N, 3) points after so many frames of 1/24 s.
 
-    faces: triangles or quads. pinned: points that stay, or move to their place in pulled_to_m
-    within pull_frames. obstacles: solids that do not move. rest_m: the cloth as it was cut, where
-    it starts draped already.
+    faces: triangles or quads. pinned: points that stay. obstacles: solids that do not
+    move. rest_m: the cloth as it was cut, where it starts draped already.
     """
     import bpy
 
@@ -66,8 +59,6 @@ def draped(
     cloth = _thing("Cloth", points_m, faces)
     group = cloth.vertex_groups.new(name="Pinned")
     group.add([int(index) for index in pinned], 1.0, "REPLACE")
-    if pulled_to_m is not None:
-        _pull(cloth, pulled_to_m, pull_frames)
     if rest_m is not None:
         cloth.shape_key_add(name="Basis")
         cut = cloth.shape_key_add(name="Cut", from_mix=False)
@@ -92,16 +83,6 @@ def _thing(name, points_m, faces):
     return thing
 
 
-def _pull(cloth, target_m, frames: int) -> None:
-    cloth.shape_key_add(name="Basis")
-    key = cloth.shape_key_add(name="Pulled")
-    key.data.foreach_set("co", np.asarray(target_m, dtype=np.float32).reshape(-1))
-    key.value = 0.0
-    key.keyframe_insert("value", frame=1)
-    key.value = 1.0
-    key.keyframe_insert("value", frame=frames)
-
-
 def _dress(cloth, fabric: Fabric, pinned: str, frames: int) -> None:
     modifier = cloth.modifiers.new("Cloth", "CLOTH")
     modifier.point_cache.frame_start, modifier.point_cache.frame_end = 1, frames
@@ -114,14 +95,10 @@ def _dress(cloth, fabric: Fabric, pinned: str, frames: int) -> None:
     settings.tension_damping = settings.compression_damping = fabric.damping
     settings.shear_damping, settings.bending_damping = fabric.damping, 0.5
     settings.air_damping = 1.0
-    settings.shrink_min = fabric.shrink
     settings.vertex_group_mass = pinned
     keys = cloth.data.shape_keys
     if keys and "Cut" in keys.key_blocks:
         settings.rest_shape_key = keys.key_blocks["Cut"]
-    if fabric.pressure:
-        settings.use_pressure = True
-        settings.uniform_pressure_force = fabric.pressure
     collision.use_collision = True
     collision.collision_quality = 4
     collision.distance_min = fabric.gap_m

@@ -45,10 +45,9 @@ class Bag:
     """(rows + 1, columns + 1) indices of points; those of the edge are also the bottom's."""
     bottom: np.ndarray
 
-    def faces(self, every: int = 1) -> np.ndarray:
-        """(T, 3) triangles; every: leaves out lines of the grids."""
-        top, bottom = self.top[::every, ::every], self.bottom[::every, ::every]
-        return np.concatenate([_turned(top)[:, ::-1], _turned(bottom)])
+    def faces(self) -> np.ndarray:
+        """(T, 3) triangles."""
+        return np.concatenate([_turned(self.top)[:, ::-1], _turned(self.bottom)])
 
 
 def _turned(index: np.ndarray) -> np.ndarray:
@@ -61,12 +60,6 @@ def _turned(index: np.ndarray) -> np.ndarray:
     first = np.where(odd[:, None], np.stack([a, b, c], -1), np.stack([a, b, d], -1))
     second = np.where(odd[:, None], np.stack([a, c, d], -1), np.stack([b, c, d], -1))
     return np.concatenate([first, second])
-
-
-def compact(points_m: FloatArray, faces: np.ndarray, *others: np.ndarray) -> tuple:
-    """Only the points that faces use, renumbered; others lose the same rows."""
-    used, flat = np.unique(faces, return_inverse=True)
-    return (points_m[used], flat.reshape(faces.shape), *(other[used] for other in others))
 
 
 def thickened(
@@ -129,15 +122,3 @@ def smoothed(grid_m: FloatArray, rounds: int) -> FloatArray:
         mean = (padded[:-2, 1:-1] + padded[2:, 1:-1] + padded[1:-1, :-2] + padded[1:-1, 2:]) / 4
         grid = 0.5 * grid + 0.5 * mean
     return grid
-
-
-def relaxed(points_m: FloatArray, faces: np.ndarray, rounds: int) -> FloatArray:
-    """Each point drawn a third of the way to the mean of its neighbours, so many times."""
-    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    points = points_m.copy()
-    count = np.maximum(np.bincount(pairs[:, 0], minlength=len(points)), 1)[:, None]
-    for _ in range(rounds):
-        total = np.zeros_like(points)
-        np.add.at(total, pairs[:, 0], points[pairs[:, 1]])
-        points = points * (2 / 3) + total / count / 3
-    return points

@@ -10,12 +10,11 @@ import sys
 from collections.abc import Callable
 from functools import partial
 
-from chord_usd.assets.cloth.bedding import Duvet, laid, over_edge, over_rail, thrown
+from chord_usd.assets.cloth.bedding import Duvet, laid, over_rail
 from chord_usd.assets.cloth.cloth_grids import Made
 from chord_usd.assets.cloth.garments import coat
 from chord_usd.assets.cloth.hangings import Hanging, hung
 from chord_usd.assets.cloth.stored import save
-from chord_usd.assets.cloth.stuffed import Stuffed, filled
 
 _HANGINGS = {
     "curtain_wave_narrow": Hanging("wave", 0.6, 5, 2.0, 5, seed=1),
@@ -28,15 +27,6 @@ _HANGINGS = {
     "curtain_gather_narrow": Hanging("gather", 0.6, 10, 2.0, 5, seed=3),
     "curtain_gather_wide": Hanging("gather", 1.2, 17, 2.0, 9, seed=6),
     "curtain_gather_open": Hanging("gather", 0.34, 9, 3.4, 5, seed=7),
-}
-
-
-_STUFFED = {
-    "pillow_full": Stuffed(0.74, 0.5, (32, 22), pressure=6.5, seed=1),
-    "pillow_slack": Stuffed(0.74, 0.5, (32, 22), pressure=4.5, bending=0.1, seed=2),
-    "cushion_square": Stuffed(0.5, 0.5, (32, 32), pressure=7.0, seed=3),
-    "cushion_slack": Stuffed(0.5, 0.5, (32, 32), pressure=5.0, bending=0.1, seed=4),
-    "cushion_lumbar": Stuffed(0.58, 0.36, (36, 22), pressure=7.0, seed=5),
 }
 
 _DUVETS = {
@@ -53,16 +43,10 @@ def makers() -> dict[str, Callable[[], dict[str, Made]]]:
     found: dict[str, Callable[[], dict[str, Made]]] = {}
     for name, hanging in _HANGINGS.items():
         found[name] = partial(_alone, name, hung, hanging)
-    for name, stuffed in _STUFFED.items():
-        found[name] = partial(_alone, name, filled, stuffed)
     for name, duvet in _DUVETS.items():
         found[name] = partial(_layers, name, duvet)
-    for length in (1.0, 1.6):
-        name = f"throw_bed_{100 * length:.0f}"
-        found[name] = partial(_alone, name, thrown, length, 0.6, 0.3, 7)
     for name, length, drop in (("towel_long", 0.46, 0.5), ("towel_short", 0.3, 0.34)):
         found[name] = partial(_alone, name, over_rail, length, drop, 9)
-    found["throw_seat"] = partial(_alone, "throw_seat", over_edge, 0.55, 0.5, 0.3, 11)
     for name, length, seed in (("coat_long", 1.0, 3), ("coat_short", 0.72, 4)):
         found[name] = partial(_alone, name, coat, length, seed)
     return found

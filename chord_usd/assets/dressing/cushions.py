@@ -13,26 +13,26 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.assets.cloth.stored import Cloth, stored
+from chord_usd.assets.cloth.cloth_grids import Made
+from chord_usd.assets.cloth.stored import Cloth
+from chord_usd.assets.cloth.stuffed import Filling, stuffed
+from chord_usd.assets.cloth.throws import Place, Throw, laid_over
 from chord_usd.assets.dressing.textiles import TEXTILES, dyed
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.solids import Size, Solid, lathe, loft
-from chord_usd.scene.types import FloatArray, frozen_array
+from chord_usd.scene.types import frozen_array
 
 _LEAN_DEG = 72.0
 _CORD_M = 0.0045
+_STANDS_OUT_M = 0.025
+"""How far the folds of a throw stand out from what it lies on."""
 
 
-def cushion(size_m: Size, *, cloth: str, piped: bool = False, sag: float = 0.0) -> tuple[Part, ...]:
-    """A stuffed cushion standing on its edge; sag: share by which its top sinks in the middle."""
-    length, _, _ = size_m
-    bag = stored(cloth)
-    low, high = bag.solid.bounds_m()
-    factor = length / float(high[0] - low[0])
-    bag = bag.scaled(factor, factor, factor)
-    solids = [_sagging(bag.solid, sag)]
-    if piped:
-        solids.append(_sagging(_cord(bag), sag))
+def cushion(size_m: Size, *, filling: Filling, piped: bool = False) -> tuple[Part, ...]:
+    """A stuffed cushion standing on its edge, leaning back."""
+    length, _, height = size_m
+    case = stuffed(length, height / 0.94, filling)
+    solids = [case.solid, _cord(case)] if piped else [case.solid]
     # Its underside becomes its back; then it is brought to its size as a whole.
     upright = [one.turned("x", _LEAN_DEG) for one in solids]
     bounds = np.array([one.bounds_m() for one in upright])
@@ -43,20 +43,10 @@ def cushion(size_m: Size, *, cloth: str, piped: bool = False, sag: float = 0.0) 
         one.moved(-float(middle[0]), -float(middle[1]), -float(low[2])).scaled(*scale)
         for one in upright
     ]
-    parts = [Part("Cushion", placed[0], "cloth", None, uvs=bag.corner_uvs_m())]
+    parts = [Part("Cushion", placed[0], "cloth", None, uvs=case.corner_uvs_m())]
     if piped:
         parts.append(Part("Piping", placed[1], "cord", None))
     return tuple(parts)
-
-
-def _sagging(solid: Solid, sag: float) -> Solid:
-    """The edge that will be on top gives way in the middle."""
-    points = solid.points_m.copy()
-    low, high = points.min(axis=0), points.max(axis=0)
-    x = 2 * (points[:, 0] - low[0]) / (high[0] - low[0]) - 1
-    up = (points[:, 1] - low[1]) / (high[1] - low[1])
-    points[:, 1] -= sag * (high[1] - low[1]) * up**2 * np.exp(-((x / 0.45) ** 2))
-    return Solid(frozen_array(points), solid.faces)
 
 
 def _cord(bag: Cloth) -> Solid:
@@ -113,37 +103,38 @@ def _gathered(roll: Solid, radius: float, half: float) -> Solid:
     return Solid(frozen_array(points), roll.faces)
 
 
-def bed_throw(size_m: Size, *, fringed: bool = False) -> tuple[Part, ...]:
-    """A throw across a bed's foot; its hems hang down at both sides, the lowest at z = 0."""
+def bed_throw(size_m: Size, *, throw: Throw) -> tuple[Part, ...]:
+    """A throw across a bed's foot; it hangs down at both sides, the lowest at z = 0."""
     length, width, height = size_m
-    simulated = 1.6 if length >= 1.3 else 1.0
-    cloth = stored(f"throw_bed_{100 * simulated:.0f}")
-    points = cloth.solid.points_m.copy()
-    more = (length - float(np.ptp(points[:, 0]))) / 2
-    inner = simulated / 2 - 0.1
-    shift = more * np.clip(points[:, 0] / inner, -1.0, 1.0)
-    uvs = cloth.uvs_m + np.stack([more * np.clip(cloth.uvs_m[:, 0] / inner, -1, 1), 0 * shift], -1)
-    points[:, 0] += shift
-    low, high = points.min(axis=0), points.max(axis=0)
-    points -= [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]
-    span = high - low
-    points *= [length / span[0], width / span[1], height / span[2]]
-    solid = Solid(frozen_array(points), cloth.solid.faces)
-    parts = [Part("Throw", solid, "cloth", None, uvs=_corners(uvs, solid))]
+    place = Place(length / 2 - _STANDS_OUT_M, height - _STANDS_OUT_M - throw.fringe_m)
+    return _fitted(size_m, *laid_over(throw, place, width))
+
+
+def seat_throw(size_m: Size, *, throw: Throw) -> tuple[Part, ...]:
+    """A throw on a seat that hangs over its front edge, the lower end at z = 0."""
+    length, depth, height = size_m
+    lies = depth - _STANDS_OUT_M - throw.fringe_m
+    place = Place(0.0, height - _STANDS_OUT_M - throw.fringe_m, back_m=lies, sinks_m=0.004)
+    made, fringe = laid_over(throw, place, length)
+    points, faces, uvs = made
+    turned = [Solid(frozen_array(points), frozen_array(faces, np.int64)), fringe]
+    cloth, fringe = (one and one.turned("z", -90) for one in turned)
+    assert cloth is not None
+    return _fitted(size_m, (cloth.points_m, faces, uvs), fringe)
+
+
+def _fitted(size_m: Size, made: Made, fringe: Solid | None) -> tuple[Part, ...]:
+    points, faces, uvs = made
+    solid = Solid(frozen_array(points), frozen_array(faces, np.int64))
+    whole = solid if fringe is None else solid + fringe
+    low, high = whole.bounds_m()
+    scale = np.array(size_m) / (high - low)
+    shift = -(low + high) / 2 * [1, 1, 0] - low * [0, 0, 1]
+    placed = solid.moved(*shift).scaled(*scale)
+    parts = [Part("Throw", placed, "cloth", None, uvs=uvs[placed.faces.reshape(-1)])]
+    if fringe is not None:
+        parts.append(Part("Fringe", fringe.moved(*shift).scaled(*scale), "cloth", None))
     return tuple(parts)
-
-
-def seat_throw(size_m: Size) -> tuple[Part, ...]:
-    """A throw on a seat that hangs over its front edge, the lower hem at z = 0."""
-    cloth = stored("throw_seat")
-    low, high = cloth.solid.bounds_m()
-    cloth = cloth.moved(*(-(low + high) / 2 * [1, 1, 0] - low * [0, 0, 1]))
-    cloth = cloth.scaled(*(np.array(size_m) / (high - low)))
-    return (Part("Throw", cloth.solid, "cloth", None, uvs=cloth.corner_uvs_m()),)
-
-
-def _corners(uvs: FloatArray, solid: Solid) -> FloatArray:
-    return uvs[solid.faces.reshape(-1)]
 
 
 _MODERN = ("teal_velvet", "mustard_velvet", "rust_velvet", "navy_velvet", "grey_cloth",
@@ -161,21 +152,26 @@ _GOLD = {"cord": "gold_cotton"}
 
 
 def _cushions() -> Iterator[Design]:
-    full = partial(cushion, cloth="cushion_square")
-    slack = partial(cushion, cloth="cushion_slack", sag=0.1)
-    low = partial(cushion, cloth="cushion_lumbar")
-    piped = partial(full, piped=True)
+    struck = partial(cushion, filling=Filling(chop=0.1, seed=1))
+    slack = partial(cushion, filling=Filling(0.15, 7, 0.018, slump=0.3, chop=0.05, seed=2))
+    full = partial(cushion, filling=Filling(0.19, seed=3), piped=True)
+    bordered = partial(cushion, filling=Filling(slump=0.2, flange_m=0.025, seed=4))
+    buttoned = partial(cushion, filling=Filling(0.15, 7, slump=0.0, tuft=0.6, seed=5))
+    low, bare = Filling(0.15, seed=6), Filling(0.13, 7, 0.017, slump=0.25, seed=7)
     kinds: tuple[tuple[Any, ...], ...] = (
-        ("Velvet", full, _MODERN, {}, ("modern",), ((0.5, 0.5), (0.42, 0.42))),
+        ("Velvet", struck, _MODERN, {}, ("modern",), ((0.5, 0.5), (0.42, 0.42))),
         ("Linen", slack, _SCANDI, {}, ("scandinavian",), ((0.5, 0.5), (0.44, 0.44))),
-        ("Piped", piped, _CLASSIC, _GOLD, ("classic",), ((0.5, 0.5), (0.42, 0.42))),
-        ("Canvas", slack, _LOFT, {}, ("industrial",), ((0.5, 0.5), (0.44, 0.44))),
-        ("Zabuton", full, _EARTH, {}, ("japanese",), ((0.48, 0.48), (0.4, 0.4))),
-        ("Lumbar", low, _MODERN, {}, ("modern",), ((0.56, 0.34),)),
-        ("Lumbar_Linen", low, _SCANDI, {}, ("scandinavian", "japanese"), ((0.56, 0.34),)),
-        ("Lumbar_Piped", partial(low, piped=True), _CLASSIC, _CREAM, ("classic",), ((0.56, 0.34),)),
-        ("Lumbar_Canvas", low, _LOFT, {}, ("industrial",), ((0.56, 0.34),)),
-    )
+        ("Piped", full, _CLASSIC, _GOLD, ("classic",), ((0.5, 0.5), (0.42, 0.42))),
+        ("Canvas", bordered, _LOFT, {}, ("industrial",), ((0.5, 0.5), (0.44, 0.44))),
+        ("Zabuton", buttoned, _EARTH, {}, ("japanese",), ((0.48, 0.48), (0.4, 0.4))),
+        ("Lumbar", partial(cushion, filling=low), _MODERN, {}, ("modern",), ((0.56, 0.34),)),
+        ("Lumbar_Linen", partial(cushion, filling=bare), _SCANDI, {}, ("scandinavian", "japanese"),
+         ((0.56, 0.34),)),
+        ("Lumbar_Piped", partial(cushion, filling=low, piped=True), _CLASSIC, _CREAM, ("classic",),
+         ((0.56, 0.34),)),
+        ("Lumbar_Canvas", partial(cushion, filling=bare), _LOFT, {}, ("industrial",),
+         ((0.56, 0.34),)),
+    )  # fmt: skip
     for name, draw, finishes, others, styles, sizes in kinds:
         for length, tall in sizes:
             size_m = (length, round(0.12 + 0.22 * tall, 3), round(0.94 * tall, 3))
@@ -198,26 +194,26 @@ _THROW_LENGTHS_M = tuple(round(length + 0.06, 2) for length in (0.9, 1.0, 1.2, 1
 
 def _throws() -> Iterator[Design]:
     kinds = (
-        ("Velvet", _MODERN, ("modern",)),
+        ("Velvet", _MODERN, ("modern",), Throw(folds=3, fold_m=0.026, seed=1)),
         ("Knit", ("sage_wool", "blush_wool", "blue_wool", "mustard_wool", "cream_wool",
-                  "grey_wool"), ("scandinavian",)),
-        ("Quilt", _CLASSIC, ("classic",)),
+                  "grey_wool"), ("scandinavian",),
+         Throw(folds=4, fold_m=0.024, thick_m=0.016, fringe_m=0.06, askew=0.05, seed=2)),
+        ("Quilt", _CLASSIC, ("classic",),
+         Throw(folds=2, fold_m=0.008, thick_m=0.02, quilted_m=0.1, seed=3)),
         ("Wool", ("rust_wool", "mustard_wool", "tan_wool", "teal_wool", "charcoal_wool"),
-         ("industrial",)),
-        ("Linen", _EARTH, ("japanese",)),
+         ("industrial",), Throw(folds=5, fringe_m=0.05, askew=-0.06, seed=4)),
+        ("Linen", _EARTH, ("japanese",), Throw(folds=6, fold_m=0.02, thick_m=0.01, seed=5)),
     )  # fmt: skip
-    for name, finishes, styles in kinds:
+    for name, finishes, styles, throw in kinds:
+        ways = dyed("cloth", finishes)
         for length in _THROW_LENGTHS_M:
-            size_m = (length, 0.6, 0.3)
             id_ = f"Throw_Bed_{name}_{100 * length:.0f}"
-            ways = dyed("cloth", finishes)
-            yield Design(id_, "throw", size_m, bed_throw, ways, TEXTILES, styles)
+            draw = partial(bed_throw, throw=throw)
+            yield Design(id_, "throw", (length, 0.6, 0.3), draw, ways, TEXTILES, styles)
         for depth in (0.42, 0.52, 0.64):
-            size_m = (0.55, depth, 0.28)
             id_ = f"Throw_Seat_{name}_{100 * depth:.0f}"
-            yield Design(
-                id_, "throw", size_m, seat_throw, dyed("cloth", finishes), TEXTILES, styles
-            )
+            draw = partial(seat_throw, throw=throw)
+            yield Design(id_, "throw", (0.55, depth, 0.28), draw, ways, TEXTILES, styles)
 
 
 DESIGNS = (*_cushions(), *_throws())

@@ -10,6 +10,7 @@ import numpy as np
 
 from chord_usd.assets.cloth.bedding import MATTRESS_INSET_M
 from chord_usd.assets.cloth.stored import Cloth, stored
+from chord_usd.assets.cloth.stuffed import Filling, stuffed
 from chord_usd.assets.dressing.textiles import TEXTILES
 from chord_usd.assets.furniture.headboards import THICK_M, Headboard, headboard
 from chord_usd.assets.furniture.joinery import four_legs
@@ -128,6 +129,12 @@ def _stretched(cloth: Cloth, simulated: float, length: float, hang: float) -> Cl
     return Cloth(replace(cloth.solid, points_m=frozen_array(points)), frozen_array(uvs))
 
 
+_PILLOWS = (
+    Filling(0.19, 5, 0.018, slump=0.15, seed=11),
+    Filling(0.16, 5, 0.022, slump=0.3, chop=0.04, seed=12),
+)
+
+
 def _pillows(
     length: float, head_y: float, top: float, rows: int, *, flat: bool
 ) -> tuple[Part, ...]:
@@ -144,8 +151,8 @@ def _pillows(
         pieces = []
         for index in range(count):
             x = (index - (count - 1) / 2) * step
-            kind = "pillow_full" if (row + index) % 2 == 0 else "pillow_slack"
-            pieces.append(_leaning(kind, wide * (1.0 - 0.08 * row), x, back, top, lean, index))
+            filling = _PILLOWS[(row + index) % 2]
+            pieces.append(_leaning(filling, wide * (1.0 - 0.08 * row), x, back, top, lean, index))
         uvs = np.concatenate([uvs for _, uvs in pieces])
         slot = "pillow" if row == 0 and len(leans) > 1 else "sheet"
         name = "Pillows" if row == 0 else "Front_Pillows"
@@ -155,17 +162,10 @@ def _pillows(
 
 
 def _leaning(
-    kind: str, wide: float, x: float, back: float, top: float, lean: float, index: int
+    filling: Filling, wide: float, x: float, back: float, top: float, lean: float, index: int
 ) -> tuple[Solid, np.ndarray]:
-    cloth = stored(kind)
-    low, high = cloth.solid.bounds_m()
-    factor = wide / float(high[0] - low[0])
-    if index % 2:
-        # The other way round: no two pillows have the same wrinkles.
-        turned = cloth.solid.turned("z", 180.0)
-        cloth = Cloth(turned, cloth.uvs_m)
-    cloth = cloth.scaled(factor, min(factor, 1.0), min(factor, 1.0))
-    solid = cloth.solid.turned("x", lean).turned("z", (-1.0, 1.6)[index % 2])
+    cloth = stuffed(wide, min(0.68 * wide, 0.48), filling, 16)
+    solid = cloth.solid.turned("x", lean).turned("z", (-2.0, 2.6)[index % 2])
     low, high = solid.bounds_m()
     solid = solid.moved(x, back + 0.006 - float(high[1]), top - 0.03 - float(low[2]))
     return solid, cloth.corner_uvs_m()
