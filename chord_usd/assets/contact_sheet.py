@@ -167,10 +167,12 @@ def _draw(picture: Picture, side_px: int) -> ByteArray:
     points, owner = _sprinkled(picture, flat, px_per_m)
     x = ((points[:, 0] - middle[0]) * px_per_m + side / 2).astype(int)
     y = (side / 2 - (points[:, 1] - middle[1]) * px_per_m).astype(int)
-    # Later points cover earlier ones, so the farthest are laid down first.
-    order = np.argsort(-points[:, 2])
-    canvas = np.tile(_PAPER, (side, side, 1))
-    canvas[y[order], x[order]] = (_lit(picture) * 255.0)[owner[order]]
+    pixel = y * side + x
+    nearest = np.full(side * side, np.inf, dtype=points.dtype)
+    np.minimum.at(nearest, pixel, points[:, 2])
+    seen = points[:, 2] == nearest[pixel]
+    canvas = np.tile(_PAPER, (side * side, 1))
+    canvas[pixel[seen]] = (_lit(picture) * 255.0)[owner[seen]]
     small = canvas.reshape(side_px, _SUPERSAMPLE, side_px, _SUPERSAMPLE, 3).mean(axis=(1, 3))
     return np.clip(np.round(small), 0, 255).astype(np.uint8)
 
