@@ -6,6 +6,7 @@ from functools import lru_cache
 
 from chord_usd.assets import dressing
 from chord_usd.assets.furniture import (
+    bathtubs,
     beds,
     cabinets,
     desk_devices,
@@ -13,7 +14,6 @@ from chord_usd.assets.furniture import (
     kitchen_units,
     laundry,
     panels,
-    sanitaryware,
     seats,
     showers,
     sideboards,
@@ -21,6 +21,7 @@ from chord_usd.assets.furniture import (
     table_plants,
     tables,
     tableware,
+    toilets,
     washbasins,
 )
 from chord_usd.assets.model import Design
@@ -30,7 +31,7 @@ from chord_usd.assets.model import Design
 def designs() -> tuple[Design, ...]:
     """All designs, sorted by category and id."""
     living = (beds, seats, tables, cabinets, sideboards, panels)
-    wet = (kitchen_units, sanitaryware, washbasins, showers, laundry)
+    wet = (kitchen_units, toilets, bathtubs, washbasins, showers, laundry)
     small = (desktop, desk_devices, table_lamps, table_plants, tableware)
     found = [design for module in (*living, *wet, *small) for design in module.DESIGNS]
     found += dressing.designs()

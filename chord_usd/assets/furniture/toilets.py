@@ -1,4 +1,4 @@
-"""Toilets and bathtubs."""
+"""Toilets: bowl, seat and lid, cistern or frame."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.assets.furniture.joinery import felt_around
-from chord_usd.assets.furniture.rims import felt_bowl
-from chord_usd.assets.furniture.taps import tub_tap
+from chord_usd.assets.furniture.ceramics import CERAMIC
 from chord_usd.assets.model import Part, Style, editions, moving_part
 from chord_usd.assets.moves import Hinge, Leaf, Moving, lid
 from chord_usd.assets.solids import (
@@ -29,7 +27,6 @@ from chord_usd.assets.solids import (
 from chord_usd.scene.types import FloatArray
 
 ToiletKind = Literal["coupled", "framed", "classic", "washlet"]
-TubKind = Literal["built_in", "oval", "claw_foot"]
 
 _SEAT_Z_M = 0.4
 _LID_DEG = 88.0
@@ -59,6 +56,20 @@ _WAISTED = (
 )
 
 
+_BASIN = (
+    (1.0, 0.0, 0.396),
+    (0.97, 0.0, 0.388),
+    (0.93, 0.0, 0.33),
+    (0.75, 0.065, 0.27),
+    (0.4, 0.1, 0.205),
+    (0.25, 0.1, 0.197),
+)
+"""Share of the opening, how far it lies further back as a share of the bowl's width, height."""
+
+_SEAT_WIDE_M = (0.066, 0.06, 0.07)
+"""Of the ring that one sits on: at the sides, in front, before the hinges."""
+
+
 def _egg(length: float, width: float, z: float, back: float, sides: int = 44) -> FloatArray:
     """An egg-shaped ring: square-ish at the back (ends at y = back), round at the front."""
     angles = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
@@ -81,7 +92,8 @@ def toilet(size_m: Size, *, kind: ToiletKind = "coupled") -> tuple[Part, ...]:
     back = width / 2 - tank_w
     bowl_l, bowl_w = min(length * 0.96, 0.375), width - tank_w
     shape = _WAISTED if kind == "classic" else _SKIRTED
-    bowl = loft([_egg(bowl_l * sx, bowl_w * sy, z, back + 0.008) for sx, sy, z in shape])
+    outside = [_egg(bowl_l * sx, bowl_w * sy, z, back + 0.008) for sx, sy, z in shape]
+    bowl = loft([*outside, *_basin(bowl_l, bowl_w, back + 0.008)])
     parts = [Part("Bowl", bowl, "ceramic", collider="convexHull")]
     parts += (
         _washlet_seat(bowl_l, bowl_w, back) if kind == "washlet" else _seat(bowl_l, bowl_w, back)
@@ -90,10 +102,21 @@ def toilet(size_m: Size, *, kind: ToiletKind = "coupled") -> tuple[Part, ...]:
     return (*parts, *make(size_m, tank_w))
 
 
+def _basin(length: float, width: float, back: float) -> list[FloatArray]:
+    """Rings from the inner edge of a bowl's rim down to its floor; backwards, as the bowl goes."""
+    long, deep = length - 0.1, width - 0.155
+    middle = back - 0.09 - deep / 2
+    rings = []
+    for share, shift, z in _BASIN:
+        half = share * deep / 2
+        rings.append(_egg(share * long, 2 * half, z, middle + shift * width + half))
+    return rings
+
+
 def _seat(length: float, width: float, back: float) -> list[Part]:
     """A seat and its lid, with the shadow between them, on two hinges."""
     long, deep = length * 1.005, width - 0.045
-    seat = _plate(long, deep, _SEAT_Z_M - 0.002, 0.015, back - 0.036)
+    seat = _seat_ring(long, deep, 0.015, back - 0.036)
     plate = _plate(long * 0.99, deep * 0.99, _SEAT_Z_M + 0.0165, 0.017, back - 0.037, crown=0.006)
     hinge = cylinder(0.011, 0.034, 0.003, 18).moved(length * 0.2, back - 0.022, _SEAT_Z_M - 0.006)
     return [
@@ -116,16 +139,14 @@ def _washlet_seat(length: float, width: float, back: float) -> list[Part]:
     )
     front = back - works_m + 0.03
     deep = width - works_m - 0.01
-    seat = _plate(length * 1.005, deep, _SEAT_Z_M - 0.002, 0.02, front)
+    seat = _seat_ring(length * 1.005, deep, 0.02, front)
     plate = _plate(length * 0.985, deep * 0.99, _SEAT_Z_M + 0.021, 0.024, front, crown=0.014)
-    keys = block((0.046, 0.11, 0.018), 0.004).moved(length / 2 + 0.0, back - 0.1, _SEAT_Z_M + 0.032)
     buttons = [
         cylinder(0.007, 0.004, 0.001, 12).moved(
             length / 2, back - 0.13 + 0.028 * n, _SEAT_Z_M + 0.049
         )
         for n in range(3)
     ]
-    del keys
     pad = block((0.02, 0.11, 0.03), 0.004).moved(length / 2 - 0.006, back - 0.09, _SEAT_Z_M + 0.018)
     marks = [b.moved(x=-0.006) for b in buttons]
     return [
@@ -152,10 +173,29 @@ def _works_lid(plate: Solid, works_y: float) -> Part:
     return Part("Lid", plate, "seat", moves=(Moving(leaf, plate, (felt,)),))
 
 
+def _seat_ring(length: float, width: float, thick: float, back: float) -> Solid:
+    """A seat with its hole, soft at all edges."""
+    soft = thick / 3
+    side, front, rear = _SEAT_WIDE_M
+
+    def outer(inset: float, level: float) -> FloatArray:
+        z = _SEAT_Z_M - 0.002 + level
+        return _egg(length - 2 * inset, width - 2 * inset, z, back - inset)
+
+    def inner(grow: float, level: float) -> FloatArray:
+        long, deep = length - 2 * side, width - front - rear
+        z = _SEAT_Z_M - 0.002 + level
+        return _egg(long + 2 * grow, deep + 2 * grow, z, back - rear + grow)
+
+    edge = ((soft, 0.0), (soft * 0.3, soft * 0.4), (0.0, soft))
+    up = [*edge, *((inset, thick - level) for inset, level in reversed(edge))]
+    return loft([*(outer(*at) for at in up), *(inner(*at) for at in reversed(up))], loop=True)
+
+
 def _plate(
     length: float, width: float, z: float, thick: float, back: float, crown: float = 0.0
 ) -> Solid:
-    """A seat or lid: the egg with soft edges, perhaps a little arched."""
+    """A lid: the egg with soft edges, perhaps a little arched."""
     soft = min(0.006, thick / 3)
     rings = []
     for inset, level in (
@@ -279,200 +319,25 @@ def _frame(size_m: Size, tank_w: float) -> list[Part]:
     ]
 
 
-def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
-    """A hollow tub with drain, overflow and tap: with an apron, oval, or on four claws."""
-    length, width, height = size_m
-    rim = {"built_in": 0.065, "oval": 0.028, "claw_foot": 0.06}[kind]
-    inner_l, inner_w = length - 2 * rim, width - 2 * rim
-    corner = min(inner_w / 2, 0.2) if kind == "built_in" else inner_w / 2
-    floor = 0.1 if kind != "claw_foot" else 0.17
-    shape = (
-        (0.0, 1.0),
-        (0.006, 0.994),
-        (0.016, 0.96),
-        (0.045, 0.62),
-        (0.085, 0.3),
-        (0.12, 0.1),
-        (0.19, 0.02),
-        (0.28, 0.0),
-    )
-    hollow = [
-        ring(
-            inner_l - 2.6 * i,
-            inner_w - 2 * i,
-            max(corner - 0.6 * i, 0.02),
-            floor + (height - 0.001 - floor) * share,
-            10,
-        )
-        for i, share in shape
-    ]
-    drain = lathe([(0.03, 0), (0.03, 0.004), (0.022, 0.005), (0.02, 0.008), (0, 0.009)], 26)
-    overflow = lathe([(0.033, 0), (0.033, 0.006), (0.028, 0.012), (0, 0.013)], 26).turned("y", 90)
-    at = -inner_l / 2 + 0.036
-    tub = loft([*_tub_skin(size_m, kind), *hollow])
-    parts = [
-        Part("Tub", tub, "ceramic", felt=_felt_tub(tub, hollow[0][:, :2], rim, floor, kind)),
-        Part("Drain", drain.moved(-inner_l * 0.27, 0.0, floor + 0.0005), "metal", collider=None),
-        Part(
-            "Overflow",
-            overflow.moved(at, 0.0, floor + (height - floor) * 0.74),
-            "metal",
-            collider=None,
-        ),
-    ]
-    if kind == "built_in":
-        inset = 0.03
-        panel = block((length - 0.05, 0.012, height - 0.11), 0.003).moved(
-            y=-width / 2 + 0.0065 + inset * 0.0 + 0.004, z=0.03
-        )
-        parts.append(Part("Panel", panel, "ceramic", collider=None))
-    if kind == "claw_foot":
-        parts += _claws(size_m)
-    if kind == "oval":
-        return (*parts, *_deck_tap(size_m))
-    tap = tub_tap(cross=kind == "claw_foot").moved(
-        0.0, width / 2 - rim / 2 - (0.011 if kind == "claw_foot" else 0.003), height - 0.003
-    )
-    return (*parts, Part("Tap", tap, "metal", collider=None, above=True))
-
-
-def _felt_tub(
-    tub: Solid, mouth: FloatArray, rim: float, floor: float, kind: TubKind
-) -> tuple[Solid, ...]:
-    """Its sides and its floor. mouth: (N, 2) where the hollow begins; rim: width around it."""
-    if kind == "built_in":
-        length, width = (float(side) for side in np.ptp(mouth, axis=0))
-        return (*felt_around(tub, [mouth]), box((length, width, floor)))
-    low_m, height = (float(corner[2]) for corner in tub.bounds_m())
-    middles = mouth * (1.0 + rim / np.abs(mouth).max(axis=0))
-    return felt_bowl(middles, rim, low_m, floor, height)
-
-
-def _tub_skin(size_m: Size, kind: TubKind) -> list[FloatArray]:
-    """Rings of a tub's outside from its foot to the rim."""
-    length, width, height = size_m
-    if kind == "built_in":
-        return [
-            ring(length - 0.024, width - 0.024, 0.012, 0.0, 10),
-            ring(length - 0.024, width - 0.024, 0.012, height - 0.045, 10),
-            ring(length, width, 0.02, height - 0.043, 10),
-            ring(length, width, 0.02, height - 0.008, 10),
-            ring(length - 0.005, width - 0.005, 0.022, height - 0.002, 10),
-            ring(length - 0.016, width - 0.016, 0.025, height, 10),
-        ]
-    foot = 0.0 if kind == "oval" else 0.12
-    outer = (
-        (
-            (0.8, 0.72, 0.0),
-            (0.815, 0.735, 0.012),
-            (0.85, 0.8, 0.2),
-            (0.9, 0.88, 0.48),
-            (0.95, 0.945, 0.76),
-            (0.99, 0.988, 0.95),
-            (1.0, 1.0, 0.985),
-            (0.998, 0.996, 1.0),
-        )
-        if kind == "oval"
-        else (
-            (0.5, 0.36, 0.0),
-            (0.66, 0.56, 0.02),
-            (0.78, 0.74, 0.12),
-            (0.86, 0.84, 0.35),
-            (0.91, 0.89, 0.7),
-            (0.925, 0.905, 0.9),
-            (0.945, 0.925, 0.94),
-            (0.985, 0.97, 0.955),
-            (1.0, 1.0, 0.97),
-            (0.998, 0.995, 0.99),
-            (0.985, 0.97, 1.0),
-        )
-    )
-    return [
-        ring(length * a, width * b, width * b * 0.5, foot + (height - foot) * z, 10)
-        for a, b, z in outer
-    ]
-
-
-def _claws(size_m: Size) -> list[Part]:
-    """Four bent feet under a tub."""
-    length, width, _ = size_m
-    profile = [
-        [0.0, 0.05, 0.155],
-        [0.0, 0.012, 0.14],
-        [0.0, -0.012, 0.105],
-        [0.0, 0.012, 0.06],
-        [0.0, 0.008, 0.03],
-        [0.0, -0.018, 0.016],
-    ]
-    leg = tube(profile, 0.016, 12)
-    ball = lathe([(0, 0), (0.016, 0.002), (0.023, 0.014), (0.018, 0.028), (0, 0.034)], 18).moved(
-        y=-0.018
-    )
-    feet = []
-    for sx in (-1, 1):
-        for sy, turn in ((-1, 24.0 * sx), (1, 180.0 - 24.0 * sx)):
-            feet.append((leg + ball).turned("z", turn).moved(sx * length * 0.3, sy * width * 0.27))
-    return [Part(f"Foot_{n}", foot, "metal") for n, foot in enumerate(feet, start=1)]
-
-
-def _deck_tap(size_m: Size) -> list[Part]:
-    """A slender column that stands behind the tub on its rim, spout over the water."""
-    from chord_usd.assets.furniture.taps import tall_basin_tap
-
-    _, width, height = size_m
-    tap = tall_basin_tap(0.2).moved(0.0, width / 2 - 0.0285, height - 0.004)
-    return [Part("Tap", tap, "metal", collider=None, above=True)]
-
-
-_CERAMIC = {
-    "white": {"ceramic": "ceramic", "seat": "plastic_white", "metal": "chrome", "cap": "ceramic"},
-    "black_metal": {
-        "ceramic": "ceramic",
-        "seat": "plastic_white",
-        "metal": "black_metal",
-        "cap": "black",
-    },
-    "brass": {"ceramic": "ceramic", "seat": "plastic_white", "metal": "brass", "cap": "marble"},
-}
 _WOODEN_SEAT = {
     "walnut": {"ceramic": "ceramic", "seat": "walnut", "metal": "brass"},
     "oak": {"ceramic": "ceramic", "seat": "oak", "metal": "chrome"},
     "white": {"ceramic": "ceramic", "seat": "plastic_white", "metal": "chrome"},
 }
-_COUPLED = Style("Toilet", toilet, _CERAMIC, 0.8, ("scandinavian", "industrial"))
+_COUPLED = Style("Toilet", toilet, CERAMIC, 0.8, ("scandinavian", "industrial"))
 _FRAMED = Style(
-    "Toilet_Wall_Frame", partial(toilet, kind="framed"), _CERAMIC, 0.85, ("modern", "industrial")
+    "Toilet_Wall_Frame", partial(toilet, kind="framed"), CERAMIC, 0.85, ("modern", "industrial")
 )
 _CLASSIC = Style(
     "Toilet_Classic", partial(toilet, kind="classic"), _WOODEN_SEAT, 0.82, ("classic",)
 )
-_WASHLET = Style("Toilet_Washlet", partial(toilet, kind="washlet"), _CERAMIC, 0.78, ("japanese",))
-_TUB = Style("Bathtub_Built_In", bathtub, _CERAMIC, 0.56)
-_OVAL = Style(
-    "Bathtub_Oval",
-    partial(bathtub, kind="oval"),
-    _CERAMIC,
-    0.58,
-    ("modern", "scandinavian", "japanese"),
-)
-_CLAWS = Style(
-    "Bathtub_Claw_Foot",
-    partial(bathtub, kind="claw_foot"),
-    _CERAMIC,
-    0.6,
-    ("classic", "industrial"),
-)
+_WASHLET = Style("Toilet_Washlet", partial(toilet, kind="washlet"), CERAMIC, 0.78, ("japanese",))
 
-_TUBS_M = (1.4, 1.5, 1.6, 1.7, 1.8)
-DESIGNS = (
-    *(
-        design
-        for style in (_COUPLED, _FRAMED, _CLASSIC, _WASHLET)
-        for design in (
-            *editions("toilet", (style,), (0.37,), (0.54, 0.6)),
-            *editions("toilet", (style,), (0.4,), (0.63, 0.68, 0.74)),
-        )
-    ),
-    *editions("bathtub", (_TUB,), (1.33, *_TUBS_M), (0.72, 0.8, 0.87)),
-    *editions("bathtub", (_OVAL, _CLAWS), _TUBS_M, (0.75, 0.85)),
+DESIGNS = tuple(
+    design
+    for style in (_COUPLED, _FRAMED, _CLASSIC, _WASHLET)
+    for design in (
+        *editions("toilet", (style,), (0.37,), (0.54, 0.6)),
+        *editions("toilet", (style,), (0.4,), (0.63, 0.68, 0.74)),
+    )
 )
