@@ -42,7 +42,7 @@ Ties go to the first."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Table:
+class Table:
     """A table, for as long as chairs are tried at it."""
 
     item: Item
@@ -69,11 +69,11 @@ def draw_out_chairs(work: Arrangement) -> SceneGraph:
     """
     graph = work.graph
     caught = []
-    tables = [_Table(one) for one in graph.items if one.category in _TABLES and _has_mesh(one)]
+    tables = tables_of(graph.items)
     for chair in graph.items:
-        if chair.category == SEAT and work.may_move(chair) and _has_mesh(chair):
+        if chair.category == SEAT and work.may_move(chair) and has_mesh(chair):
             near = [table for table in tables if table.is_near(chair)]
-            if _runs_into(chair.box, chair, near):
+            if runs_into(chair.box, chair, near):
                 caught.append((chair, near))
     items = {item.id: item for item in graph.items}
     for chair, near in caught:
@@ -82,19 +82,25 @@ def draw_out_chairs(work: Arrangement) -> SceneGraph:
     return replace(graph, items=tuple(items.values()))
 
 
-def _has_mesh(item: Item) -> bool:
+def tables_of(items: Sequence[Item]) -> list[Table]:
+    """The tables among them that have a mesh."""
+    return [Table(one) for one in items if one.category in _TABLES and has_mesh(one)]
+
+
+def has_mesh(item: Item) -> bool:
+    """Whether the item's mesh is there."""
     return item.asset is not None and item.asset.usd_path.is_file()
 
 
-def _drawn_out(chair: Item, tables: Sequence[_Table], free: FreePlaces) -> Item:
+def _drawn_out(chair: Item, tables: Sequence[Table], free: FreePlaces) -> Item:
     """The chair at the nearest free place; where it is, if there is none."""
     for box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
-        if free.has(box) and not _runs_into(box, chair, tables):
+        if free.has(box) and not runs_into(box, chair, tables):
             return replace(chair, box=box)
     return chair
 
 
-def _runs_into(box: Box, chair: Item, tables: Sequence[_Table]) -> bool:
+def runs_into(box: Box, chair: Item, tables: Sequence[Table]) -> bool:
     """Whether a chair in this box collides with one of the tables: mesh with mesh, or collider with
     collider."""
     shape = footprint_polygon(box)

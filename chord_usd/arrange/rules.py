@@ -16,6 +16,8 @@ import numpy as np
 from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.chairs_clear import draw_out_chairs
 from chord_usd.arrange.free_floor import kept_off
+from chord_usd.arrange.left_askew import RULE as ASKEW
+from chord_usd.arrange.left_askew import leave_askew
 from chord_usd.arrange.left_out import leave_out
 from chord_usd.arrange.off_casings import clear_casings
 from chord_usd.arrange.on_walls import hang_on_walls
@@ -145,5 +147,6 @@ RULES: tuple[Rule, ...] = (
     Rule("panels on their walls", "meshed", hang_on_walls),
     Rule("beside the casings of doors", "meshed", clear_casings),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),
+    Rule(ASKEW, "meshed", leave_askew),
 )
 """In the order in which they are applied."""

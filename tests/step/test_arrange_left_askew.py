@@ -1,0 +1,61 @@
+"""Chairs and armchairs a little askew: never at the cost of what the certificate asks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.arrange.left_askew import RULE, leave_askew
+from chord_usd.arrange.rules import arrange
+from chord_usd.assets.database import load_database
+from chord_usd.graph.match import match_assets
+from chord_usd.scene.types import Box, Item, Room, SceneGraph
+from chord_usd.scene.units import wrap_deg
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.check import check_stage
+
+ROOM = Room("r", "dining", np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]]))
+
+
+def house(armchair_y_m: float = 0.6) -> SceneGraph:
+    """A table with a row of two chairs at each side, and an armchair before a cabinet."""
+    seats = [
+        Item(f"chair_{n}", "chair", Box((x, y, 0.0), (0.45, 0.5, 0.9), yaw), "r")
+        for n, (x, y, yaw) in enumerate(
+            [(1.7, 2.95, 0.0), (2.3, 2.95, 0.0), (1.7, 1.65, 180.0), (2.3, 1.65, 180.0)]
+        )
+    ]
+    table = Item("table", "dining_table", Box((2.0, 2.3, 0.0), (1.4, 0.85, 0.75), 0.0), "r")
+    chair = Item(
+        "armchair", "single_sofa", Box((4.2, armchair_y_m, 0.0), (0.8, 0.8, 0.8), 180), "r"
+    )
+    cabinet = Item("cabinet", "cabinet", Box((4.2, 1.65, 0.0), (0.8, 0.4, 1.0), 0.0), "r")
+    return match_assets(SceneGraph((ROOM,), (), (table, *seats, chair, cabinet)), load_database())
+
+
+def test_they_are_turned_a_little_and_nothing_collides(tmp_path: Path) -> None:
+    before = house()
+    after = arrange(Arrangement.of(before), "meshed")
+    turned = 0
+    for old, new in zip(before.items, after.items, strict=True):
+        turn = abs(wrap_deg(new.box.yaw_deg - old.box.yaw_deg))
+        turned += turn > 0.0
+        assert turn == 0.0 or (new.category == "chair" and 2.0 <= turn <= 6.0)
+        assert new.box.size_m == old.box.size_m
+        assert np.hypot(*np.subtract(new.box.center_m, old.box.center_m)[:2]) <= 0.0501
+        assert (turn > 0.0) == (RULE in [edit.rule for edit in new.facts.edits])
+    assert turned >= 3
+    assert check_stage(author_stage(after, tmp_path / "house.usda").path).collisions == ()
+    assert arrange(Arrangement.of(after), "meshed").items == after.items, "once is enough"
+
+
+def test_an_armchair_narrows_no_passage_and_what_is_locked_stays() -> None:
+    """0.45 m are left before the cabinet: enough for one who walks, and nothing to spare."""
+    graph = house()
+    free = house(armchair_y_m=0.45)
+    found = {item.id: item for item in leave_askew(Arrangement.of(graph)).items}
+    assert found["armchair"].box == graph.items[5].box
+    assert leave_askew(Arrangement.of(free)).items[5].box.yaw_deg != free.items[5].box.yaw_deg
+    assert leave_askew(Arrangement.of(graph, movable=())).items == graph.items
