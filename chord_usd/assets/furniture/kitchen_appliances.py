@@ -17,11 +17,16 @@ from chord_usd.assets.solids import (
     cylinder,
     joined,
     lathe,
+    loft,
+    ring,
     tube,
 )
 
 FridgeKind = Literal["single", "double", "retro"]
 _PANEL_M = 0.1
+_CAVITY_M = 0.4
+"""Depth of an oven inside."""
+
 _OVEN_DEG, _MICROWAVE_DEG, _FRIDGE_DEG = 85.0, 90.0, 105.0
 
 
@@ -60,10 +65,12 @@ def oven(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
         box((0.007, 0.001, 0.015)).moved(0.012 * n, face - 0.0033, panel_z + 0.043)
         for n in (-2, -1, 1, 2)
     ]
-    leaf = flap(frame, opens_deg=_OVEN_DEG)
+    leaf = flap(frame, opens_deg=_OVEN_DEG, inside="nothing")
     dials = joined([skirt.moved(x, face + 0.001, knob_z) for x in places])
     return (
         moving_part("Oven_Door", [frame], "appliance", [leaf]),
+        Part("Oven_Cavity", _cavity(length, door_h, y, z), "dark_glass", collider=None),
+        Part("Oven_Racks", _racks(length, door_h, y, z), "handle", collider=None),
         Part("Oven_Panel", panel, "appliance"),
         partly_moving("Oven_Window", glass, leaf, clock, "dark_glass"),
         partly_moving("Oven_Rail", rail, leaf, dials, "handle"),
@@ -74,6 +81,34 @@ def oven(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
             collider=None,
         ),
     )
+
+
+def _cavity(length: float, height: float, y: float, z: float) -> Solid:
+    """The lining behind an oven's door: seen where it opens, else within the closed body."""
+    wide, deep, tall = length - 0.07, _CAVITY_M, height - 0.09
+    wall, radius = 0.008, 0.012
+    tray = loft([
+        ring(wide, tall, radius, 0.0, 3),
+        ring(wide, tall, radius, deep, 3),
+        ring(wide - 2 * wall, tall - 2 * wall, radius, deep, 3),
+        ring(wide - 2 * wall, tall - 2 * wall, radius, wall, 3),
+    ])  # fmt: skip
+    return tray.turned("x", 90).moved(y=y + 0.004 + deep, z=z + 0.04 + tall / 2)
+
+
+def _racks(length: float, height: float, y: float, z: float) -> Solid:
+    """Two wire racks: rods from front to back on two across."""
+    wide, deep, tall = length - 0.09, _CAVITY_M - 0.03, height - 0.09
+    across = box((wide, 0.005, 0.005))
+    along = box((0.004, deep, 0.004))
+    middle_y = y + 0.008 + deep / 2
+    rods = [across.moved(y=middle_y + s * (deep / 2 - 0.01)) for s in (-1, 1)]
+    count = 11
+    rods += [
+        along.moved(wide * (n / (count - 1) - 0.5) * 0.96, middle_y, 0.005) for n in range(count)
+    ]
+    rack = joined(rods)
+    return joined([rack.moved(z=z + 0.04 + tall * share) for share in (0.33, 0.66)])
 
 
 def microwave(length: float, height: float, y: float, z: float) -> tuple[Part, ...]:
@@ -100,6 +135,7 @@ def microwave(length: float, height: float, y: float, z: float) -> tuple[Part, .
     mark = mark.moved(x, face, z + 0.065)
     return (
         moving_part("Microwave", [case], "appliance", [leaf]),
+        Part("Microwave_Cavity", _cavity(length, height, y, z), "appliance", collider=None),
         moving_part("Microwave_Window", [pane + display], "dark_glass", [leaf], None),
         moving_part("Microwave_Keys", [grips], "handle", [leaf], None),
         moving_part("Microwave_Mark", [mark], "mark", [leaf], None),
