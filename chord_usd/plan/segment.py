@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import cv2
@@ -88,12 +89,12 @@ class Segments:
     kinds: Chances
     """(9, H, W) of KIND_NAMES: what a floor is of."""
 
-    @property
+    @cached_property
     def most_likely(self) -> ByteArray:
         """(H, W) what is most likely built."""
         return self.built.argmax(axis=0).astype(np.uint8)
 
-    @property
+    @cached_property
     def barrier(self) -> Chances:
         """(H, W) chance of what parts rooms: walls, doors, windows, and passages."""
         return 1.0 - self.built[OUTSIDE] - self.built[FLOOR] - self.built[STAIRS]
