@@ -65,11 +65,16 @@ def laid_over(throw: Throw, place: Place, width_m: float) -> tuple[Made, Solid |
     else:
         line = np.concatenate([-side[::-1], _steps(-lies, lies, 2 * _CELL_M)[1:-1], side])
     rows = max(round(width_m / _CELL_M), 5 * throw.folds) + 1
+    if throw.quilted_m:
+        # Five cells a channel, with lines of the grid in the seams.
+        rows = 10 * round(width_m / throw.quilted_m / 2) + 1
     along, across = np.meshgrid(line, np.linspace(1.0, -1.0, rows))
     sign = np.sign(along) if not place.back_m else np.ones_like(along)
     out, down, turn = _bent(along * sign, place.flat_m)
     hangs = np.square(np.sin(turn))
     off = _folds(throw, along, across, hangs, down, rng)
+    if throw.quilted_m:
+        off += 0.01 * np.abs(np.sin(np.pi * across * width_m / 2 / throw.quilted_m)) ** 0.6
     edge = np.abs(across) ** 6
     wander = 0.03 * _wander(along, rng) * np.sign(across) * np.abs(across)
     narrower = 1.0 - 0.1 * np.clip(down / 0.3, 0.0, 1.0)
@@ -117,8 +122,6 @@ def _folds(
     deeper = 0.6 + 0.6 * np.clip(down / 0.3, 0.0, 1.0)
     hanging = 1.3 * throw.fold_m * deeper * (0.5 + 0.5 * np.sin(phase + 0.6 * _wander(down, rng)))
     off = (1.0 - hangs) * lying + hangs * hanging
-    if throw.quilted_m:
-        off += 0.006 * np.abs(np.sin(np.pi * across * 0.6 / throw.quilted_m)) ** 0.6
     return off
 
 
