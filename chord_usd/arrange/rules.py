@@ -19,7 +19,7 @@ from chord_usd.arrange.free_floor import kept_off
 from chord_usd.arrange.left_askew import RULE as ASKEW
 from chord_usd.arrange.left_askew import leave_askew
 from chord_usd.arrange.left_out import leave_out
-from chord_usd.arrange.off_casings import clear_casings
+from chord_usd.arrange.off_trim import clear_trim
 from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
@@ -145,7 +145,7 @@ RULES: tuple[Rule, ...] = (
     Rule("chairs face tables, in sets", "read", seat_chairs),
     Rule("what stands in the way left out", "drawn", leave_out),
     Rule("panels on their walls", "meshed", hang_on_walls),
-    Rule("beside the casings of doors", "meshed", clear_casings),
+    Rule("off casings and sills", "meshed", clear_trim),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),
     Rule(ASKEW, "meshed", leave_askew),
 )

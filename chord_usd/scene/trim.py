@@ -5,6 +5,8 @@ Who writes it and who keeps clear of it read the same sizes here. Metres.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import shapely
 from shapely.ops import nearest_points
@@ -17,6 +19,9 @@ CASING_M = (0.06, 0.017)
 
 BOARD_M = (0.022, 0.035)
 """Thickness of a window board, and how far it stands out into the room and beyond the hole."""
+
+DRIP_M = (0.03, 0.018)
+"""How far the sill outside stands out of the facade, no farther than a board, and hangs down."""
 
 BOARD_FROM_M = 0.3
 """Windows whose sill is lower have no board."""
@@ -38,13 +43,15 @@ def casings(opening: Opening, room: Room) -> list[Box]:
 
 
 def boards(opening: Opening, room: Room) -> list[Box]:
-    """The board of a window on the side of a room; none of other openings."""
+    """The board of a window on the side of a room, or its sill outside; none of other openings."""
     low_m = opening.box.center_m[2]
     if opening.kind != "window" or low_m < BOARD_FROM_M:
         return []
     thick, proud = BOARD_M
     length = opening.box.size_m[0] + 2 * proud
-    return [_at_wall(opening, room, 0.0, (length, proud, thick))]
+    board = _at_wall(opening, room, 0.0, (length, proud, thick + DRIP_M[1]))
+    x_m, y_m, _ = board.center_m
+    return [replace(board, center_m=(x_m, y_m, low_m - DRIP_M[1]))]
 
 
 def _at_wall(

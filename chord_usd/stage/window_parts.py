@@ -10,7 +10,7 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from chord_usd.scene.trim import BOARD_M, HANDLE_M
+from chord_usd.scene.trim import BOARD_M, DRIP_M, HANDLE_M
 from chord_usd.scene.types import Box
 from chord_usd.stage.mesh import Face, moved, prism
 from chord_usd.stage.opening_shapes import (
@@ -46,9 +46,6 @@ _PANE_M = 0.9
 
 _HANDLE_FROM_M = 0.45
 """Casements that are lower have no handle."""
-
-_DRIP_M = (0.03, 0.06)
-"""How far the outer sill stands out of the facade, and the fall over its depth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,11 +148,11 @@ def _outer_sill(span: Span, inside: int) -> list[Face]:
     """A sheet that falls to the outside and stands out of the facade."""
     out = -inside
     face = span.front if inside > 0 else span.back
-    start, nose = span.middle + out * 0.02, face + out * _DRIP_M[0]
+    start, nose = span.middle + out * 0.02, face + out * DRIP_M[0]
     high, low = 0.03, 0.012
     profile = Polygon([
-        (start, -INTO_WALL_M), (start, high), (nose, low), (nose, low - 0.03),
-        (nose - out * 0.003, low - 0.03), (nose - out * 0.003, low - 0.004), (face, low - 0.004),
+        (start, -INTO_WALL_M), (start, high), (nose, low), (nose, -DRIP_M[1]),
+        (nose - out * 0.003, -DRIP_M[1]), (nose - out * 0.003, low - 0.004), (face, low - 0.004),
         (face, -INTO_WALL_M),
     ])  # fmt: skip
     return lengthwise(profile, span.left + 0.001, span.right - 0.001)

@@ -1,7 +1,7 @@
-"""Furniture beside doors: off the casing, which covers a few centimetres of the wall.
+"""Furniture beside doors and below windows: off casings and sills, which stand out of the wall.
 
-Whoever draws a piece knows the hole of a door, not its casing: what is drawn flush with the wall
-and beside the hole stands in it.
+Whoever draws a piece knows the hole of an opening, not its trim: what is drawn flush with the wall
+and beside a door stands in the casing, what is nearly as high as a window in its sill.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon, to_own
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.places import FreePlaces
-from chord_usd.scene.trim import casings
+from chord_usd.scene.trim import boards, casings
 from chord_usd.scene.types import Box, FloatArray, Item, SceneGraph
 from chord_usd.scene.units import rotation_2d
 
@@ -26,58 +26,63 @@ _GAP_M = 0.001
 """Left between a piece and a casing."""
 
 
-def clear_casings(work: Arrangement) -> SceneGraph:
-    """The house with every piece beside or before the casings of doors, where there is room."""
+def clear_trim(work: Arrangement) -> SceneGraph:
+    """The house with every piece beside or before the trim of openings, where there is room."""
     graph = work.graph
-    legs = _legs(graph)
-    if not legs:
+    trim = _trim(graph)
+    if not trim:
         return graph
-    tree = shapely.STRtree([footprint_polygon(leg) for leg in legs])
+    tree = shapely.STRtree([footprint_polygon(one) for one in trim])
     items = {item.id: item for item in graph.items}
     for item in graph.items:
         if category(item.category).mount is not Mount.FLOOR or not work.may_move(item):
             continue
-        near = [legs[index] for index in sorted(tree.query(footprint_polygon(item.box)))]
+        near = [trim[index] for index in sorted(tree.query(footprint_polygon(item.box)))]
         if _is_in(item.box, near):
             free = work.free_places(item, items.values())
             items[item.id] = _beside(item, near, free)
     return replace(graph, items=tuple(items.values()))
 
 
-def _legs(graph: SceneGraph) -> list[Box]:
+def _trim(graph: SceneGraph) -> list[Box]:
     beside = zip(graph.openings, rooms_beside(graph.openings, graph.rooms), strict=True)
     return [
-        leg
+        one
         for opening, rooms in beside
         for room in rooms
         if room is not None
-        for leg in casings(opening, room)
+        for one in (*casings(opening, room), *boards(opening, room))
     ]
 
 
-def _is_in(box: Box, legs: Sequence[Box]) -> bool:
+def _is_in(box: Box, trim: Sequence[Box]) -> bool:
     shape = footprint_polygon(box)
-    return any(shape.intersection(footprint_polygon(leg)).area > MIN_OVERLAP_M2 for leg in legs)
+    return any(
+        box.center_m[2] < one.top_m
+        and box.top_m > one.center_m[2]
+        and shape.intersection(footprint_polygon(one)).area > MIN_OVERLAP_M2
+        for one in trim
+    )
 
 
-def _beside(item: Item, legs: Sequence[Box], free: FreePlaces) -> Item:
-    """The piece moved as little as clears all legs; where it is, if nothing does."""
-    moves = [move for leg in legs for move in _ways_out(item.box, leg)]
+def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
+    """The piece moved as little as clears all trim; where it is, if nothing does."""
+    moves = [move for one in trim for move in _ways_out(item.box, one)]
     moves += [one + other for one in moves for other in moves if abs(one @ other) < 1e-9]
     x_m, y_m, z_m = item.box.center_m
     for move in sorted(moves, key=lambda move: float(np.hypot(*move))):
         box = replace(item.box, center_m=(x_m + float(move[0]), y_m + float(move[1]), z_m))
-        if free.has(box) and not _is_in(box, legs):
+        if free.has(box) and not _is_in(box, trim):
             return replace(item, box=box)
     return item
 
 
-def _ways_out(box: Box, leg: Box) -> list[FloatArray]:
-    """(2,) moves in the world that take a box just off a leg, along each side of the leg."""
-    corners = to_own(leg, np.asarray(footprint_polygon(box).exterior.coords)[:4])
+def _ways_out(box: Box, trim: Box) -> list[FloatArray]:
+    """(2,) moves in the world that take a box just off a piece of trim, along each of its sides."""
+    corners = to_own(trim, np.asarray(footprint_polygon(box).exterior.coords)[:4])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    half = np.array(leg.size_m[:2]) / 2 + _GAP_M
-    turn = rotation_2d(leg.yaw_deg)
+    half = np.array(trim.size_m[:2]) / 2 + _GAP_M
+    turn = rotation_2d(trim.yaw_deg)
     ways = []
     for axis in (0, 1):
         for by in (half[axis] - low[axis], -half[axis] - high[axis]):

@@ -10,7 +10,7 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.off_casings import clear_casings
+from chord_usd.arrange.off_trim import clear_trim
 from chord_usd.assets.database import load_database
 from chord_usd.graph.match import match_assets
 from chord_usd.scene.trim import boards, casings
@@ -55,7 +55,7 @@ def test_trim_is_where_it_is_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize("x_m", [1.96, 2.0])
 def test_furniture_flush_beside_a_door_comes_off_its_casing(tmp_path: Path, x_m: float) -> None:
     before = house(cabinet(x_m))
-    after = clear_casings(Arrangement.of(before))
+    after = clear_trim(Arrangement.of(before))
     bad, good = (
         check_stage(author_stage(graph, tmp_path / f"{name}.usda").path)
         for name, graph in (("bad", before), ("good", after))
@@ -71,11 +71,20 @@ def test_furniture_flush_beside_a_door_comes_off_its_casing(tmp_path: Path, x_m:
 
 def test_what_is_clear_or_kept_stays() -> None:
     clear, caught = house(cabinet(2.02)), house(cabinet(1.96))
-    assert clear_casings(Arrangement.of(clear)).items == clear.items
-    assert clear_casings(Arrangement.of(caught, movable=())).items == caught.items
+    assert clear_trim(Arrangement.of(clear)).items == clear.items
+    assert clear_trim(Arrangement.of(caught, movable=())).items == caught.items
 
 
 def test_the_check_sees_what_reaches_through_a_window_board(tmp_path: Path) -> None:
     tall = replace(cabinet(2.0, 3.775), box=Box((2.0, 3.775, 0.0), (1.0, 0.45, 1.1), 0.0))
     found = check_stage(author_stage(house(tall), tmp_path / "h.usda").path)
     assert "Window_0" in [one.b.split("/")[-1] for one in found.collisions]
+
+
+def test_what_is_as_high_as_a_sill_comes_off_it(tmp_path: Path) -> None:
+    tall = replace(cabinet(2.0, 3.775), box=Box((2.0, 3.775, 0.0), (1.0, 0.45, 0.915), 0.0))
+    before = house(tall)
+    after = clear_trim(Arrangement.of(before))
+    assert before.items[0].box.center_m[1] - after.items[0].box.center_m[1] < 0.04
+    found = check_stage(author_stage(after, tmp_path / "h.usda").path)
+    assert found.collisions == ()
