@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -29,6 +29,7 @@ _EDGE_M = 5e-4
 
 _MAX_CONTACTS = 64
 _GRID_M = 0.01
+_RIM_STEP_M, _MOST_RIM_STEPS = 0.01, 64
 """Of many feet in one cell of this size one is enough."""
 
 
@@ -237,24 +238,47 @@ def unsupported(
     return found
 
 
-def _stands(item: Body, carriers: Iterable[Body]) -> bool:
+def _stands(item: Body, carriers: Sequence[Body]) -> bool:
     """Whether the centroid lies over the hull of the points at which the item is carried."""
     low_m = float(item.bounds_m[0, 2])
     feet = _thinned(item.vertices_m[item.vertices_m[:, 2] < low_m + SUPPORT_GAP_M])
     soles = _level(item.triangles_m, low_m, facing=-1.0)
     points: list[FloatArray] = []
-    for carrier in carriers:
-        points.append(feet[_touch(feet, _level(carrier.triangles_m, low_m, facing=1.0))])
+    tops = [_level(carrier.triangles_m, low_m, facing=1.0) for carrier in carriers]
+    for carrier, top in zip(carriers, tops, strict=True):
+        points.append(feet[_touch(feet, top)])
         # The carrier may be the smaller one: then its corners lie under the item's sole.
         corners = carrier.vertices_m
         near = np.abs(corners[:, 2] - low_m) < 2 * SUPPORT_GAP_M
         corners = _thinned(corners[near & _over(corners, item.bounds_m)])
         points.append(corners[_touch(corners, soles)])
-    contact = np.concatenate(points) if points else np.zeros((0, 3))
+    if _balances(item, points):
+        return True
+    # A pot on the bars of a grate: they cross below its sole, and no corner lies there.
+    for top in tops:
+        rims = _thinned(_rims(top, item.bounds_m))
+        points.append(rims[_touch(rims, soles)])
+    return _balances(item, points)
+
+
+def _balances(item: Body, contacts: Sequence[FloatArray]) -> bool:
+    """Whether an item's centroid lies over the hull of (N, 3) points."""
+    contact = np.concatenate(contacts) if contacts else np.zeros((0, 3))
     if not len(contact):
         return False
     hull = shapely.convex_hull(shapely.multipoints(contact[:, :2])).buffer(HULL_SLACK_M)
     return bool(hull.contains(shapely.Point(item.centroid_m[:2])))
+
+
+def _rims(triangles: FloatArray, bounds_m: FloatArray) -> FloatArray:
+    """(N, 3) points along the sides of triangles (M, 3, 3), those within the bounds from above."""
+    starts, ends = triangles.reshape(-1, 3), np.roll(triangles, -1, axis=1).reshape(-1, 3)
+    if not len(starts):
+        return starts
+    longest = float(np.linalg.norm(ends - starts, axis=1).max())
+    share = np.linspace(0.0, 1.0, min(2 + int(longest / _RIM_STEP_M), _MOST_RIM_STEPS))
+    points = (starts[:, None] + share[:, None] * (ends - starts)[:, None]).reshape(-1, 3)
+    return points[_over(points, bounds_m)]
 
 
 def _over(points: FloatArray, bounds_m: FloatArray) -> Any:

@@ -268,6 +268,17 @@ def test_a_wide_piece_may_stand_on_a_narrow_one():
     assert unsupported([post, plate], [FLOOR], lambda _: False) == []
 
 
+@pytest.mark.parametrize(("bars_m", "stands"), [((-0.06, 0.06), True), ((0.04, 0.09), False)])
+def test_a_pot_may_stand_on_bars_that_cross_below_it(bars_m, stands):
+    """No corner of either lies over the other."""
+    bars = [box((1.0, 0.02, 0.4), (0, y, 0.2)) for y in bars_m]
+    grate = body("grate", *bars, box((0.02, 0.6, 0.4), (0.5, 0, 0.2)))
+    pot = body(
+        "pot", trimesh.creation.box((0.3, 0.3, 0.2), np.eye(4)).apply_translation((0, 0, 0.5))
+    )
+    assert (unsupported([grate, pot], [FLOOR], lambda _: False) == []) == stands
+
+
 def test_a_toilet_hangs_on_its_wall_and_nowhere_else(tmp_path):
     toilet = item("toilet", "toilet", 2.0, 1.65, (0.4, 0.7, 0.4), room_id="hall", z=0.1)
     assert check(tmp_path, house(BED, toilet)).unsupported == ()
