@@ -31,7 +31,7 @@ from chord_usd.runtime.progress import held_lines
 
 VERBS = (
     "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",
-    "regenerate", "export", "diff", "dataset", "train", "evaluate", "assets", "looks",
+    "regenerate", "export", "diff", "mcp", "dataset", "train", "evaluate", "assets", "looks",
 )  # fmt: skip
 """Modules of chord_usd.commands, in the order of the line, then the workshop."""
 
@@ -115,6 +115,8 @@ def _tell(outcome: Outcome, *, as_json: bool) -> None:
     if not as_json:
         sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
     text = json.dumps(outcome.data) if as_json else outcome.text
+    if not outcome.text:
+        return  # the verb had standard output to itself
     # A locale without "m²" is no reason to fail after all is done.
     encoding = sys.stdout.encoding or "utf-8"
     sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")

@@ -34,6 +34,7 @@ def run_traced(
     done = subprocess.run(
         [strace, *options, "-e", "signal=none", "-o", str(log), *map(str, command)],
         env=dict(env),
+        stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
         timeout=seconds,

@@ -34,6 +34,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "render": ("house.usda",),
     "batch": ("plan.png",),
     "farm bundle": ("house.usda",),
+    "describe": ("house.usda",),
     "regenerate": ("house.usda", "--room", "Bedroom_0"),
     "export": ("house.usda", "--for", "web"),
     "dataset synth": ("--count", "1"),

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+from chord_usd.commands.paths import output_file
+from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
     from chord_usd.stage.describe import Looks, Piece, RoomContents
@@ -17,14 +19,23 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "describe", run, "list a stage's rooms, pieces and choosable looks")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument(
+        "--preview", type=output_file, metavar="PNG",
+        help="also draw the house from above, labelled",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.stage.describe import describe_stage
 
-    with stopwatch(options).step("describe"):
+    with stopwatch(options).step("describe"), deliver() as delivery:
         contents = describe_stage(existing_file(options.stage))
+        if options.preview:
+            from chord_usd.image.preview import draw_preview
+            from chord_usd.stage.refurnish import read_house
+
+            draw_preview(read_house(options.stage).graph, delivery.place(options.preview))
     lines = [f"{options.stage}: {len(contents.rooms)} rooms{_told(contents.looks)}"]
     for room in contents.rooms:
         lines += _room_lines(room)

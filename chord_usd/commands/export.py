@@ -16,7 +16,7 @@ from chord_usd.commands.common import (
 )
 from chord_usd.commands.paths import output_package
 
-_PACKAGES = {
+PACKAGES = {
     "web": "a flat .usdz for viewers in a browser",
     "ar": "such a .usdz for AR Quick Look",
     "gltf": "a .glb",
@@ -34,9 +34,9 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--for",
         dest="package",
-        choices=tuple(_PACKAGES),
+        choices=tuple(PACKAGES),
         required=True,
-        help="; ".join(f"{name}: {what}" for name, what in _PACKAGES.items()),
+        help="; ".join(f"{name}: {what}" for name, what in PACKAGES.items()),
     )
     add_output(parser, "the package, a file or a folder, new or empty", output_package)
     parser.add_argument(

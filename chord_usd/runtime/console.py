@@ -15,11 +15,17 @@ from typing import TextIO
 
 _own: TextIO | None = None
 """Our way to standard error while libraries have none."""
+_own_out: TextIO | None = None
 
 
 def stderr() -> TextIO:
     """Where a user is told something; inside reserved() and outside."""
     return _own or sys.stderr
+
+
+def stdout() -> TextIO:
+    """Our way to standard output, for a verb that talks to a program through it while it runs."""
+    return _own_out or sys.stdout
 
 
 @contextmanager
@@ -28,20 +34,21 @@ def reserved(*, debug: bool = False) -> Iterator[None]:
 
     With debug what libraries print, on either stream, goes to standard error.
     """
-    global _own
-    before, out, err = _own, sys.stdout, sys.stderr
+    global _own, _own_out
+    before, out, err = (_own, _own_out), sys.stdout, sys.stderr
     with ExitStack() as stack:
         if debug:
-            _redirect(stack, out, err)
+            _own_out = _redirect(stack, out, err) or out
             sys.stdout = err
         else:
             _own = _redirect(stack, err, _nowhere()) or err
-            _redirect(stack, out, _nowhere())
+            _own_out = _redirect(stack, out, _nowhere()) or out
             sys.stdout = sys.stderr = _nowhere()
         try:
             yield
         finally:
-            sys.stdout, sys.stderr, _own = out, err, before
+            sys.stdout, sys.stderr = out, err
+            _own, _own_out = before
 
 
 def _redirect(stack: ExitStack, stream: TextIO, target: TextIO) -> TextIO | None:

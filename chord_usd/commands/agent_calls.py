@@ -1,0 +1,102 @@
+"""A verb, run for an agent: in a process of its own, with its progress told, ended when not wanted.
+
+A process costs a second or more for each call, and gives what tools in one process lack: a signal
+ends a call without half-written output, two houses are worked on at once, a crash is one error.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import anyio
+from anyio.abc import ByteReceiveStream, Process
+from anyio.streams.text import TextReceiveStream
+
+from chord_usd.errors import ChordError
+from chord_usd.runtime.locations import ROOT_VARIABLE
+
+END_S = 10.0
+"""How long a verb that is told to end may take; Blender is the slowest."""
+
+Told = Callable[[str, int, int], Awaitable[None]]
+"""Takes the name of a step, and how many of how many parts of it are done."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a verb has answered."""
+
+    data: dict[str, Any]
+    """As --json has it."""
+    holds: bool
+    """False for exit code 1."""
+
+
+async def run_verb(words: Sequence[str], root: Path, told: Told) -> Answer:
+    """One command line, run in root, which is all of the disk that stages may refer to.
+
+    Raises ChordError with the verb's own sentence.
+    """
+    # -P: a file of the root's is no module of ours.
+    command = [sys.executable, "-P", "-m", "chord_usd", *words, "--json", "--progress", "json"]
+    process = await anyio.open_process(
+        command,
+        stdin=subprocess.DEVNULL,
+        cwd=root,
+        env={**os.environ, ROOT_VARIABLE: str(root)},
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    answer: list[str] = []
+    said: list[str] = []
+    try:
+        async with anyio.create_task_group() as both:
+            both.start_soon(_read, process.stdout, answer)
+            both.start_soon(_follow, process.stderr, told, said)
+        code = await process.wait()
+    except BaseException:
+        await _end(process)
+        raise
+    finally:
+        with anyio.CancelScope(shield=True):
+            await process.aclose()
+    if code not in (0, 1):
+        errors = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
+        raise ChordError(errors[-1] if errors else f"chord-usd {words[0]} broke off (code {code})")
+    return Answer(json.loads("".join(answer)), code == 0)
+
+
+async def _read(stream: ByteReceiveStream, into: list[str]) -> None:
+    async for part in TextReceiveStream(stream, errors="replace"):
+        into.append(part)
+
+
+async def _follow(stream: ByteReceiveStream, told: Told, said: list[str]) -> None:
+    """Tell of progress; other lines go to said."""
+    rest = ""
+    async for part in TextReceiveStream(stream, errors="replace"):
+        *lines, rest = (rest + part).split("\n")
+        for line in lines:
+            if line.startswith("{"):
+                step = json.loads(line)
+                await told(step["step"], step["done"], step["total"])
+            else:
+                said.append(line)
+
+
+async def _end(process: Process) -> None:
+    """End a verb in order, as Ctrl-C does, and otherwise at once."""
+    if process.returncode is not None:
+        return
+    process.terminate()
+    with anyio.CancelScope(shield=True), anyio.move_on_after(END_S):
+        await process.wait()
+    if process.returncode is None:
+        process.kill()
