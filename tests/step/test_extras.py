@@ -50,6 +50,12 @@ def test_scores_of_realism_are_an_extra(run_cli: RunCli) -> None:
     assert "Try: pip install 'chord-usd[evaluate]', or --no-fid" in done.stderr
 
 
+def test_tools_for_agents_are_an_extra(run_cli: RunCli, tmp_path: Path) -> None:
+    done = run_cli("mcp", "--root", tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "Try: pip install 'chord-usd[mcp]'" in done.stderr
+
+
 def test_a_cuda_device_without_torch_is_named_or_done_without(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
