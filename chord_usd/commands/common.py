@@ -14,7 +14,7 @@ from chord_usd.commands.paths import UsageError, output_file, output_folder
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.scene.articulation import FIXED, JOINTED
-from chord_usd.scene.limits import M_PER_PX
+from chord_usd.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
 from chord_usd.scene.styles import MIXED, STYLES, style_named
 
 if TYPE_CHECKING:
@@ -37,12 +37,6 @@ class Outcome:
 
 SAMPLERS = ("ddim", "dpm", "ddpm")
 """As layout.schedule has them, which may not be imported for a help page."""
-
-MOST_SEED = 2**31 - 1
-"""Blender and USD count with 32 bits."""
-
-MOST_STEPS = 1000
-"""As many as the models were trained with: there are no further levels of noise."""
 
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
@@ -122,7 +116,7 @@ def add_seed(parser: Options) -> None:
 def add_steps(parser: Options) -> None:
     """The option --steps."""
     parser.add_argument(
-        "--steps", type=whole_number(1, MOST_STEPS), metavar="N",
+        "--steps", type=whole_number(*STEPS), metavar="N",
         help="sampler steps (the checkpoint's own)",
     )  # fmt: skip
 
@@ -154,7 +148,7 @@ def add_dressing(parser: Options) -> None:
 def add_redraws(parser: Options, count: int = 2) -> None:
     """The option --redraws."""
     parser.add_argument(
-        "--redraws", type=whole_number(0, 100), default=count, metavar="N",
+        "--redraws", type=whole_number(*REDRAWS), default=count, metavar="N",
         help=f"draw rooms that came out bare or blocked again, so often ({count})",
     )  # fmt: skip
 
@@ -165,14 +159,6 @@ def add_sky(parser: Options) -> None:
         "--sky", default="", metavar="NAME",
         help="morning, noon, overcast, evening or night, or an HDRI of yours, .hdr or .exr (noon)",
     )  # fmt: skip
-
-
-def refuse_sky(name: str) -> None:
-    """Raises ChordError for an unknown sky and a file that is no HDRI; loads nothing heavy."""
-    from chord_usd.raster.hdri import require_picture
-    from chord_usd.scene.skies import sky_named
-
-    require_picture(sky_named(name))
 
 
 def add_device(parser: Options) -> None:
@@ -202,7 +188,7 @@ def add_articulation(parser: Options) -> None:
 def add_texture_size(parser: Options) -> None:
     """The option --texture-size."""
     parser.add_argument(
-        "--texture-size", type=whole_number(256, 4096), default=1024, metavar="PX",
+        "--texture-size", type=whole_number(*TEXTURE_PX), default=1024, metavar="PX",
         help="side of the textures of floors and walls (1024)",
     )  # fmt: skip
 
@@ -229,7 +215,7 @@ def add_assets(parser: Options) -> None:
 def add_part(parser: Parser) -> None:
     """The option --part."""
     parser.add_argument(
-        "--part", type=whole_number(1, 1000), default=1, metavar="N",
+        "--part", type=whole_number(*PARTS), default=1, metavar="N",
         help="which plan of a sheet, by floor area, or storey, by rooms with doors (1, the most)",
     )  # fmt: skip
 
@@ -270,7 +256,7 @@ def whole_number(least: int, most: int) -> Callable[[str], int]:
     return parse
 
 
-seed = whole_number(0, MOST_SEED)
+seed = whole_number(*SEEDS)
 """An option type."""
 
 

@@ -26,7 +26,6 @@ from chord_usd.commands.common import (
     add_style,
     add_texture_size,
     add_verb,
-    refuse_sky,
     scale,
     stopwatch,
 )
@@ -94,10 +93,9 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
     from chord_usd.lists.wishes import read_furniture
-    from chord_usd.pipeline import Settings, generate, require_lists
+    from chord_usd.pipeline import Settings, generate, require
     from chord_usd.plan.corrections import read_rooms
 
-    refuse_sky(options.sky)
     settings = Settings(
         seed=options.seed,
         sky=options.sky,
@@ -122,8 +120,7 @@ def run(options: argparse.Namespace) -> Outcome:
             "names rooms of a plan that is not drawn yet", where="--rooms",
             expected="PLAN, a plan that was read before",
         )  # fmt: skip
-    if settings.furniture:
-        require_lists(settings)
+    require(settings)
     watch = stopwatch(options)
     with plan_source(options, settings, watch) as (plan_file, planned), deliver() as delivery:
         stage_path = delivery.place(options.output)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import os
 import unicodedata
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -110,7 +110,11 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
     """Raise UsageError where an output is an input, holds one, or is another output,
     for a name that cannot be written down, and OutputError for what is no plain file, a folder that
     no training run may go on in, and a place where nothing can be written."""
-    paths = named_paths(parser, options)
+    check_named(named_paths(parser, options))
+
+
+def check_named(paths: Sequence[Named]) -> None:
+    """The same of paths that are named elsewhere than on a command line."""
     for one in paths:
         _refuse_odd_name(one)
     inputs = [one for one in paths if one.role is Path]

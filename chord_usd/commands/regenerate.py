@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
     from chord_usd.arrange.rules import edits_told
     from chord_usd.lists.wishes import read_pieces
-    from chord_usd.pipeline import Settings, require_lists
+    from chord_usd.pipeline import Settings
     from chord_usd.pipeline.one_room import regenerate, write_regenerated
     from chord_usd.raster.raster_files import write_raster
     from chord_usd.scene.chord_json import write_scene
@@ -94,8 +94,6 @@ def run(options: argparse.Namespace) -> Outcome:
         arrange=not options.no_arrange,
     )
     wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
-    if wishes.wanted or wishes.excluded:
-        require_lists(settings)
     watch = stopwatch(options)
     with deliver() as delivery:
         layout_out = delivery.place(options.layout_out) if options.layout_out else None

@@ -30,10 +30,6 @@ if TYPE_CHECKING:
 QUALITIES = ("draft", "good", "final")
 """As image.options has them, which may not be imported for a help page."""
 
-_PICTURE_PX = (1280, 720)
-_DRAFT_PX = (640, 360)
-"""Every room of a house in two minutes, on two processor cores."""
-
 
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
@@ -119,8 +115,9 @@ def look_of(options: argparse.Namespace) -> dict[str, Any]:
 
 def _resolution_px(options: argparse.Namespace) -> tuple[int, int]:
     """Width and height: as asked for, or as the quality has them."""
-    usual_px = _DRAFT_PX if options.quality == "draft" else _PICTURE_PX
-    return options.resolution or usual_px
+    from chord_usd.image.options import usual_px
+
+    return options.resolution or usual_px(options.quality)
 
 
 def add_how(parser: Parser) -> None:

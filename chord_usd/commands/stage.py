@@ -18,7 +18,6 @@ from chord_usd.commands.common import (
     add_texture_size,
     add_verb,
     existing_file,
-    refuse_sky,
     stopwatch,
 )
 from chord_usd.runtime.files import deliver
@@ -41,9 +40,8 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.arrange.rules import edits_told
-    from chord_usd.pipeline import Settings, read_scene_file, settle, write_stage
+    from chord_usd.pipeline import Settings, read_scene_file, require, settle, write_stage
 
-    refuse_sky(options.sky)
     settings = Settings(
         seed=options.seed,
         sky=options.sky,
@@ -53,6 +51,7 @@ def run(options: argparse.Namespace) -> Outcome:
         texture_px=options.texture_size,
         articulation=options.articulation,
     )
+    require(settings)
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)
     with deliver() as delivery:

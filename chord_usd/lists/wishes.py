@@ -189,11 +189,11 @@ def _piece(words: list[str], where: str) -> tuple[int, Named]:
     raise _error(f"'{said}' is no piece that is known", where, known)
 
 
-def rooms_meant(said: str, rooms: Mapping[str, Room]) -> list[Room]:
+def rooms_meant(said: str, rooms: Mapping[str, Room], where: str = "--furniture") -> list[Room]:
     """The rooms that a name means, by the names of their prims.
 
     A printed name, a prim's name, a kind with its number from 1, a kind alone (the largest of that
-    kind), several ("bedrooms", "every bedroom").
+    kind), several ("bedrooms", "every bedroom"). where: what errors name.
     """
     plain = _words(said)
     printed = [room for room in rooms.values() if plain and _words(room.name) == plain]
@@ -217,7 +217,7 @@ def rooms_meant(said: str, rooms: Mapping[str, Room]) -> list[Room]:
         found = [_largest(found)]
     if not found:
         there = ", ".join(rooms)
-        raise _error(f"there is no room '{said}'", "--furniture", f"one of {there}")
+        raise _error(f"there is no room '{said}'", where, f"one of {there}")
     return found
 
 

@@ -232,6 +232,17 @@ def sampling(
     return Draw(settings.seed, settings.steps, settings.sampler, lists, asked or {})
 
 
+def require(settings: Settings) -> None:
+    """Raises ChordError for what cannot be had, before anything is loaded: an unknown sky, a file
+    that is no HDRI, pieces where there are no lists."""
+    from chord_usd.raster.hdri import require_picture
+    from chord_usd.scene.skies import sky_named
+
+    require_picture(sky_named(settings.sky))
+    if settings.furniture:
+        require_lists(settings)
+
+
 def require_lists(settings: Settings) -> None:
     """Raises ChordError where there are no lists that could hold what is wished for."""
     from chord_usd.layout.description import read_description

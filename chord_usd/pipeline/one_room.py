@@ -12,6 +12,7 @@ from chord_usd.pipeline import (
     dress_rooms,
     lay_tables,
     load_models,
+    require_lists,
     sampling,
     score_outliers,
     settle,
@@ -87,6 +88,8 @@ def regenerate(
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
+    if wishes and any(wishes):
+        require_lists(settings)
     with watch.step("read"):
         from chord_usd.graph.match import match_assets
         from chord_usd.lists.wishes import asked_in

@@ -6,16 +6,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.scene.articulation import FIXED
+from chord_usd.errors import ChordError
+from chord_usd.scene.articulation import FIXED, JOINTED
+from chord_usd.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
+from chord_usd.scene.styles import MIXED, style_named
 
 if TYPE_CHECKING:
     from chord_usd.lists.wishes import Wishes
     from chord_usd.plan.corrections import RoomSaid
 
 
+DEVICES = ("auto", "cpu", "cuda")
+
+
 @dataclass(frozen=True)
 class Settings:
-    """What a user can choose about a house."""
+    """What a user can choose about a house. Raises ChordError for a value out of its range."""
 
     seed: int = 0
     """Same plan, same seed, same settings: same bytes."""
@@ -56,3 +62,26 @@ class Settings:
     """What generate's rooms shall hold (lists.wishes.read_furniture)."""
     rooms: tuple[RoomSaid, ...] = ()
     """What a user says of rooms (plan.corrections.read_rooms)."""
+
+    def __post_init__(self) -> None:
+        for name, least, most in (
+            ("seed", *SEEDS), ("steps", *STEPS), ("part", *PARTS), ("redraws", *REDRAWS),
+            ("texture_px", *TEXTURE_PX),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            whole = isinstance(value, int) and not isinstance(value, bool)
+            if not (whole and least <= value <= most) and (name, value) != ("steps", None):
+                raise _odd(name, value, f"a whole number from {least} to {most}")
+        (least_m, most_m), scale = M_PER_PX, self.m_per_px
+        real = isinstance(scale, int | float)
+        if scale is not None and not (real and least_m <= scale <= most_m):
+            raise _odd("m_per_px", self.m_per_px, f"{least_m:g} to {most_m:g} metres per pixel")
+        for name, offered in (("device", DEVICES), ("articulation", (FIXED, JOINTED))):
+            if getattr(self, name) not in offered:
+                raise _odd(name, getattr(self, name), f"one of {', '.join(offered)}")
+        if self.style not in ("", MIXED):
+            style_named(self.style, self.seed)
+
+
+def _odd(name: str, value: object, expected: str) -> ChordError:
+    return ChordError(f"cannot be {repr(value)[:30]}", where=name, expected=expected)

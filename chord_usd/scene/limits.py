@@ -1,4 +1,5 @@
-"""The largest houses that are taken on. Without imports: the command line has it too.
+"""The largest houses that are taken on, and the ranges of numbers that users choose. Without
+imports: the command line has it too.
 
 Every step grows with what a house holds, some of it faster than linearly; and a file with more is
 as good as never a house, but a wrong unit, a whole town, or made to keep a machine busy.
@@ -28,3 +29,17 @@ MOST_ITEMS = 20_000
 
 MOST_JSON_BYTES = 32 * 2**20
 """Of a CHOrD JSON file: MOST_ITEMS take half as much."""
+
+SEEDS = (0, 2**31 - 1)
+"""Blender and USD count with 32 bits."""
+
+STEPS = (1, 1000)
+"""Of samplers: the models were trained with so many; there are no further levels of noise."""
+
+PARTS = (1, 1000)
+"""Plans of a sheet, storeys of a file."""
+
+REDRAWS = (0, 100)
+
+TEXTURE_PX = (256, 4096)
+"""Side of the textures of floors and walls."""

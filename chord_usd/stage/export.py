@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import importlib
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import OutputError
-from chord_usd.runtime.files import deliver
+from chord_usd.runtime.files import deliver, output_folder
 from chord_usd.runtime.stages import open_stage, own_files, reading
 from chord_usd.runtime.targets import FolderMode
+from chord_usd.stage.attribution import attribution_file
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -43,6 +45,11 @@ def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new"
     Raises StageError for a file that cannot be opened or that points out of its folder,
     OutputError for a target of another suffix or one that cannot be written, MissingExtraError.
     """
+    if package not in PACKAGES:
+        raise OutputError(
+            f"{package!r} is no kind of package", where=str(path),
+            expected=f"one of {', '.join(PACKAGES)}",
+        )  # fmt: skip
     suffix = PACKAGES[package]
     if suffix and path.suffix != suffix:
         raise OutputError(
@@ -67,3 +74,19 @@ def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new"
     with reading(stage), deliver() as delivery:
         target = delivery.place(path) if suffix else delivery.place_folder(path, mode)
         write(open_stage(stage), target)
+
+
+def copy_stage(stage: Path, folder: Path, mode: FolderMode = "new") -> Path:
+    """Copy the stage, all it points to and its list of makers into a folder; returns the copy.
+
+    mode: what becomes of a folder that is there. Raises StageError for a file that cannot be opened
+    or that points out of its folder, OutputError.
+    """
+    files, home = own_files(stage), stage.absolute().parent
+    makers = attribution_file(stage.absolute())
+    with output_folder(folder, mode) as staged:
+        for file in (*files.layers, *files.others, *([makers] if makers.is_file() else [])):
+            target = staged / file.relative_to(home)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, target)
+    return folder / stage.name

@@ -25,7 +25,7 @@ BASE = ("errors", "runtime", "scene", "raster")
 
 STEPS = ("plan", "planning", "lists", "layout", "graph", "arrange", "dressing", "stage", "image")
 WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
-LINE = ("cli", "commands", "pipeline", "pipeline.planner")
+LINE = ("cli", "api", "commands", "pipeline", "pipeline.planner")
 
 ALLOWED: dict[str, set[str]] = {
     **{part: set(BASE[:index]) for index, part in enumerate(BASE)},
@@ -54,7 +54,8 @@ ALLOWED: dict[str, set[str]] = {
     "commands": {"pipeline", "pipeline.planner", "batch", "farm", *STEPS, *WORKSHOP},
     "cli": {"commands"},
     "__main__": {"cli"},
-    "__init__": set(),
+    "api": {"commands", "pipeline", *STEPS},
+    "__init__": {"api"},
 }
 """What a part may import besides itself and the base. A module named here is its own part."""
 

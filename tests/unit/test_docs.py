@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 import shlex
 import tomllib
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
-from chord_usd import pipeline
 from chord_usd.cli import build_parser
-from chord_usd.scene.chord_json import read_scene
 from tests.verbs import ACTIONS, VERBS
 
 ROOT = Path(__file__).parents[2]
@@ -108,21 +104,3 @@ def test_modules_that_are_named_exist(document: Path) -> None:
 def test_documents_are_short_enough_to_read(document: Path) -> None:
     lines = len(document.read_text().splitlines())
     assert lines <= LONGEST[document]
-
-
-def test_the_example_of_the_readme_runs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """With a house that is there already in place of the minute that generating takes."""
-    graph = read_scene(ROOT / "tests/fixtures/furnished_house.json")
-    signature = inspect.signature(pipeline.generate)
-
-    def generate(*given: object, **named: object) -> SimpleNamespace:
-        plan_file = signature.bind(*given, **named).arguments["plan_file"]
-        assert (ROOT / plan_file).is_file()
-        return SimpleNamespace(graph=graph)
-
-    monkeypatch.setattr(pipeline, "generate", generate)
-    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    exec(code, {})
-    assert len(capsys.readouterr().out.splitlines()) == len(graph.items) > 0

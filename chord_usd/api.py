@@ -1,0 +1,441 @@
+"""The program from Python: a plan becomes a House, and a House can be looked at, changed, rendered.
+
+    import chord_usd
+
+    house = chord_usd.generate("plan.png")
+    house.rooms
+    house.render("living")
+
+A thin face over what the commands call: the same plan, seed and settings give the same bytes.
+Lengths are metres, angles degrees counter-clockwise from +x, z is up (CONVENTIONS.md). Whatever
+cannot be used raises a ChordError, whose sentence says what, where, what was expected and what to
+try. Heavy libraries are imported by the first call that needs them.
+"""
+
+from __future__ import annotations
+
+import io
+import shutil
+import tempfile
+import warnings
+import weakref
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from chord_usd.errors import ChordError, RenderError
+from chord_usd.runtime.files import deliver
+from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.progress import PROGRESS_STYLES, ProgressStyle, Stopwatch, make_reporter
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+    from chord_usd.runtime.targets import FolderMode
+    from chord_usd.scene.types import Item, RoomKind
+    from chord_usd.stage.check import Report
+    from chord_usd.stage.exchange.built_house import House as BuiltHouse
+
+FilePath = str | PathLike[str]
+Quality = Literal["draft", "good", "final"]
+Package = Literal["web", "ar", "gltf", "ifc", "dxf", "ros", "mujoco"]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of furniture, an object on one, or something that a room is dressed with."""
+
+    id: str
+    """Name of its prim, such as Desk_0; no other of its room has it on the same level."""
+    category: str
+    """Name in the category table, such as desk or double_sofa."""
+    size_m: tuple[float, float, float]
+    """Length (along its own x), width (depth) and height."""
+    center_m: tuple[float, float, float]
+    """x and y of the centre, z of the underside, in the world."""
+    yaw_deg: float
+    """How far it is turned, counter-clockwise; at 0 its front faces -y."""
+    carries: tuple[Piece, ...] = ()
+    """What stands on it, in the world, too."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """A room and what is in it."""
+
+    id: str
+    """Name of its prim, such as Bedroom_0."""
+    kind: RoomKind
+    name: str
+    """What people call it: as printed on the plan, else its kind and number, such as Bedroom 1."""
+    area_m2: float
+    """Of the floor between the inner faces of its walls."""
+    pieces: tuple[Piece, ...]
+    dressing: tuple[Piece, ...]
+    """What hangs, lies and stands in it besides."""
+
+
+class House:
+    """A furnished house: a USD stage, and what can be done with it. Made by generate and open.
+
+    A house without a path of its own lies in a temporary folder, which goes when the last House in
+    it does: save keeps it. In a notebook a House shows itself from above.
+    """
+
+    def __init__(self, path: FilePath, folder: _Folder | None = None) -> None:
+        """The house at path, a stage that this program wrote; use open, which looks at it first."""
+        self.path = Path(path).absolute()
+        """Of the stage; what it points to lies beside it."""
+        self._folder = folder
+        self._written: tuple[int, int] | None = None
+        self._read: tuple[tuple[int, int], BuiltHouse] | None = None
+
+    def __repr__(self) -> str:
+        return f"House({str(self.path)!r})"
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows: preview."""
+        png = io.BytesIO()
+        self.preview().save(png, format="PNG")
+        return png.getvalue()
+
+    @property
+    def rooms(self) -> tuple[Room, ...]:
+        """The rooms as they stand now, in the order of the plan. Raises StageError."""
+        return tuple(_rooms(self._seen()))
+
+    def preview(self) -> Image.Image:
+        """The house from above, labelled, north (+y) up: RGB, the longer side 1200 pixels, drawn in
+        a second without Blender. Raises StageError."""
+        from dataclasses import replace
+
+        from PIL import Image
+
+        from chord_usd.image.preview import preview_rgb
+
+        seen = self._seen()
+        rooms = tuple(replace(room, name=seen.titles[room.id]) for room in seen.graph.rooms)
+        items = tuple(map(_with_own_children, seen.graph.items))
+        return Image.fromarray(preview_rgb(replace(seen.graph, rooms=rooms, items=items)))
+
+    def check(self) -> Report:
+        """What `chord-usd check` measures: `report.holds` is the certificate, `report.collisions`
+        and others say what is wrong; paths are prim paths. Raises StageError."""
+        from chord_usd.stage.check import check_stage
+
+        return check_stage(self.path, own=self._is_as_written())
+
+    def render(
+        self,
+        view: str = "Isometric",
+        *,
+        size: tuple[int, int] | None = None,
+        samples: int | None = None,
+        quality: Quality = "draft",
+        lighting: str = "",
+        sky: str = "",
+        seed: int = 0,
+        device: str = "auto",
+        progress: ProgressStyle = "none",
+    ) -> Image.Image:
+        """A picture by Blender Cycles: RGB, 8 bits.
+
+        view: a camera (Isometric, Top, or a room's) or a room as people call it ("living",
+        "bedroom 2"). size: width and height in pixels, (640, 360) for drafts, else (1280, 720).
+        samples: paths a pixel, at most, 1 to 65536; 8, 128 or 1024 by the quality. lighting: day,
+        evening or night. sky: a name or an HDRI's file, in place of the stage's. device: auto, cpu,
+        gpu or a backend such as cuda. Raises RenderError, StageError.
+        """
+        from PIL import Image
+
+        from chord_usd.image.options import QUALITIES, RenderOptions, usual_px
+        from chord_usd.image.render import render_stage
+
+        if quality not in QUALITIES:
+            raise RenderError(
+                f"there is no quality {quality!r}", expected=f"one of {', '.join(QUALITIES)}"
+            )
+        options = RenderOptions(
+            cameras=(self._camera(view),), resolution_px=size or usual_px(quality),
+            quality=QUALITIES[quality], samples=samples, lighting=lighting, sky=sky, seed=seed,
+            device=device,
+        )  # fmt: skip
+        with (
+            tempfile.TemporaryDirectory(prefix="chord-usd-") as folder,
+            _watch(progress).step("render") as told,
+        ):
+            rendered = render_stage(self.path, Path(folder), options, told)
+            _warn(rendered.warnings)
+            with Image.open(rendered.pictures[0]) as picture:
+                return picture.convert("RGB")
+
+    def regenerate(
+        self,
+        room: str,
+        *,
+        seed: int | None = None,
+        wish: str = "",
+        without: str = "",
+        keep: Sequence[str] = (),
+        style: str = "",
+        dressing: bool = True,
+        tabletop: bool = True,
+        steps: int | None = None,
+        asset_folders: Sequence[FilePath] = (),
+        device: str = "auto",
+        progress: ProgressStyle = "none",
+    ) -> House:
+        """Furnish one room anew, in its place on the stage; nothing else changes. Returns itself.
+
+        room: its id, or as people call it. seed: 0 to 2**31 - 1; None takes the one after the
+        room's last. wish, without: pieces that the room shall and shall not hold, "desk, two
+        chairs". keep: ids of pieces that stay. style: "" for that of the house. steps: of the
+        sampler, 1 to 1000; None takes the checkpoint's own. asset_folders: of further meshes.
+        device: auto, cpu or cuda. Raises ChordError, and the stage is as it was.
+        """
+        from chord_usd.lists.wishes import read_pieces
+        from chord_usd.pipeline import Settings, one_room
+
+        settings = Settings(
+            steps=steps, device=device, asset_folders=_folders(asset_folders), style=style,
+            dressing=dressing, tabletop=tabletop,
+        )  # fmt: skip
+        watch = _watch(progress)
+        made = one_room.regenerate(
+            self.path, self._room(room), settings, watch, seed, keep=keep,
+            wishes=read_pieces(wish or None, without or None),
+        )  # fmt: skip
+        with watch.step("stage"):
+            one_room.write_regenerated(made, self.path)
+        self._written = _state(self.path)
+        return self
+
+    def export(self, target: Package, path: FilePath, *, overwrite: bool = False) -> Path:
+        """Write the house as a package for other programs; returns its path.
+
+        target: web or ar (.usdz), gltf (.glb), ifc, dxf, ros or mujoco (folders, new or empty).
+        overwrite: replace what this program wrote into the folder before. Raises OutputError for a
+        path of another suffix or one that cannot be written, StageError, MissingExtraError.
+        """
+        from chord_usd.commands.paths import output_package
+        from chord_usd.stage.export import export_stage
+
+        self._refuse_clash(path, output_package)
+        export_stage(self.path, Path(path), target, _mode(overwrite))
+        return Path(path)
+
+    def save(self, folder: FilePath, *, overwrite: bool = False) -> House:
+        """Copy the stage and all it points to into a folder, new or empty; returns that house.
+
+        overwrite: replace what this program wrote into the folder before. Raises OutputError,
+        StageError for a stage with files elsewhere.
+        """
+        from chord_usd.commands.paths import output_folder
+        from chord_usd.stage.export import copy_stage
+
+        self._refuse_clash(folder, output_folder)
+        saved = House(copy_stage(self.path, Path(folder), _mode(overwrite)))
+        saved._written = _state(saved.path) if self._is_as_written() else None
+        return saved
+
+    def _seen(self) -> BuiltHouse:
+        """The house as its stage has it; read again once that has changed."""
+        from chord_usd.runtime.stages import open_known, open_stage, reading
+        from chord_usd.stage.exchange.built_house import house_of
+
+        state = _state(self.path)
+        if self._read is None or state is None or self._read[0] != state:
+            with reading(self.path):
+                opened = open_known if self._is_as_written() else open_stage
+                house = house_of(opened(self.path))
+            if state is None:
+                return house
+            self._read = state, house
+        return self._read[1]
+
+    def _is_as_written(self) -> bool:
+        """Whether this process wrote the stage, so that it need not be looked through first."""
+        return self._written is not None and self._written == _state(self.path)
+
+    def _room(self, said: str) -> str:
+        """Id of the room that is meant. Raises ChordError."""
+        from dataclasses import replace
+
+        from chord_usd.lists.wishes import rooms_meant
+
+        seen = self._seen()
+        rooms = {room.id: replace(room, name=seen.titles[room.id]) for room in seen.graph.rooms}
+        found = rooms_meant(said, rooms, str(self.path))
+        if len(found) > 1:
+            raise ChordError(
+                f"{said!r} means {len(found)} rooms", where=str(self.path),
+                expected=f"one of {', '.join(room.id for room in found)}",
+            )  # fmt: skip
+        return found[0].id
+
+    def _camera(self, view: str) -> str:
+        """The camera that is meant. Raises RenderError."""
+        from chord_usd.image.options import RenderOptions
+        from chord_usd.image.render import camera_names
+
+        names = camera_names(self.path, RenderOptions())
+        if view in names:
+            return view
+        try:
+            room = self._room(view)
+        except ChordError as error:
+            raise RenderError(
+                f"has no camera or room {view!r}", where=str(self.path),
+                expected=f"one of {', '.join(names)}",
+            ) from error  # fmt: skip
+        return camera_names(self.path, RenderOptions(rooms=(room,)))[0]
+
+    def _refuse_clash(self, path: FilePath, role: Any) -> None:
+        from chord_usd.commands.paths import Named, check_named
+
+        check_named([Named("house", self.path, Path), Named("output", Path(path), role)])
+
+
+def generate(
+    plan: FilePath,
+    output: FilePath | None = None,
+    *,
+    seed: int = 0,
+    style: str = "mixed",
+    sky: str = "",
+    articulation: Literal["fixed", "jointed"] = "fixed",
+    furniture: str = "",
+    rooms: str = "",
+    dressing: bool = True,
+    tabletop: bool = True,
+    m_per_px: float | None = None,
+    part: int = 1,
+    steps: int | None = None,
+    texture_px: int = 1024,
+    asset_folders: Sequence[FilePath] = (),
+    device: str = "auto",
+    progress: ProgressStyle = "none",
+) -> House:
+    """Furnish a floor plan: what `chord-usd generate` does. Takes about a minute on two cores.
+
+    plan: picture, PDF, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON. output: the stage, .usda, .usd,
+    .usdc or .usdz; None for a temporary folder that lives as long as the House. seed: 0 to
+    2**31 - 1; same seed, same house. style: modern, scandinavian, classic, industrial, japanese, or
+    mixed, one of them by the seed. sky: morning, noon, overcast, evening, night or an HDRI's file;
+    "" for noon. articulation: jointed where doors and drawers of furniture open. furniture: what
+    rooms shall hold, "Bedroom 1: double bed, desk; Bathroom: no bathtub". rooms: what rooms are,
+    "3: bedroom, 5: bathroom". dressing: curtains, lamps, rugs, pictures. tabletop: objects on
+    tables. m_per_px: scale of a picture, metres per pixel, 1e-4 to 10; None measures it. part:
+    which plan of a sheet, from 1. steps: of the sampler, 1 to 1000. texture_px: side of floors' and
+    walls' textures, 256 to 4096. asset_folders: of further meshes. device: auto, cpu or cuda.
+    progress: how it is told on stderr (none, bar, lines, json).
+
+    What a user should know of the plan is a warning. Raises ChordError (PlanError for a file that
+    is no plan, OutputError for a target that cannot be written), and nothing is written.
+    """
+    from chord_usd import pipeline
+    from chord_usd.commands.paths import Named, check_named, output_file
+    from chord_usd.lists.wishes import read_furniture
+    from chord_usd.plan.corrections import read_rooms
+
+    settings = pipeline.Settings(
+        seed=seed, style=style, sky=sky, articulation=articulation, dressing=dressing,
+        tabletop=tabletop, m_per_px=m_per_px, part=part, steps=steps, texture_px=texture_px,
+        asset_folders=_folders(asset_folders), device=device,
+        furniture=read_furniture(furniture) if furniture else (),
+        rooms=read_rooms(rooms) if rooms else (),
+    )  # fmt: skip
+    pipeline.require(settings)
+    refuse_odd_file(Path(plan))
+    folder = _Folder() if output is None else None
+    house = House(folder.path / "house.usda" if folder else output or "", folder)
+    check_named([Named("plan", Path(plan), Path), Named("output", house.path, output_file)])
+    with deliver() as delivery:
+        target = delivery.place(house.path)
+        made = pipeline.generate(Path(plan), target, settings, _watch(progress))
+    _warn(made.plan.extra.get("warnings", ()))
+    house._written = _state(house.path)
+    return house
+
+
+def open(path: FilePath) -> House:
+    """The house at path, a stage that this program wrote (.usda, .usd, .usdc, .usdz).
+
+    Raises StageError for what is no stage, is not safe to open, or holds no rooms.
+    """
+    house = House(path)
+    house._seen()
+    return house
+
+
+class _Folder:
+    """A temporary folder that goes when nothing refers to it any more."""
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix="chord-usd-"))
+        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
+def _rooms(house: BuiltHouse) -> Iterator[Room]:
+    from chord_usd.scene.geometry import room_polygon
+
+    for room in house.graph.rooms:
+        yield Room(
+            room.id, room.kind, house.titles[room.id], float(room_polygon(room).area),
+            tuple(map(_piece, house.graph.items_of(room.id))),
+            tuple(map(_piece, house.graph.dressing_of(room.id))),
+        )  # fmt: skip
+
+
+def _piece(item: Item) -> Piece:
+    # Of /House/Rooms/Bedroom_0/Furniture/Desk_0/Desk, where a desk carries things, Desk_0.
+    name = item.id.rsplit("/Items/", 1)[-1] if "/Items/" in item.id else item.id.split("/")[5]
+    carries = tuple(map(_piece, item.children))
+    box = item.box
+    return Piece(name, item.category, box.size_m, box.center_m, box.yaw_deg, carries)
+
+
+def _with_own_children(item: Item) -> Item:
+    """An item of a stage, whose children are posed in the world, with them in its own frame."""
+    from dataclasses import replace
+
+    from chord_usd.scene.geometry import to_own
+
+    def own(child: Item) -> Item:
+        ((x_m, y_m),) = to_own(item.box, [child.box.center_m[:2]]).tolist()
+        z_m = child.box.center_m[2] - item.box.center_m[2]
+        yaw_deg = child.box.yaw_deg - item.box.yaw_deg
+        return replace(child, box=replace(child.box, center_m=(x_m, y_m, z_m), yaw_deg=yaw_deg))
+
+    return replace(item, children=tuple(map(own, item.children)))
+
+
+def _watch(progress: ProgressStyle) -> Stopwatch:
+    if progress not in PROGRESS_STYLES:
+        styles = ", ".join(PROGRESS_STYLES)
+        raise ChordError(f"there is no progress {progress!r}", expected=f"one of {styles}")
+    return Stopwatch(make_reporter(progress))
+
+
+def _warn(told: Iterable[str]) -> None:
+    for warning in told:
+        warnings.warn(warning, stacklevel=3)
+
+
+def _folders(paths: Sequence[FilePath]) -> tuple[Path, ...]:
+    return tuple(Path(path) for path in paths)
+
+
+def _mode(overwrite: bool) -> FolderMode:
+    return "replace" if overwrite else "new"
+
+
+def _state(path: Path) -> tuple[int, int] | None:
+    """What differs once a file was written again; None where there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
