@@ -109,16 +109,11 @@ class House:
     def preview(self) -> Image.Image:
         """The house from above, labelled, north (+y) up: RGB, the longer side 1200 pixels, drawn in
         a second without Blender. Raises StageError."""
-        from dataclasses import replace
-
         from PIL import Image
 
         from chord_usd.image.preview import preview_rgb
 
-        seen = self._seen()
-        rooms = tuple(replace(room, name=seen.titles[room.id]) for room in seen.graph.rooms)
-        items = tuple(map(_with_own_children, seen.graph.items))
-        return Image.fromarray(preview_rgb(replace(seen.graph, rooms=rooms, items=items)))
+        return Image.fromarray(preview_rgb(self._seen().told))
 
     def check(self) -> Report:
         """What `chord-usd check` measures: `report.holds` is the certificate, `report.collisions`
@@ -395,21 +390,6 @@ def _piece(item: Item) -> Piece:
     carries = tuple(map(_piece, item.children))
     box = item.box
     return Piece(name, item.category, box.size_m, box.center_m, box.yaw_deg, carries)
-
-
-def _with_own_children(item: Item) -> Item:
-    """An item of a stage, whose children are posed in the world, with them in its own frame."""
-    from dataclasses import replace
-
-    from chord_usd.scene.geometry import to_own
-
-    def own(child: Item) -> Item:
-        ((x_m, y_m),) = to_own(item.box, [child.box.center_m[:2]]).tolist()
-        z_m = child.box.center_m[2] - item.box.center_m[2]
-        yaw_deg = child.box.yaw_deg - item.box.yaw_deg
-        return replace(child, box=replace(child.box, center_m=(x_m, y_m, z_m), yaw_deg=yaw_deg))
-
-    return replace(item, children=tuple(map(own, item.children)))
 
 
 def _watch(progress: ProgressStyle) -> Stopwatch:

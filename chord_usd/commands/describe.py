@@ -33,9 +33,9 @@ def run(options: argparse.Namespace) -> Outcome:
         contents = describe_stage(existing_file(options.stage))
         if options.preview:
             from chord_usd.image.preview import draw_preview
-            from chord_usd.stage.refurnish import read_house
+            from chord_usd.stage.exchange.built_house import read_built
 
-            draw_preview(read_house(options.stage).graph, delivery.place(options.preview))
+            draw_preview(read_built(options.stage).told, delivery.place(options.preview))
     lines = [f"{options.stage}: {len(contents.rooms)} rooms{_told(contents.looks)}"]
     for room in contents.rooms:
         lines += _room_lines(room)

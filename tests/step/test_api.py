@@ -16,6 +16,8 @@ from PIL import Image
 
 import chord_usd
 from chord_usd import pipeline
+from chord_usd.cli import main
+from chord_usd.image import preview
 from chord_usd.runtime.stages import files_of
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import SceneGraph
@@ -77,23 +79,22 @@ def test_rooms_are_those_of_the_scene(staged_house: Path, staged_graph: SceneGra
             assert [on.category for on in piece.carries] == [c.category for c in item.item.children]
 
 
-def test_a_notebook_sees_things_where_they_stand(
-    staged_house: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_stage_is_seen_with_its_things_where_they_stand(
+    staged_house: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also what stands on a table, within the walls; the picture is a PNG."""
-    from chord_usd.image import preview
-
+    """By a notebook and by describe: what is on a table is drawn within it."""
     shown: list[SceneGraph] = []
     drawn = preview.preview_rgb
-    monkeypatch.setattr(
-        preview, "preview_rgb", lambda graph: (shown.append(graph), drawn(graph))[1]
-    )
-    png = chord_usd.open(staged_house)._repr_png_()
-    assert max(Image.open(io.BytesIO(png)).size) == preview.PICTURE_PX
-    children = [(item, child) for item in shown[0].items for child in item.children]
-    assert children
-    for item, child in children:
-        assert np.abs(child.box.center_m[:2]).max() < max(item.box.size_m[:2])
+    monkeypatch.setattr(preview, "preview_rgb", lambda graph: shown.append(graph) or drawn(graph))
+    png = tmp_path / "above.png"
+    assert main(["describe", str(staged_house), "--preview", str(png), "--progress", "none"]) == 0
+    own = chord_usd.open(staged_house)._repr_png_()
+    assert np.array_equal(Image.open(png), Image.open(io.BytesIO(own)))
+    for graph in shown:
+        children = [(item, child) for item in graph.items for child in item.children]
+        assert children
+        for item, child in children:
+            assert np.abs(child.box.center_m[:2]).max() < max(item.box.size_m[:2])
 
 
 def test_a_house_without_a_path_goes_with_its_last_user(quick: None) -> None:

@@ -6,11 +6,13 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 from pxr import Usd
 
 from chord_usd.errors import StageError
-from chord_usd.scene.geometry import Floors, extent_m, rooms_beside
+from chord_usd.runtime.stages import open_stage, reading
+from chord_usd.scene.geometry import Floors, extent_m, rooms_beside, to_own
 from chord_usd.scene.limits import LARGEST_HOUSE_M
 from chord_usd.scene.room_names import room_kind
 from chord_usd.scene.types import Item, Opening, Plan, Room, SceneGraph
@@ -48,6 +50,13 @@ class House:
         return build_walls(self.plan)
 
     @cached_property
+    def told(self) -> SceneGraph:
+        """The graph as it is drawn and written: rooms as people call them, and what stands on an
+        item in that item's own frame, where the stage has it in the world."""
+        rooms = tuple(replace(room, name=self.titles[room.id]) for room in self.graph.rooms)
+        return replace(self.graph, rooms=rooms, items=tuple(map(_carrying, self.graph.items)))
+
+    @cached_property
     def digest(self) -> str:
         """Names this house and no other: what identifiers in files are made from."""
         told = [
@@ -74,6 +83,12 @@ class House:
         )
         indoors = self.walls.floors_m[index].representative_point().coords[0]
         return opens_to(tunnel, self.walls, side_of(indoors, tunnel))
+
+
+def read_built(path: Path) -> House:
+    """The house at path. Raises StageError."""
+    with reading(path):
+        return house_of(open_stage(path))
 
 
 def house_of(stage: Usd.Stage) -> House:
@@ -136,6 +151,18 @@ def span_in_plan(tunnel: Tunnel) -> Span:
 def printable(text: str) -> str:
     """Text in one line, without what no printer knows."""
     return " ".join("".join(one if one.isprintable() else " " for one in text).split())
+
+
+def _carrying(item: Item) -> Item:
+    """An item with its children in its own frame."""
+
+    def own(child: Item) -> Item:
+        ((x_m, y_m),) = to_own(item.box, [child.box.center_m[:2]]).tolist()
+        z_m = child.box.center_m[2] - item.box.center_m[2]
+        yaw_deg = child.box.yaw_deg - item.box.yaw_deg
+        return replace(child, box=replace(child.box, center_m=(x_m, y_m, z_m), yaw_deg=yaw_deg))
+
+    return replace(item, children=tuple(map(own, item.children)))
 
 
 def _in_room(item: Item, names: dict[str, str]) -> Item:
