@@ -114,9 +114,9 @@ def _run(options: argparse.Namespace) -> Outcome:
 def _tell(outcome: Outcome, *, as_json: bool) -> None:
     if not as_json:
         sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
+    if outcome.text is None:
+        return
     text = json.dumps(outcome.data) if as_json else outcome.text
-    if not outcome.text:
-        return  # the verb had standard output to itself
     # A locale without "m²" is no reason to fail after all is done.
     encoding = sys.stdout.encoding or "utf-8"
     sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.metrics.clear_floor import rooms_beside
+from chord_usd.metrics.clear_floor import sides_of
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon, to_own
 from chord_usd.scene.palette import Mount, category
@@ -45,12 +45,9 @@ def clear_trim(work: Arrangement) -> SceneGraph:
 
 
 def _trim(graph: SceneGraph) -> list[Box]:
-    beside = zip(graph.openings, rooms_beside(graph.openings, graph.rooms), strict=True)
     return [
         one
-        for opening, rooms in beside
-        for room in rooms
-        if room is not None
+        for opening, room in sides_of(graph.openings, graph.rooms)
         for one in (*casings(opening, room), *boards(opening, room))
     ]
 

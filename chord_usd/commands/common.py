@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Outcome:
     """What a verb has to say."""
 
-    text: str
-    """For people; one or more lines."""
+    text: str | None
+    """For people; one or more lines. None where the verb had standard output to itself."""
     data: dict[str, Any] = field(default_factory=dict)
     """For --json."""
     holds: bool = True

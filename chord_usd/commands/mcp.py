@@ -27,4 +27,4 @@ def run(options: argparse.Namespace) -> Outcome:
     with needed_for("chord-usd mcp"):
         from chord_usd.commands.agent_tools import serve
     serve(options.root)
-    return Outcome("")
+    return Outcome(None)

@@ -10,7 +10,7 @@ from typing import Protocol
 from chord_usd.graph.match import Database
 from chord_usd.graph.table_place import Laid, place_on
 from chord_usd.graph.top_view import is_too_small, view_from_above
-from chord_usd.metrics.clear_floor import rooms_beside
+from chord_usd.metrics.clear_floor import sides_of
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.raster.relief import Relief, Reliefs
 from chord_usd.raster.table_top import TableTop
@@ -112,10 +112,8 @@ def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()
 def _boards(graph: SceneGraph) -> dict[str, list[Box]]:
     """Window boards, by id of the room that they stand out into."""
     found: dict[str, list[Box]] = {}
-    beside = zip(graph.openings, rooms_beside(graph.openings, graph.rooms), strict=True)
-    for opening, rooms in beside:
-        for room in filter(None, rooms):
-            found.setdefault(room.id, []).extend(boards(opening, room))
+    for opening, room in sides_of(graph.openings, graph.rooms):
+        found.setdefault(room.id, []).extend(boards(opening, room))
     return found
 
 

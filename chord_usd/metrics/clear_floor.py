@@ -66,6 +66,14 @@ def rooms_beside(
     return [(holder(front), holder(back)) for front, back in zip(*inside, strict=True)]
 
 
+def sides_of(openings: Sequence[Opening], rooms: Sequence[Room]) -> Iterator[tuple[Opening, Room]]:
+    """Each opening with each room that it has beside it."""
+    for opening, beside in zip(openings, rooms_beside(openings, rooms), strict=True):
+        for room in beside:
+            if room is not None:
+                yield opening, room
+
+
 def clearance_depth_m(opening: Opening) -> float:
     """How deep the floor in front of an opening stays free, metres."""
     if opening.kind == "window":

@@ -29,8 +29,9 @@ _EDGE_M = 5e-4
 
 _MAX_CONTACTS = 64
 _GRID_M = 0.01
-_RIM_STEP_M, _MOST_RIM_STEPS = 0.01, 64
 """Of many feet in one cell of this size one is enough."""
+
+_RIM_STEP_M, _MOST_RIM_STEPS = 0.01, 64
 
 
 @dataclass(frozen=True, eq=False)
