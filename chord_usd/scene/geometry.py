@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +17,11 @@ from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Plan, Room
 from chord_usd.scene.units import rotation_2d
 
 
+@lru_cache(maxsize=4096)  # scores, rules and draws ask for the same boxes again and again
 def footprint(box: Box) -> FloatArray:
     """(4, 2) corners in metres: back left, front left, front right, back right (own frame).
 
-    The order is counter-clockwise; the front edge runs from corner 1 to corner 2.
+    The order is counter-clockwise; the front edge runs from corner 1 to corner 2. Read-only.
     """
     half_length, half_width = box.size_m[0] / 2, box.size_m[1] / 2
     own = np.array(
@@ -30,7 +32,9 @@ def footprint(box: Box) -> FloatArray:
             [half_length, half_width],
         ]
     )
-    return to_world(box, own)
+    corners = to_world(box, own)
+    corners.flags.writeable = False
+    return corners
 
 
 def to_world(box: Box, points_m: npt.ArrayLike) -> FloatArray:
@@ -64,6 +68,7 @@ def front_direction(yaw_deg: float) -> FloatArray:
     return rotation_2d(yaw_deg) @ np.array([0.0, -1.0])
 
 
+@lru_cache(maxsize=4096)
 def footprint_polygon(box: Box) -> Polygon:
     """The footprint as a shapely polygon, metres."""
     return Polygon(footprint(box))
