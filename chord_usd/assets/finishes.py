@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 Surface = Literal[
-    "plain", "wood", "weave", "linen", "knit", "boucle", "velvet", "leather", "brushed", "stone",
+    "plain", "wood", "weave", "linen", "crumpled", "knit", "boucle", "velvet", "leather", "brushed", "stone",
     "marble", "quartz", "ceramic", "concrete", "terracotta", "rattan", "paper", "leaf", "bark",
     "soil", "polished", "powder", "patina", "glaze", "moulded", "peel", "kernels",
 ]  # fmt: skip

@@ -24,6 +24,7 @@ BY_SURFACE: dict[Surface, Feel] = {
     "wood": WOOD,
     "weave": CLOTH,
     "linen": CLOTH,
+    "crumpled": CLOTH,
     "knit": CLOTH,
     "boucle": CLOTH,
     "velvet": CLOTH,
@@ -60,7 +61,7 @@ def feel_of(finish: Finish) -> Feel:
 
 _STUFFS = {
     "wood": ("wood", "bark"),
-    "textile": ("weave", "linen", "knit", "boucle", "velvet"),
+    "textile": ("weave", "linen", "crumpled", "knit", "boucle", "velvet"),
     "leather": ("leather",),
     "metal": ("brushed", "polished", "powder", "patina"),
     "stone": ("stone", "marble", "quartz"),

@@ -65,6 +65,29 @@ def _threads(
     return belly + 0.6 * over - 0.6, 0.55 * own + 0.6 * drift
 
 
+def crumpled(rng: np.random.Generator, px: int) -> Pattern:
+    """Bed linen that was washed, slept in and not ironed: creases of 2 to 20 cm.
+
+    Its threads are finer than a pixel of so wide a tile.
+    """
+    tile_m, shape = (0.9, 0.9), (px, px)
+    bend = [spectral_noise(rng, shape, slope=1.2, lowest=2, highest=12) for _ in range(2)]
+    rows, columns = np.indices(shape, dtype=np.float64)
+    rows, columns = (one + px / 80 * way for one, way in zip((rows, columns), bend, strict=True))
+    height_m = np.zeros(shape)
+    # Cloth bends along lines and is even between them: noise folded at its zeros has such lines.
+    for lowest, highest, high_m in ((3, 9, 0.004), (8, 18, 0.0016), (16, 32, 0.0004)):
+        for sign in (1.0, -1.0):
+            folded = np.abs(spectral_noise(rng, shape, slope=0.8, lowest=lowest, highest=highest))
+            there = smoothstep(-1.6, 1.4, spectral_noise(rng, shape, slope=0.8, lowest=2, highest=7))
+            height_m += sign * high_m * there * folded
+    height_m = blurred(shifted_samples(height_m, rows, columns), px / 320)
+    hollow = height_m - blurred(height_m, px / 24)
+    fuzz = spectral_noise(rng, shape, slope=0.2, lowest=px / 8)
+    depth = -9.0 * hollow + 0.02 * fuzz
+    return Pattern(tile_m, centred(depth), height_m, 1.0 + 0.02 * fuzz, 0.35)
+
+
 def knit(rng: np.random.Generator, px: int) -> Pattern:
     """Stocking stitch of thick wool: columns of V, 8 mm apart."""
     columns, rows = 24, 32

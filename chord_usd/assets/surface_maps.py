@@ -39,6 +39,7 @@ SURFACES: dict[str, Callable[[np.random.Generator, int], Pattern]] = {
     "leaf": surface_wood.leaf,
     "weave": surface_cloth.weave,
     "linen": surface_cloth.linen,
+    "crumpled": surface_cloth.crumpled,
     "knit": surface_cloth.knit,
     "boucle": surface_cloth.boucle,
     "velvet": surface_cloth.velvet,

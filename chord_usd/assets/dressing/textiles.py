@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from chord_usd.assets.finishes import FINISHES, Finish, Surface
 
@@ -61,6 +62,17 @@ TEXTILES: dict[str, Finish] = {
     "washi": Finish((240, 235, 222), 0.9, opacity=0.9, surface="paper"),
 }
 """By name: `colour_cloth`, such as sage_linen, beside all those of the furniture."""
+
+
+BED_LINEN: dict[str, Finish] = {
+    **TEXTILES,
+    **{
+        f"{name}_bedding": replace(finish, surface="crumpled")
+        for name, finish in TEXTILES.items()
+        if finish.surface in ("weave", "linen") and finish.opacity == 1.0
+    },
+}
+"""TEXTILES, and each woven one as it is on a bed: `white_cloth_bedding` is creased."""
 
 
 def dyed(

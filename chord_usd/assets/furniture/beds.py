@@ -11,7 +11,7 @@ import numpy as np
 from chord_usd.assets.cloth.bedding import MATTRESS_INSET_M
 from chord_usd.assets.cloth.stored import Cloth, stored
 from chord_usd.assets.cloth.stuffed import Filling, stuffed
-from chord_usd.assets.dressing.textiles import TEXTILES
+from chord_usd.assets.dressing.textiles import BED_LINEN
 from chord_usd.assets.furniture.headboards import THICK_M, Headboard, headboard
 from chord_usd.assets.furniture.joinery import four_legs
 from chord_usd.assets.model import Collider, Design, Part, Style, editions
@@ -182,10 +182,15 @@ def _ways(
         duvet, pillow, sheet = covers[index % len(covers)]
         name = f"{wood if len(woods) > 1 else pad.rsplit('_', 1)[0]}_{duvet.rsplit('_', 1)[0]}"
         found[name] = {
-            "frame": wood, "leg": leg or wood, "pad": pad, "duvet": duvet, "pillow": pillow,
-            "sheet": sheet,
+            "frame": wood, "leg": leg or wood, "pad": pad, "duvet": _slept_in(duvet),
+            "pillow": _slept_in(pillow), "sheet": _slept_in(sheet),
         }  # fmt: skip
     return found
+
+
+def _slept_in(cloth: str) -> str:
+    """The finish of a cloth on a bed: woven ones are creased, velvet stays as it is."""
+    return cloth if cloth.endswith("_velvet") else f"{cloth}_bedding"
 
 
 _SCANDI = _ways(
@@ -256,7 +261,7 @@ def _every_size() -> tuple[Design, ...]:
             ((1.35, 1.5, 1.8, 2.0), (2.07, 2.17)),
         ):
             for design in editions("bed", (style,), lengths, widths):
-                made.append(replace(design, finishes=TEXTILES, styles=_STYLES[style.name]))
+                made.append(replace(design, finishes=BED_LINEN, styles=_STYLES[style.name]))
     return tuple(made)
 
 
