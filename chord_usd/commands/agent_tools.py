@@ -22,12 +22,12 @@ from mcp.types import ImageContent, TextContent, ToolAnnotations
 from pydantic import Field
 
 from chord_usd import __version__
-from chord_usd.commands.agent_calls import Answer, Told, run_verb
 from chord_usd.commands.agent_files import AgentFiles
 from chord_usd.commands.export import PACKAGES
 from chord_usd.commands.render import QUALITIES
 from chord_usd.errors import ChordError
 from chord_usd.runtime import console
+from chord_usd.runtime.verb_calls import Answer, Told, run_verb
 from chord_usd.scene.skies import SKIES, TIMES
 from chord_usd.scene.styles import MIXED, STYLES
 

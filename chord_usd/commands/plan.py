@@ -23,7 +23,7 @@ from chord_usd.commands.paths import output_file
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
-    from chord_usd.scene.types import Plan
+    from chord_usd.scene.types import PixelFrame, Plan
 
 
 def add(verbs: Verbs) -> None:
@@ -47,6 +47,10 @@ def add(verbs: Verbs) -> None:
         metavar="PNG",
         help="also draw what was read over the drawing, with numbers and doubts",
     )
+    read.add_argument(
+        "--drawing", type=output_file, metavar="PNG",
+        help="also write the drawing, straightened, for programs that draw over it",
+    )  # fmt: skip
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
     draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
     add_output(draw, "the plan raster, plan.png")
@@ -66,6 +70,7 @@ def run_read(options: argparse.Namespace) -> Outcome:
     with deliver() as delivery:
         target = delivery.place(options.output)
         overlay = delivery.place(options.overlay) if options.overlay else None
+        drawing = delivery.place(options.drawing) if options.drawing else None
         with stopwatch(options).step("plan"):
             plan = read_plan(image, settings)
             write_plan(plan, target)
@@ -73,6 +78,11 @@ def run_read(options: argparse.Namespace) -> Outcome:
             from chord_usd.plan.overlay import draw_overlay
 
             draw_overlay(plan, image, overlay)
+        frame = None
+        if drawing:
+            from chord_usd.plan.overlay import write_drawing
+
+            frame = write_drawing(plan, image, drawing)
     warnings = list(plan.extra.get(WARNINGS, ()))
     kinds = [opening.kind for opening in plan.openings]
     data = {
@@ -83,6 +93,7 @@ def run_read(options: argparse.Namespace) -> Outcome:
         "windows": kinds.count("window"),
         "passages": kinds.count("passage"),
         **reading_report(plan),
+        **({"drawing": _frame_told(frame)} if frame else {}),
         "warnings": warnings,
     }
     return Outcome(
@@ -91,6 +102,12 @@ def run_read(options: argparse.Namespace) -> Outcome:
         data,
         warnings=warnings,
     )
+
+
+def _frame_told(frame: PixelFrame) -> dict[str, Any]:
+    """Where a picture lies in the plan: metres a pixel, the lower left corner, how high it is."""
+    low = list(frame.origin_m)
+    return {"m_per_px": frame.m_per_px, "origin_m": low, "height_px": frame.height_px}
 
 
 def reading_report(plan: Plan) -> dict[str, Any]:

@@ -40,6 +40,7 @@ _DOUBT_RGB: Rgb = (210, 20, 30)
 _PAPER: Rgb = (255, 255, 255)
 _SUBPIXEL_BITS = 4
 _LETTERS_PER_SIDE = 70
+_DRAWING_PX = 1600
 _LETTER_PX = (11, 40)
 """Letters are so high at least and at most."""
 
@@ -99,15 +100,41 @@ def draw_overlay(plan: Plan, source: Path, target: Path) -> None:
 
 def overlay_on(plan: Plan, source: Path) -> ByteArray:
     """(H, W, 3) the overlay on a picture, a page, or the shapes of a vector file."""
+    return overlay(*drawing_of(plan, source))
+
+
+def drawing_of(plan: Plan, source: Path) -> tuple[Plan, ByteArray]:
+    """The plan that says where its drawing lies, and (H, W, 3) that drawing, upright.
+
+    Raises ChordError.
+    """
     if is_vector(source):
         rgb, entry = backdrop(source, plan)
-        return overlay(replace(plan, extra={**plan.extra, **entry}), rgb)
+        return replace(plan, extra={**plan.extra, **entry}), rgb
     if source.suffix.lower() == ".pdf":
         number = int(plan.extra.get(PAGE, 1))
-        return overlay(plan, next(p.rgb for p in read_pages(source) if p.number == number))
+        return plan, next(p.rgb for p in read_pages(source) if p.number == number)
     done = straightening_of(plan)
     rgb = read_picture(source).rgb
-    return overlay(plan, straightened(rgb, done, rgb.shape) if done.entry() else rgb)
+    return plan, straightened(rgb, done, rgb.shape) if done.entry() else rgb
+
+
+def write_drawing(plan: Plan, source: Path, target: Path) -> PixelFrame | None:
+    """Write the drawing to draw over, its longer side at most 1600 pixels; returns where it lies,
+    None for a plan that was not read from a picture. Raises ChordError."""
+    placed, rgb = drawing_of(plan, source)
+    frame = frame_of(placed)
+    picture = Image.fromarray(rgb, "RGB")
+    share = min(_DRAWING_PX / max(picture.size), 1.0)
+    if share < 1.0:
+        sides = [max(round(side * share), 1) for side in picture.size]
+        picture = picture.resize(sides, Image.Resampling.BOX)
+    buffer = io.BytesIO()
+    picture.save(buffer, "PNG")
+    write_atomic(target, buffer.getvalue())
+    if frame is None or share == 1.0:
+        return frame
+    return PixelFrame(frame.m_per_px / share, frame.origin_m, picture.height)
 
 
 def _outline(canvas: ByteArray, corners_px: FloatArray, rgb: Rgb, line_px: int) -> None:

@@ -19,9 +19,12 @@ EXTRAS = {
     "ezdxf": "dxf",
     "ifcopenshell": "ifc",
     "mcp": "mcp",
+    "nicegui": "web",
     "pypdfium2": "pdf",
     "pyarrow": "parquet",
     "ray": "ray",
+    "starlette": "web",
+    "uvicorn": "web",
 }
 """By the name that is imported."""
 

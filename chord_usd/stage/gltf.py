@@ -159,7 +159,8 @@ def _stands_out(prim: Usd.Prim) -> bool:
 
 
 def _extras(prim: Usd.Prim, room: str) -> Entry:
-    """What a prim is: its labels (`category`, `class`; a room's is its `kind`), its room and id."""
+    """What a prim is: its labels (`category`, `class`; a room's is its `kind`), its room and id,
+    and of dressing the id of what it rests on."""
     names = [name.removeprefix(_LABELS) for name in prim.GetAppliedSchemas() if _LABELS in name]
     labels = {name: prim.GetAttribute(f"semantics:labels:{name}").Get() for name in names}
     said: Entry = {name: str(values[0]) for name, values in labels.items() if values}
@@ -172,4 +173,6 @@ def _extras(prim: Usd.Prim, room: str) -> Entry:
     if room:
         said["room"] = room
     noted = prim.GetAttribute("chord:node_id").Get()
-    return said | ({"id": noted} if noted else {}) | {"path": str(prim.GetPath())}
+    rests_on = prim.GetAttribute("chord:rests_on").Get()
+    said |= ({"id": noted} if noted else {}) | ({"rests_on": rests_on} if rests_on else {})
+    return said | {"path": str(prim.GetPath())}

@@ -56,6 +56,12 @@ def test_tools_for_agents_are_an_extra(run_cli: RunCli, tmp_path: Path) -> None:
     assert "Try: pip install 'chord-usd[mcp]'" in done.stderr
 
 
+def test_the_page_is_an_extra(run_cli: RunCli, tmp_path: Path) -> None:
+    done = run_cli("serve", "--root", tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "Try: pip install 'chord-usd[web]'" in done.stderr
+
+
 def test_a_cuda_device_without_torch_is_named_or_done_without(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

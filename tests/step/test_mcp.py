@@ -27,8 +27,8 @@ pytest.importorskip("mcp", reason="the extra mcp is not installed")
 
 from mcp import Client, StdioServerParameters, stdio_client
 
-from chord_usd.commands.agent_calls import Answer, Told, run_verb
 from chord_usd.commands.agent_tools import MOST_PICTURES, PICTURE_PX, RunVerb, make_server
+from chord_usd.runtime.verb_calls import Answer, Told, run_verb
 
 ROOT = Path(__file__).parents[2]
 DRAWING = ROOT / "examples" / "studio.png"

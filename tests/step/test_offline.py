@@ -8,6 +8,7 @@ import shlex
 import socket
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import cv2
@@ -39,6 +40,7 @@ QUICK: dict[str, str] = {
     "export": "{house} --for gltf -o {out}/house.glb",
     "diff": "{house} {house}",
     "mcp": "--root {out}",
+    "serve": "--root {out}/houses --port 0",
     "dataset synth": "-o {out}/houses --count 1 --rasters",
     "dataset import": "{houses} -o {out}/houses",
     "dataset clean": "{houses} -o {out}/houses",
@@ -208,9 +210,13 @@ def test_nothing_leaves(
     words = shlex.split(ALL[verb].format(out=out, **inputs))
     if verb == "mcp":
         pytest.importorskip("mcp", reason="the extra mcp is not installed")
-    # All but training and talking to agents runs without extras, too.
-    core = {} if verb.startswith(("train", "mcp")) else core_environment()
-    command = [*CLI, *verb.split(), *words]
+    if verb == "serve" and not find_spec("nicegui"):
+        pytest.skip("the extra web is not installed")
+    # All but training and talking to agents and browsers runs without extras, too.
+    core = {} if verb.startswith(("train", "mcp", "serve")) else core_environment()
+    # A server ends when it is told to.
+    until = ["timeout", "--preserve-status", str(WAIT_S)] if verb == "serve" else []
+    command = [*until, *CLI, *verb.split(), *words]
     done, left = run_traced(command, tmp_path / "trace", {**environment, **core})
     assert done.returncode in (0, 1), done.stderr
     assert left == []

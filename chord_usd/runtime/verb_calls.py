@@ -1,4 +1,4 @@
-"""A verb, run for an agent: in a process of its own, with its progress told, ended when not wanted.
+"""A verb, run for an agent or a page: in a process of its own, its progress told, ended at will.
 
 A process costs a second or more for each call, and gives what tools in one process lack: a signal
 ends a call without half-written output, two houses are worked on at once, a crash is one error.

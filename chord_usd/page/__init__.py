@@ -1,0 +1,1 @@
+"""The page in the browser: a server that runs the verbs, and what it serves."""

@@ -1,0 +1,283 @@
+"""What the jobs of a page do: command lines of the verbs, and what is noted of their answers."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import zipfile
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import anyio
+
+from chord_usd.errors import ChordError
+from chord_usd.page.job_queue import Job
+from chord_usd.page.kept_houses import EDITS, STAGE, KeptHouses, Record
+from chord_usd.page.piece_edits import carry_edits
+from chord_usd.page.uploads import refuse_full_disk
+from chord_usd.runtime.verb_calls import Answer, Told
+
+RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
+
+VIEW = "view.glb"
+
+PACKS = {
+    "usda": "house.zip", "web": "house.usdz", "ar": "house_ar.usdz", "gltf": "house.glb",
+    "ifc": "house.ifc", "dxf": "house.dxf", "mujoco": "house_mujoco.zip", "ros": "house_ros.zip",
+}  # fmt: skip
+"""What can be taken away, and the name of its file: the folder of the stage, else export's."""
+
+QUALITIES = {"draft": ("draft", "640x360"), "good": ("good", "1280x720")}
+"""What render is asked for, by the name on the page."""
+
+LONGEST_TEXT = 2000
+
+_ROOM = re.compile(r"/House/Rooms/\w+")
+
+
+class HouseJobs:
+    """Does the jobs. Whatever is written goes into folders that no finished version has."""
+
+    def __init__(self, houses: KeptHouses, run: RunVerb) -> None:
+        self._houses, self._run = houses, run
+        self.kinds: dict[str, Callable[[Job], Awaitable[dict[str, Any]]]] = {
+            "read": self._read,
+            "furnish": self._furnish,
+            "refurnish": self._refurnish,
+            "check": self._check,
+            "render": self._render,
+            "pack": self._pack,
+        }
+
+    async def do(self, job: Job) -> dict[str, Any]:
+        """Do a job; returns its answer. Raises ChordError."""
+        refuse_full_disk(self._houses.root)
+        return await self.kinds[job.kind](job)
+
+    async def _read(self, job: Job) -> dict[str, Any]:
+        """The drawing or the text becomes a plan; --scale, --part and --seed as given."""
+        record, folder = self._houses.get(job.house), self._houses.folder(job.house)
+        number = int(record["plan"]) + 1
+        target = self._houses.plan_path(job.house, number)
+        target.parent.mkdir(exist_ok=True)
+        word, drawing = self._houses.word, folder / "drawing.png"
+        if record["source"]:
+            words = ["plan", "read", word(folder / record["source"])]
+            words += [f"--drawing={word(drawing)}"] if record["source"] != "source.json" else []
+            words += _option("scale", job.given.get("scale"))
+            words += _option("part", job.given.get("part"))
+        else:
+            words = ["plan", "from-text", _no_option(record["text"])]
+            words += _option("seed", job.given.get("seed"))
+        answer = await self._call(job, [*words, f"--output={word(target)}"])
+
+        def change(kept: Record) -> None:
+            kept.update(plan=number, reading=answer.data, drawing=answer.data.get("drawing"))
+
+        self._houses.update(job.house, change)
+        return answer.data
+
+    async def _furnish(self, job: Job) -> dict[str, Any]:
+        """The current plan becomes a version of its own."""
+        given = job.given
+        if not self._houses.get(job.house)["plan"]:
+            await self._read(job)
+        plan = int(self._houses.get(job.house)["plan"])
+        with self._version(job) as (number, folder):
+            words = ["generate", self._houses.word(self._houses.plan_path(job.house, plan))]
+            words += [f"--output={self._houses.word(folder / 'house' / STAGE)}"]
+            for name in ("seed", "style", "sky", "furniture"):
+                words += _option(name, given.get(name))
+            answer = await self._call(job, words)
+            rooms = await self._write_view(job, folder)
+            label = f"seed {given.get('seed') or 0}, {answer.data.get('style') or 'house'}"
+            self._houses.add_version(
+                job.house,
+                {
+                    "number": number,
+                    "label": label,
+                    "plan": plan,
+                    "of": 0,
+                    "rooms": rooms,
+                    **_told(answer.data),
+                },
+            )
+        return {"version": number, **answer.data}
+
+    async def _refurnish(self, job: Job) -> dict[str, Any]:
+        """One room of a version anew, as another version; changes of other rooms stay."""
+        given = job.given
+        before = self._houses.version_folder(job.house, given.get("version")) / "house"
+        with self._version(job) as (number, folder):
+            target = folder / "house" / STAGE
+            words = ["regenerate", self._houses.word(before / STAGE)]
+            words += [f"--output={self._houses.word(target)}", *_option("room", given["room"])]
+            words += _option("with", given.get("with")) + _option("without", given.get("without"))
+            words += [word for name in given.get("keep", ()) for word in _option("keep", name)]
+            words += _option("seed", given.get("seed")) + _option("style", given.get("style"))
+            if (before / EDITS).is_file():
+                words += _option("edits", self._houses.word(before / EDITS))
+            answer = await self._call(job, words)
+            carry_edits(before, folder / "house", given["room"])
+            rooms = await self._write_view(job, folder)
+            label = f"{given['room']} anew, seed {answer.data.get('seed')}"
+            plan = self._houses.get(job.house)["plan"]
+            self._houses.add_version(
+                job.house,
+                {
+                    "number": number, "label": label, "plan": plan, "of": given["version"],
+                    "rooms": rooms, **_told(answer.data),
+                },
+            )  # fmt: skip
+        return {"version": number, **answer.data}
+
+    async def _write_view(self, job: Job, folder: Path) -> list[str]:
+        """What the browser shows; returns the names of the rooms in it."""
+        stage, view = folder / "house" / STAGE, folder / VIEW
+        words = ["export", self._houses.word(stage), "--for=gltf"]
+        await self._call(job, [*words, f"--output={self._houses.word(view)}"])
+        return _rooms_in(view)
+
+    async def _check(self, job: Job) -> dict[str, Any]:
+        stage = self._houses.stage(job.house, job.given.get("version"))
+        answer = await self._call(job, ["check", self._houses.word(stage)])
+        certificate = {"holds": answer.holds, **answer.data}
+
+        def change(version: Record) -> None:
+            version["certificate"] = certificate
+
+        self._houses.note(job.house, job.given["version"], change)
+        return certificate
+
+    async def _render(self, job: Job) -> dict[str, Any]:
+        """One camera, into a folder of its own: pictures of other settings stay."""
+        given = job.given
+        quality, size = QUALITIES[given.get("quality", "draft")]
+        folder = self._houses.version_folder(job.house, given.get("version"))
+        stage = self._houses.stage(job.house, given["version"])
+        target = folder / "pictures" / job.id
+        words = ["render", self._houses.word(stage), f"--output={self._houses.word(target)}"]
+        words += _option("camera", given["camera"]) + _option("lighting", given.get("lighting"))
+        words += [f"--quality={quality}", f"--resolution={size}"]
+        try:
+            answer = await self._call(job, words)
+        except BaseException:
+            shutil.rmtree(target, ignore_errors=True)
+            raise
+        names = [f"{job.id}/{Path(path).name}" for path in answer.data["pictures"]]
+
+        def change(version: Record) -> None:
+            version["pictures"] += names
+
+        self._houses.note(job.house, given["version"], change)
+        return {"pictures": names}
+
+    async def _pack(self, job: Job) -> dict[str, Any]:
+        """A file to take away. Made anew each time: the house may have been changed since."""
+        kind = job.given["for"]
+        folder = self._houses.version_folder(job.house, job.given.get("version"))
+        stage = self._houses.stage(job.house, job.given["version"])
+        made = folder / "packs" / job.id
+        made.mkdir(parents=True)
+        try:
+            if kind == "usda":
+                await anyio.to_thread.run_sync(_zip, stage.parent, made / PACKS[kind], "house")
+            else:
+                suffix = Path(PACKS[kind]).suffix
+                target = made / ("house" if suffix == ".zip" else PACKS[kind])
+                words = ["export", self._houses.word(stage), f"--for={kind}"]
+                await self._call(job, [*words, f"--output={self._houses.word(target)}"])
+                if suffix == ".zip":
+                    await anyio.to_thread.run_sync(_zip, target, made / PACKS[kind], kind)
+            (made / PACKS[kind]).replace(made.parent / PACKS[kind])
+        finally:
+            shutil.rmtree(made, ignore_errors=True)
+
+        def change(version: Record) -> None:
+            version["packs"] = sorted({*version["packs"], PACKS[kind]})
+
+        self._houses.note(job.house, job.given["version"], change)
+        return {"file": PACKS[kind]}
+
+    @contextmanager
+    def _version(self, job: Job) -> Iterator[tuple[int, Path]]:
+        """A new version's number and folder, which goes again when the job breaks off."""
+        number, folder = self._houses.new_version(job.house)
+        (folder / "house").mkdir()
+        try:
+            yield number, folder
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+
+    async def _call(self, job: Job, words: Sequence[str]) -> Answer:
+        async def told(step: str, done: int, total: int) -> None:
+            job.step, job.done, job.total = step, done, max(total, 1)
+
+        await told(words[0], 0, 1)
+        return await self._run(words, self._houses.root, told)
+
+
+def given_of(kind: str, given: object) -> dict[str, Any]:
+    """What a job was given, as it can be put on a command line. Raises ChordError."""
+    if not isinstance(given, dict):
+        raise ChordError("what the job is given is no object")
+    for name, value in given.items():
+        texts = value if isinstance(value, list) else [value]
+        if not all(isinstance(text, str | int | float | None) for text in texts):
+            raise ChordError(f"{name} is neither text nor number")
+        if any(isinstance(text, str) and len(text) > LONGEST_TEXT for text in texts):
+            raise ChordError(f"{name} is too long", expected=f"at most {LONGEST_TEXT} characters")
+    needed = {"refurnish": ("version", "room"), "render": ("version", "camera"),
+              "check": ("version",), "pack": ("version", "for")}  # fmt: skip
+    for name in needed.get(kind, ()):
+        if not given.get(name):
+            raise ChordError(f"{kind} needs {name}")
+    if kind == "pack" and given["for"] not in PACKS:
+        raise ChordError("there is no such package", expected=f"one of {', '.join(PACKS)}")
+    if kind == "render" and given.get("quality", "draft") not in QUALITIES:
+        raise ChordError("there is no such quality", expected=f"one of {', '.join(QUALITIES)}")
+    return given
+
+
+def _option(name: str, value: object) -> list[str]:
+    """An option with its value, which is never taken for an option; nothing for no value."""
+    return [] if value in ("", None) else [f"--{name}={value}"]
+
+
+def _no_option(text: str) -> str:
+    """A text that stands alone on a command line, where a dash would begin an option."""
+    return text.lstrip("- ") or "a house"
+
+
+def _told(data: dict[str, Any]) -> Record:
+    """What of a verb's answer is kept of a version."""
+    certificate = data.get("certificate", {})
+    return {
+        "style": data.get("style", ""),
+        "furniture": data.get("furniture"),
+        "warnings": data.get("warnings", []),
+        "left_out": data.get("left_out", []),
+        "certificate": certificate,
+    }
+
+
+def _rooms_in(view: Path) -> list[str]:
+    """Names of the rooms of a GLB: of the nodes whose path is a room's."""
+    with view.open("rb") as file:
+        head = file.read(20)
+        document = json.loads(file.read(int.from_bytes(head[12:16], "little")))
+    paths = (node.get("extras", {}).get("path", "") for node in document.get("nodes", ()))
+    return [path.split("/")[3] for path in paths if _ROOM.fullmatch(path)]
+
+
+def _zip(folder: Path, target: Path, name: str) -> None:
+    """A folder as a zip with one folder in it; hidden files are the program's own and stay."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=3) as archive:
+        for file in sorted(folder.rglob("*")):
+            inside = file.relative_to(folder)
+            if file.is_file() and not any(part.startswith(".") for part in inside.parts):
+                archive.write(file, Path(name) / inside)

@@ -1,0 +1,191 @@
+"""What was moved, turned, deleted and locked in a house: the layer of changes beside it.
+
+The layer is the Blender panel's: what is changed on the page is found there, and the other way
+round. What the page does not change itself (swaps, looks, lights) is kept as it stands.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from chord_usd.errors import ChordError
+from chord_usd.page.kept_houses import EDITS, STAGE
+from chord_usd.runtime.files import write_atomic
+
+SCHEMA = 2
+MOST_EDITS = 5000
+
+_PIECE = re.compile(r"/House/Rooms/(\w+)/(?:Furniture|Dressing)/\w+(?:/Items/\w+)*")
+_MARK, _END = "string chord_edits = '''", "'''"
+_HEAD = """#usda 1.0
+(
+    customLayerData = {{
+        {mark}{edits}{end}
+    }}
+    defaultPrim = "House"
+    doc = "Changes made by hand, over {stage}"
+    metersPerUnit = 1
+    renderSettingsPrimPath = "/House/Render/Settings"
+    subLayers = [
+        @./{stage}@
+    ]
+    upAxis = "Z"
+)
+
+"""
+
+Edits = dict[str, Any]
+
+
+def read_edits(folder: Path) -> Edits:
+    """The changes of the house in a folder: pieces by path, and which are locked."""
+    try:
+        text = (folder / EDITS).read_text()
+        first = text.index(_MARK) + len(_MARK)
+        edits: Edits = json.loads(text[first : text.index(_END, first)])
+    except (OSError, ValueError):
+        return {"schema": SCHEMA, "pieces": {}, "looks": {}, "lights": {}, "locked": []}
+    return edits
+
+
+def write_edits(folder: Path, given: object) -> Edits:
+    """Keep the pieces and locks that the page gives; returns all changes.
+
+    given: {"pieces": {path: {"was": matrix, "matrix": matrix or null}}, "locked": [path]}; a matrix
+    is four rows of four that act on columns, in metres, in the frame of the piece's parent.
+    Raises ChordError for anything else.
+    """
+    if not isinstance(given, dict):
+        raise ChordError("the changes are no object")
+    pieces, locked = given.get("pieces", {}), given.get("locked", [])
+    if not isinstance(pieces, dict) or not isinstance(locked, list):
+        raise ChordError("the changes are no pieces and locks")
+    if len(pieces) + len(locked) > MOST_EDITS:
+        raise ChordError(f"there are more than {MOST_EDITS} changes")
+    before = read_edits(folder)
+    swaps = {path: kept["swap"] for path, kept in before["pieces"].items() if "swap" in kept}
+    edits = {
+        **before,
+        "pieces": {
+            room_of(path) and path: {
+                "was": _matrix(edit.get("was")),
+                "matrix": None if edit.get("matrix") is None else _matrix(edit["matrix"]),
+                **({"swap": swaps[path]} if path in swaps and edit.get("matrix") else {}),
+            }
+            for path, edit in sorted(pieces.items())
+            if isinstance(edit, dict)
+        },
+        "locked": sorted({path for path in map(str, locked) if room_of(path)}),
+    }
+    _write(folder, edits)
+    return edits
+
+
+def carry_edits(before: Path, after: Path, room: str) -> None:
+    """Give a house in which a room was furnished anew the changes that still mean something.
+
+    In that room, only locked pieces keep theirs.
+    """
+    edits = read_edits(before)
+    locked = tuple(edits["locked"])
+
+    def stays(path: str) -> bool:
+        own = path.split("/")[3:4] == [room]
+        return not own or any(path == one or path.startswith(f"{one}/") for one in locked)
+
+    for kind in ("pieces", "looks"):
+        edits[kind] = {path: what for path, what in edits[kind].items() if stays(path)}
+    _write(after, edits)
+
+
+def room_of(path: str) -> str:
+    """The room of a piece. Raises ChordError for what is no path of a piece."""
+    match = _PIECE.fullmatch(path)
+    if match is None:
+        raise ChordError(f"{path[:80]!r} is no piece")
+    return match[1]
+
+
+def _matrix(rows: object) -> list[list[float]]:
+    try:
+        numbers = [[float(number) for number in row] for row in rows]  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        numbers = []
+    if [len(row) for row in numbers] != [4] * 4 or not all(
+        math.isfinite(number) and abs(number) < 1e4 for row in numbers for number in row
+    ):
+        raise ChordError("a placement is no matrix", expected="four rows of four numbers")
+    return numbers
+
+
+def _write(folder: Path, edits: Edits) -> None:
+    if not any(edits[kind] for kind in ("pieces", "looks", "lights", "locked")):
+        (folder / EDITS).unlink(missing_ok=True)
+        return
+    top = _Over()
+    top.at("/House")
+    for path, edit in sorted(edits["pieces"].items()):
+        top.at(path).tell(edit)
+    for path, looks in sorted(edits["looks"].items()):
+        top.at(path).metadata += _variants(looks)
+    for path, strength in sorted(edits["lights"].items()):
+        top.at(path).properties.append(f"float inputs:exposure = {math.log2(strength):.9g}")
+    head = _HEAD.format(mark=_MARK, edits=json.dumps(edits), end=_END, stage=STAGE)
+    lines = [line for name, over in top.below.items() for line in over.lines(name, "")]
+    write_atomic(folder / EDITS, head + "\n".join(lines) + "\n")
+
+
+@dataclass
+class _Over:
+    """Opinions about one prim, as lines of text, and about those below it."""
+
+    metadata: list[str] = field(default_factory=list)
+    properties: list[str] = field(default_factory=list)
+    below: dict[str, _Over] = field(default_factory=dict)
+
+    def at(self, path: str) -> _Over:
+        """The one of a path below this."""
+        over = self
+        for name in path.strip("/").split("/"):
+            over = over.below.setdefault(name, _Over())
+        return over
+
+    def tell(self, edit: Edits) -> None:
+        """What became of a piece."""
+        if edit["matrix"] is None:
+            self.metadata.append("active = false")
+            return
+        swap = edit.get("swap")
+        if swap:
+            # Not prepended: the model that was there goes.
+            self.metadata.append(f"references = @./{swap['usd']}@")
+            self.metadata += _variants(swap["looks"])
+            size = ", ".join(f"{side:.9g}" for side in swap["size_m"])
+            self.properties.append(f"custom double3 chord:size_m = ({size})")
+        # USD multiplies rows from the left: its matrices are ours transposed.
+        columns = zip(*edit["matrix"], strict=True)
+        rows = ", ".join("(" + ", ".join(f"{x:.9g}" for x in column) + ")" for column in columns)
+        self.properties += [
+            f"matrix4d xformOp:transform = ( {rows} )",
+            'uniform token[] xformOpOrder = ["xformOp:transform"]',
+        ]
+
+    def lines(self, name: str, pad: str) -> list[str]:
+        """As USD writes it."""
+        head = [f'{pad}over "{name}"']
+        if self.metadata:
+            head = [f'{pad}over "{name}" (', *(f"{pad}    {m}" for m in self.metadata), f"{pad})"]
+        body = [f"{pad}    {line}" for line in self.properties]
+        for child, over in self.below.items():
+            body += over.lines(child, pad + "    ")
+        return [*head, f"{pad}{{", *body, f"{pad}}}"]
+
+
+def _variants(looks: Edits) -> list[str]:
+    chosen = [f'    string {name} = "{variant}"' for name, variant in sorted(looks.items())]
+    return ["variants = {", *chosen, "}"] if chosen else []

@@ -1,0 +1,130 @@
+// A GLB of a house as few draw calls: one batch for each material, whatever stands where.
+//
+// A dressed house has over a thousand meshes; a phone draws some hundreds well. three.js draws a
+// BatchedMesh in one call, and still lets each of its parts be moved, hidden and clicked.
+import { THREE } from "./three.js";
+
+/** Groups of a room whose children are pieces. */
+const GROUPS = ["Furniture", "Dressing", "Items"];
+
+/**
+ * Read the tree of a GLB. Returns {batches, pieces, rooms, cameras, box}: pieces by path, each
+ * {path, name, category, room, node, parts, id, restsOn, group}, parts being {batch, id, mesh};
+ * what belongs to no piece (walls, floors, ceilings) is a piece of group "Architecture".
+ */
+export function batched(scene) {
+  scene.updateMatrixWorld(true);
+  const pieces = new Map();
+  const groups = new Map();
+  const rooms = [];
+  const cameras = [];
+  const walk = (node, owner, room) => {
+    if (node.isLight) return;
+    if (node.isCamera) cameras.push(node.name);
+    const { path, kind } = node.userData;
+    if (kind && path) {
+      rooms.push({ name: node.userData.room, kind, path, node });
+      room = node.userData.room;
+    }
+    const mine = pieceOf(node, owner, room);
+    if (mine && mine !== owner) pieces.set(mine.path, mine);
+    if (node.isMesh && mine) sort(groups, node, mine);
+    for (const child of node.children) walk(child, mine ?? owner, room);
+  };
+  walk(scene, null, "");
+  const batches = [...groups.values()].map(batchOf);
+  const box = new THREE.Box3();
+  for (const batch of batches) box.union(batch.geometryBox);
+  return { batches, pieces, rooms, cameras, box };
+}
+
+/** The piece that a node begins, or that it is part of. */
+function pieceOf(node, owner, room) {
+  const group = node.parent ? nameOf(node.parent) : "";
+  if (GROUPS.includes(group) && room) {
+    const above = owner?.group === "Items" || owner?.group === "Furniture" ? owner.path : `/House/Rooms/${room}`;
+    const said = node.userData.path ? node.userData : node.children.find((one) => one.userData.path)?.userData ?? {};
+    return {
+      path: `${above}/${group}/${nameOf(node)}`,
+      name: nameOf(node),
+      category: said.category ?? "",
+      id: said.id ?? "",
+      restsOn: said.rests_on ?? "",
+      above: group === "Items" ? owner : null,
+      room, node, group, parts: [],
+    };
+  }
+  if (owner && GROUPS.includes(owner.group)) return owner;
+  const { path, category } = node.userData;
+  if (path && category) {
+    return { path, name: nameOf(node), category, id: "", restsOn: "", above: null, room, node, group: "Architecture", parts: [] };
+  }
+  return owner ?? { path: node.uuid, name: nameOf(node), category: "", id: "", restsOn: "", above: null, room, node, group: "Architecture", parts: [] };
+}
+
+/** The name as the file has it: three.js gives doubles another one. */
+const nameOf = (node) => node.userData.name ?? node.name;
+
+function sort(groups, mesh, piece) {
+  const { geometry, material } = mesh;
+  const key = `${material.uuid} ${Object.keys(geometry.attributes).sort().join()}`;
+  if (!groups.has(key)) groups.set(key, { material, parts: [] });
+  groups.get(key).parts.push({ mesh, piece });
+}
+
+function batchOf({ material, parts }) {
+  const geometries = new Set(parts.map(({ mesh }) => mesh.geometry));
+  let [vertices, indices] = [0, 0];
+  for (const geometry of geometries) {
+    vertices += geometry.attributes.position.count;
+    indices += geometry.index.count;
+  }
+  const batch = new THREE.BatchedMesh(parts.length, vertices, indices, material);
+  const known = new Map();
+  batch.geometryBox = new THREE.Box3();
+  batch.owners = [];
+  for (const { mesh, piece } of parts) {
+    if (!known.has(mesh.geometry)) known.set(mesh.geometry, batch.addGeometry(mesh.geometry));
+    const id = batch.addInstance(known.get(mesh.geometry));
+    batch.setMatrixAt(id, mesh.matrixWorld);
+    batch.owners[id] = piece;
+    piece.parts.push({ batch, id, mesh });
+    mesh.geometry.computeBoundingBox();
+    batch.geometryBox.union(mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld));
+  }
+  // The batch has copies; of the originals only bounds are asked for later.
+  for (const geometry of geometries) geometry.dispose();
+  batch.frustumCulled = false; // its parts are, one by one
+  return batch;
+}
+
+/** Put a piece's parts where its node is now, and those of all below it. */
+export function place(pieces, piece) {
+  piece.node.updateWorldMatrix(true, true);
+  for (const one of pieces.values()) {
+    if (one !== piece && !one.path.startsWith(`${piece.path}/`)) continue;
+    for (const { batch, id, mesh } of one.parts) {
+      batch.setMatrixAt(id, mesh.matrixWorld);
+      batch.boundingSphere = batch.boundingBox = null;
+    }
+  }
+}
+
+/** Show or hide a piece and what stands on it. */
+export function show(pieces, piece, isShown) {
+  for (const one of pieces.values()) {
+    if (one !== piece && !one.path.startsWith(`${piece.path}/`)) continue;
+    for (const { batch, id } of one.parts) batch.setVisibleAt(id, isShown);
+  }
+}
+
+/** The box round a piece, in the world, or in its own frame. */
+export function boxOf(piece, isOwn = false) {
+  const box = new THREE.Box3();
+  const back = isOwn ? piece.node.matrixWorld.clone().invert() : null;
+  for (const { mesh } of piece.parts) {
+    const frame = back ? back.clone().multiply(mesh.matrixWorld) : mesh.matrixWorld;
+    box.union(mesh.geometry.boundingBox.clone().applyMatrix4(frame));
+  }
+  return box;
+}

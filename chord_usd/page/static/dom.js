@@ -1,0 +1,73 @@
+// Elements without markup: texts of users and of files are never read as HTML.
+
+/** An element. Properties that begin with "on" listen; others are attributes; false leaves out. */
+export function el(tag, properties = {}, ...children) {
+  const node = document.createElement(tag);
+  assign(node, properties);
+  node.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+/** The same for drawings. */
+export function svg(tag, properties = {}, ...children) {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  assign(node, properties);
+  node.append(...children);
+  return node;
+}
+
+function assign(node, properties) {
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+    else if (name === "value") node.value = value;
+    else if (value === true) node.setAttribute(name, "");
+    else if (value !== false && value !== null && value !== undefined) {
+      node.setAttribute(name, value);
+    }
+  }
+}
+
+/** A button that can be pressed once at a time. */
+export function button(text, act, properties = {}) {
+  const node = el("button", { type: "button", ...properties }, text);
+  node.addEventListener("click", async () => {
+    if (node.dataset.busy) return;
+    node.dataset.busy = "1";
+    try {
+      await act(node);
+    } catch (error) {
+      complain(error);
+    } finally {
+      delete node.dataset.busy;
+    }
+  });
+  return node;
+}
+
+/** A field under its name. */
+export const field = (name, input) => el("label", {}, name, input);
+
+/** A box to tick. */
+export function check(name, checked, act) {
+  const box = el("input", { type: "checkbox", onchange: () => act(box.checked) });
+  box.checked = checked;
+  return el("label", { class: "check" }, box, name);
+}
+
+/** A list to choose from: names, or pairs of value and name. */
+export function choice(options, value, act = () => {}) {
+  const list = el("select", { onchange: () => act(list.value) });
+  for (const option of options) {
+    const [key, name] = Array.isArray(option) ? option : [option, option];
+    list.append(el("option", { value: key }, String(name).replaceAll("_", " ")));
+  }
+  list.value = value;
+  return list;
+}
+
+/** Say what went wrong, or nothing. */
+export function complain(error = "") {
+  const place = document.getElementById("message");
+  place.textContent = error instanceof Error ? error.message : error;
+  place.hidden = !place.textContent;
+}

@@ -1,0 +1,90 @@
+// Where a house begins: a plan that is dropped or picked, a text, or one that is there already.
+import { ask, houses, job, post } from "./api.js";
+import { button, check, complain, el, field } from "./dom.js";
+
+const EXAMPLE = "a two-bedroom flat with an open kitchen, about 70 m²";
+
+/** Whether a plan is furnished as it was read, without a look at the reading. */
+let isAtOnce = true;
+
+export async function home(app) {
+  const list = await houseList();
+  return el("div", { class: "home" }, dropArea(app), textArea(), list);
+}
+
+function dropArea(app) {
+  const picker = el("input", {
+    type: "file",
+    accept: app.choices.suffixes.join(),
+    hidden: true,
+    id: "file",
+    onchange: () => picker.files[0] && upload(picker.files[0]),
+  });
+  const area = el(
+    "section",
+    { class: "card drop", "aria-label": "A plan" },
+    el("h2", {}, "Drop a floor plan"),
+    button("Choose a file", () => picker.click(), { class: "first" }),
+    picker,
+    check("Furnish it at once", isAtOnce, (isChecked) => { isAtOnce = isChecked; }),
+    el("p", { class: "quiet" }, "A picture, scan, photo, PDF, SVG, DXF, IFC, Sweet Home 3D or plan.json"),
+  );
+  const over = (event) => {
+    event.preventDefault();
+    area.classList.toggle("over", event.type === "dragover");
+  };
+  area.addEventListener("dragover", over);
+  area.addEventListener("dragleave", over);
+  area.addEventListener("drop", (event) => {
+    over(event);
+    const [file] = event.dataTransfer.files;
+    if (file) upload(file);
+  });
+  return area;
+}
+
+async function upload(file) {
+  complain();
+  try {
+    await begin(await ask("POST", `/api/houses?name=${encodeURIComponent(file.name)}`, file));
+  } catch (error) {
+    complain(error);
+  }
+}
+
+async function begin(house) {
+  if (isAtOnce) await job(house.id, "furnish");
+  location.hash = `#/${house.id}/plan`;
+}
+
+function textArea() {
+  const text = el("textarea", { rows: 2, placeholder: EXAMPLE, maxlength: 2000 });
+  return el(
+    "section",
+    { class: "card stack" },
+    el("h2", {}, "Or say what you want"),
+    field("The home, in words", text),
+    button("Plan it", async () => {
+      await begin(await post("/api/houses", { text: text.value || EXAMPLE }));
+    }),
+  );
+}
+
+async function houseList() {
+  const known = (await houses()).houses;
+  const list = el("ul", { class: "houses" });
+  for (const house of known) {
+    const row = el("li", {}, el("a", { href: `#/${house.id}/${house.shown ? "house" : "plan"}` }, house.name));
+    const made = new Date(house.made).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+    row.append(
+      el("span", { class: "quiet" }, made),
+      button("Delete", async () => {
+        if (!confirm(`Delete ${house.name} and all that was made of it?`)) return;
+        await ask("DELETE", `/api/houses/${house.id}`);
+        row.remove();
+      }),
+    );
+    list.append(row);
+  }
+  return el("section", { class: "card", hidden: !known.length }, el("h2", {}, "Your houses"), list);
+}

@@ -1,0 +1,221 @@
+// The furnished house: to look at, to walk through, and to change piece by piece.
+import { file, get } from "./api.js";
+import { boxOf, show } from "./batches.js";
+import { button, check, choice, complain, el, field } from "./dom.js";
+import { Edits } from "./edits.js";
+import { SceneView } from "./scene_view.js";
+import { THREE } from "./three.js";
+import { floorsOf } from "./walker.js";
+
+const STEP_M = 0.05;
+const FINE_M = 0.01;
+const TURN_DEG = 15;
+const HIGHEST_M = 3;
+const WORDS = (text) => text.replaceAll("_", " ");
+
+export async function houseTab(app) {
+  const tab = new HouseTab(app);
+  app.left = () => tab.end();
+  tab.load().catch((error) => {
+    tab.wait.textContent = "";
+    complain(error);
+  });
+  return tab.node;
+}
+
+class HouseTab {
+  constructor(app) {
+    this.app = app;
+    this.version = app.version();
+    this.canvas = el("canvas", { tabindex: 0, role: "application", "aria-label": "The house. Click a piece; arrow keys move it, R turns it, Delete removes it." });
+    this.wait = el("div", { class: "wait" }, "The house is loading …");
+    this.area = el("div", { class: "stagearea" }, this.canvas, this.wait);
+    this.side = el("aside", { class: "side stack", "aria-label": "Rooms and pieces" });
+    this.node = el("div", { class: "split" }, this.area, this.side);
+    this.canvas.addEventListener("keydown", (event) => this.typed(event));
+  }
+
+  async load() {
+    const { house } = this.app;
+    const version = this.version.number;
+    this.view = new SceneView(this.canvas, (piece) => this.choose(piece));
+    this.house = await this.view.load(file(house.id, version, "view", "view.glb"));
+    this.edits = new Edits(`/api/houses/${house.id}/versions/${version}/edits`, this.house, () => this.refresh());
+    await this.edits.load();
+    this.hideCeilings(true);
+    this.wait.remove();
+    this.area.append(this.tools());
+    this.refresh();
+    this.canvas.dataset.ready = "1";
+    this.showTarget();
+  }
+
+  /** What another tab asked to see. */
+  showTarget() {
+    const paths = this.app.target?.paths;
+    this.app.target = null;
+    if (!paths) return;
+    const found = paths.map((path) => this.pieceAt(path)).filter(Boolean);
+    if (!found.length) return;
+    const box = new THREE.Box3();
+    for (const piece of found) box.union(boxOf(piece));
+    this.choose(found[0]);
+    this.view.frame(box);
+  }
+
+  /** The piece of a path, or that it is part of; of a room, its floor. */
+  pieceAt(path) {
+    for (let at = path; at.length > 1; at = at.slice(0, at.lastIndexOf("/"))) {
+      if (this.house.pieces.has(at)) return this.house.pieces.get(at);
+    }
+    return [...this.house.pieces.values()].find((one) => one.path.startsWith(`${path}/`));
+  }
+
+  tools() {
+    const cut = el("input", { type: "range", min: 0.3, max: HIGHEST_M, step: 0.1, value: HIGHEST_M, "aria-label": "Cut the house at a height" });
+    cut.addEventListener("input", () => this.view.cutAt(Number(cut.value) >= HIGHEST_M ? 100 : Number(cut.value)));
+    this.walkButton = button("Walk", () => this.walk(), { "aria-pressed": false });
+    return el("div", { class: "tools", role: "toolbar", "aria-label": "View" },
+      button("All", () => this.walk(false)), this.walkButton,
+      el("label", { class: "check" }, "Cut", cut),
+      check("Ceilings", false, (isShown) => this.hideCeilings(!isShown)));
+  }
+
+  hideCeilings(isHidden) {
+    for (const piece of this.house.pieces.values()) {
+      if (piece.category === "ceiling") show(this.house.pieces, piece, !isHidden);
+      // Lamps that hang from nothing look odd from above.
+      if (piece.category === "ceiling_lamp" && !this.edits.isGone(piece)) show(this.house.pieces, piece, !isHidden);
+    }
+    this.areCeilingsHidden = isHidden;
+    this.view.draw();
+  }
+
+  async walk(isOn = !this.view.walker) {
+    this.walkButton.setAttribute("aria-pressed", isOn);
+    this.pad?.remove();
+    if (!isOn) {
+      this.view.overview();
+      return;
+    }
+    const { plan } = await get(`/api/houses/${this.app.house.id}/plan?number=${this.version.plan}`);
+    const floors = floorsOf(plan);
+    const [points] = floors;
+    const start = [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
+    this.view.walk(floors, start);
+    this.pad = this.walkPad();
+    this.area.append(this.pad);
+    this.canvas.focus();
+  }
+
+  /** For fingers: a keyboard has the arrow keys. */
+  walkPad() {
+    const hold = (text, way, name) => {
+      const node = el("button", { type: "button", "aria-label": name }, text);
+      node.addEventListener("pointerdown", () => this.view.walker?.hold(way, true));
+      for (const end of ["pointerup", "pointerleave", "pointercancel"]) {
+        node.addEventListener(end, () => this.view.walker?.hold(way, false));
+      }
+      return node;
+    };
+    return el("div", { class: "tools", id: "pad" },
+      hold("↰", "left", "Turn left"), hold("↑", "ahead", "Go ahead"), hold("↓", "back", "Go back"), hold("↱", "right", "Turn right"));
+  }
+
+  choose(piece) {
+    const isFixed = piece?.group === "Architecture";
+    this.chosen = isFixed || !piece ? null : piece;
+    this.room = piece?.room || this.room;
+    this.refresh();
+    if (piece) this.side.scrollTop = 0;
+  }
+
+  refresh() {
+    this.view.mark(this.chosen && !this.edits.isGone(this.chosen) ? this.chosen : null);
+    if (this.areCeilingsHidden) this.hideCeilings(true);
+    const undo = button("Undo", () => this.edits.undo());
+    undo.disabled = !this.edits.done.length;
+    this.side.replaceChildren(
+      el("div", { class: "row" }, undo, el("span", { class: "quiet" }, this.version.label)),
+      this.chosen ? this.pieceForm(this.chosen) : el("p", { class: "quiet" }, "Click a piece to change it."),
+      this.roomForm(),
+      ...this.lists(),
+    );
+  }
+
+  pieceForm(piece) {
+    const size = boxOf(piece, true).getSize(new THREE.Vector3());
+    const told = [size.x, size.y, size.z].map((side) => side.toFixed(2)).join(" × ");
+    const move = (text, way, name) => button(text, () => this.edits.move(piece, way), { "aria-label": name });
+    const turn = (text, angle, name) => button(text, () => this.edits.move(piece, [0, 0], angle), { "aria-label": name });
+    return el("section", { class: "card stack", id: "piece" },
+      el("h2", {}, `${WORDS(piece.category)} (${piece.name})`),
+      el("p", { class: "quiet" }, `${told} m, in ${piece.room}`),
+      el("div", { class: "row", role: "group", "aria-label": "Move" },
+        move("←", [-STEP_M, 0], "Left"), move("→", [STEP_M, 0], "Right"), move("↑", [0, STEP_M], "Up, in the plan"), move("↓", [0, -STEP_M], "Down, in the plan"),
+        turn("↺", TURN_DEG, "Turn left"), turn("↻", -TURN_DEG, "Turn right")),
+      check("Locked: stays when the room is furnished again", this.edits.isLocked(piece), (isLocked) => this.edits.lock(piece, isLocked)),
+      el("div", { class: "row" }, button("Delete", () => this.remove(piece)), button("Look at it", () => this.view.frame(boxOf(piece)))));
+  }
+
+  remove(piece) {
+    this.chosen = null;
+    this.edits.remove(piece);
+  }
+
+  roomForm() {
+    const rooms = this.house.rooms.map((room) => [room.name, `${WORDS(room.kind)} (${room.name})`]);
+    this.room ??= rooms[0]?.[0];
+    const list = choice(rooms, this.room, (name) => {
+      this.room = name;
+      this.refresh();
+    });
+    const wish = el("input", { placeholder: "desk, two chairs", maxlength: 500 });
+    const without = el("input", { placeholder: "sofa", maxlength: 500 });
+    return el("section", { class: "card stack" },
+      el("h2", {}, "Room"), list,
+      el("div", { class: "row" }, field("With", wish), field("Without", without)),
+      button("Furnish this room again", async () => {
+        await this.edits.save();
+        const keep = this.edits.state.locked.filter((path) => path.startsWith(`/House/Rooms/${this.room}/`)).map((path) => path.split("/")[5]);
+        await this.app.start("refurnish", { version: this.version.number, room: this.room, with: wish.value, without: without.value, keep });
+      }));
+  }
+
+  /** All that stands in the room, for keyboards and for what hides behind something. */
+  lists() {
+    const own = [...this.house.pieces.values()].filter((one) => one.room === this.room && one.group !== "Architecture" && one.category);
+    return ["Furniture", "Items", "Dressing"].map((group) => {
+      const rows = own.filter((one) => one.group === group).map((piece) =>
+        el("li", {}, button(`${WORDS(piece.category)}${this.edits.isGone(piece) ? " (deleted)" : ""}`, () => {
+          this.choose(piece);
+          this.view.frame(boxOf(piece));
+        }, { "data-path": piece.path })));
+      const name = { Furniture: "Furniture", Items: "On tables", Dressing: "Dressing" }[group];
+      return el("details", { hidden: !rows.length }, el("summary", {}, `${name}: ${rows.length}`), el("ul", { class: "list" }, ...rows));
+    });
+  }
+
+  typed(event) {
+    if (!this.edits || this.view.walker) return;
+    if (event.key === "z" && (event.ctrlKey || event.metaKey)) {
+      this.edits.undo();
+      return;
+    }
+    const piece = this.chosen;
+    if (!piece) return;
+    const step = event.shiftKey ? FINE_M : STEP_M;
+    const way = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] }[event.key];
+    if (way) this.edits.move(piece, way);
+    else if (event.key.toLowerCase() === "r") this.edits.move(piece, [0, 0], event.shiftKey ? -TURN_DEG : TURN_DEG);
+    else if (event.key === "Delete") this.remove(piece);
+    else if (event.key === "Escape") this.choose(null);
+    else return;
+    event.preventDefault();
+  }
+
+  end() {
+    this.edits?.save().catch(complain);
+    this.view?.end();
+  }
+}

@@ -1,0 +1,173 @@
+// The house on a canvas: light, camera, orbit and walk, what is clicked. Draws only when it must.
+import { GLTFLoader, OrbitControls, THREE } from "./three.js";
+import { batched, boxOf } from "./batches.js";
+import { Walker } from "./walker.js";
+
+const MOST_PIXELS = 2;
+const EYE_M = 1.6;
+
+export class SceneView {
+  /** picked: is told of the piece that was clicked, or null; dragged: of a piece and metres. */
+  constructor(canvas, picked) {
+    this.canvas = canvas;
+    this.picked = picked;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "low-power" });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, MOST_PIXELS));
+    this.renderer.toneMapping = THREE.AgXToneMapping;
+    this.renderer.localClippingEnabled = true;
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 200);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.controls.maxPolarAngle = Math.PI / 2 - 0.02;
+    this.cut = new THREE.Plane(new THREE.Vector3(0, -1, 0), 100);
+    this.light();
+    this.listen();
+  }
+
+  light() {
+    // The house's own lamps would cost each pixel as much as all else: sky and one sun do here.
+    this.scene.add(new THREE.HemisphereLight(0xf4f7ff, 0x9a8f82, 1.6));
+    const sun = new THREE.DirectionalLight(0xfff2e0, 2.0);
+    sun.position.set(3, 8, 5);
+    this.scene.add(sun);
+    const sky = new THREE.Scene();
+    sky.background = new THREE.Color(0xdde3e8);
+    const maker = new THREE.PMREMGenerator(this.renderer);
+    this.scene.environment = maker.fromScene(sky).texture;
+    this.scene.environmentIntensity = 0.45;
+    maker.dispose();
+  }
+
+  /** Show a GLB. Returns what batched() does. */
+  async load(url) {
+    const answer = await fetch(url);
+    if (!answer.ok) throw new Error("The house cannot be loaded.");
+    const { scene } = await new GLTFLoader().parseAsync(await answer.arrayBuffer(), "");
+    this.house = batched(scene);
+    for (const batch of this.house.batches) {
+      batch.material.clippingPlanes = [this.cut];
+      // Whoever looks into a cut wall from above sees its far side, not through it.
+      if (!batch.material.transparent) batch.material.side = THREE.DoubleSide;
+      this.scene.add(batch);
+    }
+    this.overview();
+    return this.house;
+  }
+
+  /** All of the house, from above a corner. */
+  overview() {
+    this.stopWalking();
+    const middle = this.house.box.getCenter(new THREE.Vector3());
+    const far = this.house.box.getSize(new THREE.Vector3()).length();
+    this.camera.near = 0.1;
+    this.controls.target.copy(middle.setY(0.5));
+    const back = this.camera.aspect < 1 ? 1.25 : 0.8;
+    this.camera.position.copy(middle).add(new THREE.Vector3(-0.45, 0.85, 0.6).multiplyScalar(far * back));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Look at a box from the side that one looks from now. */
+  frame(box) {
+    this.stopWalking();
+    const middle = box.getCenter(new THREE.Vector3());
+    const far = Math.max(box.getSize(new THREE.Vector3()).length() * 1.6, 2.5);
+    const way = this.camera.position.clone().sub(this.controls.target).setY(0).normalize();
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(way, far * 0.7).add(new THREE.Vector3(0, far * 0.8, 0));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Walk: floors and openings, in metres, are where one can stand. */
+  walk(floors, start) {
+    this.controls.enabled = false;
+    this.walker = new Walker(this.camera, this.canvas, floors, start, EYE_M, () => this.draw());
+    this.draw();
+  }
+
+  stopWalking() {
+    this.walker?.stop();
+    this.walker = null;
+    this.controls.enabled = true;
+  }
+
+  /** Cut everything above a height off. */
+  cutAt(height) {
+    this.cut.constant = height;
+    this.draw();
+  }
+
+  /** Mark a piece, or nothing. */
+  mark(piece) {
+    if (this.marked) this.scene.remove(this.marked);
+    this.marked = null;
+    if (piece) {
+      this.marked = new THREE.Box3Helper(boxOf(piece), 0xd9661f);
+      this.marked.material.depthTest = false;
+      this.scene.add(this.marked);
+    }
+    this.draw();
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    if (!clientWidth || !clientHeight) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  draw() {
+    if (this.waits) return;
+    this.waits = requestAnimationFrame(() => {
+      this.waits = 0;
+      this.renderer.render(this.scene, this.camera);
+      this.canvas.dataset.calls = this.renderer.info.render.calls;
+      this.canvas.dataset.triangles = this.renderer.info.render.triangles;
+    });
+  }
+
+  listen() {
+    let down = null;
+    this.canvas.addEventListener("pointerdown", (event) => {
+      down = [event.clientX, event.clientY];
+    });
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.pick(event);
+      down = null;
+    });
+    this.sizes = new ResizeObserver(() => this.resize());
+    this.sizes.observe(this.canvas.parentElement);
+  }
+
+  ray(event) {
+    const area = this.canvas.getBoundingClientRect();
+    const place = new THREE.Vector2(
+      ((event.clientX - area.left) / area.width) * 2 - 1,
+      1 - ((event.clientY - area.top) / area.height) * 2,
+    );
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(place, this.camera);
+    return ray;
+  }
+
+  pick(event) {
+    if (!this.house) return;
+    const hits = this.ray(event).intersectObjects(this.house.batches, false);
+    const seen = hits.find((hit) => hit.object.getVisibleAt(hit.batchId) && hit.point.y <= this.cut.constant);
+    this.picked(seen ? seen.object.owners[seen.batchId] : null);
+  }
+
+  end() {
+    this.stopWalking();
+    this.sizes.disconnect();
+    cancelAnimationFrame(this.waits);
+    this.controls.dispose();
+    for (const batch of this.house?.batches ?? []) batch.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+}

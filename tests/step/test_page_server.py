@@ -1,0 +1,470 @@
+"""The page's server: what it does for its own browser, and refuses to everybody else."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+
+if not find_spec("nicegui"):
+    pytest.skip("the extra web is not installed", allow_module_level=True)
+
+from starlette.testclient import TestClient
+
+from chord_usd.cli import build_parser
+from chord_usd.commands.paths import check_paths
+from chord_usd.errors import ChordError
+from chord_usd.page import uploads
+from chord_usd.page.application import make_application
+from chord_usd.runtime.verb_calls import Answer, Told
+
+ROOT = Path(__file__).parents[2]
+PLAN = ROOT / "tests" / "fixtures" / "furnished_house.json"
+PNG = (ROOT / "examples" / "studio.png").read_bytes()
+HERE = "http://127.0.0.1:8321"
+
+
+def as_glb(stage: bytes) -> bytes:
+    """A GLB with one room and no meshes."""
+    nodes = [{"name": "Bedroom_0", "extras": {"path": "/House/Rooms/Bedroom_0"}}]
+    text = json.dumps({"asset": {"version": "2.0"}, "nodes": nodes, "of": stage.decode()}).encode()
+    return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
+
+
+def stage_of(glb: bytes) -> str:
+    return str(json.loads(glb[20:])["of"])
+
+
+class StandIn:
+    """Verbs that take no time: command lines are understood as the verbs would, outputs are small.
+
+    A plan's text travels into all that is made of it, so that houses can be told apart.
+    """
+
+    def __init__(self, seconds: float = 0.0) -> None:
+        self.lines: list[list[str]] = []
+        self.seconds = seconds
+
+    async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
+        before = Path.cwd()
+        os.chdir(root)
+        try:
+            options = build_parser(words).parse_args([*words, "--progress", "none"])
+            check_paths(options.parser, options)
+            self.lines.append(list(words))
+            return await self._done(options, root, told)
+        finally:
+            os.chdir(before)
+
+    async def _done(self, options: Any, root: Path, told: Told) -> Answer:
+        await told(options.verb, 1, 2)
+        if self.seconds:
+            await anyio.sleep(self.seconds)
+        data: dict[str, Any] = {}
+        if options.verb == "plan":
+            seed = getattr(options, "text", "") or root.joinpath(options.image).read_bytes().hex()
+            plan = {**json.loads(PLAN.read_text()), "seed": seed}
+            root.joinpath(options.output).write_text(json.dumps(plan))
+            if getattr(options, "drawing", None):
+                root.joinpath(options.drawing).write_bytes(PNG)
+                data["drawing"] = {"m_per_px": 0.02, "origin_m": [0, 0], "height_px": 100}
+        elif options.verb == "generate":
+            if "impossible" in (options.furniture or ""):
+                raise ChordError("finds no place")
+            seed = json.loads(root.joinpath(options.plan).read_text()).get("seed", "")
+            root.joinpath(options.output).write_text(f"#usda 1.0\n# {seed}")
+            data = {"style": "modern", "certificate": {"holds": True}}
+        elif options.verb == "regenerate":
+            old = root.joinpath(options.stage).read_text()
+            root.joinpath(options.output).write_text(f"{old}\n# {options.room} {options.keep}")
+            data = {"seed": 1, "certificate": {"holds": True}}
+        elif options.verb == "export":
+            target = root.joinpath(options.output)
+            if options.package == "mujoco":
+                target.mkdir()
+                target = target / "house.xml"
+            stage = root.joinpath(options.stage).read_bytes()
+            target.write_bytes(as_glb(stage) if target.suffix == ".glb" else stage)
+        elif options.verb == "render":
+            root.joinpath(options.output).mkdir(parents=True)
+            root.joinpath(options.output, "Top.png").write_bytes(PNG)
+            data = {"pictures": [f"{options.output}/Top.png"]}
+        elif options.verb == "check":
+            data = {"collisions": []}
+        return Answer(data, True)
+
+
+@pytest.fixture
+def verbs() -> StandIn:
+    return StandIn()
+
+
+@pytest.fixture
+def page(tmp_path: Path, verbs: StandIn) -> Iterator[TestClient]:
+    with TestClient(make_application(tmp_path, run=verbs), base_url=HERE) as client:
+        yield client
+
+
+def until_over(page: TestClient, house: str, jobs: int = 1) -> dict[str, Any]:
+    """The house once all its jobs are over."""
+    for _ in range(500):
+        shown = page.get(f"/api/houses/{house}").json()
+        states = [job["state"] for job in shown["jobs"]]
+        if len(states) >= jobs and not {"queued", "running"} & set(states):
+            return shown
+        time.sleep(0.01)
+    raise AssertionError(states)
+
+
+def ask(page: TestClient, house: str, kind: str, **given: Any) -> dict[str, Any]:
+    answer = page.post(f"/api/houses/{house}/jobs", json={"kind": kind, "given": given})
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def dropped(page: TestClient, name: str = "plan.png", data: bytes = PNG) -> str:
+    answer = page.post("/api/houses", params={"name": name}, content=data)
+    assert answer.status_code == 201, answer.text
+    return str(answer.json()["id"])
+
+
+def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
+    house = dropped(page)
+    shown = until_over(page, house)
+    assert (shown["name"], shown["plan"], shown["drawing"]["height_px"]) == ("plan", 1, 100)
+    assert page.get(f"/api/houses/{house}/drawing.png").content == PNG
+
+    kept = page.get(f"/api/houses/{house}/plan").json()
+    put = page.put(f"/api/houses/{house}/plan", json={"base": 1, "plan": kept["plan"]})
+    assert put.json() == {"number": 2}
+    ask(page, house, "furnish", seed=3, style="modern", furniture="Bedroom 1: desk")
+    shown = until_over(page, house, 2)
+    assert shown["shown"] == 1
+    assert verbs.lines[1][1].endswith("plans/0002.json")
+    assert {"--seed=3", "--style=modern"} < set(verbs.lines[1])
+    first = f"/api/houses/{house}/versions/1"
+    view = page.get(f"{first}/view/view.glb")
+    assert stage_of(view.content).startswith("#usda")
+
+    ask(page, house, "refurnish", version=1, room="Bedroom_0", keep=["Bed_0"])
+    ask(page, house, "check", version=1)
+    ask(page, house, "render", version=1, camera="Top")
+    for kind in ("usda", "mujoco", "ifc"):
+        ask(page, house, "pack", version=1, **{"for": kind})
+    shown = until_over(page, house, 8)
+    assert [job["error"] for job in shown["jobs"]] == [""] * 8
+    one, two = shown["versions"]
+    assert (two["of"], two["label"], shown["shown"]) == (1, "Bedroom_0 anew, seed 1", 2)
+    assert one["rooms"] == ["Bedroom_0"]
+    assert page.get(f"/api/houses/{house}/versions/2/view/view.glb").content != view.content
+    assert page.get(f"{first}/pictures/{one['pictures'][0]}").content == PNG
+    assert one["certificate"]["holds"]
+    assert one["packs"] == ["house.ifc", "house.zip", "house_mujoco.zip"]
+    packed = page.get(f"{first}/packs/house.zip")
+    assert "plan.zip" in packed.headers["content-disposition"]
+    assert zipfile.ZipFile(io.BytesIO(packed.content)).namelist() == ["house/house.usda"]
+    page.patch(f"/api/houses/{house}", json={"shown": 1, "name": "<b>Mine</b>/../x"})
+    assert page.get("/api/houses").json()["houses"][0] | {"made": 0} == {
+        "id": house, "name": "x", "made": 0, "shown": 1,
+    }  # fmt: skip
+    assert page.delete(f"/api/houses/{house}").status_code == 200
+    assert page.get("/api/houses").json() == {"houses": []}
+
+
+def test_twenty_at_once_are_not_mixed_up(page: TestClient) -> None:
+    """All are queued, all are done, and each house is of its own text."""
+    texts = [f"a flat of {20 + number} m²" for number in range(20)]
+    houses = [page.post("/api/houses", json={"text": text}).json()["id"] for text in texts]
+    for house in houses:
+        ask(page, house, "furnish")
+    for house, text in zip(houses, texts, strict=True):
+        until_over(page, house, 2)
+        view = page.get(f"/api/houses/{house}/versions/1/view/view.glb")
+        assert stage_of(view.content) == f"#usda 1.0\n# {text}"
+
+
+def test_what_fails_says_why_and_leaves_nothing(page: TestClient, tmp_path: Path) -> None:
+    house = dropped(page)
+    ask(page, house, "furnish", furniture="impossible")
+    shown = until_over(page, house, 2)
+    assert (shown["jobs"][1]["state"], shown["jobs"][1]["error"]) == ("failed", "finds no place")
+    assert not list((tmp_path / house / "versions").iterdir())
+
+
+def test_jobs_can_be_cancelled(tmp_path: Path) -> None:
+    verbs = StandIn(seconds=30)
+    with TestClient(make_application(tmp_path, run=verbs), base_url=HERE) as page:
+        house = page.post("/api/houses", json={"text": "a flat"}).json()["id"]
+        waiting = ask(page, house, "furnish")
+        assert waiting["ahead"] == 1
+        jobs = page.get(f"/api/houses/{house}").json()["jobs"]
+        for job in jobs:
+            assert page.delete(f"/api/jobs/{job['id']}").status_code == 200
+        shown = until_over(page, house, 2)
+        assert [job["state"] for job in shown["jobs"]] == ["cancelled"] * 2
+
+
+def test_a_server_that_ended_says_so(tmp_path: Path) -> None:
+    with TestClient(make_application(tmp_path, run=StandIn(30)), base_url=HERE) as page:
+        house = page.post("/api/houses", json={"text": "a flat"}).json()["id"]
+    with TestClient(make_application(tmp_path, run=StandIn()), base_url=HERE) as page:
+        (job,) = page.get(f"/api/houses/{house}").json()["jobs"]
+        assert job["state"] == "ended"
+        assert page.post(f"/api/jobs/{job['id']}/again").status_code == 200
+        assert until_over(page, house, 2)["plan"] == 1
+
+
+def test_two_tabs_do_not_lose_a_correction(page: TestClient) -> None:
+    house = dropped(page)
+    until_over(page, house)
+    plan = page.get(f"/api/houses/{house}/plan").json()["plan"]
+    answers = [
+        page.put(f"/api/houses/{house}/plan", json={"base": 1, "plan": plan}) for _ in range(2)
+    ]
+    assert [answer.status_code for answer in answers] == [200, 409]
+
+
+PLACED = [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 0], [0, 0, 0, 1]]
+BED, DESK = "/House/Rooms/Bedroom_0/Furniture/Bed_0", "/House/Rooms/Study_0/Furniture/Desk_0"
+
+
+def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: StandIn) -> None:
+    """As Blender's panel writes it; a room furnished anew keeps what is locked in it."""
+    house = dropped(page)
+    ask(page, house, "furnish")
+    until_over(page, house, 2)
+    address = f"/api/houses/{house}/versions/1/edits"
+    pieces = {
+        BED: {"was": PLACED, "matrix": PLACED},
+        f"{DESK}/Items/Cup_0": {"was": PLACED, "matrix": None},
+        "/House/Rooms/Bedroom_0/Dressing/Rug_0": {"was": PLACED, "matrix": PLACED},
+    }
+    edits = {"pieces": pieces, "locked": [BED]}
+    assert page.put(address, json={"base": 0, "edits": edits}).json() == {"revision": 1}
+    assert page.put(address, json={"base": 0, "edits": edits}).status_code == 409
+    kept = page.get(address).json()
+    assert (kept["edits"]["pieces"], kept["edits"]["locked"]) == (pieces, [BED])
+
+    ask(page, house, "refurnish", version=1, room="Bedroom_0", keep=["Bed_0"])
+    ask(page, house, "check", version=1)
+    until_over(page, house, 4)
+    assert verbs.lines[-1][1].endswith("house.edits.usda")
+    assert any(word.startswith("--edits=") for word in verbs.lines[-3])
+    carried = page.get(f"/api/houses/{house}/versions/2/edits").json()["edits"]
+    assert set(carried["pieces"]) == {BED, f"{DESK}/Items/Cup_0"}
+    assert page.put(address, json={"base": 1, "edits": {}}).status_code == 200
+    assert page.get(address).json()["edits"]["pieces"] == {}
+
+
+@pytest.mark.parametrize(
+    "edits",
+    [
+        {"pieces": {'/House" { } def "x': {"was": PLACED, "matrix": PLACED}}},
+        {"pieces": {f"{BED}/../..": {"was": PLACED, "matrix": PLACED}}},
+        {"pieces": {BED: {"was": PLACED, "matrix": [[1, 2], [3, 4]]}}},
+        {"pieces": {BED: {"was": PLACED, "matrix": [[1e9] * 4] * 4}}},
+        {"locked": ["/Elsewhere"]},
+        [],
+    ],
+)
+def test_odd_changes_are_refused(page: TestClient, edits: Any) -> None:
+    house = dropped(page)
+    ask(page, house, "furnish")
+    until_over(page, house, 2)
+    answer = page.put(f"/api/houses/{house}/versions/1/edits", json={"base": 0, "edits": edits})
+    assert answer.status_code == 400
+
+
+REFUSED: list[tuple[str, dict[str, str], int]] = [
+    ("another name", {"host": "evil.example:8321"}, 403),
+    ("no name", {"host": ""}, 403),
+    ("another page", {"origin": "http://evil.example"}, 403),
+    ("a file", {"origin": "null"}, 403),
+    ("another port", {"origin": "http://127.0.0.1:9999"}, 403),
+    ("a form", {"sec-fetch-site": "cross-site"}, 403),
+]
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"), [r[1:] for r in REFUSED], ids=[r[0] for r in REFUSED]
+)
+def test_requests_from_elsewhere_are_refused(
+    page: TestClient, headers: dict[str, str], status: int
+) -> None:
+    assert page.post("/api/houses", json={"text": "a"}, headers=headers).status_code == status
+    assert page.get("/api/houses").json() == {"houses": []}
+    assert page.get("/api/houses", headers={"origin": HERE}).status_code == 200
+
+
+def test_another_interface_asks_for_the_token(tmp_path: Path) -> None:
+    app = make_application(tmp_path, host="0.0.0.0", token="secret", run=StandIn())
+    with TestClient(app, base_url="http://192.168.0.2:8321", follow_redirects=False) as page:
+        assert page.get("/").status_code == 401
+        assert page.get("/?token=wrong").status_code == 401
+        assert page.get("/", headers={"host": "evil.example"}).status_code == 403
+        came = page.get("/?token=secret")
+        assert (came.status_code, came.headers["location"]) == (303, "/")
+        assert "HttpOnly" in came.headers["set-cookie"]
+        assert "SameSite=strict" in came.headers["set-cookie"]
+        assert page.get("/").status_code == 200
+
+
+BAD: list[tuple[str, str, bytes, int]] = [
+    ("another kind", "plan.exe", PNG, 415),
+    ("no suffix", "plan", PNG, 415),
+    ("a wrong suffix", "plan.pdf", PNG, 415),
+    ("nothing", "plan.png", b"", 415),
+    ("a script", "plan.png", b"<script>", 415),
+]
+
+
+@pytest.mark.parametrize(("name", "data", "status"), [b[1:] for b in BAD], ids=[b[0] for b in BAD])
+def test_bad_uploads_are_refused(
+    page: TestClient, tmp_path: Path, name: str, data: bytes, status: int
+) -> None:
+    answer = page.post("/api/houses", params={"name": name}, content=data)
+    assert answer.status_code == status
+    assert answer.json()["error"]
+    assert page.get("/api/houses").json() == {"houses": []}
+    assert [p.name for p in tmp_path.iterdir() if not p.name.startswith(".")] == []
+
+
+def test_large_uploads_are_refused_early(page: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what they say of themselves, and else as soon as they are too large."""
+    headers = {"content-length": str(200 * 2**20)}
+    answer = page.post("/api/houses", params={"name": "a.png"}, content=PNG, headers=headers)
+    assert answer.status_code == 413
+    monkeypatch.setattr(uploads, "MOST_BYTES", 1000)
+    taken: list[int] = []
+
+    def endless() -> Iterator[bytes]:
+        for _ in range(100):
+            taken.append(1)
+            yield PNG[:500]
+
+    answer = page.post("/api/houses", params={"name": "a.png"}, content=endless())
+    assert answer.status_code == 413
+    assert page.get("/api/houses").json() == {"houses": []}
+
+
+def test_names_never_become_paths(page: TestClient, tmp_path: Path) -> None:
+    house = dropped(page, "../../etc/<script>alert(1)</script>\0\n.png")
+    assert [p.name for p in (tmp_path / house).iterdir() if p.name.startswith("source")] == [
+        "source.png"
+    ]
+    for path in ("../house.json", "..%2f..%2fhouse.json", "house.json"):
+        for kind in ("view", "packs", "pictures"):
+            answer = page.get(f"/api/houses/{house}/versions/1/{kind}/{path}")
+            assert answer.status_code == 404
+    for name in ("../application.py", "..%2fapplication.py", "%2e%2e/gate.py"):
+        assert page.get(f"/page/{name}").status_code == 404
+    assert page.get("/api/houses/..").status_code in (404, 200)
+    assert page.get("/api/houses/..%2f..").status_code == 404
+
+
+def test_a_full_disk_is_told(page: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(uploads, "LEAST_FREE_BYTES", 2**62)
+    answer = page.post("/api/houses", params={"name": "a.png"}, content=PNG)
+    assert answer.status_code == 507
+    assert "MB left" in answer.json()["error"]
+
+
+ODD: list[dict[str, Any]] = [
+    {"kind": "shell", "given": {}},
+    {"kind": "pack", "given": {"version": 1, "for": "../x"}},
+    {"kind": "render", "given": {"version": 1, "camera": "Top", "quality": "best"}},
+    {"kind": "render", "given": {"version": 1}},
+    {"kind": "furnish", "given": {"seed": {"a": 1}}},
+    {"kind": "furnish", "given": {"furniture": "x" * 3000}},
+    {"kind": "furnish", "given": []},
+    {},
+]
+
+
+@pytest.mark.parametrize("body", ODD, ids=lambda body: json.dumps(body)[:40])
+def test_odd_jobs_are_refused(page: TestClient, body: dict[str, Any]) -> None:
+    house = dropped(page)
+    assert page.post(f"/api/houses/{house}/jobs", json=body).status_code == 400
+
+
+def test_the_page_loads_nothing_from_elsewhere(page: TestClient) -> None:
+    """What the page is made of lies in the package, and a policy says so to the browser."""
+    first = page.get("/")
+    assert "default-src 'self'" in first.headers["content-security-policy"]
+    seen, left = set(), re.findall(r'(?:src|href)="(/page/[^"]+)"', first.text)
+    while left:
+        address = left.pop()
+        if address not in seen:
+            seen.add(address)
+            answer = page.get(address)
+            assert answer.status_code == 200, address
+            if address != "/page/three.js":
+                names = re.findall(r'(?:from|import)\s*\(?"\./([^"]+)"', answer.text)
+                left += [f"/page/{name}" for name in names]
+                assert not re.findall(r"https?://(?!www\.w3\.org)", answer.text), address
+    assert {"/page/main.js", "/page/style.css", "/page/three.js"} <= seen
+
+
+def started(root: Path, *more: str) -> tuple[subprocess.Popen[str], str]:
+    words = [sys.executable, "-m", "chord_usd", "serve", "--root", str(root), "--port", "0", *more]
+    server = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert server.stdout
+    return server, server.stdout.readline().strip()
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Callable[..., tuple[subprocess.Popen[str], str]]]:
+    running: list[subprocess.Popen[str]] = []
+
+    def start(*more: str) -> tuple[subprocess.Popen[str], str]:
+        process, address = started(tmp_path / "houses", *more)
+        running.append(process)
+        return process, address
+
+    yield start
+    for process in running:
+        process.kill()
+        process.communicate()
+
+
+def test_the_verb_serves_lightly_and_ends_in_order(
+    server: Callable[..., tuple[subprocess.Popen[str], str]],
+) -> None:
+    process, address = server()
+    port = int(address.rstrip("/").rpartition(":")[2])
+    with socket.create_connection(("127.0.0.1", port)) as line:
+        line.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n")
+        assert line.recv(12) == b"HTTP/1.1 200"
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    assert int(re.search(r"VmRSS:\s+(\d+) kB", status)[1]) < 250 * 1024  # type: ignore[index]
+    second, nothing = server()
+    assert (second.wait(10), nothing) == (2, "")
+    assert "another server has this folder" in second.stderr.read()  # type: ignore[union-attr]
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(10) == 0
+
+
+def test_a_port_in_use_is_an_error(
+    server: Callable[..., tuple[subprocess.Popen[str], str]],
+) -> None:
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        process, _ = server("--port", str(other.getsockname()[1]))
+        assert process.wait(10) == 2
+        assert "Try: --port 0" in process.stderr.read()  # type: ignore[union-attr]
