@@ -1,4 +1,4 @@
-"""Chairs at their tables: drawn out until nothing of them runs into the table.
+"""Chairs at their tables: drawn out until nothing of them runs into the table, or left out.
 
 A layout tells how far a chair is pushed under a table, seen from above; whether its back passes
 over the top and its legs stand between the table's is told by the meshes alone. So a chair that
@@ -63,7 +63,7 @@ class Table:
 
 
 def draw_out_chairs(work: Arrangement) -> SceneGraph:
-    """The house with every chair clear of its table, where there is room for that.
+    """The house with every chair clear of its table, and without those that have no room for that.
 
     Items whose mesh is not there stay. Raises StageError for one that cannot be opened.
     """
@@ -78,7 +78,11 @@ def draw_out_chairs(work: Arrangement) -> SceneGraph:
     items = {item.id: item for item in graph.items}
     for chair, near in caught:
         free = work.free_places(chair, items.values())
-        items[chair.id] = _drawn_out(chair, near, free)
+        clear = _drawn_out(chair, near, free)
+        if clear is None:
+            del items[chair.id]
+        else:
+            items[chair.id] = clear
     return replace(graph, items=tuple(items.values()))
 
 
@@ -92,12 +96,12 @@ def has_mesh(item: Item) -> bool:
     return item.asset is not None and item.asset.usd_path.is_file()
 
 
-def _drawn_out(chair: Item, tables: Sequence[Table], free: FreePlaces) -> Item:
-    """The chair at the nearest free place; where it is, if there is none."""
+def _drawn_out(chair: Item, tables: Sequence[Table], free: FreePlaces) -> Item | None:
+    """The chair at the nearest free place, if there is one."""
     for box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
         if free.has(box) and not runs_into(box, chair, tables):
             return replace(chair, box=box)
-    return chair
+    return None
 
 
 def runs_into(box: Box, chair: Item, tables: Sequence[Table]) -> bool:

@@ -8,15 +8,17 @@ from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.metrics.violations import Violation, violations
 from chord_usd.scene.types import SceneGraph
 
+_NEVER_BUILT = ("overlap", "before an opening", "undersized")
+
 
 def clashes(graph: SceneGraph) -> list[Violation]:
-    """Pieces in each other and before openings."""
-    return [one for one in violations(graph) if one.kind in ("overlap", "before an opening")]
+    """Pieces in each other, before openings, and those too small to be pieces."""
+    return [one for one in violations(graph) if one.kind in _NEVER_BUILT]
 
 
 def leave_out(work: Arrangement) -> SceneGraph:
-    """The house without pieces that stand in others or before openings and can best be done
-    without.
+    """The house without undersized pieces, and without those that stand in others or before
+    openings and can best be done without.
 
     Of those in each other's way the one goes without which least is wrong, of equal ones the
     smaller. What a room cannot do without stays before a window, not before a door or in another
@@ -39,6 +41,7 @@ def leave_out(work: Arrangement) -> SceneGraph:
 
 
 def _shut_in(graph: SceneGraph, found: Iterable[Violation]) -> set[str]:
-    """Ids of pieces that stand in others, or before doors and passages: nobody gets by."""
+    """Ids of pieces that are undersized or in others, or before doors and passages: nobody gets
+    by."""
     windows = {opening.id for opening in graph.openings if opening.kind == "window"}
     return {item_id for one in found if one.other not in windows for item_id in one.items}

@@ -6,7 +6,7 @@ and beside a door stands in the casing, what is nearly as high as a window in it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,7 @@ import shapely
 from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.metrics.clear_floor import sides_of
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.scene.geometry import footprint_polygon, to_own
+from chord_usd.scene.geometry import footprint_polygon, front_direction, to_own
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.places import FreePlaces
 from chord_usd.scene.trim import boards, casings
@@ -24,6 +24,9 @@ from chord_usd.scene.units import rotation_2d
 
 _GAP_M = 0.001
 """Left between a piece and a casing."""
+
+_MOST_CUT = 0.05
+"""Of a side, where a piece has no room to move: as much as meshes are stretched (graph.fit)."""
 
 
 def clear_trim(work: Arrangement) -> SceneGraph:
@@ -35,7 +38,8 @@ def clear_trim(work: Arrangement) -> SceneGraph:
     tree = shapely.STRtree([footprint_polygon(one) for one in trim])
     items = {item.id: item for item in graph.items}
     for item in graph.items:
-        if category(item.category).mount is not Mount.FLOOR or not work.may_move(item):
+        mount = category(item.category).mount
+        if mount not in (Mount.FLOOR, Mount.WALL) or not work.may_move(item):
             continue
         near = [trim[index] for index in sorted(tree.query(footprint_polygon(item.box)))]
         if _is_in(item.box, near):
@@ -63,15 +67,35 @@ def _is_in(box: Box, trim: Sequence[Box]) -> bool:
 
 
 def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
-    """The piece moved as little as clears all trim; where it is, if nothing does."""
+    """The piece moved as little as clears all trim, or cut a little; as it is, if nothing does.
+
+    What hangs on a wall moves along it.
+    """
     moves = [move for one in trim for move in _ways_out(item.box, one)]
     moves += [one + other for one in moves for other in moves if abs(one @ other) < 1e-9]
-    x_m, y_m, z_m = item.box.center_m
-    for move in sorted(moves, key=lambda move: float(np.hypot(*move))):
-        box = replace(item.box, center_m=(x_m + float(move[0]), y_m + float(move[1]), z_m))
+    if category(item.category).mount is Mount.WALL:
+        front = front_direction(item.box.yaw_deg)
+        moves = [move for move in moves if abs(front @ move) < _GAP_M]
+    moves.sort(key=lambda move: float(np.hypot(*move)))
+    for box in (*(_moved(item.box, move) for move in moves), *_cuts(item.box, moves)):
         if free.has(box) and not _is_in(box, trim):
             return replace(item, box=box)
     return item
+
+
+def _moved(box: Box, move: FloatArray) -> Box:
+    x_m, y_m, z_m = box.center_m
+    return replace(box, center_m=(x_m + float(move[0]), y_m + float(move[1]), z_m))
+
+
+def _cuts(box: Box, moves: Sequence[FloatArray]) -> Iterator[Box]:
+    """The box without what sticks out of it when it is moved so, at most _MOST_CUT of a side."""
+    for move in moves:
+        cut = np.abs(rotation_2d(box.yaw_deg).T @ move)
+        if np.all(cut <= _MOST_CUT * np.array(box.size_m[:2])):
+            length_m, width_m = np.array(box.size_m[:2]) - cut
+            size_m = (float(length_m), float(width_m), box.size_m[2])
+            yield replace(_moved(box, move / 2), size_m=size_m)
 
 
 def _ways_out(box: Box, trim: Box) -> list[FloatArray]:

@@ -100,11 +100,11 @@ def _even_sets(work: Arrangement) -> SceneGraph:
 
 
 def _sets(items: Sequence[Item]) -> list[list[Item]]:
-    """The chairs of each table, without scraps of chairs."""
+    """The chairs of each table, without undersized chairs."""
     row = category(SEAT)
     sets: defaultdict[str, list[Item]] = defaultdict(list)
     for item in items:
-        if item.category == SEAT and not row.is_scrap(item.box.size_m):
+        if item.category == SEAT and not row.is_undersized(item.box.size_m):
             table = _table_of(item, items)
             if table is not None:
                 sets[table.id].append(item)

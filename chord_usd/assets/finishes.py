@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 
 Surface = Literal[
-    "plain", "wood", "weave", "linen", "crumpled", "knit", "boucle", "velvet", "leather", "brushed", "stone",
-    "marble", "quartz", "ceramic", "concrete", "terracotta", "rattan", "paper", "leaf", "bark",
-    "soil", "polished", "powder", "patina", "glaze", "moulded", "peel", "kernels",
+    "plain", "wood", "weave", "linen", "crumpled", "knit", "boucle", "velvet", "leather", "brushed",
+    "stone", "marble", "quartz", "ceramic", "concrete", "terracotta", "rattan", "paper", "leaf",
+    "bark", "soil", "polished", "powder", "patina", "glaze", "moulded", "peel", "kernels",
 ]  # fmt: skip
 """What a finish is made of, and so which maps are drawn for it; plain has none."""
 

@@ -79,7 +79,9 @@ def crumpled(rng: np.random.Generator, px: int) -> Pattern:
     for lowest, highest, high_m in ((3, 9, 0.004), (8, 18, 0.0016), (16, 32, 0.0004)):
         for sign in (1.0, -1.0):
             folded = np.abs(spectral_noise(rng, shape, slope=0.8, lowest=lowest, highest=highest))
-            there = smoothstep(-1.6, 1.4, spectral_noise(rng, shape, slope=0.8, lowest=2, highest=7))
+            there = smoothstep(
+                -1.6, 1.4, spectral_noise(rng, shape, slope=0.8, lowest=2, highest=7)
+            )
             height_m += sign * high_m * there * folded
     height_m = blurred(shifted_samples(height_m, rows, columns), px / 320)
     hollow = height_m - blurred(height_m, px / 24)

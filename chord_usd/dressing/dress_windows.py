@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import nearest_length, stretched, within
 from chord_usd.dressing.wall_faces import Hole, WallFace
-from chord_usd.scene.trim import HANDLE_M
+from chord_usd.scene.trim import BOARD_FROM_M, BOARD_M, HANDLE_M
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box
 
 CURTAINED = ("living", "dining", "bedroom", "study", "unknown")
@@ -202,7 +202,8 @@ def _blind(frame: RoomFrame, face: WallFace, hole: Hole, topic: str) -> bool:
     free_m = hole.opening.box.size_m[1] / 2 - HANDLE_M - _CLEAR_M
     low, high = max(hole.left_m, 0.0), min(hole.right_m, face.length_m)
     width = high - low - 2 * _REVEAL_SIDE_M
-    tall = hole.high_m - hole.low_m - _IN_WALL_M
+    board_m = BOARD_M[0] if hole.low_m >= BOARD_FROM_M else 0.0
+    tall = hole.high_m - hole.low_m - board_m - _IN_WALL_M
     blinds = within(frame.stock.offered("blind"), (9.0, free_m + _BLIND_PROUD_M, tall * 1.15))
     blinds = list(frame.stock.family(blinds, "blind"))
     if not blinds or width < 0.3:

@@ -125,7 +125,7 @@ def _between(
 
 
 def faces_of(room: Room, openings: Sequence[Opening], floors: Floors) -> tuple[WallFace, ...]:
-    """The walls of a room, counter-clockwise as its sides are; scraps are left out.
+    """The walls of a room, counter-clockwise as its sides are; slivers are left out.
 
     floors: those of all rooms.
     """

@@ -2,8 +2,8 @@
 
 A room is complete when it holds the essentials of its kind, and right when, beyond that, cabinets
 have their back to a wall, chairs stand at a table and face it, sofas face a table or television and
-the television of a living room faces a seat. Rooms of the kinds in ESSENTIALS are judged; a house
-is complete, or right, when every judged room of it is.
+the television of a living room faces a seat; an undersized piece is none. Rooms of the kinds in
+ESSENTIALS are judged; a house is complete, or right, when every judged room of it is.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import shapely
 
 from chord_usd.metrics.footprints import PolygonArray
 from chord_usd.scene.geometry import footprint, front_direction, room_polygon, room_sides
+from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import FloatArray, Item, Room, RoomKind, SceneGraph
 
 SEATS = frozenset(("sofa", "single_sofa", "leisure_sofa"))
@@ -75,8 +76,9 @@ BACK_DEG, CHAIR_DEG, SOFA_DEG, TELEVISION_DEG = 12.0, 46.0, 50.0, 60.0
 
 Fault = Literal[
     "off its wall", "without a table", "turned from its table", "facing nothing", "turned away",
-    "facing no seat",
+    "facing no seat", "undersized",
 ]  # fmt: skip
+UNDERSIZED: Fault = "undersized"
 
 
 @dataclass(frozen=True)
@@ -147,11 +149,19 @@ def lacking(kind: RoomKind, area_m2: float, categories: Iterable[str]) -> tuple[
 
 
 def _missing(room: Room, house: _House) -> tuple[str, ...]:
-    own = [item.category for item in house.items if item.room_id == room.id]
+    own = [
+        item.category for item in house.items if item.room_id == room.id and not is_undersized(item)
+    ]
     missing = lacking(room.kind, room_polygon(room).area, own)
     if room.kind == "dining" and not missing and house.diners(room) < DINERS:
         return (TWO_CHAIRS,)
     return missing
+
+
+def is_undersized(item: Item) -> bool:
+    """Whether a piece is too small to be one, as what the painter leaves of it before a door."""
+    row = CATEGORIES.get(item.category)
+    return row is not None and row.is_undersized(item.box.size_m)
 
 
 class _House:
@@ -195,6 +205,8 @@ class _House:
     def _faults(
         self, item: Item, kind: RoomKind, sides: Sequence[tuple[FloatArray, FloatArray]]
     ) -> Iterator[Fault | None]:
+        if is_undersized(item):
+            yield UNDERSIZED
         if item.category in WALLED and not has_back_to_wall(item, sides):
             yield "off its wall"
         if item.category == "chair":

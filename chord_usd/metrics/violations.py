@@ -14,16 +14,19 @@ from typing import Literal
 import shapely
 
 from chord_usd.metrics.clear_floor import blocked_openings
-from chord_usd.metrics.complete import ESSENTIALS, Homely, homely_rooms
+from chord_usd.metrics.complete import ESSENTIALS, UNDERSIZED, Homely, homely_rooms
 from chord_usd.metrics.overlap import Overlap, scene_overlap
 from chord_usd.metrics.rooms import out_of_room
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import Item, Room, SceneGraph
 
-Kind = Literal["overlap", "out of room", "before an opening", "misplaced", "missing"]
+Kind = Literal[
+    "overlap", "out of room", "before an opening", "undersized", "misplaced", "missing"
+]  # fmt: skip
 
 WEIGHTS: Mapping[Kind, float] = {
-    "overlap": 1.0, "out of room": 1.0, "before an opening": 0.3, "misplaced": 0.2, "missing": 1.0,
+    "overlap": 1.0, "out of room": 1.0, "before an opening": 0.3, "undersized": 0.5,
+    "misplaced": 0.2, "missing": 1.0,
 }  # fmt: skip
 """What each weighs beside a square metre of overlap."""
 
@@ -77,7 +80,10 @@ def violations(
         for one in blocked_openings(graph)
     ]
     for room in homely_rooms(graph) if homely is None else homely:
-        found += [Violation("misplaced", room.room, one.item, one.fault) for one in room.misplaced]
+        found += [
+            Violation("undersized" if one.fault == UNDERSIZED else "misplaced", room.room, one.item,
+                      one.fault) for one in room.misplaced
+        ]  # fmt: skip
         found += [Violation("missing", room.room, other=name) for name in room.missing]
     return found
 

@@ -59,8 +59,8 @@ class Mount(Enum):
     """Stands on a shelf, a sill, a worktop."""
 
 
-SCRAP_SHARE = 0.6
-"""What is shorter or narrower than this share of the smallest usual piece is a scrap of one."""
+UNDERSIZED_SHARE = 0.7
+"""What is shorter or narrower than this share of the smallest usual piece is too small for one."""
 
 
 @dataclass(frozen=True)
@@ -84,10 +84,11 @@ class Category:
     supports: bool = False
     """Tabletop items may stand on it."""
 
-    def is_scrap(self, size_m: tuple[float, float, float]) -> bool:
+    def is_undersized(self, size_m: tuple[float, float, float]) -> bool:
         """Whether what was painted is too short or too narrow to be one of these."""
-        length_m, width_m, _ = size_m
-        return length_m < SCRAP_SHARE * self.length_m[0] or width_m < SCRAP_SHARE * self.width_m[0]
+        least_m = self.length_m[0], self.width_m[0]
+        pairs = zip(size_m, least_m, strict=False)
+        return any(side < UNDERSIZED_SHARE * least for side, least in pairs)
 
 
 def _rgb(code: str) -> Rgb:

@@ -94,12 +94,12 @@ def test_chairs_of_a_table_take_the_middle_of_their_sizes() -> None:
     assert sizes_m(seated(*chairs)) == sizes_m(chairs), "without a table they are no set"
 
 
-def test_no_chair_is_a_doll_s_but_scraps_are_left_to_be_told() -> None:
+def test_no_chair_is_a_doll_s_but_undersized_ones_are_left_to_be_told() -> None:
     row = category("chair")
     least = (row.length_m[0], row.width_m[0])
     small = sized(0.0, 0.6, 0.28, 0.36, "small")
-    scrap = sized(0.6, -0.6, 0.18, 0.2, "scrap")
-    assert sizes_m(seated(TABLE, small, scrap)) == [pytest.approx(least), (0.18, 0.2)]
+    speck = sized(0.6, -0.6, 0.18, 0.2, "speck")
+    assert sizes_m(seated(TABLE, small, speck)) == [pytest.approx(least), (0.18, 0.2)]
 
 
 @pytest.mark.parametrize("gap_m", [0.01, 0.2])

@@ -42,6 +42,8 @@ _SLAB_M = 0.045
 _BOWL_DEEP_M = 0.115
 _PLINTH_M = 0.16
 _TWO_BOWLS_FROM_M = 1.15
+_TAP_M = 0.078
+"""From the back to the middle of a tap: a window board may stand out of the wall behind it."""
 
 VesselKind = Literal["round", "oblong", "stone"]
 
@@ -126,7 +128,7 @@ def vanity(
     sunk = [sunk_bowl(bowl_l, bowl_w, _BOWL_DEEP_M, 0.07).moved(x, at_y, height) for x in places]
     felt = _felt_sunk(bowl_l, bowl_w, _BOWL_DEEP_M, _SLAB_M)
     drains = [_drain(x, at_y, height - _BOWL_DEEP_M - 0.001) for x in places]
-    taps = [basin_tap(tap).moved(x, width / 2 - 0.055, height - 0.001) for x in places]
+    taps = [basin_tap(tap).moved(x, width / 2 - _TAP_M, height - 0.001) for x in places]
     foot = block((length * 0.86, width - 0.16, _PLINTH_M + 0.002)).moved(y=0.075)
     return (
         _open_case(length - 0.004, y, width / 2 - 0.001, _PLINTH_M, top),
@@ -248,7 +250,7 @@ def console(size_m: Size) -> tuple[Part, ...]:
             for sx in (-1, 1)
         ]
     board = block((2 * x - leg_m, 2 * y - leg_m, 0.022), 0.002).moved(z=0.2185)
-    taps = [basin_tap("cross", 0.15).moved(at, width / 2 - 0.05, height - 0.001) for at in places]
+    taps = [basin_tap("cross", 0.15).moved(at, width / 2 - _TAP_M, height - 0.001) for at in places]
     pipe = [
         tube([[at, 0.02, height - slab - 0.005], [at, 0.02, height - slab - 0.13]], 0.016, 12)
         + cylinder(0.03, 0.07, 0.004, 18).moved(at, 0.02, height - slab - 0.19)
@@ -332,7 +334,7 @@ def pedestal_basin(size_m: Size, *, tap: BasinTap = "lever") -> tuple[Part, ...]
         Part("Drain", _drain(0.0, -width * 0.085, height - 0.1365), "metal", collider=None),
         Part(
             "Tap",
-            basin_tap(tap, 0.11).moved(y=width / 2 - 0.045, z=height - 0.002),
+            basin_tap(tap, 0.11).moved(y=width / 2 - _TAP_M, z=height - 0.002),
             "metal",
             collider=None,
             above=True,
