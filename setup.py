@@ -11,8 +11,14 @@ setup(
     packages=[*find_packages(include=["chord_usd*"]), *SHIPPED],
     package_dir=SHIPPED,
     package_data={
-        "chord_usd": ["py.typed", "planning/*.onnx", "scene/*.tsv", "assets/cloth/*.npz",
-                      "page/static/*"],
+        "chord_usd": [
+            "py.typed",
+            "planning/*.onnx",
+            "scene/*.tsv",
+            "data/*.tsv",
+            "assets/cloth/*.npz",
+            "page/static/*",
+        ],
         **{name: ["**/*"] for name in SHIPPED},
     },
     include_package_data=False,

@@ -94,6 +94,7 @@ class Arrangement:
         """Whether a piece may move, or go."""
         return self.movable is None or item.id in self.movable
 
-    def free_places(self, item: Item, among: Iterable[Item]) -> FreePlaces:
-        """Where a piece may stand among others, in its room and before no opening."""
-        return free_places(item, self.floors.get(item.room_id), among, self.shell.clear)
+    def free_places(self, item: Item, among: Iterable[Item], *, anew: bool = False) -> FreePlaces:
+        """Where a piece may stand among others, in its room and before no opening. anew: also where
+        it stands on something now, that is taken."""
+        return free_places(item, self.floors.get(item.room_id), among, self.shell.clear, anew=anew)

@@ -19,6 +19,7 @@ from chord_usd.arrange.free_floor import kept_off
 from chord_usd.arrange.left_askew import RULE as ASKEW
 from chord_usd.arrange.left_askew import leave_askew
 from chord_usd.arrange.left_out import leave_out
+from chord_usd.arrange.moved_aside import move_aside
 from chord_usd.arrange.off_trim import clear_trim
 from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
@@ -30,8 +31,8 @@ from chord_usd.scene.oriented_rect import Footprint
 from chord_usd.scene.palette import category
 from chord_usd.scene.types import Box, Edit, Item, SceneGraph
 
-When = Literal["read", "drawn", "meshed"]
-"""A layout was read; no more is drawn; meshes are at hand."""
+When = Literal["read", "given", "drawn", "meshed"]
+"""A layout was read; boxes came from elsewhere; no more is drawn; meshes are at hand."""
 
 _SAME = 1e-6
 """Metres and degrees."""
@@ -143,6 +144,7 @@ RULES: tuple[Rule, ...] = (
     Rule("off the floor before openings", "read", _off_free_floor),
     Rule("below window sills", "read", _below_sills),
     Rule("chairs face tables, in sets", "read", seat_chairs),
+    Rule("moved aside", "given", move_aside),
     Rule("what stands in the way left out", "drawn", leave_out),
     Rule("panels on their walls", "meshed", hang_on_walls),
     Rule("off casings and sills", "meshed", clear_trim),

@@ -103,18 +103,24 @@ def _add_import(group: Verbs) -> None:
         "source",
         type=Path,
         metavar="SOURCE",
-        help="CHOrD JSON, 3D-FRONT, ProcTHOR or flats: a folder, a .json, a .jsonl or .jsonl.gz",
+        help="CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR or flats: a folder, a .json, a .npz, a .jsonl, "
+        "a .jsonl.gz",
     )
     reader.add_argument(
         "--models",
         type=Path,
         metavar="JSON",
-        help="3D-FUTURE's model_info.json or ProcTHOR's asset-database.json",
+        help="3D-FUTURE's model_info.json, ProcTHOR's asset-database.json or ATISS's "
+        "dataset_stats.txt",
     )
     add_output_folder(reader, "folder for the houses")
     reader.add_argument(
         "--furnish", action="store_true", help="furnish plans that hold no furniture"
     )
+    reader.add_argument(
+        "--arrange", action="store_true",
+        help="move pieces out of each other, of walls and off openings, or else leave them out",
+    )  # fmt: skip
     _add_statistics(reader)
     add_seed(reader)
 
@@ -153,25 +159,39 @@ def run_import(options: argparse.Namespace) -> Outcome:
 
     from chord_usd.data.foreign import Models, foreign_houses, read_models_file
     from chord_usd.data.furnish import furnish
+    from chord_usd.pipeline import arrange_given
 
     models = read_models_file(existing_file(options.models)) if options.models else Models()
     if not options.source.is_dir():
         existing_file(options.source)
     reading, lacks = _Reading(), _Lacking()
     watch = stopwatch(options)
+    arranged = {"pieces": 0, "moved": 0, "left_out": 0}
     with output_folder(options.output, folder_mode(options)) as folder, watch.step("import"):
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
                 rng = np.random.default_rng((options.seed, reading.count))
                 scene = furnish(scene.plan, rng, options.statistics)
                 lacks.note(name, scene)
+            if options.arrange:
+                arranged["pieces"] += len(scene.items)
+                scene, given = arrange_given(scene), len(scene.items)
+                arranged["moved"] += sum(bool(item.facts.edits) for item in scene.items)
+                arranged["left_out"] += given - len(scene.items)
             _write_house(scene, folder / name, rasters=False)
         reading.refuse_none(options.source)
     data = {
         "folder": str(options.output), "houses": reading.count, "lacking": lacks.rooms,
         "seconds": watch.seconds,
     }  # fmt: skip
-    outcome = reading.outcome(f"{options.output}: {reading.count} houses", data)
+    text = f"{options.output}: {reading.count} houses"
+    if options.arrange:
+        data["arranged"] = arranged
+        text += (
+            f"; of {arranged['pieces']} pieces {arranged['moved']} moved, "
+            f"{arranged['left_out']} left out"
+        )
+    outcome = reading.outcome(text, data)
     return replace(outcome, warnings=[*outcome.warnings, *lacks.warnings()])
 
 

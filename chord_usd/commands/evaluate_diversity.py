@@ -7,11 +7,13 @@ import argparse
 from chord_usd.commands.common import Outcome, Verbs, add_verb, stopwatch, whole_number
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
+    add_drawer,
     add_plans,
     add_report,
     add_sampling,
     load_cases,
     load_layout_model,
+    load_lists_of,
     sampling_of,
     told,
 )
@@ -23,6 +25,7 @@ def add(group: Verbs) -> None:
     add_plans(parser, count=3)
     add_checkpoint(parser)
     add_sampling(parser)
+    add_drawer(parser)
     parser.add_argument(
         "--seeds", type=whole_number(2, 10_000), default=8, metavar="N", help="layouts per plan (8)"
     )
@@ -40,9 +43,16 @@ def run(options: argparse.Namespace) -> Outcome:
     warnings = cases.warnings
     with watch.step("load"):
         model = load_layout_model(options)
+        lists = load_lists_of(options, model)
     with watch.step("layout") as progress:
         scores, sheet = diversity.measure_diversity(
-            model, cases.cases, sampling_of(options), options.seeds, progress, warnings.append
+            model,
+            cases.cases,
+            sampling_of(options),
+            options.seeds,
+            lists,
+            progress,
+            warnings.append,
         )
     data = {**diversity.as_data(scores), "seconds": watch.seconds}
     markdown = diversity.as_markdown(scores)

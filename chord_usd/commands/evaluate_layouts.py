@@ -10,31 +10,31 @@ from typing import TYPE_CHECKING
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
-    add_lists,
     add_verb,
     stopwatch,
     whole_number,
 )
 from chord_usd.commands.evaluate_options import (
     add_checkpoint,
+    add_drawer,
     add_fid,
     add_plans,
     add_report,
     add_sampling,
     load_cases,
+    load_drawer,
     load_encoder,
     load_layout_model,
+    load_lists_of,
     sampling_of,
     told,
 )
-from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.progress import Stopwatch
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases
     from chord_usd.evaluation.layouts import Furnished, Sampling
     from chord_usd.evaluation.realism import Encoder, Realism
-    from chord_usd.lists.list_sampler import ListDrawer
 
 
 def add(group: Verbs) -> None:
@@ -51,11 +51,7 @@ def add(group: Verbs) -> None:
     parser.add_argument(
         "--furnisher", action="store_true", help="score the training data's furnisher instead"
     )
-    parser.add_argument(
-        "--lists", type=Path, metavar="DIR",
-        help="start from the lists of this checkpoint of train lists (the shipped one)",
-    )  # fmt: skip
-    add_lists(parser)
+    add_drawer(parser)
     parser.add_argument(
         "--unpainted", type=whole_number(1, 100), metavar="N",
         help="score the lists alone, nothing painted, of each room the best of N",
@@ -112,30 +108,19 @@ def _furnished(
             made_by = str(options.source) if options.source else "furnisher"
             return list(layouts.drawn(cases.cases, sampling)), made_by, replace(sampling, steps=0)
     if options.unpainted:
-        drawer = _drawer(options)
+        drawer = load_drawer(options)
         with watch.step("list"):
             found = list(layouts.listed(drawer, cases.cases, sampling, options.unpainted))
         return found, drawer.content_hash, replace(sampling, steps=0)
     with watch.step("load"):
         model = load_layout_model(options)
-        lists = _drawer(options) if model.config.draft and not options.no_list else None
+        lists = load_lists_of(options, model)
     sampling = sampling.settled(model.config)
     with watch.step("layout") as progress:
         furnished = list(
             layouts.sampled(model, cases.cases, sampling, lists, progress, warn=warnings.append)
         )
-    made_by = model.checkpoint.content_hash + (
-        f" from lists of {lists.content_hash}" if lists else ""
-    )
-    return furnished, made_by, sampling
-
-
-def _drawer(options: argparse.Namespace) -> ListDrawer:
-    from chord_usd.lists.list_sampler import load_lists
-    from chord_usd.lists.pieces import PIECES
-    from chord_usd.pipeline import LISTS_CHECKPOINT
-
-    return load_lists(options.lists or checkpoint_folder(LISTS_CHECKPOINT), PIECES)
+    return furnished, layouts.made_by(model, lists), sampling
 
 
 def _realism(

@@ -13,6 +13,7 @@ from chord_usd.commands.common import (
     Parser,
     UsageError,
     add_device,
+    add_lists,
     add_seed,
     add_steps,
     existing_file,
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from chord_usd.evaluation.layouts import Sampling
     from chord_usd.evaluation.realism import Encoder
     from chord_usd.layout.sample import LayoutModel
+    from chord_usd.lists.list_sampler import ListDrawer
 
 SPLITS = ("test", "train", "all")
 
@@ -58,6 +60,30 @@ def add_sampling(parser: Parser) -> None:
     """Options that say how the model is sampled."""
     add_steps(parser)
     parser.add_argument("--sampler", choices=SAMPLERS, help="(the checkpoint's own)")
+
+
+def add_drawer(parser: Parser) -> None:
+    """Options that say what the model starts from."""
+    parser.add_argument(
+        "--lists", type=Path, metavar="DIR",
+        help="start from the lists of this checkpoint of train lists (the shipped one)",
+    )  # fmt: skip
+    add_lists(parser)
+
+
+def load_drawer(options: argparse.Namespace) -> ListDrawer:
+    """The lists that the options ask for. Raises CheckpointError."""
+    from chord_usd.lists.list_sampler import load_lists
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.pipeline import LISTS_CHECKPOINT
+    from chord_usd.runtime.locations import checkpoint_folder
+
+    return load_lists(options.lists or checkpoint_folder(LISTS_CHECKPOINT), PIECES)
+
+
+def load_lists_of(options: argparse.Namespace, model: LayoutModel) -> ListDrawer | None:
+    """The same; None where the options, or how the model was trained, leave it to the model."""
+    return load_drawer(options) if model.config.draft and not options.no_list else None
 
 
 def add_fid(parser: Parser) -> None:

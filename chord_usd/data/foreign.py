@@ -13,6 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from shapely.errors import ShapelyError
 
+from chord_usd.data.box_scenes import (
+    BOX_KEYS,
+    OBJECT_TYPES_FILE,
+    read_boxes,
+    read_object_types,
+    room_from_boxes,
+)
 from chord_usd.data.flats import flat_from_lines
 from chord_usd.data.procthor import Sizes, house_from_procthor, read_asset_sizes
 from chord_usd.data.threed_front import house_from_front, read_models, room_from_record
@@ -31,13 +38,14 @@ from chord_usd.scene.limits import (
 )
 from chord_usd.scene.types import SceneGraph
 
-FORMATS = "CHOrD JSON, 3D-FRONT, ProcTHOR or FloorplanTransformation"
+FORMATS = "CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR or FloorplanTransformation"
 
 _MALFORMED = (
     ArithmeticError, AttributeError, LookupError, TypeError, ValueError, ShapelyError,
 )  # fmt: skip
 """What other people's records make of readers that take their form for granted."""
 
+_BOXES = "boxes.npz"
 _FARTHEST_M = 1e5
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = re.compile(r"[^\w-]+")
@@ -45,12 +53,14 @@ _NOT_IN_NAMES = re.compile(r"[^\w-]+")
 
 @dataclass(frozen=True)
 class Models:
-    """What 3D-FRONT and ProcTHOR keep about their models beside the houses."""
+    """What 3D-FRONT, ProcTHOR and ATISS keep beside the houses."""
 
     categories: Mapping[str, str] = field(default_factory=dict)
     """3D-FRONT: category by model id."""
     sizes: Sizes = field(default_factory=dict)
     """ProcTHOR: size by asset id."""
+    object_types: tuple[str, ...] = ()
+    """ATISS: names of classes in their order."""
 
 
 class Found(NamedTuple):
@@ -62,7 +72,12 @@ class Found(NamedTuple):
 
 
 def read_models_file(path: Path) -> Models:
-    """3D-FUTURE's model_info.json or ProcTHOR's asset-database.json. Raises SceneError."""
+    """3D-FUTURE's model_info.json, ProcTHOR's asset-database.json or ATISS's dataset_stats.txt.
+
+    Raises SceneError.
+    """
+    if path.name == OBJECT_TYPES_FILE:
+        return Models(object_types=read_object_types(path))
     try:
         refuse_odd_file(path, SceneError)
         is_list = path.read_text(encoding="utf-8").lstrip().startswith("[")
@@ -74,26 +89,31 @@ def read_models_file(path: Path) -> Models:
 
 
 def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
-    """Every house of a folder of JSON, a JSON file, or a JSON lines file, gzipped or not.
+    """Every house of a folder, a JSON or .npz file, or a JSON lines file, gzipped or not.
 
-    Each house says by its keys what it is: CHOrD JSON, a house or a room of 3D-FRONT, a house of
-    ProcTHOR, a flat of FloorplanTransformation. Raises SceneError where source cannot be opened.
+    A folder holds JSON, .npz, or a folder with a boxes.npz for each room. Each house says by its
+    keys what it is: CHOrD JSON, a house or a room of 3D-FRONT, boxes as ATISS keeps them, a house
+    of ProcTHOR, a flat of FloorplanTransformation. Raises SceneError where source cannot be opened.
     """
     if source.is_dir():
-        for path in sorted(source.glob("*.json")):
-            yield _read(path, models)
-    elif source.suffix == ".json":
+        for pattern in ("*.json", "*.npz", f"*/{_BOXES}"):
+            for path in sorted(source.glob(pattern)):
+                yield _read(path, models)
+    elif source.suffix in (".json", ".npz"):
         yield _read(source, models)
     else:
         yield from _lines(source, models)
 
 
 def _read(path: Path, models: Models) -> Found:
+    name = path.parent.name if path.name == _BOXES else path.stem
     try:
+        if path.suffix == ".npz":
+            return Found(name, house_from_record(read_boxes(path), models))
         refuse_odd_file(path, SceneError, MOST_LINE_BYTES)
-        return _found(path.stem, path.read_bytes(), models)
+        return _found(name, path.read_bytes(), models)
     except ChordError as error:
-        return Found(path.stem, None, str(error))
+        return Found(name, None, str(error))
 
 
 def _lines(path: Path, models: Models) -> Iterator[Found]:
@@ -161,6 +181,8 @@ def _house(record: Mapping[str, Any], models: Models) -> SceneGraph:
         return house_from_front(record, models.categories)
     if keys >= {"room_type", "floor", "objects"}:
         return room_from_record(record)
+    if keys >= BOX_KEYS:
+        return room_from_boxes(record, models.object_types)
     if keys >= {"rooms", "walls", "objects"}:
         return house_from_procthor(record, models.sizes)
     if keys >= {"id", "lines"}:

@@ -7,8 +7,11 @@ use: read it to measure and to train for oneself, ship nothing made from it.
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,58 +25,10 @@ from chord_usd.runtime.json_text import parse_json
 from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import Box, FloatArray, Item, Room, RoomKind, SceneGraph, frozen_array
 
-PAPER_REMAP: dict[str, str] = {
-    "Nightstand": "bedside_table",
-    "Wardrobe": "cabinet",
-    "Three-Seat / Multi-seat Sofa": "sofa",
-    "Dining Table": "dining_table",
-    "Coffee Table": "coffee_table",
-    "Loveseat Sofa": "sofa",
-    "Children Cabinet": "cabinet",
-    "Drawer Chest / Corner cabinet": "cabinet",
-    "King-size Bed": "bed",
-    "TV Stand": "tv_cabinet",
-    "Sideboard / Side Cabinet / Console": "dining_cabinet",
-    "Lazy Sofa": "leisure_sofa",
-    "Dressing Table": "table",
-    "Wine Cabinet": "dining_cabinet",
-    "L-shaped Sofa": "sofa",
-    "Corner/Side Table": "side_coffee_table",
-    "Bookcase / jewelry Armoire": "cabinet",
-    "Kids Bed": "bed",
-    "Sideboard / Side Cabinet / Console Table": "table",
-    "Bed Frame": "bed",
-    "Shoe Cabinet": "shoe_cabinet",
-    "Three-Seat / Multi-person sofa": "sofa",
-    "Double Bed": "bed",
-    "Bunk Bed": "bed",
-    "Desk": "table",
-    "Two-seat Sofa": "sofa",
-    "Tea Table": "coffee_table",
-    "Couch Bed": "bed",
-    "Single bed": "bed",
-    "Chaise Longue Sofa": "sofa",
-    "U-shaped Sofa": "sofa",
-}
-"""3D-FRONT's categories as the paper's (CHOrD supplementary, table of remapped categories)."""
-
-FURTHER_REMAP: dict[str, str] = {
-    "armchair": "single_sofa",
-    "Dining Chair": "chair",
-    "Dressing Chair": "chair",
-    "Folding chair": "chair",
-    "Classic Chinese Chair": "chair",
-    "Lounge Chair / Cafe Chair / Office Chair": "chair",
-    "Lounge Chair / Book-chair / Computer Chair": "chair",
-    "Round End Table": "side_coffee_table",
-    "Shelf": "cabinet",
-}
-"""What the paper leaves out and our palette has room for. Lamps, stools and plants stay out."""
-
-_REMAP = {name.casefold(): ours for name, ours in {**PAPER_REMAP, **FURTHER_REMAP}.items()}
+_LABELS = Path(__file__).with_name("threed_front_labels.tsv")
 
 _KINDS: tuple[tuple[str, RoomKind], ...] = (
-    ("living", "living"), ("bedroom", "bedroom"), ("elderly", "bedroom"), ("nanny", "bedroom"),
+    ("living", "living"), ("bed", "bedroom"), ("elderly", "bedroom"), ("nanny", "bedroom"),
     ("kids", "bedroom"), ("dining", "dining"), ("kitchen", "kitchen"), ("bathroom", "bathroom"),
     ("balcony", "balcony"), ("terrace", "balcony"), ("hallway", "corridor"), ("aisle", "corridor"),
     ("corridor", "corridor"), ("library", "study"), ("study", "study"), ("storage", "store"),
@@ -84,9 +39,23 @@ _KINDS: tuple[tuple[str, RoomKind], ...] = (
 _LEAST_FLOOR_M2 = 0.5
 
 
-def category_of(name: str) -> str | None:
-    """Our category of one of 3D-FRONT's; None for what has no place in ours."""
-    return _REMAP.get(name.strip().casefold())
+@cache
+def labels_by_name() -> dict[str, str]:
+    """Our categories by 3D-FRONT's labels, folded; "" for what has no place in ours."""
+    with _LABELS.open(encoding="utf-8", newline="") as file:
+        lines = [line for line in file if not line.startswith("#")]
+    rows = csv.reader(lines, delimiter="\t", quoting=csv.QUOTE_NONE)
+    return {_folded(label): category.strip("-") for label, category, _ in rows}
+
+
+def _folded(label: str) -> str:
+    return re.sub(r"[\s_]*(/)[\s_]*|[\s_]+", r"\1 ", label.strip().casefold())
+
+
+def category_of(label: str) -> str | None:
+    """Our category of one of 3D-FRONT's labels, or of ATISS's short names for them; None for what
+    has no place in ours."""
+    return labels_by_name().get(_folded(label)) or None
 
 
 def kind_of(room_type: str) -> RoomKind:
@@ -142,11 +111,19 @@ def _floor(meshes: Sequence[Mapping[str, Any]]) -> FloatArray | None:
     """The outline of a room's floor meshes, metres; None where there is none worth the name."""
     triangles = []
     for mesh in meshes:
-        corners = np.reshape(np.array(mesh["xyz"], dtype=np.float64), (-1, 3))[:, [0, 2]]
-        faces = np.reshape(np.array(mesh["faces"], dtype=np.int64), (-1, 3))
-        triangles += [Polygon(corners[face] * (1.0, -1.0)) for face in faces]
+        corners = np.reshape(np.array(mesh["xyz"], dtype=np.float64), (-1, 3))
+        triangles += list(corners[np.reshape(np.array(mesh["faces"], dtype=np.int64), (-1, 3))])
+    return outline_of(triangles)
+
+
+def outline_of(triangles: Iterable[FloatArray]) -> FloatArray | None:
+    """(N, 2) the outline of a floor, metres, our axes; None where there is none worth the name.
+
+    triangles: (3, 3) corners each, in 3D-FRONT's axes.
+    """
+    shapes = [Polygon(corners[:, [0, 2]] * (1.0, -1.0)) for corners in triangles]
     # Meshes of one floor meet in tiny slits.
-    area = unary_union([t.buffer(1e-4, join_style="mitre") for t in triangles if t.area > 1e-6])
+    area = unary_union([t.buffer(1e-4, join_style="mitre") for t in shapes if t.area > 1e-6])
     parts = sorted(getattr(area, "geoms", [area]), key=lambda part: -part.area)
     if not parts or parts[0].area < _LEAST_FLOOR_M2:
         return None
@@ -210,9 +187,25 @@ def _item(
     number: int,
 ) -> Item:
     """pos: middle of the underside; rot: quaternion, real part last; size: along x, y and z."""
+    turn_deg = math.degrees(2.0 * math.atan2(float(rot[1]), float(rot[3])))
+    return item_at(category, pos, turn_deg, size, room_id, number)
+
+
+def item_at(
+    category: str,
+    pos: Sequence[float],
+    turn_deg: float,
+    size: Sequence[float],
+    room_id: str,
+    number: int,
+) -> Item:
+    """A piece of ours where 3D-FRONT has one.
+
+    pos: x, y, z of its middle, of which y does not matter: ours stand where their category does.
+    turn_deg: about y; size: along its own x, y and z.
+    """
     x, _, z = (float(value) for value in pos)
     length, height, depth = (float(value) for value in size)
-    yaw_deg = math.degrees(2.0 * math.atan2(float(rot[1]), float(rot[3])))
     base = CATEGORIES[category].mount_height_m
-    box = Box((x, -z, base), (length, depth, height), (yaw_deg + 180.0) % 360.0 - 180.0)
+    box = Box((x, -z, base), (length, depth, height), (turn_deg + 180.0) % 360.0 - 180.0)
     return Item(f"{room_id}/{category}_{number}", category, box, room_id)

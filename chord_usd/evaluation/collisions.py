@@ -45,6 +45,19 @@ def displace(scene: SceneGraph, rng: np.random.Generator, per_room: int = 1) -> 
     return _spoil(scene, rng, per_room, _clear_of_all)
 
 
+def jostle(scene: SceneGraph, rng: np.random.Generator, spread_m: float) -> SceneGraph:
+    """Every piece moved by normal noise of this spread along x and y, where that leaves it in its
+    room."""
+    floors = {room.id: room_polygon(room) for room in scene.rooms}
+
+    def jostled(item: Item) -> Item:
+        moved = _moved_to(item, np.array(item.box.center_m[:2]) + rng.normal(0.0, spread_m, 2))
+        floor = floors.get(item.room_id)
+        return moved if floor and floor.covers(footprint_polygon(moved.box)) else item
+
+    return replace(scene, items=tuple(map(jostled, scene.items)))
+
+
 def _spoil(scene: SceneGraph, rng: np.random.Generator, per_room: int, find: _Find) -> Spoilt:
     items = {item.id: item for item in scene.items}
     moved: list[str] = []

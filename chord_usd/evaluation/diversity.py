@@ -12,9 +12,10 @@ import shapely
 
 from chord_usd.data.splits import split_hash
 from chord_usd.evaluation.cases import Case
-from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
+from chord_usd.evaluation.layouts import Furnished, Sampling, made_by, sampled
 from chord_usd.evaluation.report import enlarged, framed, markdown_table
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.lists.list_sampler import ListDrawer
 from chord_usd.metrics.fidelity import MIN_MATCH_IOU, match_items
 from chord_usd.metrics.footprints import footprints_of
 from chord_usd.runtime.progress import Progress, Warn
@@ -67,21 +68,25 @@ def measure_diversity(
     cases: Sequence[Case],
     sampling: Sampling,
     seeds: int = 8,
+    lists: ListDrawer | None = None,
     progress: Progress | None = None,
     warn: Warn | None = None,
 ) -> tuple[DiversityScores, ByteArray]:
-    """Samples every plan under seeds in a row; returns the scores and a sheet to look at."""
+    """Samples every plan under seeds in a row; returns the scores and a sheet to look at.
+
+    lists: what the model starts from.
+    """
     rows: list[list[Furnished]] = []
     for index, case in enumerate(cases):
         how = replace(sampling, seed=sampling.seed + index * seeds)
-        rows.append(list(sampled(model, [case] * seeds, how, warn=warn)))
+        rows.append(list(sampled(model, [case] * seeds, how, lists, warn=warn)))
         if progress:
             progress(index + 1, len(cases))
     scores = DiversityScores(
         plans=tuple(map(diversity_of, rows)),
         seeds=seeds,
         split=split_hash(case.id for case in cases),
-        checkpoint=model.checkpoint.content_hash,
+        checkpoint=made_by(model, lists),
         steps=sampling.settled(model.config).steps or 0,
     )
     return scores, sheet(rows)

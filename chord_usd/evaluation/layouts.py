@@ -170,6 +170,11 @@ def read_back(case: Case, image: LayoutImage) -> Furnished:
     return Furnished(case, image, scene, arrange(Arrangement.read_from(image, scene), "read"), plan)
 
 
+def made_by(model: LayoutModel, lists: ListDrawer | None) -> str:
+    """The hashes of what samples layouts, for reports."""
+    return model.checkpoint.content_hash + (f" from lists of {lists.content_hash}" if lists else "")
+
+
 def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
     """The furniture a case comes with or, without any, what the furnisher puts in, as it is.
 

@@ -98,6 +98,13 @@ def paper_noise_to_signal() -> tuple[float, float]:
     return first, last
 
 
+def noise_span(errors: NoiseError) -> tuple[float, float]:
+    """The part of the paper's range of noise that a model knows."""
+    low, high = paper_noise_to_signal()
+    ratios = errors.noise_to_signal
+    return float(max(low, ratios[0])), float(min(high, ratios[-1]))
+
+
 def measure_ood(
     errors: NoiseError,
     cases: Sequence[Case],
@@ -117,12 +124,11 @@ def measure_ood(
     if not triples:
         raise SceneError("no piece could be moved into another", expected="furnished houses")
     ratios = errors.noise_to_signal
-    low, high = paper_noise_to_signal()
     spans = {
-        "paper's range": (max(low, ratios[0]), min(high, ratios[-1])),
+        "paper's range": noise_span(errors),
         "whole schedule": (float(ratios[0]), float(ratios[-1])),
     }
-    plans = {name: _times(errors, span, draws, seed) for name, span in spans.items()}
+    plans = {name: times_between(errors, span, draws, seed) for name, span in spans.items()}
     levels = [errors.time_of(r) for r in np.geomspace(ratios[0], ratios[-1], LEVELS)]
     every = [time for times in plans.values() for time in times] + levels
     means = _mean_errors(errors, triples, every, seed, progress, warn)
@@ -155,7 +161,9 @@ def _spoil(case: Case, seed: int, per_room: int) -> _Triple | None:
     return _Triple(clean, colliding, displaced) if colliding.moved else None
 
 
-def _times(errors: NoiseError, span: tuple[float, float], draws: int, seed: int) -> list[int]:
+def times_between(
+    errors: NoiseError, span: tuple[float, float], draws: int, seed: int
+) -> list[int]:
     """Training steps drawn evenly from a range of noise."""
     first, last = errors.time_of(span[0]), errors.time_of(span[1])
     rng = np.random.default_rng(seed)

@@ -18,11 +18,14 @@ def free_places(
     floor: shapely.Polygon | None,
     items: Iterable[Item],
     clear: Iterable[ClearFloor],
+    *,
+    anew: bool = False,
 ) -> FreePlaces:
     """Places in an item's room where it is in no other item and before no opening.
 
     floor: of its room, None where it is in none. items: all of the house; those that overlap it by
-    nature are not in its way. It comes no farther before openings that it stands before.
+    nature are not in its way. It comes no farther before openings that it stands before; anew: it
+    comes before none.
     """
     others = [
         footprint_polygon(other.box)
@@ -30,4 +33,5 @@ def free_places(
         if other.id != item.id and not overlaps_by_nature(item, other)
     ]
     kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
-    return FreePlaces(item.box, floor, [*others, *kept_free], touch_m2=MIN_OVERLAP_M2)
+    here = None if anew else item.box
+    return FreePlaces(here, floor, [*others, *kept_free], touch_m2=MIN_OVERLAP_M2)

@@ -316,6 +316,15 @@ def settle(
     return arrange(Arrangement.of(graph, movable=movable), "meshed")
 
 
+def arrange_given(graph: SceneGraph) -> SceneGraph:
+    """A house whose pieces somebody else placed, none in another, out of its room or in the way:
+    moved aside, or else left out."""
+    from chord_usd.arrange.arrangement import Arrangement
+    from chord_usd.arrange.rules import arrange
+
+    return arrange_drawn(arrange(Arrangement.of(graph), "given"), Draw())
+
+
 def dress_rooms(
     graph: SceneGraph,
     database: AssetDatabase,

@@ -41,19 +41,21 @@ class FreePlaces:
 
     def __init__(
         self,
-        box: Box,
+        box: Box | None,
         floor: shapely.Polygon | None,
         others: Sequence[shapely.Geometry],
         *,
         touch_m2: float,
     ) -> None:
         """box: the piece as it stands; what it stands on of others is no worse for its moving on.
+        None for one that is placed anew.
 
         floor: of its room; None where it may stand anywhere. touch_m2: shapes that share no more
         than this only touch.
         """
         self._floor = floor.buffer(_IN_ROOM_M) if floor else None
-        self._taken = shapely.union_all(others).difference(footprint_polygon(box))
+        taken = shapely.union_all(others)
+        self._taken = taken.difference(footprint_polygon(box)) if box else taken
         self._touch_m2 = touch_m2
 
     def has(self, box: Box) -> bool:

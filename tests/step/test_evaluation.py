@@ -11,7 +11,16 @@ import pytest
 import torch
 
 from chord_usd.errors import SceneError
-from chord_usd.evaluation import diversity, layout_report, layouts, ood, realism, report, speed
+from chord_usd.evaluation import (
+    diversity,
+    layout_report,
+    layouts,
+    ood,
+    ood_worst,
+    realism,
+    report,
+    speed,
+)
 from chord_usd.evaluation.cases import Case, folder_cases, procedural_cases
 from chord_usd.evaluation.collisions import collide, displace
 from chord_usd.evaluation.report import framed
@@ -270,6 +279,19 @@ class TestOod:
         bare = replace(furnished_house, items=())
         with pytest.raises(SceneError, match="no piece"):
             ood.measure_ood(NoiseError(network_model), [Case("bare", bare.plan, bare)], draws=1)
+
+    def test_the_worst_are_those_with_the_highest_piou(self, network_model):
+        clean, *others = procedural_cases("test", 4).cases
+        errors = NoiseError(network_model)
+        each = [
+            ood_worst.measure_worst(errors, [clean, own], 1, draws=1).piou_colliding
+            for own in others
+        ]
+        scores = ood_worst.measure_worst(errors, [clean, *others], 1, draws=1)
+        assert (scores.houses, scores.out_of) == (1, 3)
+        assert scores.piou_colliding == max(each) > scores.piou_clean
+        assert "+32.22%" in ood_worst.as_markdown(scores)
+        json.dumps(ood_worst.as_data(scores))
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from chord_usd.arrange.rules import edits_told, noted
+from chord_usd.arrange.arrangement import Arrangement
+from chord_usd.arrange.rules import arrange, edits_told, noted
+from chord_usd.metrics.violations import violations
 from chord_usd.scene.types import Box, Edit, Item, Room, SceneGraph, frozen_array
 
 ROOM = Room("r", "bedroom", frozen_array([[0, 0], [4, 0], [4, 3], [0, 3]]))
@@ -30,6 +32,25 @@ def test_a_change_is_kept_with_the_rule_and_the_box_before() -> None:
         {"item": "r/bed_0", "rule": "one", "moved_m": 0.2},
         {"item": "r/bed_0", "rule": "other", "moved_m": 0.2},
     ]
+
+
+def test_what_others_placed_moves_aside_or_goes() -> None:
+    wardrobe = Item("r/cabinet_0", "cabinet", Box((3.9, 0.5, 0.0), (1.0, 0.6, 2.0), 90.0), "r")
+    in_bed = replace(DESK, box=replace(DESK.box, center_m=(2.2, 1.5, 0.0)))
+    house = replace(HOUSE, items=(in_bed, BED, wardrobe))
+    after = arrange(Arrangement.of(house), "given")
+    assert [item.id for item in after.items] == [in_bed.id, BED.id, wardrobe.id]
+    assert not [one for one in violations(after) if one.kind in ("overlap", "out of room")]
+    desk, bed, other = after.items
+    assert 0.0 < bed.moved_m < desk.moved_m < 0.5
+    assert 0.0 < other.moved_m < 0.5
+    still = arrange(Arrangement.of(after), "given")
+    assert [item.box for item in still.items] == [item.box for item in after.items]
+    # What may not move does not, and what may goes farther for it.
+    held = arrange(Arrangement.of(house, movable=[BED.id]), "given")
+    assert [item.box == own.box for item, own in zip(held.items, house.items, strict=True)] == [
+        True, False, True,
+    ]  # fmt: skip
 
 
 def test_rounding_is_no_change_and_what_is_new_has_none() -> None:

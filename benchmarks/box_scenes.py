@@ -1,0 +1,105 @@
+"""What arranging does to rooms that somebody else's program placed box by box.
+
+    python benchmarks/box_scenes.py ROOMS.jsonl.gz [--kind living] [--rooms 300] [--write]
+
+Rooms of 3D-FRONT (chord_usd.data.threed_front.read_rooms) as they are, and with every box moved and
+turned by noise, as a graph pipeline's samples would be: each row before and after
+`dataset import --arrange` does its work. 3D-FRONT's terms forbid commercial use: it is measured
+here, and nothing of it is kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from results import write_section
+
+from chord_usd.data.splits import split_hash
+from chord_usd.data.threed_front import read_rooms
+from chord_usd.metrics.overlap import scene_overlap
+from chord_usd.metrics.rooms import out_of_room
+from chord_usd.pipeline import arrange_given
+from chord_usd.scene.types import Item, SceneGraph
+
+NOISES = ((0.0, 0.0), (0.1, 5.0), (0.3, 15.0))
+"""Standard deviations of each box: metres along x and y, degrees."""
+
+
+def main() -> None:
+    """Measures; with --write also into benchmarks/RESULTS.md."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("source", type=Path, help="rooms of 3D-FRONT, JSON lines")
+    parser.add_argument("--kind", default="bedroom", help="bedroom or living (bedroom)")
+    parser.add_argument("--rooms", type=int, default=300, help="(300)")
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
+    rooms = list(islice(_rooms(options.source, options.kind), options.rooms))
+    rows = [("split", split_hash(str(room.extra["source"]) for room in rooms))]
+    for move_m, turn_deg in NOISES:
+        rng = np.random.default_rng(0)
+        given = [_shaken(room, move_m, turn_deg, rng) for room in rooms]
+        after = [arrange_given(room) for room in given]
+        noise = (
+            f"moved by {move_m * 100:g} cm, turned by {turn_deg:g}°" if move_m else "as they are"
+        )
+        rows.append((noise, _told(given)))
+        rows.append(("the same, arranged", f"{_told(after)}; {_changes(given, after)}"))
+        sys.stderr.write("\n".join(" | ".join(row) for row in rows[-2:]) + "\n")
+    note = (
+        f"`python benchmarks/box_scenes.py ROOMS --kind {options.kind} --rooms {options.rooms}`: "
+        f"the file's first {len(rooms)} with two pieces or more; overlaps that are "
+        "natural, such as a chair under its table, are none."
+    )
+    if options.write:
+        sys.stdout.write(write_section(f"box scenes, arranged: {options.kind} rooms", rows, note))
+
+
+def _rooms(source: Path, kind: str) -> Iterator[SceneGraph]:
+    return (
+        room for room in read_rooms(source) if room.rooms[0].kind == kind and len(room.items) > 1
+    )
+
+
+def _shaken(
+    room: SceneGraph, move_m: float, turn_deg: float, rng: np.random.Generator
+) -> SceneGraph:
+    def shaken(item: Item) -> Item:
+        x, y = np.array(item.box.center_m[:2]) + rng.normal(0.0, move_m, 2)
+        yaw_deg = item.box.yaw_deg + float(rng.normal(0.0, turn_deg))
+        center = (float(x), float(y), item.box.center_m[2])
+        return replace(item, box=replace(item.box, center_m=center, yaw_deg=yaw_deg))
+
+    return replace(room, items=tuple(map(shaken, room.items)))
+
+
+def _told(rooms: Sequence[SceneGraph]) -> str:
+    overlaps = [scene_overlap(room) for room in rooms]
+    free = np.mean([not any(not p.natural for p in one.overlapping) for one in overlaps])
+    pieces = sum(len(room.items) for room in rooms)
+    out = sum(len(out_of_room(room)) for room in rooms) / pieces
+    # Rooms of which one piece is left have no pair: nothing in them overlaps.
+    return (
+        f"POR {np.mean([one.por for one in overlaps]):.4f}, PIoU "
+        f"{np.mean([one.piou for one in overlaps]):.5f}, rooms without collision {free:.3f}, "
+        f"out of room {out:.4f} of {pieces} pieces"
+    )
+
+
+def _changes(before: Sequence[SceneGraph], after: Sequence[SceneGraph]) -> str:
+    total = sum(len(room.items) for room in before)
+    kept = [item for room in after for item in room.items]
+    moved = [item.moved_m for item in kept if item.facts.edits]
+    return (
+        f"moved {len(moved) / total:.3f} of the pieces, by {np.median(moved) * 100:.0f} cm in the "
+        f"median; left out {1 - len(kept) / total:.4f}"
+    )
+
+
+if __name__ == "__main__":
+    main()
