@@ -172,7 +172,7 @@ class HouseTools:
         with _told_as_tools_do():
             path = self._files.there(house)
             answer = await self._call(["check", self._word(path)], [path], ctx)
-            return _answered({"holds": answer.holds, **answer.data})
+            return _answered(answer.data)
 
     async def export(
         self, house: House, package: Package, output: NewFile, ctx: Context

@@ -200,6 +200,14 @@ def style_name(text: str) -> str:
     return text
 
 
+def add_view(parser: Options) -> None:
+    """The option --view."""
+    parser.add_argument(
+        "--view", type=output_file, metavar="GLB",
+        help="also write the house as a .glb with small pictures, for viewers",
+    )  # fmt: skip
+
+
 def add_assets(parser: Options) -> None:
     """The option --assets."""
     parser.add_argument(

@@ -16,6 +16,7 @@ from chord_usd.commands.common import (
     add_steps,
     add_style,
     add_verb,
+    add_view,
     existing_file,
     seed,
     stopwatch,
@@ -67,6 +68,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
     )
+    add_view(parser)
     add_assets(parser)
     add_device(parser)
 
@@ -108,6 +110,11 @@ def run(options: argparse.Namespace) -> Outcome:
             write_scene(made.graph, graph_out)
         with watch.step("stage"):
             write_regenerated(made, target)
+        if options.view:
+            from chord_usd.stage.gltf import write_view
+
+            with watch.step("view"):
+                write_view(target, delivery.place(options.view))
     with watch.step("check"):
         from chord_usd.stage.check import certificate, check_stage
 

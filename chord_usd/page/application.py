@@ -109,6 +109,7 @@ class _Page:
         self._houses = houses
         self._work = HouseJobs(houses, run)
         self._jobs = JobQueue(houses.root / ".jobs", self._work.do)
+        self._work.submit = self._jobs.submit
         self._three = three_module()
 
     @asynccontextmanager

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
+from chord_usd.runtime.stages import open_known
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
 from chord_usd.stage.gltf_lights import camera_of, light_of
@@ -26,23 +27,32 @@ _LABELS = "SemanticsLabelsAPI:"
 _DIGITS = 6
 
 
-def write_glb(stage: Usd.Stage, target: Path) -> None:
-    """Write what is seen of the stage to target, a .glb, in metres.
+VIEW_TEXTURE_PX = 512
+"""Of a house that a browser shows: its graphics memory holds pictures unpacked."""
+
+
+def write_view(stage: Path, target: Path) -> None:
+    """Write a house that this program wrote as a .glb with small pictures. Raises StageError."""
+    write_glb(open_known(stage), target, VIEW_TEXTURE_PX)
+
+
+def write_glb(stage: Usd.Stage, target: Path, most_px: int | None = None) -> None:
+    """Write what is seen of the stage to target, a .glb, in metres; pictures of at most most_px.
 
     Prims are nodes, with `extras` that say what they are; within a component only those that have
     a label or move are, and the meshes of one node and one material are one primitive. Lights are
     those that shine in the variants selected.
     """
-    writer = _Writer(stage)
+    writer = _Writer(stage, most_px)
     target.write_bytes(writer.file.to_bytes(writer.root(stage.GetDefaultPrim())))
 
 
 class _Writer:
     """Goes through the prims of a stage."""
 
-    def __init__(self, stage: Usd.Stage) -> None:
+    def __init__(self, stage: Usd.Stage, most_px: int | None) -> None:
         self.file = GltfFile()
-        self._looks = Looks(self.file)
+        self._looks = Looks(self.file, most_px)
         self._meshes: dict[tuple[str, ...], int] = {}
         self._frames = UsdGeom.XformCache()
         self._metres = UsdGeom.GetStageMetersPerUnit(stage)

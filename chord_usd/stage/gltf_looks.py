@@ -16,7 +16,7 @@ from chord_usd.stage.gltf_file import Entry, GltfFile
 from chord_usd.stage.textures import picture_bytes, placement_of, texture_of, value_of
 
 _TYPES = {"JPEG": "image/jpeg", "PNG": "image/png"}
-_QUALITY = 85
+_QUALITY, _SMALL_QUALITY = 85, 75
 _DIGITS = 5
 
 Look = tuple[int, FloatArray | None]
@@ -26,11 +26,12 @@ Look = tuple[int, FloatArray | None]
 class Looks:
     """Materials, each read once, and written once however many look alike."""
 
-    def __init__(self, file: GltfFile) -> None:
+    def __init__(self, file: GltfFile, most_px: int | None = None) -> None:
+        """most_px: longer side of pictures, at most; None leaves them as they are."""
         self._file = file
         self._read: dict[tuple[str, bool], Look] = {}
         self._places: dict[str, int] = {}
-        self._pictures = _Pictures(file)
+        self._pictures = _Pictures(file, most_px)
 
     def of(self, material: UsdShade.Material | None, *, two_sided: bool) -> Look | None:
         """The look of a material; None where nothing is bound."""
@@ -68,7 +69,7 @@ class Looks:
             picture = self._pictures.roughness(rough, max(scale, 1.0), is_metal=metallic > 0.0)
             surface["metallicRoughnessTexture"] = {"index": picture}
         if normal:
-            entry["normalTexture"] = {"index": self._pictures.of(normal)}
+            entry["normalTexture"] = {"index": self._pictures.of(normal, is_colour=False)}
         self._shine(entry, shader, glow)
         if opacity < 1.0:
             cut = float(value_of(shader, "opacityThreshold", 0.0))
@@ -103,15 +104,15 @@ def _rounded(values: list[float]) -> list[float]:
 class _Pictures:
     """The pictures of textures, from a folder or out of a package, each written once."""
 
-    def __init__(self, file: GltfFile) -> None:
-        self._file = file
+    def __init__(self, file: GltfFile, most_px: int | None) -> None:
+        self._file, self._most_px = file, most_px
         self._read: dict[str, bytes] = {}
         self._places: dict[bytes, int] = {}
         self._packed: dict[tuple[str, float], int] = {}
 
-    def of(self, texture: UsdShade.Shader) -> int:
+    def of(self, texture: UsdShade.Shader, *, is_colour: bool = True) -> int:
         """Place of the texture, with the bytes of the file where glTF knows its format."""
-        data = self._bytes(texture)
+        data = self._bytes(texture, is_colour=is_colour)
         with Image.open(io.BytesIO(data)) as picture:
             kind = picture.format or ""
             if kind not in _TYPES:
@@ -127,9 +128,9 @@ class _Pictures:
         file = texture.GetInput("file").Get()
         key = file.resolvedPath, round(beyond, 2)
         if key not in self._packed:
-            with Image.open(io.BytesIO(self._bytes(texture))) as picture:
+            with Image.open(io.BytesIO(self._bytes(texture, is_colour=False))) as picture:
                 if beyond == 1.0 and not is_metal and picture.mode == "L":
-                    return self.of(texture)
+                    return self.of(texture, is_colour=False)
                 levels = np.arange(256) * beyond
                 green = picture.convert("L").point(np.clip(np.round(levels), 0, 255).tolist())
             white = Image.new("L", green.size, 255)
@@ -137,10 +138,13 @@ class _Pictures:
             self._packed[key] = self._place(_encoded(packed, "JPEG"), "JPEG", file.path)
         return self._packed[key]
 
-    def _bytes(self, texture: UsdShade.Shader) -> bytes:
+    def _bytes(self, texture: UsdShade.Shader, *, is_colour: bool) -> bytes:
         path = texture.GetInput("file").Get().resolvedPath
         if path not in self._read:
-            self._read[path] = picture_bytes(texture)
+            data = picture_bytes(texture)
+            # Half as fine where the eye sees no edges of its own: relief and gloss.
+            most_px = self._most_px if is_colour or not self._most_px else self._most_px // 2
+            self._read[path] = _smaller(data, most_px) if most_px else data
         return self._read[path]
 
     def _place(self, data: bytes, kind: str, path: str) -> int:
@@ -154,8 +158,18 @@ class _Pictures:
         return self._places[key]
 
 
-def _encoded(picture: Image.Image, kind: str) -> bytes:
+def _smaller(data: bytes, most_px: int) -> bytes:
+    """A JPEG with no side longer than this, and lightly packed; others as PNG."""
+    with Image.open(io.BytesIO(data)) as picture:
+        kind = "JPEG" if picture.format == "JPEG" else "PNG"
+        if kind == "PNG" and max(picture.size) <= most_px:
+            return data
+        picture.thumbnail((most_px, most_px))  # of a JPEG only what that takes is decoded
+        return _encoded(picture, kind, _SMALL_QUALITY)
+
+
+def _encoded(picture: Image.Image, kind: str, quality: int = _QUALITY) -> bytes:
     buffer = io.BytesIO()
-    options: dict[str, Any] = {"quality": _QUALITY, "subsampling": 0} if kind == "JPEG" else {}
+    options: dict[str, Any] = {"quality": quality, "subsampling": 0} if kind == "JPEG" else {}
     picture.save(buffer, kind, **options)
     return buffer.getvalue()

@@ -72,13 +72,14 @@ class HouseTab {
   }
 
   tools() {
-    const cut = el("input", { type: "range", min: 0.3, max: HIGHEST_M, step: 0.1, value: HIGHEST_M, "aria-label": "Cut the house at a height" });
+    const cut = el("input", { type: "range", min: 0.3, max: HIGHEST_M, step: "any", value: HIGHEST_M, "aria-label": "Cut the house at a height" });
     cut.addEventListener("input", () => this.view.cutAt(Number(cut.value) >= HIGHEST_M ? 100 : Number(cut.value)));
     this.walkButton = button("Walk", () => this.walk(), { "aria-pressed": false });
+    const ceilings = check("Ceilings", false, (isShown) => this.hideCeilings(!isShown));
+    this.ceilings = ceilings.querySelector("input");
     return el("div", { class: "tools", role: "toolbar", "aria-label": "View" },
       button("All", () => this.walk(false)), this.walkButton,
-      el("label", { class: "check" }, "Cut", cut),
-      check("Ceilings", false, (isShown) => this.hideCeilings(!isShown)));
+      el("label", { class: "check" }, "Cut", cut), ceilings);
   }
 
   hideCeilings(isHidden) {
@@ -95,9 +96,11 @@ class HouseTab {
     this.walkButton.setAttribute("aria-pressed", isOn);
     this.pad?.remove();
     if (!isOn) {
+      this.hideCeilings(!this.ceilings.checked);
       this.view.overview();
       return;
     }
+    this.hideCeilings(false);
     const { plan } = await get(`/api/houses/${this.app.house.id}/plan?number=${this.version.plan}`);
     const floors = floorsOf(plan);
     const [points] = floors;
@@ -118,7 +121,7 @@ class HouseTab {
       }
       return node;
     };
-    return el("div", { class: "tools", id: "pad" },
+    return el("div", { class: "tools below", id: "pad" },
       hold("↰", "left", "Turn left"), hold("↑", "ahead", "Go ahead"), hold("↓", "back", "Go back"), hold("↱", "right", "Turn right"));
   }
 

@@ -1,5 +1,5 @@
 // What was made of a house: its certificate, pictures, files and earlier versions.
-import { ask, file } from "./api.js";
+import { ask, file, isOver } from "./api.js";
 import { button, choice, complain, el, field } from "./dom.js";
 
 /** A tab that is drawn anew when the house has changed. */
@@ -25,7 +25,12 @@ export const filesTab = (app) => redrawn(app, files);
 const leaf = (path) => path.replace("/House/Rooms/", "").replace("/Furniture/", " › ").replace("/Dressing/", " › ").replaceAll("/", " › ");
 
 function certificate(app, version) {
-  const told = version.certificate ?? {};
+  const told = version.certificate;
+  if (!told) {
+    const wait = el("p", { class: "quiet" }, "The house is being checked …");
+    const again = button("Check it", () => app.start("check", { version: version.number }));
+    return [app.house.jobs.some((job) => job.kind === "check" && !isOver(job)) ? wait : again, ...versions(app)];
+  }
   const faults = faultsOf(told);
   return [
     el("h2", {}, told.holds ? "The certificate holds" : "The certificate does not hold"),
@@ -35,10 +40,14 @@ function certificate(app, version) {
       ? el("ul", { class: "list" }, ...faults.map(({ text, paths }) => el("li", {}, button(text, () => app.open("house", { paths })))))
       : el("p", {}, "No fault was found."),
     button("Check again, with your changes", () => app.start("check", { version: version.number })),
-    el("h2", {}, "Versions"),
-    el("ul", { class: "list" }, ...app.house.versions.map((one) => versionRow(app, one)).reverse()),
+    ...versions(app),
   ];
 }
+
+const versions = (app) => [
+  el("h2", {}, "Versions"),
+  el("ul", { class: "list" }, ...app.house.versions.map((one) => versionRow(app, one)).reverse()),
+];
 
 const percent = (share) => `${Math.round((share ?? 0) * 100)} %`;
 
@@ -59,7 +68,8 @@ function faultsOf(told) {
 
 function versionRow(app, version) {
   const isShown = version.number === app.house.shown;
-  const holds = version.certificate?.holds ? "certificate holds" : "certificate does not hold";
+  const told = version.certificate;
+  const holds = !told ? "not checked" : told.holds ? "certificate holds" : "certificate does not hold";
   return el("li", {}, button(`${version.number}: ${version.label} – ${holds}${isShown ? " (shown)" : ""}`, async () => {
     app.house = await ask("PATCH", `/api/houses/${app.house.id}`, { shown: version.number });
     app.open("house");

@@ -5,18 +5,21 @@ import { Walker } from "./walker.js";
 
 const MOST_PIXELS = 2;
 const EYE_M = 1.6;
+/** From outside a narrow view looks like a model; within a room one wants to see some of it. */
+const VIEW_DEG = 45;
+const WALK_DEG = 70;
 
 export class SceneView {
   /** picked: is told of the piece that was clicked, or null; dragged: of a piece and metres. */
   constructor(canvas, picked) {
     this.canvas = canvas;
     this.picked = picked;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "low-power" });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "low-power" });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, MOST_PIXELS));
-    this.renderer.toneMapping = THREE.AgXToneMapping;
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.localClippingEnabled = true;
     this.scene = new THREE.Scene();
-    this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 200);
+    this.camera = new THREE.PerspectiveCamera(VIEW_DEG, 1, 0.05, 200);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     this.controls.maxPolarAngle = Math.PI / 2 - 0.02;
@@ -27,8 +30,8 @@ export class SceneView {
 
   light() {
     // The house's own lamps would cost each pixel as much as all else: sky and one sun do here.
-    this.scene.add(new THREE.HemisphereLight(0xf4f7ff, 0x9a8f82, 1.6));
-    const sun = new THREE.DirectionalLight(0xfff2e0, 2.0);
+    this.scene.add(new THREE.HemisphereLight(0xf4f7ff, 0x8a7f72, 1.1));
+    const sun = new THREE.DirectionalLight(0xfff2e0, 1.7);
     sun.position.set(3, 8, 5);
     this.scene.add(sun);
     const sky = new THREE.Scene();
@@ -58,12 +61,11 @@ export class SceneView {
   /** All of the house, from above a corner. */
   overview() {
     this.stopWalking();
-    const middle = this.house.box.getCenter(new THREE.Vector3());
-    const far = this.house.box.getSize(new THREE.Vector3()).length();
-    this.camera.near = 0.1;
-    this.controls.target.copy(middle.setY(0.5));
-    const back = this.camera.aspect < 1 ? 1.25 : 0.8;
-    this.camera.position.copy(middle).add(new THREE.Vector3(-0.45, 0.85, 0.6).multiplyScalar(far * back));
+    const ball = this.house.box.getBoundingSphere(new THREE.Sphere());
+    const half = Math.atan(Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(this.camera.aspect, 1));
+    this.controls.target.copy(ball.center);
+    this.camera.position.copy(ball.center)
+      .addScaledVector(new THREE.Vector3(-0.4, 0.8, 0.45).normalize(), (0.9 * ball.radius) / Math.sin(half));
     this.controls.update();
     this.draw();
   }
@@ -72,10 +74,11 @@ export class SceneView {
   frame(box) {
     this.stopWalking();
     const middle = box.getCenter(new THREE.Vector3());
-    const far = Math.max(box.getSize(new THREE.Vector3()).length() * 1.6, 2.5);
+    // Steeply: over the walls, which the ceilings have left open.
+    const far = Math.max(box.getSize(new THREE.Vector3()).length() * 1.5, 3.5);
     const way = this.camera.position.clone().sub(this.controls.target).setY(0).normalize();
     this.controls.target.copy(middle);
-    this.camera.position.copy(middle).addScaledVector(way, far * 0.7).add(new THREE.Vector3(0, far * 0.8, 0));
+    this.camera.position.copy(middle).addScaledVector(way, far * 0.3).add(new THREE.Vector3(0, far, 0));
     this.controls.update();
     this.draw();
   }
@@ -83,6 +86,7 @@ export class SceneView {
   /** Walk: floors and openings, in metres, are where one can stand. */
   walk(floors, start) {
     this.controls.enabled = false;
+    this.setView(WALK_DEG);
     this.walker = new Walker(this.camera, this.canvas, floors, start, EYE_M, () => this.draw());
     this.draw();
   }
@@ -91,6 +95,12 @@ export class SceneView {
     this.walker?.stop();
     this.walker = null;
     this.controls.enabled = true;
+    this.setView(VIEW_DEG);
+  }
+
+  setView(degrees) {
+    this.camera.fov = degrees;
+    this.camera.updateProjectionMatrix();
   }
 
   /** Cut everything above a height off. */

@@ -15,6 +15,7 @@ export class Walker {
   constructor(camera, canvas, floors, start, eye, draw) {
     Object.assign(this, { camera, canvas, floors, draw, yaw: 0, pitch: 0, held: new Set() });
     camera.position.set(start[0], eye, -start[1]);
+    this.yaw = this.farthest();
     this.listeners = [
       [canvas, "keydown", (event) => this.key(event, true)],
       [canvas, "keyup", (event) => this.key(event, false)],
@@ -23,6 +24,18 @@ export class Walker {
     ];
     for (const [node, name, act] of this.listeners) node.addEventListener(name, act);
     this.turn();
+  }
+
+  /** The way in which one sees farthest. */
+  farthest() {
+    const { x, z } = this.camera.position;
+    let best = [0, 0];
+    for (let yaw = 0; yaw < 2 * Math.PI; yaw += Math.PI / 8) {
+      let far = 0;
+      while (far < 20 && this.canStand(x - Math.sin(yaw) * far, z - Math.cos(yaw) * far)) far += 0.2;
+      if (far > best[1]) best = [yaw, far];
+    }
+    return best[0];
   }
 
   key(event, isDown) {
