@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 FilePath = str | PathLike[str]
 Quality = Literal["draft", "good", "final"]
-Package = Literal["web", "ar", "gltf", "ifc", "dxf", "ros", "mujoco"]
+Package = Literal["web", "ar", "gltf", "ifc", "dxf", "ros", "mujoco", "materialx"]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ PACKAGES = {
     "dxf": "a plan for CAD",
     "ros": "a folder with an occupancy grid, rooms, doors and free poses for robots",
     "mujoco": "a folder with an MJCF model, its meshes and textures",
+    "materialx": "a folder with the house, its materials in MaterialX, too",
 }
 
 

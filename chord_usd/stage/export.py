@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 PACKAGES = {
     "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
-    "mujoco": "",
+    "mujoco": "", "materialx": "",
 }  # fmt: skip
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
@@ -31,6 +31,7 @@ _WRITERS = {
     "dxf": "exchange.dxf_drawing.write_dxf",
     "ros": "exchange.robot_map.write_map",
     "mujoco": "exchange.mjcf_model.write_mjcf",
+    "materialx": "exchange.materialx.write_materialx",
 }
 """What writes each, in this folder: a function of the open stage and of where to write."""
 
