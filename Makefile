@@ -56,7 +56,7 @@ house: setup
 
 test: setup-dev
 	@command -v strace >/dev/null || $(call install,strace)
-	@command -v chromium >/dev/null || $(call install,chromium) || echo "without chromium the page is not driven"
+	@command -v chromium >/dev/null || ($(call install,chromium)) || echo "no chromium: the page is not driven"
 	$(PARALLEL) tests/unit
 	$(PARALLEL) --dist loadfile $(TIMED:%=--ignore %) tests/step tests/end_to_end
 	$(BIN)/python -m pytest $(TIMED)

@@ -109,6 +109,7 @@ class HouseJobs:
                     **_told(answer.data),
                 },
             )
+        self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
     async def _refurnish(self, job: Job) -> dict[str, Any]:

@@ -156,8 +156,9 @@ def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
     put = page.put(f"/api/houses/{house}/plan", json={"base": 1, "plan": kept["plan"]})
     assert put.json() == {"number": 2}
     ask(page, house, "furnish", seed=3, style="modern", furniture="Bedroom 1: desk")
-    shown = until_over(page, house, 2)
+    shown = until_over(page, house, 3)
     assert shown["shown"] == 1
+    assert [job["kind"] for job in shown["jobs"]] == ["read", "furnish", "check"]
     assert verbs.lines[1][1].endswith("plans/0002.json")
     assert {"--seed=3", "--style=modern"} < set(verbs.lines[1])
     first = f"/api/houses/{house}/versions/1"
@@ -165,7 +166,6 @@ def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
     assert stage_of(view.content).startswith("#usda")
 
     ask(page, house, "refurnish", version=1, room="Bedroom_0", keep=["Bed_0"])
-    ask(page, house, "check", version=1)
     ask(page, house, "render", version=1, camera="Top")
     for kind in ("usda", "mujoco", "ifc"):
         ask(page, house, "pack", version=1, **{"for": kind})

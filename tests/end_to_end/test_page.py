@@ -1,0 +1,143 @@
+"""The page in a real browser, with the real verbs: from a plan that is dropped to a download."""
+
+from __future__ import annotations
+
+import io
+import re
+import shutil
+import socket
+import threading
+import zipfile
+from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+if not shutil.which("chromium"):
+    pytest.skip("there is no chromium: apt-get install chromium", allow_module_level=True)
+if not (find_spec("nicegui") and find_spec("playwright")):
+    pytest.skip("the extras web and dev are not installed", allow_module_level=True)
+
+import uvicorn
+from playwright.sync_api import Page, expect, sync_playwright
+from pxr import Usd
+
+from chord_usd.page.application import make_application
+from chord_usd.runtime.verb_calls import Answer, Told, run_verb
+
+PLAN = Path(__file__).parents[2] / "examples" / "studio.png"
+QUICK = ("--steps=1", "--redraws=0", "--no-tabletop", "--no-dressing")
+SOFTWARE = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+LONGEST_MS = 120_000
+SCRIPT = "<img src=x onerror=document.title='taken'>"
+
+
+async def quickly(words: Sequence[str], root: Path, told: Told) -> Answer:
+    """The verbs themselves; the house is the simplest that they make."""
+    return await run_verb([*words, *(QUICK if words[0] == "generate" else ())], root, told)
+
+
+@pytest.fixture
+def address(tmp_path: Path) -> Iterator[str]:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        config = uvicorn.Config(make_application(tmp_path, run=quickly), log_config=None)
+        server = uvicorn.Server(config)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
+        thread.start()
+        yield f"http://127.0.0.1:{listener.getsockname()[1]}/"
+        server.should_exit = True
+        thread.join(20)
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=list(SOFTWARE)
+        )
+        tab = browser.new_page(viewport={"width": 760, "height": 480})
+        tab.set_default_timeout(LONGEST_MS)
+        expect.set_options(timeout=LONGEST_MS)
+        yield tab
+        browser.close()
+
+
+def drop(page: Page, file: Path) -> None:
+    """As a hand drops a file out of a folder."""
+    page.evaluate(
+        """([bytes, name]) => {
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([Uint8Array.from(bytes)], name));
+            const area = document.querySelector(".drop");
+            area.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+        }""",
+        [list(file.read_bytes()), file.name],
+    )
+
+
+def test_from_drop_to_download(page: Page, address: str) -> None:
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+    page.goto(address)
+    page.get_by_label("Furnish it at once").uncheck()
+    drop(page, PLAN)
+
+    # The reading, corrected: a wall dragged and dragged back, a room that is called as a script.
+    areas = page.locator("svg text tspan:nth-child(2)")
+    expect(areas.first).to_be_visible()
+    before = areas.all_text_contents()
+    wall = page.locator("svg .wall").first.bounding_box()
+    assert wall
+    # Near its end, where no window is.
+    x, y = wall["x"] + wall["width"] * 0.1, wall["y"] + wall["height"] * 0.1
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 15, y + 15, steps=3)
+    page.mouse.up()
+    assert areas.all_text_contents() != before
+    page.get_by_role("button", name="Undo").click()
+    assert areas.all_text_contents() == before
+    page.locator("svg .floor").first.focus()
+    page.keyboard.press("Enter")
+    page.get_by_label("Name").fill(SCRIPT)
+    page.get_by_label("Name").press("Enter")
+    expect(page.locator("svg text").first).to_contain_text("onerror")
+
+    page.locator("#furnish").click()
+    canvas = page.locator("canvas[data-ready]")
+    canvas.wait_for()
+    expect(canvas).to_have_attribute("data-calls", re.compile(r"[1-9]"))
+    assert int(canvas.get_attribute("data-calls") or 0) <= 400
+
+    # A piece, moved by keys: the change outlives the page.
+    page.get_by_text("Furniture:").click()
+    page.locator("[data-path]").first.click()
+    expect(page.locator("#piece")).to_be_visible()
+    with page.expect_response(lambda answer: answer.request.method == "PUT") as saved:
+        canvas.press("ArrowLeft")
+    assert saved.value.ok
+    page.reload()
+    canvas.wait_for()
+
+    page.get_by_role("tab", name="Certificate").click()
+    expect(page.get_by_role("heading", name="The certificate")).to_be_visible()
+    page.get_by_role("tab", name="Files").click()
+    page.locator("[data-pack=usda]").click()
+    with page.expect_download() as taken:
+        page.get_by_text("Download house.zip").click()
+    assert page.title() != "taken"
+    assert wrong == []
+    opens(taken.value.path())
+
+
+def opens(packed: Path) -> None:
+    """The house in a zip opens with the change that was made by hand."""
+    folder = packed.with_name("unpacked")
+    with zipfile.ZipFile(io.BytesIO(packed.read_bytes())) as archive:
+        archive.extractall(folder)
+    stage = Usd.Stage.Open(str(folder / "house" / "house.edits.usda"))
+    (room, *_) = stage.GetPrimAtPath("/House/Rooms").GetChildren()
+    pieces = room.GetChild("Furniture").GetChildren()
+    assert any(piece.GetAttribute("xformOp:transform").HasAuthoredValue() for piece in pieces)
