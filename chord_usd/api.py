@@ -207,6 +207,30 @@ class House:
         self._written = _state(self.path)
         return self
 
+    def edit(
+        self,
+        sentence: str,
+        *,
+        dry_run: bool = False,
+        asset_folders: Sequence[FilePath] = (),
+        progress: ProgressStyle = "none",
+    ) -> tuple[str, ...]:
+        """Do what a sentence says ("turn the sofa to the window, no rug in the hall"), in its place
+        on the stage; returns what was understood, a line for each thing.
+
+        dry_run: only understand it. asset_folders: of further meshes. All of it is done or, where a
+        part has no meaning or no place, nothing: then it raises ChordError.
+        """
+        from chord_usd.pipeline import Settings
+        from chord_usd.pipeline.edit_house import edit, read_sentence
+
+        if dry_run:
+            return tuple(read_sentence(self.path, sentence).understood.told)
+        settings = Settings(asset_folders=_folders(asset_folders), style="")
+        reading, _ = edit(self.path, sentence, self.path, settings, _watch(progress))
+        self._written = _state(self.path)
+        return tuple(reading.understood.told)
+
     def export(self, target: Package, path: FilePath, *, overwrite: bool = False) -> Path:
         """Write the house as a package for other programs; returns its path.
 

@@ -31,8 +31,8 @@ from chord_usd.runtime.progress import held_lines
 
 VERBS = (
     "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",
-    "regenerate", "export", "diff", "mcp", "serve", "dataset", "train", "evaluate", "assets",
-    "looks",
+    "regenerate", "edit", "export", "diff", "mcp", "serve", "dataset", "train", "evaluate",
+    "assets", "looks",
 )  # fmt: skip
 """Modules of chord_usd.commands, in the order of the line, then the workshop."""
 

@@ -36,6 +36,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "farm bundle": ("house.usda",),
     "describe": ("house.usda",),
     "regenerate": ("house.usda", "--room", "Bedroom_0"),
+    "edit": ("house.usda", "no rug in bedroom 1"),
     "export": ("house.usda", "--for", "web"),
     "dataset synth": ("--count", "1"),
     "dataset import": ("scene.json",),

@@ -40,8 +40,9 @@ PICTURE_PX = 1024
 INSTRUCTIONS = """\
 Furnish floor plans and edit furnished houses (OpenUSD). All paths are below one folder and relative
 to it. list_files says what is there. A plan becomes a house with furnish; look shows a house and
-names its rooms and pieces, which other tools take; refurnish_room changes one room, and undo takes
-that back; check says whether the certificate holds. Files are never replaced: give new names."""
+names its rooms and pieces, which other tools take; edit changes a house as a sentence says,
+refurnish_room furnishes one room anew, and undo takes either back; check says whether the
+certificate holds. Files are never replaced: give new names."""
 
 RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
 Content = list[TextContent | ImageContent]
@@ -143,6 +144,26 @@ class HouseTools:
             answer = await self._call(words, [path, target], ctx, edits=path == target)
             return _answered(answer.data)
 
+    async def edit(
+        self,
+        house: House,
+        sentence: Annotated[str, Field(description='"turn the sofa to the window, no rug here"')],
+        ctx: Context,
+        dry_run: Annotated[bool, Field(description="only say what is understood")] = False,
+        output: Annotated[str, Field(description="a new house; else this one is changed")] = "",
+    ) -> Content:
+        """Change a house as a sentence in English says: add, remove, move, turn, swap, replace or
+        lock pieces, restyle rooms. What is not understood or has no place changes nothing."""
+        with _told_as_tools_do():
+            path = self._files.there(house)
+            target = self._files.new(output) if output else path
+            words = ["edit", *_option("output", self._word(target))]
+            # A blank before it: "-x" is no option, but a sentence that is not understood.
+            words += [*(["--dry-run"] if dry_run else []), self._word(path), f" {sentence}"]
+            edits = path == target and not dry_run
+            answer = await self._call(words, [path, target], ctx, edits=edits)
+            return _answered(answer.data)
+
     async def render(
         self,
         house: House,
@@ -185,7 +206,7 @@ class HouseTools:
             return _answered((await self._call(words, [path, target], ctx)).data)
 
     async def undo(self, house: House) -> Content:
-        """Give a house the state before the last refurnish_room."""
+        """Give a house the state before the last edit or refurnish_room."""
         with _told_as_tools_do():
             path = self._files.there(house)
             async with self._alone([path]):
@@ -275,8 +296,9 @@ def make_server(root: Path, run: RunVerb = run_verb) -> MCPServer:
     changes = ToolAnnotations(destructive_hint=True)
     kinds: list[tuple[Callable[..., Awaitable[Content]], ToolAnnotations]] = [
         (tools.list_files, reads), (tools.read_plan, adds), (tools.furnish, adds),
-        (tools.look, reads), (tools.refurnish_room, changes), (tools.undo, changes),
-        (tools.diff, reads), (tools.check, reads), (tools.render, adds), (tools.export, adds),
+        (tools.look, reads), (tools.edit, changes), (tools.refurnish_room, changes),
+        (tools.undo, changes), (tools.diff, reads), (tools.check, reads), (tools.render, adds),
+        (tools.export, adds),
     ]  # fmt: skip
     for tool, kind in kinds:
         server.add_tool(tool, annotations=kind)

@@ -80,11 +80,11 @@ def regenerate(
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
     room_name: name of the room's prim. seed: in place of that of settings; None takes the one
-    after the room's last. keep: names of prims of the room's furniture and dressing that stay, and
-    with them what they rest on; the rest is sampled around them. edits: a layer over source in
-    which things stand elsewhere; the house is seen with it. wishes: what the room shall hold
-    (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph, outliers, tabletop
-    and dress. A house without dressing stays without. Raises ChordError.
+    after the room's last. keep: names of prims of the room's furniture and dressing that stay, as
+    what is locked does, and with them what they rest on; the rest is sampled around them. edits: a
+    layer over source in which things stand elsewhere; the house is seen with it. wishes: what the
+    room shall hold (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph,
+    outliers, tabletop and dress. A house without dressing stays without. Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -98,7 +98,7 @@ def regenerate(
         house = read_edited_house(edits, source) if edits else read_house(source)
         room = house.room(room_name, source)
         require_furniture(source, room_name)
-        kept = house.kept(room_name, keep, source)
+        kept = house.kept(room_name, [*keep, *house.locked_in(room_name)], source)
         kept_ids, bare = frozenset(kept), replace(house.graph, dressing=())
         seed = house.seeds[room_name] + 1 if seed is None else seed
         kept_items = [item for item in house.graph.items_of(room.id) if item.id in kept_ids]

@@ -6,7 +6,7 @@ by chord_usd.metrics on the scene that is read back from it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -15,12 +15,12 @@ from pxr import Usd
 
 from chord_usd.metrics import SceneScores, score_scene
 from chord_usd.metrics.complete import Misplaced
-from chord_usd.runtime.stages import open_known, open_stage, reading
+from chord_usd.runtime.stages import open_known, open_layer, open_stage, reading
 from chord_usd.scene.types import Item
 from chord_usd.stage.check_contact import Collision, collisions, unsupported
 from chord_usd.stage.check_dressing import Dressing, Objects, count_objects, measure_dressing
 from chord_usd.stage.check_held import Held, underfoot
-from chord_usd.stage.check_rules import Finding, broken_rules
+from chord_usd.stage.check_rules import Finding, broken_below, broken_rules
 from chord_usd.stage.check_scene import read_scene
 
 
@@ -97,6 +97,42 @@ def check_stage(path: Path, *, own: bool = False) -> Report:
     """
     with reading(path):
         return _reported(open_known(path) if own else open_stage(path))
+
+
+def faults_in(path: Path, rooms: Collection[str], beside: Collection[str] = ()) -> list[str]:
+    """What speaks against the certificate of a stage in some of its rooms, a line each.
+
+    path: of a stage that this process wrote. rooms: names of their prims. beside: of rooms that no
+    wall parts from them; of all others only the building is looked at, so this is for whoever has
+    changed nothing there.
+    """
+    with reading(path):
+        layer = open_layer(path)
+        names = [one.name for one in layer.GetPrimAtPath("/House/Rooms").nameChildren]
+        near = {*rooms, *beside}
+        stage = open_known(path, only=[
+            f"/House/Rooms/{name}" + ("" if name in near else "/Architecture") for name in names
+        ])  # fmt: skip
+        scene = read_scene(stage)
+        roots = tuple(f"/House/Rooms/{name}/" for name in rooms)
+        found = broken_below(stage, [root.rstrip("/") for root in roots])
+    lines = [f"{one.path}: {one.message}" for one in found]
+    own = [body for body in scene.items if body.path.startswith(roots)]
+    flat = underfoot(scene.graph.dressing)
+    others = [
+        body for body in scene.items if not body.path.startswith(roots) and body.path not in flat
+    ]
+    lines += [
+        f"{one.a} runs into {one.b} by {one.depth_m * 100:.1f} cm"
+        for one in collisions(own, [*others, *scene.fixed], flat)
+    ]
+    held, ground = Held(scene), [*scene.ground, *others]
+    lines += [f"{one} stands on nothing" for one in unsupported(own, ground, held)]
+    scores = score_scene(scene.graph)
+    lines += [f"{one} is out of its room" for one in scores.out_of_room if one.startswith(roots)]
+    lines += [f"{one} is blocked" for one in scores.blocked_openings]
+    lines += [f"{one} is empty" for one in scores.empty_rooms if f"{one}/".startswith(roots)]
+    return lines
 
 
 def _reported(stage: Usd.Stage) -> Report:

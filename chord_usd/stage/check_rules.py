@@ -25,7 +25,7 @@ through the first instance that shows them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,11 +68,28 @@ def broken_rules(stage: Usd.Stage) -> list[Finding]:
     return sorted({*findings, *usd_findings.result()}, key=lambda f: (f.rule, f.path, f.message))
 
 
+def broken_below(stage: Usd.Stage, paths: Sequence[str]) -> list[Finding]:
+    """What the rules about single prims find at and below these paths, and in what is instanced
+    there, and USD's own validators in the prims themselves."""
+    prims = [one for path in paths for one in Usd.PrimRange(stage.GetPrimAtPath(path))]
+    inside = {prim.GetPrototype() for prim in prims if prim.IsInstance()}
+    inner = [one for prototype in sorted(inside, key=lambda one: str(one.GetPath()))
+             for one in Usd.PrimRange(prototype)]  # fmt: skip
+    ids = [Finding("CHORD014", path, message) for path, message in _node_ids(stage)]
+    found = {*ids, *_prim_findings([*prims, *inner]), *_usd_findings(prims)}
+    return sorted(found, key=lambda f: (f.rule, f.path, f.message))
+
+
 def _own_findings(stage: Usd.Stage) -> list[Finding]:
     findings = []
     for rule, look in _STAGE_RULES.items():
         findings += [Finding(rule, path, message) for path, message in look(stage)]
-    for prim in _prims_once(stage):
+    return findings + _prim_findings(_prims_once(stage))
+
+
+def _prim_findings(prims: Iterable[Usd.Prim]) -> list[Finding]:
+    findings = []
+    for prim in prims:
         told = [(rule, judge(prim)) for rule, judge in _PRIM_RULES.items()]
         shape = _shape(prim)
         if shape is not None:
@@ -81,20 +98,21 @@ def _own_findings(stage: Usd.Stage) -> list[Finding]:
     return findings
 
 
-def _usd_findings(stage: Usd.Stage) -> list[Finding]:
-    """Errors of USD's own validators; their warnings are advice."""
+def _usd_findings(where: Usd.Stage | Sequence[Usd.Prim]) -> list[Finding]:
+    """Errors of USD's own validators in a stage or in prims; their warnings are advice."""
     findings = []
     # Each of these walks through all files again: CHORD008 has looked for what is missing, and
     # what is no package breaks no rule of packages.
     needless = {"usdUtilsValidators:MissingReferenceValidator"}
-    if not stage.GetRootLayer().GetFileFormat().IsPackage():
+    layer = where.GetRootLayer() if isinstance(where, Usd.Stage) else None
+    if layer is None or not layer.GetFileFormat().IsPackage():
         needless.add("usdUtilsValidators:UsdzPackageValidator")
     validators = [
         one
         for one in UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
         if one.GetMetadata().name not in needless
     ]
-    for error in UsdValidation.ValidationContext(validators).Validate(stage):
+    for error in UsdValidation.ValidationContext(validators).Validate(where):
         if error.GetType() != UsdValidation.ValidationErrorType.Error:
             continue
         sites = [site.GetPrim() or site.GetProperty() for site in error.GetSites()]

@@ -114,6 +114,26 @@ def identifier(text: str) -> str:
     return joined if joined and not joined[0].isdigit() else f"_{joined}"
 
 
+def room_title(room: Room, shown: str, rooms: Sequence[Room]) -> str:
+    """What people call a room: the name that a stage shows, where people gave it; else its kind,
+    numbered from 1 where there are several. Ids are the names of prims."""
+    if shown and shown != room.id:
+        return shown
+    of_kind = [one.id for one in rooms if one.kind == room.kind]
+    number = f" {of_kind.index(room.id) + 1}" if len(of_kind) > 1 else ""
+    return f"{spoken(ROOM_LABELS[room.kind])}{number}"
+
+
+def printable(text: str) -> str:
+    """Text in one line, without what no printer knows."""
+    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
+
+
+def spoken(label: str) -> str:
+    """LivingRoom as people write it: Living Room."""
+    return "".join(f" {one}" if one.isupper() else one for one in label).strip()
+
+
 def _openings(openings: Sequence[Opening]) -> tuple[NamedOpening, ...]:
     names = _numbered([opening.kind.capitalize() for opening in openings])
     return tuple(map(NamedOpening, names, openings))

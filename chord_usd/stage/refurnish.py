@@ -10,7 +10,8 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -21,7 +22,14 @@ from pxr import Sdf, Usd, UsdUtils
 from chord_usd.errors import StageError
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
-from chord_usd.runtime.stages import files_of, open_layer, open_stage, own_files, reading
+from chord_usd.runtime.stages import (
+    files_of,
+    open_known,
+    open_layer,
+    open_stage,
+    own_files,
+    reading,
+)
 from chord_usd.scene.articulation import FIXED
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.styles import style_named
@@ -34,13 +42,16 @@ from chord_usd.stage.check_scene import CATEGORY, read_scene
 from chord_usd.stage.furniture import DRESSING, place_dressing, place_furniture
 from chord_usd.stage.lighting import MOODS, forget, shine, variants_of
 from chord_usd.stage.lights import hang_lamps
-from chord_usd.stage.names import NamedRoom, name_items
+from chord_usd.stage.names import NamedRoom, name_items, printable, room_title
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
 from chord_usd.stage.variants import Wardrobe
 
 SEED = "chord:seed"
 """Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
+
+LOCKED = "chord:locked"
+"""Attribute of a piece, or of the group around it: nothing may change it."""
 
 CHECKPOINT = "chord:checkpoint_hash"
 
@@ -65,6 +76,10 @@ class StagedHouse:
     """Seed of the house."""
     assets: dict[str, Asset]
     """By id of a thing that wears one; none of those packed in an archive."""
+    titles: dict[str, str]
+    """What people call each room, by the name of its prim."""
+    locked: frozenset[str] = frozenset()
+    """Ids of the pieces that nothing may change."""
 
     def kept(self, room_name: str, names: Sequence[str], where: Path) -> dict[str, str]:
         """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
@@ -90,6 +105,12 @@ class StagedHouse:
                 item_id = carriers.get(item_id)
         return found
 
+    def locked_in(self, room_name: str) -> list[str]:
+        """Names of prims of a room's pieces that nothing may change."""
+        room = f"/House/Rooms/{room_name}/"
+        own = (path for path, item_id in self.item_ids.items() if item_id in self.locked)
+        return [path.split("/")[-1] for path in own if path.startswith(room)]
+
     def room(self, name: str, where: Path) -> Room:
         """The room whose prim has this name. Raises StageError, suggesting the nearest."""
         if name not in self.room_ids:
@@ -103,10 +124,13 @@ class StagedHouse:
         return self.graph.plan.room(self.room_ids[name])
 
 
-def read_house(path: Path) -> StagedHouse:
-    """Read rooms, openings and items of a stage. Raises StageError."""
+def read_house(path: Path, *, known: bool = False) -> StagedHouse:
+    """Read rooms, openings and items of a stage. Raises StageError.
+
+    known: whether it was looked through already.
+    """
     with reading(path):
-        return _house_of(open_stage(path), path)
+        return _house_of(open_known(path) if known else open_stage(path), path)
 
 
 def read_edited_house(edits: Path, source: Path) -> StagedHouse:
@@ -147,10 +171,22 @@ def _house_of(stage: Usd.Stage, path: Path) -> StagedHouse:
     things = (*graph.items, *graph.dressing)
     item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in things}
     is_dressed = any(stage.GetPrimAtPath(f"{room.id}/{DRESSING}") for room in graph.rooms)
+    placed = (
+        (item_id, stage.GetAttributeAtPath(f"{path}.{LOCKED}"))
+        for path, item_id in item_ids.items()
+    )
+    locked = frozenset(item_id for item_id, note in placed if note and note.Get())
+    named = tuple(replace(room, id=room.name) for room in graph.rooms)
+    shown = {
+        room.name: printable(stage.GetPrimAtPath(room.id).GetDisplayName()) for room in graph.rooms
+    }
+    titles = {room.id: room_title(room, shown[room.id], named) for room in named}
     worn = {noted_id: _asset_of(stage.GetPrimAtPath(at)) for at, noted_id in noted.items()}
     assets = {item_id: asset for item_id, asset in worn.items() if asset}
     graph = _with_noted_ids(graph, noted)
-    return StagedHouse(graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets)
+    return StagedHouse(
+        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked
+    )
 
 
 def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
@@ -211,10 +247,30 @@ class NewFurniture:
     """Seed of the house, by which its rooms agree."""
 
 
+EditLayer = Callable[[Path, Sequence[Path]], Sdf.Layer]
+"""Edits the layer at a path and saves it, given the folders that hold what it points to."""
+
+
 def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
     """Write source to target with one room's furniture taken out and new furniture put in.
 
+    As rewrite does it, and with its errors.
+    """
+    require_furniture(source, new.room_name)
+    return rewrite(source, target, lambda path, finals: furnish_layer(path, finals, new), new.made)
+
+
+def rewrite(
+    source: Path,
+    target: Path,
+    edit: EditLayer,
+    made: Provenance,
+    accept: Callable[[Path], None] | None = None,
+) -> StageFile:
+    """Write source to target with its own layer edited.
+
     target may be source itself; elsewhere, everything the stage points to is copied beside it.
+    accept: looks at the stage, whole, before it is delivered, and raises what speaks against it.
     Nothing is left behind on failure. Raises StageError for a stage that chord-usd did not write,
     AssetError, OutputError.
     """
@@ -225,23 +281,50 @@ def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
             expected=f"-o with the suffix {source.suffix}",
         )
     _require_own(source, target)
-    require_furniture(source, new.room_name)
     with reading(source), deliver() as delivery:
         staged = delivery.place(target)
         if source.suffix == ".usdz":
-            _edit_archive(source, staged, target, new)
+            _edit_archive(source, staged, target, edit)
         else:
             final = destination(target.parent)
             if final != source.absolute().parent:
                 _copy_what_it_points_to(source, staged, target)
             _copy_layer(source, staged)
-            layer = _edit(staged, [final, staged.parent], new)
+            layer = edit(staged, [final, staged.parent])
             write_attribution(layer, (staged.parent, final), staged, target)
+        if accept:
+            with _whole(staged, target) as seen:
+                accept(seen)
         content_hash = hash_file(staged)
     layer = Sdf.Layer.Find(str(target))
     if layer:
         layer.Reload()
-    return StageFile(target, content_hash, new.made)
+    return StageFile(target, content_hash, made)
+
+
+@contextmanager
+def _whole(staged: Path, target: Path) -> Iterator[Path]:
+    """A stage on its way as it will be seen: in a folder with links to what lies there already."""
+    home = destination(target.parent)
+    if staged.suffix == ".usdz":
+        yield staged
+        return
+    with tempfile.TemporaryDirectory(prefix="chord-usd-") as scratch:
+        folder = Path(scratch)
+        for at in (staged.parent, home):
+            for one in at.iterdir():
+                _link(one, folder / one.name, folder)
+        yield folder / staged.name
+
+
+def _link(source: Path, link: Path, top: Path) -> None:
+    """A link to a file or folder; of folders that two places have, one to each thing in them."""
+    if link.parent == top and source.is_dir() and not source.name.startswith("."):
+        link.mkdir(exist_ok=True)
+        for inner in source.iterdir():
+            _link(inner, link / inner.name, top)
+    elif not os.path.lexists(link):
+        link.symlink_to(source.absolute())
 
 
 def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
@@ -307,7 +390,7 @@ def _copy_what_it_points_to(source: Path, staged: Path, target: Path) -> None:
         shutil.copyfile(file, place)
 
 
-def _edit_archive(source: Path, staged: Path, target: Path, new: NewFurniture) -> None:
+def _edit_archive(source: Path, staged: Path, target: Path, edit: EditLayer) -> None:
     """Unpack, edit the root layer, which is an archive's first file, and pack again."""
     with tempfile.TemporaryDirectory(dir=staged.parent) as scratch:
         folder = Path(scratch)
@@ -315,7 +398,7 @@ def _edit_archive(source: Path, staged: Path, target: Path, new: NewFurniture) -
             archive.require_package()
             archive.unpack(folder)
             root = folder / archive.names[0]
-        layer = _edit(root, [root.parent], new)
+        layer = edit(root, [root.parent])
         write_attribution(layer, (root.parent,), staged, target)
         for file in folder.rglob("*"):
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
@@ -324,8 +407,11 @@ def _edit_archive(source: Path, staged: Path, target: Path, new: NewFurniture) -
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
 
 
-def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
-    """Refurnish the layer at path. finals: the folders that hold what it points to."""
+def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
+    """Give a room of the layer at path its new furniture.
+
+    finals: the folders that hold what it points to.
+    """
     layer = open_layer(path)
     furniture = layer.GetPrimAtPath(f"/House/Rooms/{new.room_name}/Furniture")
     dressing = furniture.nameParent.nameChildren.get(DRESSING)
@@ -343,10 +429,11 @@ def _edit(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
         wardrobe = Wardrobe(new.made.seed, style, home, articulation)
         packages = Packages(path.parent, finals, "assets")
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
-        if dressing:
+        if dressing or hung:
             place_dressing(layer, named, packages, Path(scratch), wardrobe)
     _light_lamps(layer, new.room_name, finals)
-    _note_making(furniture, new.made)
+    if new.made.checkpoint_hash:  # nothing else was drawn
+        _note_making(furniture, new.made)
     clear_camera(layer, new.room_name, room_polygon(new.room), [*new.items, *new.dressing])
     layer.Save()
     return layer

@@ -39,6 +39,7 @@ QUICK: dict[str, str] = {
     "describe": "{house}",
     "export": "{house} --for gltf -o {out}/house.glb",
     "diff": "{house} {house}",
+    "edit": "{house} unlock_the_bed_in_bedroom_1 -o {out}/edited.usda",
     "mcp": "--root {out}",
     "serve": "--root {out}/houses --port 0",
     "dataset synth": "-o {out}/houses --count 1 --rasters",

@@ -18,7 +18,7 @@ from chord_usd.scene.room_names import room_kind
 from chord_usd.scene.types import Item, Opening, Plan, Room, SceneGraph
 from chord_usd.stage.check_contact import Body
 from chord_usd.stage.check_scene import read_scene
-from chord_usd.stage.names import ROOM_LABELS
+from chord_usd.stage.names import ROOM_LABELS, printable, room_title, spoken
 from chord_usd.stage.opening_parts import side_of, span_of
 from chord_usd.stage.opening_shapes import Span
 from chord_usd.stage.shell import opens_to
@@ -73,7 +73,7 @@ class House:
     def title(self, room: Room) -> str:
         """What a room is called, in words that tell its kind to whoever reads the file."""
         title = self.titles[room.id]
-        return title if room_kind(title) == room.kind else _spoken(ROOM_LABELS[room.kind])
+        return title if room_kind(title) == room.kind else spoken(ROOM_LABELS[room.kind])
 
     def opens_to(self, opening: Opening) -> int:
         """The side that a door's leaves swing to: 1 is its own +y, -1 its -y."""
@@ -126,17 +126,8 @@ def house_of(stage: Usd.Stage) -> House:
         items=tuple(_in_room(item, names) for item in scene.graph.items),
         dressing=tuple(_in_room(item, names) for item in scene.graph.dressing),
     )
-    titles = {room.id: _title(room, shown[room.id], rooms) for room in rooms}
+    titles = {room.id: room_title(room, shown[room.id], rooms) for room in rooms}
     return House(graph, {body.path: body for body in scene.items}, titles, owners)
-
-
-def _title(room: Room, shown: str, rooms: Sequence[Room]) -> str:
-    """The name that a stage shows, where people gave it; else its kind, numbered from 1."""
-    if shown and shown != room.id:
-        return shown
-    of_kind = [one.id for one in rooms if one.kind == room.kind]
-    number = f" {of_kind.index(room.id) + 1}" if len(of_kind) > 1 else ""
-    return f"{_spoken(ROOM_LABELS[room.kind])}{number}"
 
 
 def span_in_plan(tunnel: Tunnel) -> Span:
@@ -146,11 +137,6 @@ def span_in_plan(tunnel: Tunnel) -> Span:
     """
     half = tunnel.opening.box.size_m[0] / 2
     return replace(span_of(tunnel), left=-half, right=half)
-
-
-def printable(text: str) -> str:
-    """Text in one line, without what no printer knows."""
-    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
 
 
 def _carrying(item: Item) -> Item:
@@ -167,8 +153,3 @@ def _carrying(item: Item) -> Item:
 
 def _in_room(item: Item, names: dict[str, str]) -> Item:
     return replace(item, room_id=names.get(item.room_id, ""))
-
-
-def _spoken(label: str) -> str:
-    """LivingRoom as people write it: Living Room."""
-    return "".join(f" {one}" if one.isupper() else one for one in label).strip()

@@ -1,0 +1,269 @@
+"""Pieces that are there moved, turned and swapped as somebody asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from chord_usd.arrange.asked_places import NEAR_M, Floor
+from chord_usd.arrange.asked_work import (
+    Score,
+    Work,
+    best_place,
+    called,
+    refused,
+    score_of,
+    with_resting,
+)
+from chord_usd.metrics.complete import AT_TABLE_M, TABLES, WALLED
+from chord_usd.scene.geometry import footprint_polygon, front_direction
+from chord_usd.scene.intents import COMPASS_DEG, DOOR, WINDOW, Intent
+from chord_usd.scene.types import Box, FloatArray, Item
+from chord_usd.scene.units import rotation_2d, wrap_deg
+
+_STEPS_M = (0.5, 0.4, 0.3, 0.2)
+"""How far "nearer" moves a piece, where nothing says it: the farthest that is free."""
+
+_ASIDE_DEG = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
+"""Ways to go nearer where something is in the straight one."""
+
+_SHIFT_M = 0.8
+"""A piece that is turned by an angle goes no farther than this to have place."""
+
+
+def _group(work: Work, item: Item) -> list[Item]:
+    """A piece, and what goes where it goes: chairs that stand at a table."""
+    if item.category not in TABLES:
+        return [item]
+    tables = [one for one in work.graph.items if one.category in TABLES]
+
+    def table_of(chair: Item) -> Item:
+        at = shapely.Point(chair.box.center_m[:2])
+        return min(tables, key=lambda one: footprint_polygon(one.box).distance(at))
+
+    chairs = [
+        one for one in work.graph.items
+        if one.category == "chair" and table_of(one).id == item.id and one.id not in work.locked
+        and footprint_polygon(item.box).distance(shapely.Point(one.box.center_m[:2])) < AT_TABLE_M
+    ]  # fmt: skip
+    return [item, *chairs]
+
+
+def _shifted(item: Item, by_m: FloatArray) -> Item:
+    x, y, z = item.box.center_m
+    return replace(item, box=replace(item.box, center_m=(x + by_m[0], y + by_m[1], z)))
+
+
+def _blocked(work: Work, group: Sequence[Item], room_id: str, by_m: FloatArray) -> str:
+    """What is in the way of pieces that are moved together."""
+    gone = with_resting(work, group)
+    floor = Floor(work.graph, work.room(room_id), gone)
+    told = (floor.in_the_way(_shifted(one, by_m)) for one in group)
+    return next((one for one in told if one), "")
+
+
+def _shift(work: Work, group: Sequence[Item], by_m: FloatArray) -> None:
+    for one in group:
+        work.move(one, _shifted(one, by_m).box)
+
+
+def move(work: Work, intent: Intent) -> None:
+    item = work.item(intent.items[0])
+    if intent.to_room:
+        _move_to_room(work, intent, item)
+    elif intent.way or intent.distance_m is not None:
+        _move_by(work, intent, item)
+    elif intent.relation in ("nearer to", "away from"):
+        _move_some(work, intent, item)
+    else:
+        _move_beside(work, intent, item)
+
+
+def _direction(work: Work, intent: Intent, item: Item) -> FloatArray:
+    """(2,) of length 1, the way that a move goes."""
+    if intent.way:
+        way = math.radians(COMPASS_DEG[intent.way])
+        return np.array([math.cos(way), math.sin(way)])
+    floor = Floor(work.graph, work.room(item.room_id))
+    at = shapely.Point(item.box.center_m[:2])
+    shapes = floor.shapes(intent.anchors)
+    if not shapes:
+        raise refused(intent, f"there is no {intent.anchors[0]} in {called(work, item.room_id)}")
+    nearest = shapely.shortest_line(at, min(shapes, key=at.distance))
+    start, end = (np.array(one) for one in nearest.coords)
+    length_m = float(np.hypot(*(end - start)))
+    if length_m < 1e-6:
+        raise refused(intent, "it stands there already")
+    return (end - start) / length_m * (-1.0 if intent.relation == "away from" else 1.0)
+
+
+def _move_by(work: Work, intent: Intent, item: Item) -> None:
+    assert intent.distance_m is not None
+    group = _group(work, item)
+    by_m = _direction(work, intent, item) * intent.distance_m
+    blocked = _blocked(work, group, item.room_id, by_m)
+    if blocked:
+        raise refused(intent, f"{blocked} is in the way", "a free place")
+    _shift(work, group, by_m)
+
+
+def _move_some(work: Work, intent: Intent, item: Item) -> None:
+    """Nearer or farther, straight or, where something is in the way, to the nearest place that
+    is."""
+    group = _group(work, item)
+    way = _direction(work, intent, item)
+    blocked = ""
+    for gain_m in _STEPS_M:
+        for aside_deg in _ASIDE_DEG:
+            by_m = rotation_2d(aside_deg) @ way * gain_m / math.cos(math.radians(aside_deg))
+            if _leaves_wall(item, by_m):
+                continue
+            own = _blocked(work, group, item.room_id, by_m)
+            if not own:
+                _shift(work, group, by_m)
+                return
+            blocked = blocked or own
+    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
+    shape = footprint_polygon(item.box)
+    sign = 1.0 if intent.relation == "away from" else -1.0
+    before_m = min(float(shape.distance(one)) for one in floor.shapes(intent.anchors))
+
+    def score(placed: Item) -> tuple[float, ...] | None:
+        own = footprint_polygon(placed.box)
+        now_m = min(float(own.distance(one)) for one in floor.shapes(intent.anchors))
+        if sign * (now_m - before_m) < _STEPS_M[-1]:
+            return None
+        return (math.dist(placed.box.center_m[:2], item.box.center_m[:2]),)
+
+    found = _best_of_old(work, floor, item, score) if len(group) == 1 else None
+    if found is None:
+        raise refused(intent, f"{blocked} is in the way" if blocked else "no place was found there")
+    work.move(item, found.box)
+
+
+def _leaves_wall(item: Item, by_m: FloatArray) -> bool:
+    """Whether a piece that stands with its back to a wall would stand free."""
+    if item.category not in WALLED:
+        return False
+    return abs(float(by_m @ front_direction(item.box.yaw_deg))) > 0.01
+
+
+def _best_of_old(work: Work, floor: Floor, item: Item, score: Score) -> Item | None:
+    rest = replace(work.graph, items=tuple(i for i in work.graph.items if i.id != item.id))
+    beside = Work(rest, work.database)
+    return best_place(beside, floor, item, score)
+
+
+def _move_beside(work: Work, intent: Intent, item: Item) -> None:
+    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
+    found = _best_of_old(work, floor, item, _score_near(floor, intent, item))
+    if found is None:
+        raise refused(intent, "no place was found there", "what the room has place for")
+    work.move(item, found.box)
+
+
+def _score_near(floor: Floor, intent: Intent, item: Item) -> Score:
+    def score(placed: Item) -> tuple[float, ...] | None:
+        missed_m = floor.misses_m(placed, intent.relation, intent.anchors)
+        if missed_m > NEAR_M.get(intent.relation, 1.0):
+            return None
+        turned = abs(wrap_deg(placed.box.yaw_deg - item.box.yaw_deg))
+        away_m = math.dist(placed.box.center_m[:2], item.box.center_m[:2])
+        return (round(missed_m, 1), round(turned, 0), away_m)
+
+    return score
+
+
+def _move_to_room(work: Work, intent: Intent, item: Item) -> None:
+    floor = Floor(work.graph, work.room(intent.to_room), with_resting(work, [item]))
+    found = _best_of_old(work, floor, item, score_of(work, floor, intent))
+    if found is None:
+        raise refused(intent, f"no place was found in {called(work, intent.to_room)}")
+    work.move(item, found.box, intent.to_room)
+
+
+def turn(work: Work, intent: Intent) -> None:
+    item = work.item(intent.items[0])
+    _turn_to(work, intent, item, item.box.yaw_deg + intent.turn_deg, _SHIFT_M)
+
+
+def face(work: Work, intent: Intent) -> None:
+    item = work.item(intent.items[0])
+    if intent.way:
+        yaw_deg = COMPASS_DEG[intent.way] + 90.0
+    else:
+        floor = Floor(work.graph, work.room(item.room_id))
+        at = shapely.Point(item.box.center_m[:2])
+        anchor = intent.anchors[0]
+        if anchor in (WINDOW, DOOR):
+            holes = [one for one in floor.openings if (one.kind == WINDOW) == (anchor == WINDOW)]
+            if not holes:
+                raise refused(intent, f"there is no {anchor} in {called(work, item.room_id)}")
+            nearest = min(holes, key=lambda one: footprint_polygon(one.box).distance(at))
+            front = front_direction(nearest.box.yaw_deg)
+            ahead = np.array(nearest.box.center_m[:2]) - item.box.center_m[:2]
+            front = front if front @ ahead > 0 else -front
+        else:
+            shape = floor.shapes([anchor])[0]
+            ahead = np.array(shape.centroid.coords[0]) - item.box.center_m[:2]
+            front = ahead
+        yaw_deg = float(np.degrees(np.arctan2(front[0], -front[1])))
+    _turn_to(work, intent, item, yaw_deg, 9.0)
+
+
+def _turn_to(work: Work, intent: Intent, item: Item, yaw_deg: float, most_m: float) -> None:
+    """Turn a piece where it stands or, where something is in the way, in the nearest free place."""
+    turned = replace(item, box=replace(item.box, yaw_deg=wrap_deg(yaw_deg)))
+    group = _group(work, item)
+    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, group))
+    blocked = floor.in_the_way(turned)
+    found: Item | None = None if blocked or len(group) > 1 else turned
+    if found is None and len(group) == 1:
+        boxes = sorted(_around(turned.box, most_m), key=lambda box: math.dist(
+            box.center_m[:2], item.box.center_m[:2]))  # fmt: skip
+        found = next(floor.free(turned, boxes), None)
+    if found is None:
+        raise refused(intent, f"{blocked or 'its chairs'} would be in the way", "place to turn")
+    work.move(item, found.box)
+
+
+def _around(box: Box, most_m: float) -> Iterator[Box]:
+    reach = np.arange(-min(most_m, 4.0), min(most_m, 4.0) + 0.01, 0.1)
+    x, y, z = box.center_m
+    for across in reach:
+        for along in reach:
+            if math.hypot(across, along) <= most_m:
+                yield replace(box, center_m=(float(x + across), float(y + along), z))
+
+
+def swap(work: Work, intent: Intent) -> None:
+    one, other = (work.item(item_id) for item_id in intent.items)
+    both = with_resting(work, [one, other])
+    for first, second in ((one, other), (other, one)):
+        floor = Floor(work.graph, work.room(intent.room), both)
+        placed = next(floor.free(first, _in_place_of(first, second)), None)
+        if placed is None:
+            continue
+        rest = replace(work.graph, items=(*work.graph.items, replace(placed, id="placed")))
+        beside = Floor(rest, work.room(intent.room), both)
+        met = next(beside.free(second, _in_place_of(second, first)), None)
+        if met is not None:
+            work.move(first, placed.box)
+            work.move(second, met.box)
+            return
+    raise refused(intent, "one of them has no place where the other stands", "pieces of like size")
+
+
+def _in_place_of(item: Item, other: Item) -> Iterator[Box]:
+    """Where another piece stands: its back where that has its own, then to both sides."""
+    front = front_direction(other.box.yaw_deg)
+    along = np.array([-front[1], front[0]])
+    back = np.array(other.box.center_m[:2]) - front * other.box.size_m[1] / 2
+    for step in sorted(range(-6, 7), key=abs):
+        at = back + front * item.box.size_m[1] / 2 + along * (step * 0.1)
+        center_m = (float(at[0]), float(at[1]), item.box.center_m[2])
+        yield replace(item.box, center_m=center_m, yaw_deg=other.box.yaw_deg)

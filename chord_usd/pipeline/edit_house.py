@@ -1,0 +1,269 @@
+"""stage and a sentence -> stage: what the sentence asks for is done, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.errors import ChordError, StageError
+from chord_usd.pipeline.settings import Settings
+from chord_usd.runtime.progress import Stopwatch
+from chord_usd.scene.styles import MIXED, HomeStyle, style_named
+from chord_usd.scene.types import Item, Provenance, Room, SceneGraph
+
+if TYPE_CHECKING:
+    from chord_usd.arrange.asked_work import Work
+    from chord_usd.assets.database import AssetDatabase
+    from chord_usd.lists.sentences import Understood
+    from chord_usd.stage.edit_rooms import PieceChange, RoomsChange
+    from chord_usd.stage.refurnish import StagedHouse
+
+_OPEN_M = 0.05
+"""Floors nearer to each other have no wall between them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A house, and what a sentence means in it."""
+
+    source: Path
+    house: StagedHouse
+    understood: Understood
+
+    @property
+    def rooms(self) -> tuple[str, ...]:
+        """Names of the prims of the rooms that it changes, in the house's order."""
+        changed = {room for intent in self.understood.intents for room in intent.rooms}
+        return tuple(name for name, own in self.house.room_ids.items() if own in changed)
+
+
+@dataclass(frozen=True)
+class Done:
+    """What an edit did to the pieces of a house, by the ids that its graph has."""
+
+    added: tuple[str, ...] = ()
+    removed: tuple[str, ...] = ()
+    moved: tuple[str, ...] = ()
+    """Or turned."""
+
+
+def read_sentence(
+    source: Path, sentence: str, beside: Callable[[], object] | None = None
+) -> Reading:
+    """What a sentence means in the house at source. Raises ChordError, also where a part of it
+    means nothing there.
+
+    beside: what may be loaded while the stage is looked through.
+    """
+    from chord_usd.runtime.stages import look_through
+
+    # A process of its own looks the stage through while this one imports.
+    with ThreadPoolExecutor(1) as pool:
+        trial = pool.submit(look_through, [source])
+        from chord_usd.lists.sentences import understand
+        from chord_usd.stage.refurnish import read_house
+
+        if beside:
+            beside()
+        trial.result()
+    house = read_house(source, known=True)
+    named = {
+        name: replace(house.graph.plan.room(room_id), name=house.titles[name])
+        for name, room_id in house.room_ids.items()
+    }
+    graph = replace(house.graph, rooms=tuple(named.values()))
+    house = replace(house, graph=graph)
+    return Reading(source, house, understand(sentence, graph, named))
+
+
+def edit(
+    source: Path,
+    sentence: str,
+    target: Path,
+    settings: Settings | None = None,
+    stopwatch: Stopwatch | None = None,
+) -> tuple[Reading, Done]:
+    """Do what a sentence asks for, and write the house to target, which may be source.
+
+    All of it is done or, where a part is not understood, has no place, or the certificate of a
+    changed room would not hold, nothing is: a ChordError says why. Prims and files of rooms that
+    the sentence does not mean stay as they are, byte for byte. The stopwatch times read, arrange
+    and stage.
+    """
+    from chord_usd.runtime.alone import alone_with
+
+    watch = stopwatch or Stopwatch()
+    settings = settings or Settings(style="")
+    with alone_with(source):
+        with watch.step("read"):
+            reading = read_sentence(source, sentence, _load)
+        with watch.step("arrange"):
+            house = reading.house
+            style = style_named(house.graph.style or MIXED, house.seed)
+            work = _carried_out(reading, style, settings)
+            done = _done(house.graph, work)
+        with watch.step("stage"):
+            _write(reading, work, target, style)
+    return reading, done
+
+
+def _load() -> None:
+    """Import what an edit needs later, so that it need not wait then."""
+    import chord_usd.arrange.asked_edits
+    import chord_usd.stage.check
+    import chord_usd.stage.edit_rooms  # noqa: F401
+
+
+def _database(settings: Settings, style: HomeStyle) -> AssetDatabase:
+    from chord_usd.assets.database import load_database
+
+    return load_database(settings.asset_folders, style.name, settings.texture_px)
+
+
+def _carried_out(reading: Reading, style: HomeStyle, settings: Settings) -> Work:
+    """The house with everything done."""
+    from chord_usd.arrange.asked_edits import carry_out
+    from chord_usd.arrange.asked_work import Work
+    from chord_usd.pipeline import settle
+
+    house = reading.house
+    # Most edits need no new piece, and to load the database takes as long as they do.
+    database = cache(lambda: _database(settings, style))
+    work = Work(house.graph, database, set(house.locked))
+    carry_out(work, reading.understood.intents)
+    for room_id, name in work.styles.items():
+        _restyle(work, house, room_id, database().in_style(name), settings)
+    placed = {item.id for item in work.graph.items if item.id in work.new}
+    rooms = tuple({item.room_id for item in work.graph.items if item.id in placed})
+    if placed:
+        worn = tuple(_wearing(item, house) for item in work.graph.items)
+        stay = [item.id for item in worn if item.id not in placed]
+        settled = settle(replace(work.graph, items=worn), settings, rooms, stay)
+        lost = placed - {item.id for item in settled.items}
+        if lost:
+            raise ChordError(f"no place was found for {', '.join(sorted(lost))}")
+        work.graph = replace(work.graph, items=tuple(
+            item if item.id in placed else old
+            for item, old in _paired(settled.items, work.graph.items)
+        ))  # fmt: skip
+    return work
+
+
+def _paired(new: Sequence[Item], old: Sequence[Item]) -> list[tuple[Item, Item]]:
+    by_id = {item.id: item for item in old}
+    return [(item, by_id[item.id]) for item in new]
+
+
+def _wearing(item: Item, house: StagedHouse) -> Item:
+    return replace(item, asset=item.asset or house.assets.get(item.id))
+
+
+def _restyle(
+    work: Work, house: StagedHouse, room_id: str, database: AssetDatabase, settings: Settings
+) -> None:
+    """Give a room furniture of another style where the old stands, and lay and dress it anew."""
+    from chord_usd.graph.match import match_assets
+    from chord_usd.pipeline import dress_rooms, lay_tables
+    from chord_usd.pipeline.loading import load_table_model
+
+    own = [item for item in work.graph.items_of(room_id) if item.id not in work.locked]
+    ids = {item.id for item in own}
+    bare = tuple(
+        replace(item, asset=None, children=()) if item.id in ids else _wearing(item, house)
+        for item in work.graph.items
+    )
+    graph = replace(work.graph, items=bare, style=database.style)
+    had_things = any(item.children for item in own)
+    graph = match_assets(graph, database, but=[i.id for i in (*bare, *graph.dressing)
+                                               if i.id not in ids])  # fmt: skip
+    names = {own_id: own for own, own_id in house.room_ids.items()}
+    seeded = replace(settings, seed=house.seeds[names[room_id]])
+    table = load_table_model(settings) if had_things else None
+    if table:
+        but = [item.id for item in graph.items if item.id not in ids]
+        graph = lay_tables(graph, table, database, seeded, None, (room_id,), but).graph
+    old = {one.id for one in graph.dressing if one.room_id == room_id}
+    if old:
+        kept = work.locked & old
+        stays = tuple(one for one in graph.dressing if one.id not in old - kept)
+        graph = dress_rooms(replace(graph, dressing=stays), database, seeded, (room_id,), kept)
+    work.graph = replace(graph, style=house.graph.style)
+    work.new |= ids | {one.id for one in graph.dressing_of(room_id)} - work.locked
+
+
+def _done(before: SceneGraph, work: Work) -> Done:
+    old = {one.id for one in (*before.items, *before.dressing)}
+    now = {one.id for one in (*work.graph.items, *work.graph.dressing)}
+    restyled = {one.id for one in (*before.items, *before.dressing) if one.room_id in work.styles}
+    moved = [one for one in work.moved if one in now and one not in restyled]
+    return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved))
+
+
+def _write(reading: Reading, work: Work, target: Path, style: HomeStyle) -> None:
+    from chord_usd.stage.check import faults_in
+    from chord_usd.stage.edit_rooms import edit_rooms
+
+    def accept(staged: Path) -> None:
+        beside = _beside(reading)
+        found = faults_in(staged, reading.rooms, beside)
+        if found:
+            known = set(faults_in(reading.source, reading.rooms, beside))
+            found = [one for one in found if one not in known]
+        if found:
+            more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+            raise StageError(
+                f"the certificate would not hold: {found[0]}{more}", where=str(reading.source),
+                expected="an edit after which it does", try_="another place, or fewer pieces",
+            )  # fmt: skip
+
+    edit_rooms(reading.source, target, _change(reading, work, style), accept)
+
+
+def _beside(reading: Reading) -> list[str]:
+    """Names of the prims of other rooms that no wall parts from those that are changed."""
+    from chord_usd.scene.geometry import room_polygon
+
+    house = reading.house
+    floors = {
+        name: room_polygon(house.graph.plan.room(own)) for name, own in house.room_ids.items()
+    }
+    changed = [floors[name] for name in reading.rooms]
+    return [
+        name for name, floor in floors.items()
+        if name not in reading.rooms and any(floor.dwithin(one, _OPEN_M) for one in changed)
+    ]  # fmt: skip
+
+
+def _change(reading: Reading, work: Work, style: HomeStyle) -> RoomsChange:
+    """The same, as the stage takes it: prims in place of ids."""
+    from chord_usd.stage.edit_rooms import PieceChange, RoomsChange
+    from chord_usd.stage.refurnish import NewFurniture
+
+    house = reading.house
+    path_of = {item_id: path for path, item_id in house.item_ids.items()}
+    name_of = {room_id: name for name, room_id in house.room_ids.items()}
+    now = {one.id: one for one in (*work.graph.items, *work.graph.dressing)}
+    pieces: list[PieceChange] = []
+    for one in (*house.graph.items, *house.graph.dressing):
+        new = None if one.id in work.new else now.get(one.id)
+        locked = work.locks.get(one.id)
+        if new is None:
+            pieces.append(PieceChange(path_of[one.id], one.box, None))
+        elif new.box != one.box or new.room_id != one.room_id or locked is not None:
+            other = name_of[new.room_id] if new.room_id != one.room_id else ""
+            pieces.append(PieceChange(path_of[one.id], one.box, new.box, other, locked))
+    rooms: dict[str, Any] = {}
+    for name in reading.rooms:
+        room: Room = house.graph.plan.room(house.room_ids[name])
+        worn = work.styles.get(room.id) or style.name
+        rooms[name] = NewFurniture(
+            name, room, [i for i in work.graph.items_of(room.id) if i.id in work.new],
+            Provenance(seed=house.seeds[name]),
+            [i for i in work.graph.dressing_of(room.id) if i.id in work.new],
+            style=worn, home_seed=house.seed,
+        )  # fmt: skip
+    return RoomsChange(pieces, rooms)

@@ -1,0 +1,154 @@
+"""edit on a stage: what a sentence says is done in the rooms that it means, and nowhere else."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd
+
+import chord_usd
+from chord_usd.arrange.asked_places import Floor
+from chord_usd.cli import main
+from chord_usd.errors import ChordError, OutputError, StageError
+from chord_usd.pipeline.edit_house import edit, read_sentence
+from chord_usd.runtime.alone import alone_with
+from chord_usd.scene.types import Item, SceneGraph
+from chord_usd.scene.units import wrap_deg
+from chord_usd.stage.author import author_stage
+from chord_usd.stage.check import faults_in
+from chord_usd.stage.refurnish import read_house
+from tests.bare_stage import write_bare_stage
+
+
+@pytest.fixture
+def house(staged_house: Path, tmp_path: Path) -> Path:
+    """A copy of the shared house, to change."""
+    return Path(shutil.copytree(staged_house.parent, tmp_path / "house")) / "house.usda"
+
+
+def prims(path: Path) -> dict[str, str]:
+    """The text of each room, by name, and of the rest of the layer."""
+    layer = Sdf.Layer.OpenAsAnonymous(str(path))
+    rooms = layer.GetPrimAtPath("/House/Rooms").nameChildren
+    return {room.name: room.GetAsText() for room in rooms}
+
+
+def files(path: Path) -> dict[str, bytes]:
+    """What lies beside a stage."""
+    beside = [one for one in path.parent.rglob("*") if one.is_file() and one != path]
+    return {str(one): one.read_bytes() for one in beside if not one.name.startswith(".")}
+
+
+def only(path: Path, category: str, room: str) -> Item:
+    house = read_house(path)
+    own = house.graph.items_of(house.room_ids[room])
+    (found,) = (item for item in own if item.category == category)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("sentence", "rooms"),
+    [
+        ("put a desk in bedroom 2", {"Bedroom_1"}),
+        ("carry the armchair from the balcony into the living room", {"Balcony_0", "LivingRoom_0"}),
+        ("remove the coffee table and swap the toilet and the washbasin",
+         {"LivingRoom_0", "Bathroom_0"}),
+    ],
+)  # fmt: skip
+def test_rooms_that_are_not_meant_stay_byte_for_byte(
+    sentence: str, rooms: set[str], house: Path
+) -> None:
+    before, beside = prims(house), files(house)
+    faults = set(faults_in(house, before))
+    reading, _ = edit(house, sentence, house)
+    after = prims(house)
+    assert set(reading.rooms) == {name for name in before if after[name] != before[name]} == rooms
+    assert files(house).items() >= beside.items()
+    assert set(faults_in(house, after)) <= faults
+
+
+def test_a_piece_is_turned_where_it_stands_with_all_that_it_wears(house: Path) -> None:
+    before = only(house, "leisure_sofa", "Balcony_0")
+    chord_usd.open(house).edit("rotate the armchair on the balcony by 90 degrees clockwise")
+    after = only(house, "leisure_sofa", "Balcony_0")
+    assert (after.id, after.room_id) == (before.id, before.room_id)
+    assert after.box.center_m == pytest.approx(before.box.center_m, abs=1e-6)
+    turned_deg = wrap_deg(after.box.yaw_deg - before.box.yaw_deg)
+    assert turned_deg == pytest.approx(-90, abs=1e-6)
+
+
+def test_what_would_break_the_certificate_changes_nothing(
+    house: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Floor, "in_the_way", lambda *_: "")
+    text, beside = house.read_bytes(), files(house)
+    with pytest.raises(StageError, match="certificate would not hold"):
+        edit(house, "move the coffee table 0.5 m towards the sofa", house)
+    assert (house.read_bytes(), files(house)) == (text, beside)
+
+
+def test_a_lock_binds_until_it_is_taken_off(house: Path) -> None:
+    text = house.read_bytes()
+    edit(house, "lock the sofa", house)
+    assert read_house(house).locked_in("LivingRoom_0") == ["Sofa_0"]
+    with pytest.raises(ChordError, match="locked"):
+        edit(house, "remove the sofa", house)
+    edit(house, "unlock the sofa", house)
+    assert house.read_bytes() == text
+
+
+def test_of_two_edits_at_once_the_second_is_refused(house: Path) -> None:
+    text = house.read_bytes()
+    with alone_with(house), pytest.raises(OutputError, match="somebody else"):
+        edit(house, "remove the sofa", house)
+    assert house.read_bytes() == text
+
+
+def test_a_dry_run_says_what_is_understood_and_writes_nothing(
+    house: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = house.read_bytes()
+    words = ["edit", str(house), "remvoe the sofa", "--dry-run", "--json", "--progress", "none"]
+    assert main(words) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [one["told"] for one in told["understood"]] == ["remove 1 × sofa from Living Room 1"]
+    assert told["rooms"] == ["LivingRoom_0"]
+    assert told["read_as"] == ["'remvoe' as 'remove'"]
+    assert house.read_bytes() == text
+
+
+def test_a_refusal_is_one_line_and_an_exit_code(
+    house: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = house.read_bytes()
+    words = ["edit", str(house), "paint the sofa blue", "--progress", "none"]
+    assert main(words) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.startswith("error: ")
+    assert "'paint', 'blue'" in told.err
+    assert len(told.err.splitlines()) == 1
+    assert house.read_bytes() == text
+
+
+def test_a_house_by_another_program_is_refused(furnished_house: SceneGraph, tmp_path: Path) -> None:
+    path = write_bare_stage(furnished_house.plan, tmp_path / "other.usda")
+    assert read_sentence(path, "put a desk in bedroom 2").rooms == ("Bedroom_1",)
+    with pytest.raises(StageError, match="not in this layer"):
+        edit(path, "put a desk in bedroom 2", path)
+
+
+def test_what_is_new_in_a_house_that_opens_opens(staged_graph: SceneGraph, tmp_path: Path) -> None:
+    path = author_stage(staged_graph, tmp_path / "house.usda", seed=3, articulation="jointed").path
+    _, done = edit(path, "put a chest of drawers in the corridor", path)
+    (new,) = done.added
+    house = read_house(path)
+    (at,) = (one for one, item_id in house.item_ids.items() if item_id == new)
+    stage = Usd.Stage.Open(str(path))
+    prim = stage.GetPrimAtPath(at)
+    assert prim.GetVariantSet("articulation").GetVariantSelection() == "jointed"
+    assert prim.GetChild("Joints").GetChildren()
+    assert not [one for one in faults_in(path, ["Corridor_0"]) if at in one]

@@ -1,0 +1,163 @@
+"""Forty sentences, and what has to be true of a house after each; and those that mean nothing."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chord_usd.arrange.asked_edits import carry_out
+from chord_usd.arrange.asked_work import Work
+from chord_usd.errors import ChordError
+from chord_usd.lists.sentences import Understood, understand
+from chord_usd.metrics.violations import violations
+from chord_usd.scene.palette import category
+from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph
+from chord_usd.stage.names import name_rooms
+from tests.house_facts import Facts
+
+_FILE = Path(__file__).parents[1] / "fixtures" / "sentences.json"
+SENTENCES = [one for one in json.loads(_FILE.read_text()) if not one.get("held_out")]
+
+
+class UsualSizes:
+    """A database of one piece for each size that is asked for."""
+
+    def nearest(
+        self, name: str, size_m: tuple[float, float, float], most_height_m: float | None = None
+    ) -> Asset:
+        return Asset(f"{name}_{size_m}", category(name).name, size_m, Path("piece.usda"))
+
+
+@pytest.fixture(scope="module")
+def house(furnished_house: SceneGraph) -> SceneGraph:
+    """A house with a little dressing."""
+    middle = {room.id: room.polygon_m.mean(axis=0) for room in furnished_house.rooms}
+
+    def thing(name: str, room: str, x: float, y: float, size_m: tuple[float, float, float]) -> Item:
+        at = middle[room]
+        box = Box((at[0] + x, at[1] + y, category(name).mount_height_m), size_m, 0.0)
+        return Item(f"{room}/{name}_0", name, box, room)
+
+    dressing = (
+        thing("rug", "room4", 0.0, 0.0, (1.0, 1.5, 0.01)),
+        thing("floor_plant", "room5", -1.0, 0.0, (0.4, 0.4, 1.0)),
+        thing("picture", "room5", 0.0, -2.28, (0.4, 0.03, 0.5)),
+    )
+    return replace(furnished_house, dressing=dressing)
+
+
+@pytest.fixture(scope="module")
+def rooms(house: SceneGraph) -> dict[str, Room]:
+    return {named.name: named.room for named in name_rooms(house)}
+
+
+def done(graph: SceneGraph, understood: Understood) -> Work:
+    return carry_out(Work(graph, UsualSizes), understood.intents)
+
+
+def faults(graph: SceneGraph) -> set[tuple[str, str, str]]:
+    hard = ("overlap", "out of room", "before an opening")
+    return {(one.kind, one.item, one.other) for one in violations(graph) if one.kind in hard}
+
+
+@pytest.mark.parametrize(
+    "said", [one for one in SENTENCES if "true" in one], ids=lambda one: one["say"][:40]
+)
+def test_what_is_asked_is_true_afterwards_and_nothing_else_changes(
+    said: dict[str, Any], house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    work = done(house, understand(said["say"], house, rooms))
+    ids = {room.name: room.id for room in house.rooms}
+    facts = Facts(house, work.graph, ids, work.styles, sorted(work.locked))
+    assert all(facts.is_true(fact) for fact in said["true"])
+    assert facts.others_are_still(said)
+    assert faults(work.graph) <= faults(house)
+    before = Facts(house, house, ids, {}, ())
+    assert not all(before.is_true(fact) for fact in said["true"]), "true without doing anything"
+
+
+@pytest.mark.parametrize(
+    "said", [one for one in SENTENCES if "refused" in one], ids=lambda one: one["say"][:40]
+)
+def test_what_cannot_be_is_refused_and_named(
+    said: dict[str, Any], house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    with pytest.raises(ChordError) as error:
+        done(house, understand(said["say"], house, rooms))
+    assert all(word.lower() in str(error.value).lower() for word in said["refused"])
+
+
+@pytest.mark.parametrize(
+    ("sentence", "why"),
+    [
+        ("", "is empty"),
+        ("x" * 10_000, "10000 characters"),
+        ("put a desk in bedroom 7", "no room"),
+        ("move it to the window", "'it'"),
+        ("don't remove the sofa", "'dont'"),
+        ("put a desk in bedroom 2 and rotate it 90 degrees", "'it'"),
+        ("remove the bed", "Bedroom 1, Bedroom 2"),
+        ("put a lamp on the desk in bedroom 1", "in or on"),
+        ("turn the desk into a bed", "into something else"),
+        ("make the kitchen modern, make the kitchen classic", "contradict"),
+        ("put a desk in bedroom 2 and no desk in bedroom 2", "contradict"),
+        ("lock the sofa and move the sofa 1 m north", "contradict"),
+        ("two beds in bedroom 1", "or in all"),
+        ("add 0 chairs to the kitchen", "0 ×"),
+        ("add 99 chairs to the living room", "99 ×"),
+        ("move the sofa", "whereto"),
+        ("move the sofa 1 m", "whereto"),
+        ("move the sofa 9 m north", "in the way"),
+        ("remove all the chairs except two", "'except'"),
+        ("add a classic armchair to the living room", "single piece"),
+        ("remove a chair next to the window", "there already"),
+        ("mettez le canapé à la fenêtre", "mettez"),
+        ("\x1b[31m移动沙发\u202e", "no meaning"),
+    ],
+)
+def test_no_sentence_is_half_understood(
+    sentence: str, why: str, house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    with pytest.raises(ChordError) as error:
+        done(house, understand(sentence, house, rooms))
+    assert why in str(error.value)
+
+
+WORDS = (
+    "put", "remove", "move", "turn", "make", "the", "a", "no", "two", "sofa", "desk", "rug", "bed",
+    "chair", "window", "bedroom", "kitchen", "living", "2", "1", "to", "in", "and", ",", "next",
+    "by", "from", "with", "90", "degrees", "m", "north", "modern", "it", "there", "swap", "lock",
+    "between",
+)  # fmt: skip
+
+
+@given(words=st.lists(st.sampled_from(WORDS), min_size=1, max_size=9))
+def test_any_words_are_understood_as_something_or_refused(
+    words: list[str], furnished_house: SceneGraph
+) -> None:
+    named = {one.name: one.room for one in name_rooms(furnished_house)}
+    try:
+        understood = understand(" ".join(words), furnished_house, named)
+    except ChordError:
+        return
+    assert understood.intents
+    assert all(intent.told and intent.room for intent in understood.intents)
+
+
+def test_a_locked_piece_stays(house: SceneGraph, rooms: dict[str, Room]) -> None:
+    sofa = next(item for item in house.items if item.category == "sofa")
+    understood = understand("remove the sofa", house, rooms)
+    with pytest.raises(ChordError, match="locked"):
+        carry_out(Work(house, UsualSizes, {sofa.id}), understood.intents)
+
+
+def test_a_slip_of_the_pen_is_read_and_told(house: SceneGraph, rooms: dict[str, Room]) -> None:
+    understood = understand("remvoe the sofa", house, rooms)
+    assert understood.told == ["remove 1 × sofa from Living Room 1"]
+    assert understood.read_as == ("'remvoe' as 'remove'",)
