@@ -1,11 +1,12 @@
 """What arranging does to rooms that somebody else's program placed box by box.
 
-    python benchmarks/box_scenes.py ROOMS.jsonl.gz [--kind living] [--rooms 300] [--write]
+    python benchmarks/box_scenes.py ROOMS.jsonl.gz [--kind living] [--rooms 300] [--paint] [--write]
 
 Rooms of 3D-FRONT (chord_usd.data.threed_front.read_rooms) as they are, and with every box moved and
 turned by noise, as a graph pipeline's samples would be: each row before and after
-`dataset import --arrange` does its work. 3D-FRONT's terms forbid commercial use: it is measured
-here, and nothing of it is kept.
+`dataset import --arrange` does its work. --paint: after the layout model has painted over them
+instead, as it paints over lists, read back and nothing arranged. 3D-FRONT's terms forbid commercial
+use: it is measured here, and nothing of it is kept.
 """
 
 from __future__ import annotations
@@ -22,9 +23,12 @@ from results import write_section
 
 from chord_usd.data.splits import split_hash
 from chord_usd.data.threed_front import read_rooms
+from chord_usd.evaluation.cases import Case
+from chord_usd.evaluation.layouts import read_back
+from chord_usd.layout.upright import sample_upright
 from chord_usd.metrics.overlap import scene_overlap
 from chord_usd.metrics.rooms import out_of_room
-from chord_usd.pipeline import arrange_given
+from chord_usd.pipeline import Settings, arrange_given, draw_plan, load_model
 from chord_usd.scene.types import Item, SceneGraph
 
 NOISES = ((0.0, 0.0), (0.1, 5.0), (0.3, 15.0))
@@ -37,6 +41,7 @@ def main() -> None:
     parser.add_argument("source", type=Path, help="rooms of 3D-FRONT, JSON lines")
     parser.add_argument("--kind", default="bedroom", help="bedroom or living (bedroom)")
     parser.add_argument("--rooms", type=int, default=300, help="(300)")
+    parser.add_argument("--paint", action="store_true", help="by the layout model, not arranged")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     rooms = list(islice(_rooms(options.source, options.kind), options.rooms))
@@ -44,20 +49,25 @@ def main() -> None:
     for move_m, turn_deg in NOISES:
         rng = np.random.default_rng(0)
         given = [_shaken(room, move_m, turn_deg, rng) for room in rooms]
-        after = [arrange_given(room) for room in given]
+        after = _painted(given) if options.paint else [arrange_given(room) for room in given]
         noise = (
             f"moved by {move_m * 100:g} cm, turned by {turn_deg:g}°" if move_m else "as they are"
         )
         rows.append((noise, _told(given)))
-        rows.append(("the same, arranged", f"{_told(after)}; {_changes(given, after)}"))
+        if options.paint:
+            rows.append(("the same, painted over", _told(after)))
+        else:
+            rows.append(("the same, arranged", f"{_told(after)}; {_changes(given, after)}"))
         sys.stderr.write("\n".join(" | ".join(row) for row in rows[-2:]) + "\n")
     note = (
-        f"`python benchmarks/box_scenes.py ROOMS --kind {options.kind} --rooms {options.rooms}`: "
+        f"`python benchmarks/box_scenes.py ROOMS --kind {options.kind} --rooms {options.rooms}"
+        f"{' --paint' * options.paint}`: "
         f"the file's first {len(rooms)} with two pieces or more; overlaps that are "
         "natural, such as a chair under its table, are none."
     )
     if options.write:
-        sys.stdout.write(write_section(f"box scenes, arranged: {options.kind} rooms", rows, note))
+        how = "painted over" if options.paint else "arranged"
+        sys.stdout.write(write_section(f"box scenes, {how}: {options.kind} rooms", rows, note))
 
 
 def _rooms(source: Path, kind: str) -> Iterator[SceneGraph]:
@@ -76,6 +86,17 @@ def _shaken(
         return replace(item, box=replace(item.box, center_m=center, yaw_deg=yaw_deg))
 
     return replace(room, items=tuple(map(shaken, room.items)))
+
+
+def _painted(rooms: Sequence[SceneGraph]) -> list[SceneGraph]:
+    """The rooms as the layout model paints them with their boxes for a draft, read back."""
+    model = load_model(Settings())
+    found = []
+    for seed, room in enumerate(rooms):
+        plan_image = draw_plan(room.plan)
+        layout = sample_upright(model, room.plan, plan_image, listed=room, seed=seed)
+        found.append(read_back(Case(str(seed), room.plan), layout).scene)
+    return found
 
 
 def _told(rooms: Sequence[SceneGraph]) -> str:

@@ -46,6 +46,10 @@ class WorstScores:
     before: float
     """Of the worst houses before their pieces were moved."""
     colliding: float
+    gap_error: float
+    """Standard error of gap, over houses."""
+    own_gap_error: float
+    """The same of own_gap."""
     houses: int
     """Of each of the three."""
     out_of: int
@@ -96,11 +100,18 @@ def measure_worst(
     scenes = [*clean, *(one.before for one in found), *(one.after for one in found)]
     rows = _errors(errors, scenes, times, seed, progress, warn)
     parts = np.split(rows, [len(clean), len(clean) + len(found)])
-    clean_error, before, colliding = (float(part.mean()) for part in parts)
+    unspoilt, before, after = parts
     return WorstScores(
-        clean=clean_error,
-        before=before,
-        colliding=colliding,
+        clean=float(unspoilt.mean()),
+        before=float(before.mean()),
+        colliding=float(after.mean()),
+        gap_error=float(
+            np.hypot(_of_mean(after), after.mean() / unspoilt.mean() * _of_mean(unspoilt))
+            / unspoilt.mean()
+        ),
+        own_gap_error=float(
+            _of_mean(after - after.mean() / before.mean() * before) / before.mean()
+        ),
         houses=len(found),
         out_of=len(cases) - worst,
         draws=draws,
@@ -110,6 +121,11 @@ def measure_worst(
         split=split_hash(case.id for case in cases),
         checkpoint=errors.model.checkpoint.content_hash,
     )
+
+
+def _of_mean(values: FloatArray) -> float:
+    """Standard error of a mean."""
+    return float(values.std(ddof=1) / np.sqrt(len(values))) if len(values) > 1 else 0.0
 
 
 def _moved(cases: Sequence[Case], seed: int) -> Iterator[_Worst]:
@@ -154,8 +170,9 @@ def as_markdown(scores: WorstScores) -> str:
     rows = [
         [
             f"the {scores.houses} worst of {scores.out_of}", f"{low:.1f} to {high:.1f}",
-            number_text(scores.clean), number_text(scores.colliding), f"{scores.gap:+.2%}",
-            f"{scores.own_gap:+.2%}", str(scores.draws),
+            number_text(scores.clean), number_text(scores.colliding),
+            f"{scores.gap:+.1%} ± {scores.gap_error:.1%}",
+            f"{scores.own_gap:+.1%} ± {scores.own_gap_error:.1%}", str(scores.draws),
         ],
         [
             "the paper's 400 worst", "", *map(number_text, PAPER_ERRORS), f"{PAPER_GAP:+.2%}", "",
