@@ -96,6 +96,26 @@ def test_broken_files_are_passed_over_counted_and_listed(
     assert "warning: broken: is not JSON" in capsys.readouterr().err
 
 
+def test_boxes_of_others_become_houses_in_which_nothing_collides(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    room = {
+        "class_labels": ["double_bed", "nightstand", "ceiling_lamp"],
+        "translations": [[0, 0.5, 0], [1.0, 0.3, 0], [0, 2.5, 0]],
+        "sizes": [[0.9, 0.5, 1.0], [0.25, 0.3, 0.2], [0.2, 0.1, 0.2]],
+        "angles": [[0.0], [0.0], [0.0]],
+        "floor_plan_vertices": [[-2, 0, -2], [2, 0, -2], [2, 0, 2], [-2, 0, 2]],
+        "floor_plan_faces": [[0, 1, 2], [0, 2, 3]],
+        "scene_type": "bedroom",
+    }
+    (tmp_path / "room.json").write_text(json.dumps(room))
+    folder = tmp_path / "houses"
+    words = ["dataset", "import", tmp_path / "room.json", "-o", folder, "--arrange"]
+    assert told(capsys, *words)["arranged"] == {"pieces": 2, "moved": 2, "left_out": 0}
+    assert json.loads((folder / "room.json").read_text())["leftOut"] == {"ceiling_lamp": 1}
+    assert told(capsys, "dataset", "stats", folder)["scores"]["por"]["value"] == 0.0
+
+
 def test_clean_leaves_good_houses_alone(
     houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
