@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import shapely
 
 from chord_usd.arrange.asked_places import NEAR_M, Floor
 from chord_usd.arrange.asked_work import (
+    TRIED,
     Score,
     Work,
     best_place,
     called,
     refused,
     score_of,
+    shuts_in,
     with_resting,
 )
 from chord_usd.metrics.complete import AT_TABLE_M, TABLES, WALLED
@@ -30,6 +33,9 @@ _STEPS_M = (0.5, 0.4, 0.3, 0.2)
 
 _ASIDE_DEG = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
 """Ways to go nearer where something is in the straight one."""
+
+_SEEN_M, _FARTHEST_M = 9.0, 4.0
+"""How far a piece looks, and how far it may go to look there."""
 
 _SHIFT_M = 0.8
 """A piece that is turned by an angle goes no farther than this to have place."""
@@ -192,47 +198,71 @@ def turn(work: Work, intent: Intent) -> None:
 
 
 def face(work: Work, intent: Intent) -> None:
+    """Turn a piece to what it shall look at: square to an opening that is straight ahead then."""
     item = work.item(intent.items[0])
     if intent.way:
-        yaw_deg = COMPASS_DEG[intent.way] + 90.0
-    else:
-        floor = Floor(work.graph, work.room(item.room_id))
-        at = shapely.Point(item.box.center_m[:2])
-        anchor = intent.anchors[0]
-        if anchor in (WINDOW, DOOR):
-            holes = [one for one in floor.openings if (one.kind == WINDOW) == (anchor == WINDOW)]
-            if not holes:
-                raise refused(intent, f"there is no {anchor} in {called(work, item.room_id)}")
-            nearest = min(holes, key=lambda one: footprint_polygon(one.box).distance(at))
-            front = front_direction(nearest.box.yaw_deg)
-            ahead = np.array(nearest.box.center_m[:2]) - item.box.center_m[:2]
-            front = front if front @ ahead > 0 else -front
-        else:
-            shape = floor.shapes([anchor])[0]
-            ahead = np.array(shape.centroid.coords[0]) - item.box.center_m[:2]
-            front = ahead
-        yaw_deg = float(np.degrees(np.arctan2(front[0], -front[1])))
-    _turn_to(work, intent, item, yaw_deg, 9.0)
+        _turn_to(work, intent, item, COMPASS_DEG[intent.way] + 90.0, _FARTHEST_M)
+        return
+    floor = Floor(work.graph, work.room(item.room_id))
+    shapes = floor.shapes(intent.anchors[:1])
+    at = shapely.Point(item.box.center_m[:2])
+    holes = [
+        one.box for one in floor.openings
+        if intent.anchors[0] in (WINDOW, DOOR) and (one.kind == WINDOW)
+        == (intent.anchors[0] == WINDOW)
+    ]  # fmt: skip
+    if not shapes:
+        raise refused(intent, f"there is no {intent.anchors[0]} in {called(work, item.room_id)}")
+    hole = min(holes, key=lambda box: footprint_polygon(box).distance(at), default=None)
+    target = footprint_polygon(hole) if hole else shapes[0]
+    ahead = np.array(target.centroid.coords[0]) - item.box.center_m[:2]
+    yaw_deg = _towards_deg(ahead)
+    if hole:
+        square_deg = hole.yaw_deg + (0.0 if front_direction(hole.yaw_deg) @ ahead > 0 else 180.0)
+        if _sees(_turned(item, square_deg), target):
+            yaw_deg = square_deg
+    _turn_to(work, intent, item, yaw_deg, _FARTHEST_M, target)
 
 
-def _turn_to(work: Work, intent: Intent, item: Item, yaw_deg: float, most_m: float) -> None:
-    """Turn a piece where it stands or, where something is in the way, in the nearest free place."""
-    turned = replace(item, box=replace(item.box, yaw_deg=wrap_deg(yaw_deg)))
+def _towards_deg(ahead: FloatArray) -> float:
+    """The yaw at which a front points this way."""
+    return float(np.degrees(np.arctan2(ahead[0], -ahead[1])))
+
+
+def _turned(item: Item, yaw_deg: float) -> Item:
+    return replace(item, box=replace(item.box, yaw_deg=wrap_deg(yaw_deg)))
+
+
+def _sees(item: Item, target: shapely.Geometry) -> bool:
+    """Whether a piece has this straight ahead."""
+    middle = np.array(item.box.center_m[:2])
+    ahead = middle + front_direction(item.box.yaw_deg) * _SEEN_M
+    return bool(target.intersects(shapely.LineString([middle, ahead])))
+
+
+def _turn_to(
+    work: Work, intent: Intent, item: Item, yaw_deg: float, most_m: float,
+    target: shapely.Geometry | None = None,
+) -> None:  # fmt: skip
+    """Turn a piece where it stands or, where something is in the way, in the nearest free place
+    that shuts nobody in. target: what it has to see from there."""
+    turned = _turned(item, yaw_deg)
     group = _group(work, item)
     floor = Floor(work.graph, work.room(item.room_id), with_resting(work, group))
     blocked = floor.in_the_way(turned)
-    found: Item | None = None if blocked or len(group) > 1 else turned
-    if found is None and len(group) == 1:
-        boxes = sorted(_around(turned.box, most_m), key=lambda box: math.dist(
-            box.center_m[:2], item.box.center_m[:2]))  # fmt: skip
-        found = next(floor.free(turned, boxes), None)
+    if len(group) > 1:
+        raise refused(intent, "its chairs would be in the way", "a table without chairs")
+    boxes = [turned.box, *_around(turned.box, most_m)] if blocked else [turned.box]
+    boxes.sort(key=lambda box: math.dist(box.center_m[:2], item.box.center_m[:2]))
+    free = (one for one in floor.free(turned, boxes) if target is None or _sees(one, target))
+    found = next((one for one in islice(free, TRIED) if not shuts_in(work, one)), None)
     if found is None:
-        raise refused(intent, f"{blocked or 'its chairs'} would be in the way", "place to turn")
+        raise refused(intent, f"{blocked or 'who shall pass'} would be in the way")
     work.move(item, found.box)
 
 
 def _around(box: Box, most_m: float) -> Iterator[Box]:
-    reach = np.arange(-min(most_m, 4.0), min(most_m, 4.0) + 0.01, 0.1)
+    reach = np.arange(-most_m, most_m + 0.01, 0.1)
     x, y, z = box.center_m
     for across in reach:
         for along in reach:

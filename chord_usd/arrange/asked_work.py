@@ -18,7 +18,7 @@ from chord_usd.scene.palette import Level, Mount, category
 from chord_usd.scene.types import Box, Item, Room, SceneGraph
 from chord_usd.scene.units import wrap_deg
 
-_TRIED = 12
+TRIED = 12
 """Of the best places, so many are asked whether rooms can still be reached."""
 
 
@@ -144,12 +144,14 @@ def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | Non
         if own is not None:
             scored.append((own, at, placed))
     scored.sort(key=lambda one: one[:2])
-    free = list(islice((one for _, _, one in scored if not floor.in_the_way(one)), _TRIED))
+    free = list(islice((one for _, _, one in scored if not floor.in_the_way(one)), TRIED))
     if not free or category(item.category).mount is not Mount.FLOOR:
         return free[0] if free else None
-    before = len(walk(work.graph).unreachable)
-    for placed in free:
-        tried_graph = replace(work.graph, items=(*work.graph.items, placed))
-        if len(walk(tried_graph).unreachable) <= before:
-            return placed
-    return None
+    return next((placed for placed in free if not shuts_in(work, placed)), None)
+
+
+def shuts_in(work: Work, placed: Item) -> bool:
+    """Whether with a piece in this place fewer rooms can be reached."""
+    rest = tuple(one for one in work.graph.items if one.id != placed.id)
+    after = replace(work.graph, items=(*rest, placed))
+    return len(walk(after).unreachable) > len(walk(work.graph).unreachable)
