@@ -17,7 +17,15 @@ from starlette.routing import Route
 
 from chord_usd.errors import ChordError, DiskFullError, MissingExtraError
 from chord_usd.page.gate import Gate, refused
-from chord_usd.page.house_jobs import LONGEST_TEXT, PACKS, VIEW, HouseJobs, RunVerb, given_of
+from chord_usd.page.house_jobs import (
+    CAN_SAY,
+    LONGEST_TEXT,
+    PACKS,
+    VIEW,
+    HouseJobs,
+    RunVerb,
+    given_of,
+)
 from chord_usd.page.job_queue import OVER, Job, JobQueue
 from chord_usd.page.kept_houses import ChangedError, KeptHouses, NotThereError, Record
 from chord_usd.page.piece_edits import read_edits, write_edits
@@ -140,6 +148,7 @@ class _Page:
                 "styles": [MIXED, *STYLES],
                 "skies": [sky.name for sky in SKIES],
                 "packs": PACKS,
+                "canSay": CAN_SAY,
                 "suffixes": PLAN_SUFFIXES,
             }
         )

@@ -8,6 +8,7 @@ import shutil
 import zipfile
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,9 @@ QUALITIES = {"draft": ("draft", "640x360"), "good": ("good", "1280x720")}
 
 LONGEST_TEXT = 2000
 
+CAN_SAY = find_spec("chord_usd.commands.edit") is not None
+"""Whether houses can be changed by sentences here."""
+
 _ROOM = re.compile(r"/House/Rooms/\w+")
 
 
@@ -50,6 +54,7 @@ class HouseJobs:
             "read": self._read,
             "furnish": self._furnish,
             "refurnish": self._refurnish,
+            **({"say": self._say} if CAN_SAY else {}),
             "check": self._check,
             "render": self._render,
             "pack": self._pack,
@@ -137,6 +142,31 @@ class HouseJobs:
                     "rooms": rooms, **_told(answer.data),
                 },
             )  # fmt: skip
+        return {"version": number, **answer.data}
+
+    async def _say(self, job: Job) -> dict[str, Any]:
+        """A version changed as a sentence says, as another version."""
+        given = job.given
+        before = self._houses.version_folder(job.house, given.get("version")) / "house"
+        with self._version(job) as (number, folder):
+            target = folder / "house" / STAGE
+            words = ["edit", self._houses.word(before / STAGE), _no_option(str(given["sentence"]))]
+            answer = await self._call(job, [*words, f"--output={self._houses.word(target)}"])
+            words = ["export", self._houses.word(target), "--for=gltf"]
+            view = folder / VIEW
+            await self._call(job, [*words, f"--output={self._houses.word(view)}"])
+            for room in answer.data.get("rooms") or [""]:
+                carry_edits(before, folder / "house", room)
+                before = folder / "house"
+            plan = self._houses.get(job.house)["plan"]
+            self._houses.add_version(
+                job.house,
+                {
+                    "number": number, "label": str(given["sentence"])[:80], "plan": plan,
+                    "of": given["version"], "rooms": _rooms_in(view), "certificate": None,
+                },
+            )  # fmt: skip
+        self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
     def _view_word(self, folder: Path) -> str:
@@ -231,7 +261,8 @@ def given_of(kind: str, given: object) -> dict[str, Any]:
             raise ChordError(f"{name} is neither text nor number")
         if any(isinstance(text, str) and len(text) > LONGEST_TEXT for text in texts):
             raise ChordError(f"{name} is too long", expected=f"at most {LONGEST_TEXT} characters")
-    needed = {"refurnish": ("version", "room"), "render": ("version", "camera"),
+    needed = {"refurnish": ("version", "room"), "say": ("version", "sentence"),
+              "render": ("version", "camera"),
               "check": ("version",), "pack": ("version", "for")}  # fmt: skip
     for name in needed.get(kind, ()):
         if not given.get(name):

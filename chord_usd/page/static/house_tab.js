@@ -140,10 +140,26 @@ class HouseTab {
     undo.disabled = !this.edits.done.length;
     this.side.replaceChildren(
       el("div", { class: "row" }, undo, el("span", { class: "quiet" }, this.version.label)),
+      ...(this.app.choices.canSay ? [this.sentenceForm()] : []),
       this.chosen ? this.pieceForm(this.chosen) : el("p", { class: "quiet" }, "Click a piece to change it."),
       this.roomForm(),
       ...this.lists(),
     );
+  }
+
+  /** What shall be different, in words; understood whole, or refused with a reason. */
+  sentenceForm() {
+    const sentence = el("input", { placeholder: "turn the sofa to the window", maxlength: 500, value: this.sentence ?? "", "aria-label": "What shall be different" });
+    sentence.addEventListener("input", () => { this.sentence = sentence.value; });
+    const form = el("form", { class: "row" }, sentence, el("button", { type: "submit" }, "Change it"));
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (!sentence.value.trim()) return;
+      this.edits.save()
+        .then(() => this.app.start("say", { version: this.version.number, sentence: sentence.value }))
+        .catch(complain);
+    });
+    return form;
   }
 
   pieceForm(piece) {

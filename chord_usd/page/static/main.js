@@ -84,7 +84,7 @@ function follow() {
 }
 
 const WORDS = {
-  read: "Reading the plan", furnish: "Furnishing", refurnish: "Furnishing the room",
+  read: "Reading the plan", furnish: "Furnishing", refurnish: "Furnishing the room", say: "Changing the house",
   check: "Checking", render: "Rendering", pack: "Packing", view: "Preparing the view",
 };
 
