@@ -131,7 +131,7 @@ class HouseJobs:
             if (before / EDITS).is_file():
                 words += _option("edits", self._houses.word(before / EDITS))
             answer = await self._call(job, [*words, self._view_word(folder)])
-            carry_edits(before, folder / "house", given["room"])
+            carry_edits(before, folder / "house", room=given["room"])
             rooms = _rooms_in(folder / VIEW)
             label = f"{given['room']} anew, seed {answer.data.get('seed')}"
             plan = self._houses.get(job.house)["plan"]
@@ -155,9 +155,8 @@ class HouseJobs:
             words = ["export", self._houses.word(target), "--for=gltf"]
             view = folder / VIEW
             await self._call(job, [*words, f"--output={self._houses.word(view)}"])
-            for room in answer.data.get("rooms") or [""]:
-                carry_edits(before, folder / "house", room)
-                before = folder / "house"
+            touched = [*answer.data["moved"], *answer.data["removed"]]
+            carry_edits(before, folder / "house", touched=touched)
             plan = self._houses.get(job.house)["plan"]
             self._houses.add_version(
                 job.house,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -86,21 +87,28 @@ def write_edits(folder: Path, given: object) -> Edits:
     return edits
 
 
-def carry_edits(before: Path, after: Path, room: str) -> None:
-    """Give a house in which a room was furnished anew the changes that still mean something.
+def carry_edits(before: Path, after: Path, *, room: str = "", touched: Iterable[str] = ()) -> None:
+    """Give a house that was made of another its changes, those that still mean something.
 
-    In that room, only locked pieces keep theirs.
+    room: was furnished anew, and only locked pieces in it keep theirs. touched: pieces that stand
+    elsewhere now, or are gone.
     """
     edits = read_edits(before)
-    locked = tuple(edits["locked"])
+    kept, moved = tuple(edits["locked"]), tuple(touched)
 
     def stays(path: str) -> bool:
-        own = path.split("/")[3:4] == [room]
-        return not own or any(path == one or path.startswith(f"{one}/") for one in locked)
+        if _is_of(path, moved):
+            return False
+        return path.split("/")[3:4] != [room] or _is_of(path, kept)
 
     for kind in ("pieces", "looks"):
         edits[kind] = {path: what for path, what in edits[kind].items() if stays(path)}
     _write(after, edits)
+
+
+def _is_of(path: str, pieces: Iterable[str]) -> bool:
+    """Whether a path is one of these pieces, or stands on one."""
+    return any(path == piece or path.startswith(f"{piece}/") for piece in pieces)
 
 
 def room_of(path: str) -> str:

@@ -102,11 +102,15 @@ class StandIn:
             if options.package == "mujoco":
                 target.mkdir()
                 target = target / "house.xml"
-            target.write_bytes(root.joinpath(options.stage).read_bytes())
+            stage = root.joinpath(options.stage).read_text()
+            target.write_bytes(as_glb(stage) if target.suffix == ".glb" else stage.encode())
         elif options.verb == "render":
             root.joinpath(options.output).mkdir(parents=True)
             root.joinpath(options.output, "Top.png").write_bytes(PNG)
             data = {"pictures": [f"{options.output}/Top.png"]}
+        elif options.verb == "edit":
+            root.joinpath(options.output).write_text(f"#usda 1.0\n# {options.sentence}")
+            data = {"rooms": ["Bedroom_0"], "moved": [BED], "removed": []}
         elif options.verb == "check":
             data = {"holds": True, "collisions": []}
         return Answer(data, True)
@@ -270,6 +274,14 @@ def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: Sta
     assert any(word.startswith("--edits=") for word in verbs.lines[-2])
     carried = page.get(f"/api/houses/{house}/versions/2/edits").json()["edits"]
     assert set(carried["pieces"]) == {BED, f"{DESK}/Items/Cup_0"}
+
+    ask(page, house, "say", version=1, sentence="--move the bed")
+    until_over(page, house, 6)
+    said = page.get(f"/api/houses/{house}/versions/3/view/view.glb").content
+    assert stage_of(said).endswith("# move the bed")
+    carried = page.get(f"/api/houses/{house}/versions/3/edits").json()["edits"]
+    assert set(carried["pieces"]) == set(pieces) - {BED}
+
     assert page.put(address, json={"base": 1, "edits": {}}).status_code == 200
     assert page.get(address).json()["edits"]["pieces"] == {}
 
