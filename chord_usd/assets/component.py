@@ -1,17 +1,19 @@
-"""Writes a design as a USD component: interface, payload and the layers behind it.
+"""Writes a design as a USD component: an interface to read, and what is behind its payload.
 
-    Desk_A/Desk_A.usda        kind, assetInfo, class, labels, extentsHint, colourways, payload
-    Desk_A/payload.usda       sublayers: physics, materials, geometry
-    Desk_A/{physics.usda, materials.usdc, geometry.usdc}
+    Desk_A/Desk_A.usda    kind, assetInfo, class, labels, extentsHint, names of variants, payload
+    Desk_A/payload.usdc   meshes, materials, what colourways make of them, colliders
     Desk_A/jointed.usdc   another payload, of a variant, where doors or drawers open
+    Desk_A/geometry.usdc  the meshes of such a piece, which both payloads share
 
-A closed payload still gives bounds and colourways. Structure: ASWF asset-structure guidelines.
+A closed payload still gives bounds and the names of colourways. Structure: ASWF asset-structure
+guidelines; but one layer, not three, since a house opens all layers of all its assets.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +22,7 @@ import numpy as np
 from chord_usd.assets.component_prims import (
     bind_feel,
     define_box,
+    define_colliders,
     define_mesh,
     detached,
     material_path,
@@ -27,16 +30,16 @@ from chord_usd.assets.component_prims import (
     write_labels,
 )
 from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
-from chord_usd.assets.jointed import JOINTED_LAYER, write_jointed
+from chord_usd.assets.jointed import GEOMETRY_LAYER, JOINTED_LAYER, write_jointed
 from chord_usd.assets.links import opens
 from chord_usd.assets.material import (
     TEXTURES,
     Looks,
     MapShelf,
     define_material,
-    override_material,
     save_pictures,
     slot_looks,
+    write_values,
 )
 from chord_usd.assets.model import Design, Part
 from chord_usd.assets.surface_maps import MAPS_FOLDER
@@ -49,6 +52,7 @@ if TYPE_CHECKING:
 
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
+PAYLOAD_LAYER = "payload.usdc"
 
 
 @dataclass(frozen=True)
@@ -71,52 +75,65 @@ def write_component(
     of USD and Pillow only. Raises AssetError where a drawing misses its nominal size, KeyError
     where a colourway names no finish, OSError.
     """
-    parts = design.parts()
+    drawn = design.parts()
+    parts = _sharing_materials(design, drawn)
     worn = _worn(design, used_slots(parts), maps or MapShelf(folder / MAPS_FOLDER))
     package = folder / design.id
     package.mkdir(parents=True)
-    _write_geometry(design, parts, package / "geometry.usdc")
-    _write_materials(design, parts, worn, package / "materials.usdc")
-    _write_physics(design, parts, package / "physics.usda")
-    _write_payload(design, package / "payload.usda")
+    _write_payload(design, parts, worn, package)
     if opens(parts):
         write_jointed(design, parts, package / JOINTED_LAYER)
     interface = package / f"{design.id}.usda"
-    _write_interface(design, parts, worn, interface, info or ComponentInfo())
+    about = _about(design, used_slots(drawn), info or ComponentInfo())
+    _write_interface(design, parts, about, interface)
     return interface
 
 
-def _save(stage: Usd.Stage, path: Path) -> None:
-    stage.GetRootLayer().Export(str(path))
+def _write_payload(
+    design: Design, parts: Sequence[Part], worn: Mapping[str, Looks], package: Path
+) -> None:
+    stage = new_stage(design)
+    if opens(parts):
+        meshes = new_stage(design)
+        _add_geometry(meshes, design, parts)
+        meshes.GetRootLayer().Export(str(package / GEOMETRY_LAYER))
+    else:
+        _add_geometry(stage, design, parts)
+    _add_materials(stage, design, parts, worn)
+    _add_colliders(stage, design, parts)
+    for looks in worn.values():
+        save_pictures(looks, package / TEXTURES)
+    # The first set is the stronger one.
+    _add_metals(stage, design, worn)
+    _add_colourways(stage, design, worn)
+    layer = detached(stage)
+    if opens(parts):
+        layer.subLayerPaths = [f"./{GEOMETRY_LAYER}"]
+    layer.Export(str(package / PAYLOAD_LAYER))
 
 
-def _write_geometry(design: Design, parts: Iterable[Part], path: Path) -> None:
+def _add_geometry(stage: Usd.Stage, design: Design, parts: Iterable[Part]) -> None:
     from pxr import UsdGeom
 
-    stage = new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     for part in parts:
         define_mesh(stage, f"/{design.id}/Geometry/{part.name}", part)
-    _save(stage, path)
 
 
-def _write_materials(
-    design: Design, parts: Iterable[Part], worn: Mapping[str, Looks], path: Path
+def _add_materials(
+    stage: Usd.Stage, design: Design, parts: Iterable[Part], worn: Mapping[str, Looks]
 ) -> None:
-    """One material per slot in use, dressed in the first colourway, and what wears which."""
+    """One material per slot in use, with what all colourways share, and what wears which."""
     from pxr import UsdGeom, UsdShade
 
-    stage = new_stage(design)
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
     UsdGeom.Scope.Define(stage, f"/{design.id}/Materials")
     for slot, looks in worn.items():
         define_material(stage, material_path(design.id, slot), looks)
-        save_pictures(looks, path.parent / TEXTURES)
     for part in parts:
         prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
         material = UsdShade.Material.Get(stage, material_path(design.id, part.slot))
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
-    _save(stage, path)
 
 
 def used_slots(parts: Iterable[Part]) -> tuple[str, ...]:
@@ -124,17 +141,15 @@ def used_slots(parts: Iterable[Part]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(part.slot for part in parts))
 
 
-def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
+def _add_colliders(stage: Usd.Stage, design: Design, parts: Iterable[Part]) -> None:
     """Colliders only: whether a piece may move is decided where it is placed.
 
     A bounding box is drawn as an unseen cube of its own. Engines that are asked for the box around
     a mesh turn it until it is smallest, and a round table top gets corners that stick out.
     """
-    from pxr import UsdGeom, UsdPhysics
+    from pxr import UsdPhysics
 
-    stage = new_stage(design)
-    UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
-    UsdGeom.Scope.Define(stage, f"/{design.id}/Colliders")
+    define_colliders(stage, f"/{design.id}/Colliders")
     for part in parts:
         felt = [
             define_box(stage, f"/{design.id}/Colliders/{name}", bounds_m)
@@ -147,19 +162,11 @@ def _write_physics(design: Design, parts: Iterable[Part], path: Path) -> None:
             mesh.CreateApproximationAttr(part.collider)
             felt.append(prim)
         bind_feel(design, part.slot, felt)
-    _save(stage, path)
-
-
-def _write_payload(design: Design, path: Path) -> None:
-    layer = detached(new_stage(design))
-    layer.subLayerPaths = ["./physics.usda", "./materials.usdc", "./geometry.usdc"]
-    layer.Export(str(path))
 
 
 def _write_interface(
-    design: Design, parts: tuple[Part, ...], worn: Mapping[str, Looks], path: Path,
-    info: ComponentInfo,
-) -> None:  # fmt: skip
+    design: Design, parts: tuple[Part, ...], about: Mapping[str, Any], path: Path
+) -> None:
     from pxr import Sdf, Usd, UsdGeom
 
     stage = new_stage(design)
@@ -172,7 +179,7 @@ def _write_interface(
             "version": COMPONENT_VERSION,
         }
     )
-    root.SetCustomDataByKey("chord", _about(design, worn, info))
+    root.SetCustomDataByKey("chord", dict(about))
     item = wikidata_item(design.category)
     category = design.category
     write_labels(root, {"category": category, "class": category, "wikidata_qcode": item})
@@ -181,15 +188,23 @@ def _write_interface(
     root.GetInherits().AddInherit(inherited.GetPath())
     UsdGeom.ModelAPI.Apply(root)
     _hint(root, parts)
-    # The first set is the stronger one.
-    _add_metals(stage, design, worn)
-    _add_colourways(stage, design, worn)
+    if fitting_slots(design, used_slots(parts)):
+        _offer(root, METAL_VARIANT_SET, (USUAL, *METALS))
+    _offer(root, COLOUR_VARIANT_SET, design.colourways)
     layer = detached(stage)
     spec = layer.GetPrimAtPath(f"/{design.id}")
-    spec.payloadList.prependedItems = [Sdf.Payload("./payload.usda")]
+    spec.payloadList.prependedItems = [Sdf.Payload(f"./{PAYLOAD_LAYER}")]
     if opens(parts):
         _add_articulation(spec)
     layer.Export(str(path))
+
+
+def _offer(root: Usd.Prim, name: str, variants: Iterable[str]) -> None:
+    """A variant set whose contents are in the payload; the first variant is chosen."""
+    variant_set = root.GetVariantSets().AddVariantSet(name)
+    for variant in variants:
+        variant_set.AddVariant(variant)
+    variant_set.SetVariantSelection(next(iter(variants)))
 
 
 def _about(design: Design, slots: Iterable[str], info: ComponentInfo) -> dict[str, Any]:
@@ -234,16 +249,11 @@ def _bounds(parts: Iterable[Part]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _add_colourways(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks]) -> None:
-    """The variant set: colourways override what they have in another way than the others."""
-    root = stage.GetDefaultPrim()
-    variants = root.GetVariantSets().AddVariantSet(COLOUR_VARIANT_SET)
+    """The variant set: colourways say what they have in another way than the others."""
     for index, variant in enumerate(design.colourways):
-        variants.AddVariant(variant)
-        variants.SetVariantSelection(variant)
-        with variants.GetVariantEditContext():
+        with _variant(stage, COLOUR_VARIANT_SET, variant):
             for slot, looks in worn.items():
-                override_material(stage, material_path(design.id, slot), looks, index)
-    variants.SetVariantSelection(next(iter(design.colourways)))
+                write_values(stage, material_path(design.id, slot), looks.choice(index))
 
 
 def _add_metals(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks]) -> None:
@@ -251,15 +261,23 @@ def _add_metals(stage: Usd.Stage, design: Design, worn: Mapping[str, Looks]) -> 
     slots = fitting_slots(design, worn)
     if not slots:
         return
-    variants = stage.GetDefaultPrim().GetVariantSets().AddVariantSet(METAL_VARIANT_SET)
-    variants.AddVariant(USUAL)
+    with _variant(stage, METAL_VARIANT_SET, USUAL):
+        pass
     for index, metal in enumerate(METALS, start=len(design.colourways)):
-        variants.AddVariant(metal)
-        variants.SetVariantSelection(metal)
-        with variants.GetVariantEditContext():
+        with _variant(stage, METAL_VARIANT_SET, metal):
             for slot in slots:
-                override_material(stage, material_path(design.id, slot), worn[slot], index)
-    variants.SetVariantSelection(USUAL)
+                write_values(stage, material_path(design.id, slot), worn[slot].overrides(index))
+
+
+@contextmanager
+def _variant(stage: Usd.Stage, name: str, variant: str) -> Iterator[None]:
+    """Write into a variant of the root; which one is chosen is said by the interface."""
+    variants = stage.GetDefaultPrim().GetVariantSets().AddVariantSet(name)
+    variants.AddVariant(variant)
+    variants.SetVariantSelection(variant)
+    with variants.GetVariantEditContext():
+        yield
+    variants.ClearVariantSelection()
 
 
 def _add_articulation(root: Sdf.PrimSpec) -> None:
@@ -272,6 +290,18 @@ def _add_articulation(root: Sdf.PrimSpec) -> None:
     Sdf.VariantSpec(variants, FIXED)
     jointed = Sdf.VariantSpec(variants, JOINTED).primSpec
     jointed.payloadList.prependedItems = [Sdf.Payload(f"./{JOINTED_LAYER}")]
+
+
+def _sharing_materials(design: Design, parts: tuple[Part, ...]) -> tuple[Part, ...]:
+    """The parts, with one slot for those that are finished alike in every colourway and metal."""
+    fittings = fitting_slots(design, used_slots(parts))
+    first: dict[tuple[object, ...], str] = {}
+
+    def shared(slot: str) -> str:
+        finishes = (looks[slot] for looks in design.colourways.values())
+        return first.setdefault((slot in fittings, *finishes), slot)
+
+    return tuple(replace(part, slot=shared(part.slot)) for part in parts)
 
 
 def _worn(design: Design, slots: Sequence[str], maps: MapShelf) -> dict[str, Looks]:

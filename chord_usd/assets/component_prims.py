@@ -106,6 +106,13 @@ def bind_feel(design: Design, slot: str, colliders: Iterable[Usd.Prim]) -> None:
         relation.SetTargets([path])
 
 
+def define_colliders(stage: Usd.Stage, path: str) -> None:
+    """The scope of boxes that are felt, not seen; readers that leave them out leave it out, too."""
+    from pxr import UsdGeom
+
+    UsdGeom.Scope.Define(stage, path).CreatePurposeAttr(UsdGeom.Tokens.guide)
+
+
 def define_box(stage: Usd.Stage, path: str, bounds_m: np.ndarray) -> Usd.Prim:
     """A collider that is a box between two corners, (2, 3)."""
     from pxr import Gf, UsdGeom, UsdPhysics

@@ -23,6 +23,7 @@ import numpy as np
 from chord_usd.assets.component_prims import (
     bind_feel,
     define_box,
+    define_colliders,
     define_mesh,
     detached,
     material_path,
@@ -38,7 +39,7 @@ from chord_usd.scene.articulation import SETTLES_S
 if TYPE_CHECKING:
     from pxr import Usd
 
-JOINTED_LAYER = "jointed.usdc"
+JOINTED_LAYER, GEOMETRY_LAYER = "jointed.usdc", "geometry.usdc"
 JOINTS, ANCHOR = "Joints", "Anchor"
 
 _SOLID_SHARE, _MOST_KG_PER_M3 = 0.7, 700.0
@@ -70,7 +71,7 @@ def write_jointed(design: Design, parts: Sequence[Part], path: Path) -> None:
     # Said last: while it is written, the layer is nowhere that a path could start from.
     spec = layer.GetPrimAtPath(f"/{design.id}/{BASE}/Geometry")
     if links[0].reused:
-        shared = Sdf.Reference("./geometry.usdc", f"/{design.id}/Geometry")
+        shared = Sdf.Reference(f"./{GEOMETRY_LAYER}", f"/{design.id}/Geometry")
         spec.referenceList.prependedItems = [shared]
     layer.Export(str(path))
 
@@ -84,7 +85,7 @@ def _write_link(stage: Usd.Stage, design: Design, link: Link, parts: Sequence[Pa
     at_m = np.zeros(3) if link.motion is None else np.array(link.motion.at_m)
     body.AddTranslateOp().Set(Gf.Vec3d(*at_m.tolist()))
     UsdGeom.Scope.Define(stage, f"{path}/Geometry")
-    UsdGeom.Scope.Define(stage, f"{path}/Colliders")
+    define_colliders(stage, f"{path}/Colliders")
     if link.reused:
         for part in parts:
             if part.name not in link.reused:

@@ -1,4 +1,4 @@
-"""Materials of components: UsdPreviewSurface networks, and how a colourway overrides them."""
+"""Materials of components: UsdPreviewSurface networks, and what a colourway makes of them."""
 
 from __future__ import annotations
 
@@ -70,9 +70,18 @@ class Looks:
         found = zip(self.finishes, self.maps, self.pictures, strict=True)
         object.__setattr__(self, "inputs", [_inputs(*one) for one in found])
 
-    def overrides(self, index: int) -> Values:
+    def common(self) -> Values:
+        """What is the same in all colourways."""
+        return {k: value for k, value in self._whole.items() if k not in self._varying}
+
+    def choice(self, index: int) -> Values:
         """What a colourway says: all in which colourways differ. What is missing in one of them
-        (the maps of a plain finish) is left as it is, since nothing reads it."""
+        (the maps of a plain finish) is as in another, since nothing reads it."""
+        said = self._whole | self.inputs[index]
+        return {k: said[k] for k in self._whole if k in self._varying}
+
+    def overrides(self, index: int) -> Values:
+        """What a finish says over those of colourways: what is missing in it is left as it is."""
         return {k: value for k, value in self.inputs[index].items() if k in self._varying}
 
     @cached_property
@@ -82,7 +91,8 @@ class Looks:
         each = [(name, value) for one in self.inputs for name, value in one.items()]
         return {name for name, value in each if first.setdefault(name, value) != value}
 
-    def whole(self) -> Values:
+    @cached_property
+    def _whole(self) -> Values:
         """What the first colourway says and, where it is silent, others do: files for all."""
         whole: Values = {}
         for one in reversed(self.inputs):
@@ -120,7 +130,7 @@ def save_pictures(looks: Looks, folder: Path) -> None:
 
 
 def define_material(stage: Usd.Stage, path: str, looks: Looks) -> None:
-    """A UsdPreviewSurface as the first colourway has it; with maps where any has them.
+    """A UsdPreviewSurface with what all colourways share; with maps where any has them.
 
     Blender does not follow inputs of the material itself, so all values are the shaders' own.
     Constants stay under the maps: they are the mean, for what reads no pictures.
@@ -138,14 +148,9 @@ def define_material(stage: Usd.Stage, path: str, looks: Looks) -> None:
             _define_maps(stage, path, uv)
         if any(looks.pictures):
             _texture(stage, f"{path}/{_PICTURE}", "sRGB", uv, "rgb")
-    _author(stage, path, looks.whole())
+    write_values(stage, path, looks.common())
     surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface)
-
-
-def override_material(stage: Usd.Stage, path: str, looks: Looks, index: int) -> None:
-    """Say in the stage's edit target what a colourway changes of a material."""
-    _author(stage, path, looks.overrides(index))
 
 
 def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
@@ -223,8 +228,8 @@ def _texture(
     return texture
 
 
-def _author(stage: Usd.Stage, path: str, values: Values) -> None:
-    """Set values, and connections between the shaders of one material."""
+def write_values(stage: Usd.Stage, path: str, values: Values) -> None:
+    """Say in the stage's edit target what the shaders of one material have and read."""
     from pxr import Sdf
 
     for name, (type_name, value) in values.items():

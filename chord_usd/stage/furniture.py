@@ -22,7 +22,7 @@ from chord_usd.stage.mesh import cuboid, mesh_of
 from chord_usd.stage.names import NamedItem, NamedRoom
 from chord_usd.stage.opening_pieces import let_open
 from chord_usd.stage.packages import Packages
-from chord_usd.stage.physics import give_body, mass_of, write_collider
+from chord_usd.stage.physics import define_colliders, give_body, mass_of, write_collider
 from chord_usd.stage.prims import (
     bind,
     define,
@@ -184,7 +184,7 @@ def _draw_placeholder(interface: Path) -> None:
     write_surface(payload, material, PLAIN_SURFACES[PLACEHOLDER])
     prim = write_mesh(payload, root.AppendPath("Geometry/Box"), mesh)
     bind(prim, material)
-    define(payload, root.AppendChild("Colliders"), "Scope")
+    define_colliders(payload, root.AppendChild("Colliders"))
     whole = Box((0.0, 0.0, 0.0), (1, 1, 1), 0.0)
     write_collider(payload, root.AppendPath("Colliders/Box"), whole, material)
     payload.Save()

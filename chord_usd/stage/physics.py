@@ -210,6 +210,13 @@ def write_feel(material: Sdf.PrimSpec, feel: Feel) -> None:
         attribute(material, name, Types.Float, value)
 
 
+def define_colliders(layer: Sdf.Layer, path: Sdf.Path) -> Sdf.PrimSpec:
+    """The scope of what is felt, not seen; readers that leave that out leave the scope out, too."""
+    scope = define(layer, path, "Scope")
+    attribute(scope, "purpose", Types.Token, "guide", uniform=True)
+    return scope
+
+
 def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box, material: Sdf.Path) -> None:
     """A box that is not seen but felt like a material; its size is also its scale."""
     cube = define(layer, path, "Cube")

@@ -41,6 +41,7 @@ from chord_usd.stage.physics import (
     DOOR_KG_PER_M2,
     DOOR_OPENS_DEG,
     SASH_KG_PER_M2,
+    define_colliders,
     hang_leaf,
     write_collider,
     write_feel,
@@ -152,7 +153,7 @@ class _Component:
 
     def block(self, boxes: Sequence[tuple[Box, str]]) -> None:
         """Colliders of what is drawn as sheets, each with what it feels like."""
-        scope = define(self._layer, self._root.AppendChild("Colliders"), "Scope")
+        scope = define_colliders(self._layer, self._root.AppendChild("Colliders"))
         for index, (box, material) in enumerate(boxes):
             path = scope.path.AppendChild(f"Box_{index}")
             write_collider(self._layer, path, box, self._material(material))
