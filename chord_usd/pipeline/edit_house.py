@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -51,26 +50,14 @@ class Done:
     """Or turned."""
 
 
-def read_sentence(
-    source: Path, sentence: str, beside: Callable[[], object] | None = None
-) -> Reading:
+def read_sentence(source: Path, sentence: str) -> Reading:
     """What a sentence means in the house at source. Raises ChordError, also where a part of it
     means nothing there.
-
-    beside: what may be loaded while the stage is looked through.
     """
-    from chord_usd.runtime.stages import look_through
+    from chord_usd.lists.sentences import understand
+    from chord_usd.stage.refurnish import read_house
 
-    # A process of its own looks the stage through while this one imports.
-    with ThreadPoolExecutor(1) as pool:
-        trial = pool.submit(look_through, [source])
-        from chord_usd.lists.sentences import understand
-        from chord_usd.stage.refurnish import read_house
-
-        if beside:
-            beside()
-        trial.result()
-    house = read_house(source, known=True)
+    house = read_house(source)
     named = {
         name: replace(house.graph.plan.room(room_id), name=house.titles[name])
         for name, room_id in house.room_ids.items()
@@ -100,7 +87,7 @@ def edit(
     settings = settings or Settings(style="")
     with alone_with(source):
         with watch.step("read"):
-            reading = read_sentence(source, sentence, _load)
+            reading = read_sentence(source, sentence)
         with watch.step("arrange"):
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)
@@ -109,13 +96,6 @@ def edit(
         with watch.step("stage"):
             _write(reading, work, target, style)
     return reading, done
-
-
-def _load() -> None:
-    """Import what an edit needs later, so that it need not wait then."""
-    import chord_usd.arrange.asked_edits
-    import chord_usd.stage.check
-    import chord_usd.stage.edit_rooms  # noqa: F401
 
 
 def _database(settings: Settings, style: HomeStyle) -> AssetDatabase:

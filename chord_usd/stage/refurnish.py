@@ -24,7 +24,6 @@ from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import (
     files_of,
-    open_known,
     open_layer,
     open_stage,
     own_files,
@@ -124,13 +123,10 @@ class StagedHouse:
         return self.graph.plan.room(self.room_ids[name])
 
 
-def read_house(path: Path, *, known: bool = False) -> StagedHouse:
-    """Read rooms, openings and items of a stage. Raises StageError.
-
-    known: whether it was looked through already.
-    """
+def read_house(path: Path) -> StagedHouse:
+    """Read rooms, openings and items of a stage. Raises StageError."""
     with reading(path):
-        return _house_of(open_known(path) if known else open_stage(path), path)
+        return _house_of(open_stage(path), path)
 
 
 def read_edited_house(edits: Path, source: Path) -> StagedHouse:
