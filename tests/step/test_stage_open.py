@@ -92,5 +92,6 @@ def test_a_whole_house_opens_and_keeps_its_certificate(houses: dict[str, Path]) 
     assert broken_rules(stage) == []
     told = [check_stage(houses[form], own=True) for form in ("fixed", "jointed")]
     assert [one.errors for one in told] == [(), ()]
-    fixed, jointed = ([c.depth_m for c in one.collisions] for one in told)
-    assert jointed == pytest.approx(fixed, abs=0.002)
+    # Not how deep: between triangles that depends on where a mesh is cut into parts.
+    fixed, jointed = ({(c.a, c.b) for c in one.collisions} for one in told)
+    assert jointed == fixed
