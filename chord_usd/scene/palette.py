@@ -59,6 +59,9 @@ class Mount(Enum):
     """Stands on a shelf, a sill, a worktop."""
 
 
+THIN_M = 0.1
+"""A side that is usually as short is a pixel or two wide, which does not tell its length."""
+
 UNDERSIZED_SHARE = 0.7
 """What is shorter or narrower than this share of the smallest usual piece is too small for one."""
 
@@ -88,7 +91,7 @@ class Category:
         """Whether what was painted is too short or too narrow to be one of these."""
         least_m = self.length_m[0], self.width_m[0]
         pairs = zip(size_m, least_m, strict=False)
-        return any(side < UNDERSIZED_SHARE * least for side, least in pairs)
+        return any(THIN_M < least and side < UNDERSIZED_SHARE * least for side, least in pairs)
 
 
 def _rgb(code: str) -> Rgb:
