@@ -91,7 +91,7 @@ class Category:
         """Whether what was painted is too short or too narrow to be one of these."""
         least_m = self.length_m[0], self.width_m[0]
         pairs = zip(size_m, least_m, strict=False)
-        return any(THIN_M < least and side < UNDERSIZED_SHARE * least for side, least in pairs)
+        return any(least > THIN_M and side < UNDERSIZED_SHARE * least for side, least in pairs)
 
 
 def _rgb(code: str) -> Rgb:
