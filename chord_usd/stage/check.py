@@ -180,9 +180,9 @@ def certificate(report: Report) -> dict[str, Any]:
     """The report as `--json` gives it."""
     fields = asdict(report)
     return {
-        "holds": report.holds,
         "valid": report.valid,
         **{
             key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()
         },
+        "holds": report.holds,
     }
