@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import zipfile
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -19,6 +18,7 @@ from chord_usd.page.job_queue import Job
 from chord_usd.page.kept_houses import EDITS, STAGE, KeptHouses, Record
 from chord_usd.page.piece_edits import carry_edits
 from chord_usd.page.uploads import refuse_full_disk
+from chord_usd.runtime.archives import pack_folder
 from chord_usd.runtime.verb_calls import Answer, Told
 
 Submit = Callable[[str, str, dict[str, Any]], object]
@@ -213,14 +213,16 @@ class HouseJobs:
         made.mkdir(parents=True)
         try:
             if kind == "usda":
-                await anyio.to_thread.run_sync(_zip, stage.parent, made / PACKS[kind], "house")
+                await anyio.to_thread.run_sync(
+                    pack_folder, stage.parent, made / PACKS[kind], "house"
+                )
             else:
                 suffix = Path(PACKS[kind]).suffix
                 target = made / ("house" if suffix == ".zip" else PACKS[kind])
                 words = ["export", self._houses.word(stage), f"--for={kind}"]
                 await self._call(job, [*words, f"--output={self._houses.word(target)}"])
                 if suffix == ".zip":
-                    await anyio.to_thread.run_sync(_zip, target, made / PACKS[kind], kind)
+                    await anyio.to_thread.run_sync(pack_folder, target, made / PACKS[kind], kind)
             (made / PACKS[kind]).replace(made.parent / PACKS[kind])
         finally:
             shutil.rmtree(made, ignore_errors=True)
@@ -301,12 +303,3 @@ def _rooms_in(view: Path) -> list[str]:
         document = json.loads(file.read(int.from_bytes(head[12:16], "little")))
     paths = (node.get("extras", {}).get("path", "") for node in document.get("nodes", ()))
     return [path.split("/")[3] for path in paths if _ROOM.fullmatch(path)]
-
-
-def _zip(folder: Path, target: Path, name: str) -> None:
-    """A folder as a zip with one folder in it; hidden files are the program's own and stay."""
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=3) as archive:
-        for file in sorted(folder.rglob("*")):
-            inside = file.relative_to(folder)
-            if file.is_file() and not any(part.startswith(".") for part in inside.parts):
-                archive.write(file, Path(name) / inside)

@@ -262,6 +262,15 @@ class Archive:
                            where=str(self.path), expected=self._expected)  # fmt: skip
 
 
+def pack_folder(folder: Path, target: Path, name: str) -> None:
+    """A folder of our own as a zip with one folder, of this name, in it; hidden files stay."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=3) as archive:
+        for file in sorted(folder.rglob("*")):
+            inside = file.relative_to(folder)
+            if file.is_file() and not any(part.startswith(".") for part in inside.parts):
+                archive.write(file, Path(name) / inside)
+
+
 def _directory_bytes(path: Path) -> int:
     """What the archive says of the size of its directory: zipfile would read all of it at once.
 

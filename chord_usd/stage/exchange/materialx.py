@@ -17,7 +17,7 @@ from pathlib import Path
 from pxr import Sdf, Usd, UsdShade
 
 from chord_usd.errors import StageError
-from chord_usd.runtime.stages import own_files
+from chord_usd.runtime.stages import open_layer, own_files
 from chord_usd.stage.attribution import attribution_file
 
 Types = Sdf.ValueTypeNames
@@ -83,13 +83,13 @@ def write_materialx(stage: Usd.Stage, folder: Path) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(file, target)
         if file in files.layers:
-            layers.append(Sdf.Layer.OpenAsAnonymous(str(target)))
+            layers.append(open_layer(target))
     networks = _networks(layers)
-    for file, layer in zip(files.layers, layers, strict=True):
+    for layer in layers:
         with Sdf.ChangeBlock():
             for shader in list(_shaders(layer, networks)):
                 _add_twin(shader, networks)
-        layer.Export(str(folder / file.relative_to(source.parent)))
+        layer.Save()
 
 
 def _prims(layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
