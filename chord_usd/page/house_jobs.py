@@ -103,17 +103,7 @@ class HouseJobs:
             answer = await self._call(job, [*words, self._view_word(folder)])
             rooms = _rooms_in(folder / VIEW)
             label = f"seed {given.get('seed') or 0}, {answer.data.get('style') or 'house'}"
-            self._houses.add_version(
-                job.house,
-                {
-                    "number": number,
-                    "label": label,
-                    "plan": plan,
-                    "of": 0,
-                    "rooms": rooms,
-                    **_told(answer.data),
-                },
-            )
+            self._keep(job, number, label, plan, 0, rooms, _told(answer.data))
         self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
@@ -135,13 +125,7 @@ class HouseJobs:
             rooms = _rooms_in(folder / VIEW)
             label = f"{given['room']} anew, seed {answer.data.get('seed')}"
             plan = self._houses.get(job.house)["plan"]
-            self._houses.add_version(
-                job.house,
-                {
-                    "number": number, "label": label, "plan": plan, "of": given["version"],
-                    "rooms": rooms, **_told(answer.data),
-                },
-            )  # fmt: skip
+            self._keep(job, number, label, plan, given["version"], rooms, _told(answer.data))
         return {"version": number, **answer.data}
 
     async def _say(self, job: Job) -> dict[str, Any]:
@@ -158,15 +142,17 @@ class HouseJobs:
             touched = [*answer.data["moved"], *answer.data["removed"]]
             carry_edits(before, folder / "house", touched=touched)
             plan = self._houses.get(job.house)["plan"]
-            self._houses.add_version(
-                job.house,
-                {
-                    "number": number, "label": str(given["sentence"])[:80], "plan": plan,
-                    "of": given["version"], "rooms": _rooms_in(view), "certificate": None,
-                },
-            )  # fmt: skip
+            label, rooms = str(given["sentence"])[:80], _rooms_in(view)
+            self._keep(job, number, label, plan, given["version"], rooms, {"certificate": None})
         self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
+
+    def _keep(
+        self, job: Job, number: int, label: str, plan: object, of: int, rooms: object, told: Record
+    ) -> None:
+        """List a version with its house. of: the version that it was made from, 0 for none."""
+        version = {"number": number, "label": label, "plan": plan, "of": of, "rooms": rooms}
+        self._houses.add_version(job.house, {**version, **told})
 
     def _view_word(self, folder: Path) -> str:
         return f"--view={self._houses.word(folder / VIEW)}"

@@ -83,11 +83,18 @@ def copy_stage(stage: Path, folder: Path, mode: FolderMode = "new") -> Path:
     mode: what becomes of a folder that is there. Raises StageError for a file that cannot be opened
     or that points out of its folder, OutputError.
     """
+    with output_folder(folder, mode) as staged:
+        copy_files(stage, staged)
+    return folder / stage.name
+
+
+def copy_files(stage: Path, folder: Path) -> list[Path]:
+    """Copy the stage, all it points to and its list of makers into a folder of our own; returns the
+    copies of its layers, its own first. Raises StageError as copy_stage does."""
     files, home = own_files(stage), stage.absolute().parent
     makers = attribution_file(stage.absolute())
-    with output_folder(folder, mode) as staged:
-        for file in (*files.layers, *files.others, *([makers] if makers.is_file() else [])):
-            target = staged / file.relative_to(home)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(file, target)
-    return folder / stage.name
+    for file in (*files.layers, *files.others, *([makers] if makers.is_file() else [])):
+        target = folder / file.relative_to(home)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, target)
+    return [folder / layer.relative_to(home) for layer in files.layers]

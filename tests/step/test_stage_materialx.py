@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import MaterialX as mx  # type: ignore[import-untyped]  # noqa: N813
@@ -12,7 +13,6 @@ from chord_usd.assets.database import load_database
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.scene.types import Box, Item, Room, SceneGraph, frozen_array
 from chord_usd.stage.author import author_stage
-from chord_usd.stage.exchange.materialx import twins
 from chord_usd.stage.export import export_stage
 
 KINDS = {
@@ -20,6 +20,13 @@ KINDS = {
     "float3": "vector3", "asset": "filename", "string": "string", "int": "integer",
     "token": "surfaceshader",
 }  # fmt: skip
+
+
+def twins(stage: Usd.Stage) -> Iterator[UsdShade.Shader]:
+    """The MaterialX nodes of a stage, with those in instances."""
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
+        if prim.IsA(UsdShade.Shader) and str(UsdShade.Shader(prim).GetShaderId()).startswith("ND_"):
+            yield UsdShade.Shader(prim)
 
 
 @pytest.fixture(scope="module")

@@ -9,16 +9,15 @@ that it does not know.
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Sdf, Usd, UsdShade
+from pxr import Sdf, Usd
 
 from chord_usd.errors import StageError
-from chord_usd.runtime.stages import open_layer, own_files
-from chord_usd.stage.attribution import attribution_file
+from chord_usd.runtime.stages import open_layer
+from chord_usd.stage.export import copy_files
 
 Types = Sdf.ValueTypeNames
 
@@ -76,14 +75,7 @@ def write_materialx(stage: Usd.Stage, folder: Path) -> None:
             "a .usdz holds its files unchanged", where=str(source),
             expected="the house as .usda or .usdc",
         )  # fmt: skip
-    layers = []
-    files, makers = own_files(source), attribution_file(source)
-    for file in (*files.layers, *files.others, *([makers] if makers.is_file() else [])):
-        target = folder / file.relative_to(source.parent)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, target)
-        if file in files.layers:
-            layers.append(open_layer(target))
+    layers = [open_layer(copy) for copy in copy_files(source, folder)]
     networks = _networks(layers)
     for layer in layers:
         with Sdf.ChangeBlock():
@@ -190,10 +182,3 @@ def _vector(colour: Sdf.Path, material: Sdf.PrimSpec) -> Sdf.Path:
         wire.connectionPathList.explicitItems = [colour]
         Sdf.AttributeSpec(node, "outputs:out", Types.Float3)
     return colour.GetPrimPath().ReplaceName(name).AppendProperty("outputs:out")
-
-
-def twins(stage: Usd.Stage) -> Iterator[UsdShade.Shader]:
-    """The MaterialX nodes of a stage, with those in instances."""
-    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
-        if prim.IsA(UsdShade.Shader) and str(UsdShade.Shader(prim).GetShaderId()).startswith("ND_"):
-            yield UsdShade.Shader(prim)
