@@ -40,7 +40,8 @@ from chord_usd.metrics.walk import entrance, free_floor
 from chord_usd.scene.geometry import Floors, footprint_polygon
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.styles import HomeStyle
-from chord_usd.scene.types import Item, Opening, Room, SceneGraph
+from chord_usd.scene.tunnels import as_cut
+from chord_usd.scene.types import Item, Room, SceneGraph
 
 
 def dress(
@@ -87,9 +88,11 @@ class _House:
         self._stock = Stock(database, style.name, self._house)
         self._floors = Floors(graph.rooms)
         self._free = free_floor(graph)
-        self._door = entrance(graph)
+        door = entrance(graph)
+        self._door_id = door and door.id
         self._reliefs = ReliefsOf()
-        self._holes = shapely.STRtree([footprint_polygon(one.box) for one in graph.openings])
+        self._openings = as_cut(graph.rooms, graph.openings)
+        self._holes = shapely.STRtree([footprint_polygon(one.box) for one in self._openings])
         balconies = [room for room in graph.rooms if room.kind == "balcony"]
         near = {
             index
@@ -112,7 +115,7 @@ class _House:
         return list(named(frame.placed, room.id, taken_ids))
 
     def _frame(self, room: Room, kept: Sequence[Item]) -> RoomFrame:
-        openings: list[Opening] = [self._graph.openings[index] for index in self._near(room)]
+        openings = [self._openings[index] for index in self._near(room)]
         faces = faces_of(room, openings, self._floors)
         pieces = tuple(self._graph.items_of(room.id))
         taken = TakenSpace()
@@ -126,7 +129,12 @@ class _House:
             if category(item.category).mount is Mount.FLOOR:
                 walkways.take(item.box)
         door = next(
-            ((face, hole) for face in faces for hole in face.holes if hole.opening is self._door),
+            (
+                (face, hole)
+                for face in faces
+                for hole in face.holes
+                if hole.opening.id == self._door_id
+            ),
             None,
         )
         return RoomFrame(

@@ -16,12 +16,12 @@ from shapely.geometry import Polygon
 
 from chord_usd.raster.hdri import developed
 from chord_usd.scene.skies import SKIES, TIMES, Rgb, Sky, Sun, Time, dome_turn_deg, skies_with
+from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ByteArray, FloatArray
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.ground import lay_ground
 from chord_usd.stage.lights import Lamp
 from chord_usd.stage.prims import Types, add_variants, attribute, define, note, over, set_op_order
-from chord_usd.stage.tunnels import Tunnel
 from chord_usd.stage.walls import Walls
 
 SCOPE = "/House/Lighting"

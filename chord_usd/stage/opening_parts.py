@@ -12,9 +12,10 @@ import numpy.typing as npt
 from shapely.geometry import Polygon
 
 from chord_usd.scene.trim import BOARD_FROM_M, CASING_M
+from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import Box
 from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.mesh import Face, moved
+from chord_usd.stage.mesh import Face, flat, moved, upright
 from chord_usd.stage.opening_shapes import (
     GAP_M,
     LEAF_M,
@@ -25,7 +26,6 @@ from chord_usd.stage.opening_shapes import (
     upright_prism,
 )
 from chord_usd.stage.railings import railing_box, railing_faces
-from chord_usd.stage.tunnels import Tunnel, lining_faces, sill_faces
 from chord_usd.stage.window_parts import Sash, sashes_of, window_parts
 
 PointM = tuple[float, float, float]
@@ -165,3 +165,18 @@ def side_of(point_m: npt.ArrayLike, tunnel: Tunnel) -> int:
     """1 where the point lies towards the opening's own +y, else -1."""
     offset = np.asarray(point_m) - np.array(tunnel.opening.box.center_m[:2])
     return 1 if float(offset @ rotation_2d(tunnel.opening.box.yaw_deg)[:, 1]) > 0 else -1
+
+
+def lining_faces(tunnel: Tunnel) -> list[Face]:
+    """Jambs and head of a tunnel, facing into it."""
+    jambs = [
+        upright(end, start, tunnel.low_m, tunnel.high_m)
+        for (start, end), is_end in zip(tunnel.edges_m(), tunnel.is_end, strict=True)
+        if not is_end
+    ]
+    return jambs + flat(tunnel.area_m, tunnel.high_m, up=False)
+
+
+def sill_faces(tunnel: Tunnel) -> list[Face]:
+    """Bottom of a tunnel, facing up: the threshold of a door, the sill of a window."""
+    return flat(tunnel.area_m, tunnel.low_m, up=True)

@@ -21,6 +21,7 @@ from shapely.ops import unary_union
 from chord_usd.scene.feels import FEEL_OF_SURFACE
 from chord_usd.scene.geometry import footprint_polygon, polygons_of
 from chord_usd.scene.trim import CASING_M
+from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.door_leaves import LeafKind, leaf_parts
@@ -61,7 +62,6 @@ from chord_usd.stage.prims import (
     write_mesh,
 )
 from chord_usd.stage.surfaces import Fitout, write_surface
-from chord_usd.stage.tunnels import Tunnel
 from chord_usd.stage.walls import (
     WallLine,
     Walls,

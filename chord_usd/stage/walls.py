@@ -18,25 +18,15 @@ import numpy.typing as npt
 import shapely
 from shapely.geometry import MultiPolygon, Polygon, box
 from shapely.geometry.base import BaseGeometry
-from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.scene.geometry import Floors, polygons_of, room_polygon, wall_area
-from chord_usd.scene.types import (
-    ROOM_HEIGHT_M,
-    Box,
-    FloatArray,
-    Plan,
-    Room,
-)
+from chord_usd.scene.geometry import Floors, polygons_of
+from chord_usd.scene.tunnels import GRID_M, LINTEL_M, ON_LINE_M, Tunnel, dig_tunnels, wall_solid
+from chord_usd.scene.types import ROOM_HEIGHT_M, Box, FloatArray, Plan, Room
 from chord_usd.stage.mesh import Face, flat, upright
 from chord_usd.stage.railings import gaps_for_railings
-from chord_usd.stage.tunnels import GRID_M, LINTEL_M, ON_LINE_M, SLIT_M, Tunnel, dig_tunnels
 
 IntArray = npt.NDArray[np.intp]
-
-_SHAFT_M2 = 0.5
-"""Voids between walls smaller than this are filled."""
 
 BOX_DEPTH_M = 0.1
 """Less than half a wall, so that the boxes behind its two faces stay apart."""
@@ -142,7 +132,7 @@ def build_walls(plan: Plan) -> Walls:
         Room(room.id, room.kind, np.round(room.polygon_m / GRID_M) * GRID_M, room.name)
         for room in plan.rooms
     )
-    solid = _solid(rooms)
+    solid = wall_solid(rooms)
     dug = zip(plan.openings, dig_tunnels(plan.openings, solid), strict=True)
     tunnels = {opening.id: tunnel for opening, tunnel in dug if tunnel is not None}
     open_sides = list(gaps_for_railings(rooms, plan.openings, ROOM_HEIGHT_M - LINTEL_M))
@@ -219,24 +209,6 @@ def free_stretches(line: WallLine, below_m: float) -> list[tuple[FloatArray, Flo
         for start, end, holes in _columns(line)
         if all(hole.low_m >= below_m for hole in holes)
     ]
-
-
-def _solid(rooms: Sequence[Room]) -> MultiPolygon:
-    if not rooms:
-        return MultiPolygon()
-    area = wall_area(rooms)
-    half = SLIT_M / 2
-    area = area.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
-    floors = unary_union([room_polygon(room) for room in rooms])
-    whole = unary_union([area, floors])
-    shafts = [
-        Polygon(ring)
-        for part in polygons_of(whole)
-        for ring in part.interiors
-        if SLIT_M**2 < Polygon(ring).area < _SHAFT_M2
-    ]
-    solid = shapely.set_precision(unary_union([area, *shafts]).difference(floors), GRID_M)
-    return MultiPolygon([orient(part) for part in polygons_of(solid) if part.area > GRID_M])
 
 
 def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:

@@ -11,7 +11,7 @@ import shapely
 from chord_usd.data.houses import random_plan
 from chord_usd.scene.types import Box, Opening, Plan, Room
 from chord_usd.stage.mesh import Face, mesh_of
-from chord_usd.stage.tunnels import lining_faces, sill_faces
+from chord_usd.stage.opening_parts import lining_faces, sill_faces
 from chord_usd.stage.walls import (
     ROOM_HEIGHT_M,
     Walls,

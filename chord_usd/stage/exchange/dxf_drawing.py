@@ -21,12 +21,12 @@ from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.fonts import fonts_kept
 from chord_usd.scene.geometry import footprint, polygons_of, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Level
+from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Room
 from chord_usd.stage.exchange.built_house import House, house_of, span_in_plan
 from chord_usd.stage.exchange.placed_pieces import Piece, pieces_of
 from chord_usd.stage.names import identifier
 from chord_usd.stage.opening_parts import leaves_of, railing_guard
-from chord_usd.stage.walls import Tunnel
 
 _LAYERS = {
     "WALLS": 7, "WALLS-FILL": 8, "DOORS": 30, "WINDOWS": 150, "PASSAGES": 40, "RAILINGS": 9,

@@ -17,6 +17,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
+from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.exchange.built_house import House, house_of, span_in_plan
@@ -25,7 +26,6 @@ from chord_usd.stage.exchange.ifc_furniture import add_furniture
 from chord_usd.stage.exchange.wall_pieces import WallPiece, wall_pieces
 from chord_usd.stage.opening_parts import leaf_box, leaves_of, railing_guard
 from chord_usd.stage.opening_shapes import GLASS_M
-from chord_usd.stage.walls import Tunnel
 
 _SLAB_M = 0.2
 _FRAME_M = 0.05

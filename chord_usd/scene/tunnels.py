@@ -1,4 +1,4 @@
-"""Holes that openings cut through the walls of a house, and the faces that line them. Shapely only.
+"""The solid of a house's walls and the holes that openings cut through it. Shapely only.
 
 A hole goes straight through its wall, seen from above; its open ends lie on the wall's two faces.
 """
@@ -6,7 +6,7 @@ A hole goes straight through its wall, seen from above; its open ends lie on the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,10 +17,9 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.scene.geometry import polygons_of
-from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, FloatArray, Opening
+from chord_usd.scene.geometry import polygons_of, resized, room_polygon, to_own, wall_area
+from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, FloatArray, Opening, Room
 from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.mesh import Face, flat, upright
 
 LINTEL_M = 0.1
 """Least height of wall left over an opening, so that the solid stays one."""
@@ -35,6 +34,9 @@ ON_LINE_M = 2e-3
 
 SLIT_M = 0.02
 """Walls thinner than this are gaps between rooms that should touch, not walls."""
+
+_SHAFT_M2 = 0.5
+"""Voids between walls smaller than this are filled."""
 
 _REACH_M = 0.15
 """How far beyond its own depth an opening looks for the two faces of its wall."""
@@ -63,6 +65,45 @@ class Tunnel:
     def ends_m(self) -> list[tuple[FloatArray, FloatArray]]:
         """The edges that one passes through."""
         return [edge for edge, end in zip(self.edges_m(), self.is_end, strict=True) if end]
+
+
+def wall_solid(rooms: Sequence[Room]) -> MultiPolygon:
+    """The walls between and around rooms, seen from above."""
+    if not rooms:
+        return MultiPolygon()
+    area = wall_area(rooms)
+    half = SLIT_M / 2
+    area = area.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
+    floors = unary_union([room_polygon(room) for room in rooms])
+    whole = unary_union([area, floors])
+    shafts = [
+        Polygon(ring)
+        for part in polygons_of(whole)
+        for ring in part.interiors
+        if SLIT_M**2 < Polygon(ring).area < _SHAFT_M2
+    ]
+    solid = shapely.set_precision(unary_union([area, *shafts]).difference(floors), GRID_M)
+    return MultiPolygon([orient(part) for part in polygons_of(solid) if part.area > GRID_M])
+
+
+def as_cut(rooms: Sequence[Room], openings: Sequence[Opening]) -> list[Opening]:
+    """The openings, as wide as the holes that they cut: less where a wall ends before them."""
+    dug = dig_tunnels(openings, wall_solid(rooms))
+    return [
+        opening if tunnel is None else _narrowed(opening, tunnel)
+        for opening, tunnel in zip(openings, dug, strict=True)
+    ]
+
+
+def _narrowed(opening: Opening, tunnel: Tunnel) -> Opening:
+    along = to_own(opening.box, shapely.get_coordinates(tunnel.area_m))[:, 0]
+    low, high = float(along.min()), float(along.max())
+    if high - low > opening.box.size_m[0] - ON_LINE_M:
+        return opening
+    middle = (low + high) / 2
+    return replace(
+        opening, box=resized(opening.box, (high - low, opening.box.size_m[1]), (middle, 0.0))
+    )
 
 
 def dig_tunnels(openings: Sequence[Opening], solid: MultiPolygon) -> list[Tunnel | None]:
@@ -149,18 +190,3 @@ def _in_world(shape: BaseGeometry, opening: Opening) -> BaseGeometry:
     turn = rotation_2d(opening.box.yaw_deg)
     centre = np.array(opening.box.center_m[:2])
     return shapely.transform(shape, lambda points: points @ turn.T + centre)
-
-
-def lining_faces(tunnel: Tunnel) -> list[Face]:
-    """Jambs and head of a tunnel, facing into it."""
-    jambs = [
-        upright(end, start, tunnel.low_m, tunnel.high_m)
-        for (start, end), is_end in zip(tunnel.edges_m(), tunnel.is_end, strict=True)
-        if not is_end
-    ]
-    return jambs + flat(tunnel.area_m, tunnel.high_m, up=False)
-
-
-def sill_faces(tunnel: Tunnel) -> list[Face]:
-    """Bottom of a tunnel, facing up: the threshold of a door, the sill of a window."""
-    return flat(tunnel.area_m, tunnel.low_m, up=True)
