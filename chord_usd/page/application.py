@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from starlette.applications import Starlette
+from starlette.background import BackgroundTask
 from starlette.middleware import Middleware
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, Response
@@ -38,7 +39,7 @@ from chord_usd.page.uploads import (
     refuse_size,
     shown_name,
 )
-from chord_usd.runtime.verb_calls import run_verb
+from chord_usd.runtime.warm_calls import WarmVerbs
 from chord_usd.scene.skies import SKIES
 from chord_usd.scene.styles import MIXED, STYLES
 
@@ -55,9 +56,12 @@ Answered = Callable[[Request], Awaitable[Response]]
 
 
 def make_application(
-    root: Path, *, host: str = "127.0.0.1", token: str = "", run: RunVerb = run_verb
+    root: Path, *, host: str = "127.0.0.1", token: str = "", run: RunVerb | None = None
 ) -> Starlette:
-    """The page over the houses below root. run: how a verb is run. Raises MissingExtraError."""
+    """The page over the houses below root. Raises MissingExtraError.
+
+    run: how a verb is run; by default in a process that is started when the page is opened.
+    """
     page = _Page(KeptHouses(root), run)
     routes = [
         Route("/", page.index),
@@ -113,8 +117,10 @@ def told(answer: Answered) -> Answered:
 class _Page:
     """The answers."""
 
-    def __init__(self, houses: KeptHouses, run: RunVerb) -> None:
+    def __init__(self, houses: KeptHouses, run: RunVerb | None) -> None:
         self._houses = houses
+        run = run or WarmVerbs()
+        self._warm = run if isinstance(run, WarmVerbs) else None
         self._work = HouseJobs(houses, run)
         self._jobs = JobQueue(houses.root / ".jobs", self._work.do)
         self._work.submit = self._jobs.submit
@@ -128,11 +134,19 @@ class _Page:
             yield
         finally:
             await self._jobs.stop()
+            if self._warm:
+                await self._warm.end()
 
     # what the page is made of -------------------------------------------------------------------
 
     async def index(self, _request: Request) -> Response:
-        return _static("index.html")
+        return self._soon(_static("index.html"))
+
+    def _soon(self, answer: Response) -> Response:
+        """The answer; once it is sent, what furnishes houses is loaded, which soon is asked for."""
+        if self._warm:
+            answer.background = BackgroundTask(self._warm.warm, self._houses.root)
+        return answer
 
     async def static(self, request: Request) -> Response:
         return _static(request.path_params["name"])
@@ -215,7 +229,7 @@ class _Page:
         house = request.path_params["house"]
         frame = body.get("drawing")
         number = self._houses.put_plan(house, body.get("plan"), body.get("base"), frame)
-        return _json({"number": number})
+        return self._soon(_json({"number": number}))
 
     async def drawing(self, request: Request) -> Response:
         return _file(self._houses.folder(request.path_params["house"]) / "drawing.png")

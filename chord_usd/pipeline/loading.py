@@ -109,8 +109,30 @@ def checkpoints(settings: Settings) -> tuple[str, ...]:
     return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *lists, *table)
 
 
+_kept: dict[Settings, Models] = {}
+"""What a process that furnishes many houses has loaded, by the settings that decide of it."""
+
+
+def keep_models(settings: Settings) -> None:
+    """Load everything for good: whoever asks for the same is given it. For a process that waits
+    for houses to come. Raises CheckpointError, AssetError."""
+    _kept[_deciding(settings)] = load_models(settings)
+
+
+def _deciding(settings: Settings) -> Settings:
+    """The settings without those that have no say in what is loaded."""
+    own = Settings()
+    return replace(
+        settings, seed=own.seed, sky=own.sky, steps=own.steps, m_per_px=own.m_per_px,
+        part=own.part, style=own.style, articulation=own.articulation, dressing=own.dressing,
+        redraws=own.redraws, furniture=own.furniture, rooms=own.rooms,
+    )  # fmt: skip
+
+
 def load_models(settings: Settings) -> Models:
     """Everything that furnishes a house. Raises CheckpointError, AssetError."""
+    if kept := _kept.get(_deciding(settings)):
+        return kept
     layout = load_model(settings)
     return Models(
         layout, load_table_model(settings), load_reader(settings), load_lists(settings, layout)

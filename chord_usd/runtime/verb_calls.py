@@ -67,10 +67,15 @@ async def run_verb(words: Sequence[str], root: Path, told: Told) -> Answer:
     finally:
         with anyio.CancelScope(shield=True):
             await process.aclose()
+    return answer_of(words[0], code, "".join(answer), said)
+
+
+def answer_of(verb: str, code: int, answer: str, said: Sequence[str]) -> Answer:
+    """The answer of a verb that ended with a code. Raises ChordError with its own sentence."""
     if code not in (0, 1):
         errors = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
-        raise ChordError(errors[-1] if errors else f"chord-usd {words[0]} broke off (code {code})")
-    return Answer(json.loads("".join(answer)), code == 0)
+        raise ChordError(errors[-1] if errors else f"chord-usd {verb} broke off (code {code})")
+    return Answer(json.loads(answer), code == 0)
 
 
 async def _read(stream: ByteReceiveStream, into: list[str]) -> None:

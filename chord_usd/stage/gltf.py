@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
+from chord_usd.runtime.networks import usable_cores
 from chord_usd.runtime.stages import open_known
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
@@ -43,16 +45,20 @@ def write_glb(stage: Usd.Stage, target: Path, most_px: int | None = None) -> Non
     a label or move are, and the meshes of one node and one material are one primitive. Lights are
     those that shine in the variants selected.
     """
-    writer = _Writer(stage, most_px)
-    target.write_bytes(writer.file.to_bytes(writer.root(stage.GetDefaultPrim())))
+    # Pictures are packed by libraries that let Python go on meanwhile.
+    with ThreadPoolExecutor(usable_cores()) as pool:
+        writer = _Writer(stage, pool, most_px)
+        root = writer.root(stage.GetDefaultPrim())
+        writer.looks.finish()
+    target.write_bytes(writer.file.to_bytes(root))
 
 
 class _Writer:
     """Goes through the prims of a stage."""
 
-    def __init__(self, stage: Usd.Stage, most_px: int | None) -> None:
+    def __init__(self, stage: Usd.Stage, pool: Executor, most_px: int | None) -> None:
         self.file = GltfFile()
-        self._looks = Looks(self.file, most_px)
+        self.looks = Looks(self.file, pool, most_px)
         self._meshes: dict[tuple[str, ...], int] = {}
         self._frames = UsdGeom.XformCache()
         self._metres = UsdGeom.GetStageMetersPerUnit(stage)
@@ -135,7 +141,7 @@ class _Writer:
         for prim in prims:
             frame, _ = self._frames.ComputeRelativeTransform(prim, node)
             two_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get())
-            look = self._looks.of(bound_material(prim), two_sided=two_sided)
+            look = self.looks.of(bound_material(prim), two_sided=two_sided)
             material, placement = look or (None, None)
             vertices = vertices_of(prim, np.array(frame).T, placement)
             if vertices is not None:

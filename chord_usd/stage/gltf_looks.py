@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
 from typing import Any
 
 import numpy as np
@@ -22,16 +24,20 @@ _DIGITS = 5
 Look = tuple[int, FloatArray | None]
 """Place of a material, and (2, 3) what it does to texture coordinates; None where it has none."""
 
+Packed = tuple[bytes, str]
+"""A picture's file and its format, as PIL calls it."""
+
 
 class Looks:
     """Materials, each read once, and written once however many look alike."""
 
-    def __init__(self, file: GltfFile, most_px: int | None = None) -> None:
-        """most_px: longer side of pictures, at most; None leaves them as they are."""
+    def __init__(self, file: GltfFile, pool: Executor, most_px: int | None = None) -> None:
+        """pool: packs pictures. most_px: their longer side, at most; None leaves them as they
+        are."""
         self._file = file
         self._read: dict[tuple[str, bool], Look] = {}
         self._places: dict[str, int] = {}
-        self._pictures = _Pictures(file, most_px)
+        self._pictures = _Pictures(file, pool, most_px)
 
     def of(self, material: UsdShade.Material | None, *, two_sided: bool) -> Look | None:
         """The look of a material; None where nothing is bound."""
@@ -49,6 +55,10 @@ class Looks:
                 self._places[content] = self._file.add("materials", named)
             self._read[key] = self._places[content], placement
         return self._read[key]
+
+    def finish(self) -> None:
+        """Write the pictures, once all materials are there."""
+        self._pictures.finish()
 
     def _entry(self, shader: UsdShade.Shader) -> tuple[Entry, FloatArray | None]:
         inputs = ("diffuseColor", "roughness", "normal", "emissiveColor")
@@ -104,20 +114,20 @@ def _rounded(values: list[float]) -> list[float]:
 class _Pictures:
     """The pictures of textures, from a folder or out of a package, each written once."""
 
-    def __init__(self, file: GltfFile, most_px: int | None) -> None:
-        self._file, self._most_px = file, most_px
-        self._read: dict[str, bytes] = {}
-        self._places: dict[bytes, int] = {}
+    def __init__(self, file: GltfFile, pool: Executor, most_px: int | None) -> None:
+        self._file, self._pool, self._most_px = file, pool, most_px
+        self._places: dict[tuple[Any, ...], int] = {}
         self._packed: dict[tuple[str, float], int] = {}
+        """Places by file, and by what its levels are multiplied with; 0 for a file as it is."""
+        self._waiting: list[tuple[Entry, Future[Packed]]] = []
 
     def of(self, texture: UsdShade.Shader, *, is_colour: bool = True) -> int:
         """Place of the texture, with the bytes of the file where glTF knows its format."""
-        data = self._bytes(texture, is_colour=is_colour)
-        with Image.open(io.BytesIO(data)) as picture:
-            kind = picture.format or ""
-            if kind not in _TYPES:
-                kind, data = "PNG", _encoded(picture, "PNG")
-        return self._place(data, kind, texture.GetInput("file").Get().path)
+        key = texture.GetInput("file").Get().resolvedPath, 0.0
+        if key not in self._packed:
+            data, most_px = picture_bytes(texture), self._px(is_colour=is_colour)
+            self._packed[key] = self._place(texture, data, _as_it_is, most_px)
+        return self._packed[key]
 
     def roughness(self, texture: UsdShade.Shader, beyond: float, *, is_metal: bool) -> int:
         """A roughness map as glTF has it: in green, with the factor of metal in blue.
@@ -125,37 +135,55 @@ class _Pictures:
         beyond: factors end at 1, so what a stage's scale has above that goes into the picture. A
         grey picture serves as it is where nothing is metal.
         """
-        file = texture.GetInput("file").Get()
-        key = file.resolvedPath, round(beyond, 2)
+        key = texture.GetInput("file").Get().resolvedPath, round(beyond, 2)
         if key not in self._packed:
-            with Image.open(io.BytesIO(self._bytes(texture, is_colour=False))) as picture:
+            data, most_px = picture_bytes(texture), self._px(is_colour=False)
+            with Image.open(io.BytesIO(data)) as picture:
                 if beyond == 1.0 and not is_metal and picture.mode == "L":
                     return self.of(texture, is_colour=False)
-                levels = np.arange(256) * beyond
-                green = picture.convert("L").point(np.clip(np.round(levels), 0, 255).tolist())
-            white = Image.new("L", green.size, 255)
-            packed = Image.merge("RGB", (white, green, white))
-            self._packed[key] = self._place(_encoded(packed, "JPEG"), "JPEG", file.path)
+            self._packed[key] = self._place(texture, data, _roughness, most_px, beyond)
         return self._packed[key]
 
-    def _bytes(self, texture: UsdShade.Shader, *, is_colour: bool) -> bytes:
-        path = texture.GetInput("file").Get().resolvedPath
-        if path not in self._read:
-            data = picture_bytes(texture)
-            # Half as fine where the eye sees no edges of its own: relief and gloss.
-            most_px = self._most_px if is_colour or not self._most_px else self._most_px // 2
-            self._read[path] = _smaller(data, most_px) if most_px else data
-        return self._read[path]
+    def finish(self) -> None:
+        """Write the bytes of all pictures, in the order in which they were asked for."""
+        for picture, packed in self._waiting:
+            data, kind = packed.result()
+            picture |= {"bufferView": self._file.add_view(data), "mimeType": _TYPES[kind]}
+        self._waiting.clear()
 
-    def _place(self, data: bytes, kind: str, path: str) -> int:
-        key = hashlib.sha256(data).digest()
+    def _px(self, *, is_colour: bool) -> int | None:
+        # Half as fine where the eye sees no edges of its own: relief and gloss.
+        return self._most_px if is_colour or not self._most_px else self._most_px // 2
+
+    def _place(
+        self, texture: UsdShade.Shader, data: bytes, pack: Callable[..., Packed], *how: Any
+    ) -> int:
+        """Place of a picture whose bytes are packed meanwhile."""
+        key = hashlib.sha256(data).digest(), pack, *how
         if key not in self._places:
-            view = self._file.add_view(data)
-            name = path.replace("[", "/").rstrip("]").split("/")[-1]
-            picture = {"name": name, "bufferView": view, "mimeType": _TYPES[kind]}
+            path = str(texture.GetInput("file").Get().path)
+            picture: Entry = {"name": path.replace("[", "/").rstrip("]").split("/")[-1]}
+            self._waiting.append((picture, self._pool.submit(pack, data, *how)))
             source = self._file.add("images", picture)
             self._places[key] = self._file.add("textures", {"source": source})
         return self._places[key]
+
+
+def _as_it_is(data: bytes, most_px: int | None) -> Packed:
+    """A picture, no larger than it may be, in a format that glTF knows."""
+    data = _smaller(data, most_px) if most_px else data
+    with Image.open(io.BytesIO(data)) as picture:
+        kind = picture.format or ""
+        return (data, kind) if kind in _TYPES else (_encoded(picture, "PNG"), "PNG")
+
+
+def _roughness(data: bytes, most_px: int | None, beyond: float) -> Packed:
+    """Green from a grey picture, its levels multiplied."""
+    with Image.open(io.BytesIO(_smaller(data, most_px) if most_px else data)) as picture:
+        levels = np.arange(256) * beyond
+        green = picture.convert("L").point(np.clip(np.round(levels), 0, 255).tolist())
+    white = Image.new("L", green.size, 255)
+    return _encoded(Image.merge("RGB", (white, green, white)), "JPEG"), "JPEG"
 
 
 def _smaller(data: bytes, most_px: int) -> bytes:

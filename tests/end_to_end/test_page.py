@@ -24,7 +24,8 @@ from playwright.sync_api import Page, expect, sync_playwright
 from pxr import Usd
 
 from chord_usd.page.application import make_application
-from chord_usd.runtime.verb_calls import Answer, Told, run_verb
+from chord_usd.runtime.verb_calls import Answer, Told
+from chord_usd.runtime.warm_calls import WarmVerbs
 
 PLAN = Path(__file__).parents[2] / "examples" / "studio.png"
 QUICK = ("--steps=1", "--redraws=0", "--no-tabletop", "--no-dressing")
@@ -33,15 +34,18 @@ LONGEST_MS = 120_000
 SCRIPT = "<img src=x onerror=document.title='taken'>"
 
 
-async def quickly(words: Sequence[str], root: Path, told: Told) -> Answer:
+class Quickly(WarmVerbs):
     """The verbs themselves; the house is the simplest that they make."""
-    return await run_verb([*words, *(QUICK if words[0] == "generate" else ())], root, told)
+
+    async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
+        more = QUICK if words[0] == "generate" else ()
+        return await super().__call__([*words, *more], root, told)
 
 
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        config = uvicorn.Config(make_application(tmp_path, run=quickly), log_config=None)
+        config = uvicorn.Config(make_application(tmp_path, run=Quickly()), log_config=None)
         server = uvicorn.Server(config)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()

@@ -25,7 +25,7 @@ BASE = ("errors", "runtime", "scene", "raster")
 
 STEPS = ("plan", "planning", "lists", "layout", "graph", "arrange", "dressing", "stage", "image")
 WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
-LINE = ("cli", "api", "commands", "pipeline", "pipeline.planner")
+LINE = ("cli", "api", "standby", "commands", "pipeline", "pipeline.planner")
 
 ALLOWED: dict[str, set[str]] = {
     **{part: set(BASE[:index]) for index, part in enumerate(BASE)},
@@ -55,6 +55,7 @@ ALLOWED: dict[str, set[str]] = {
     "commands": {"pipeline", "pipeline.planner", "batch", "farm", "page", *STEPS, *WORKSHOP},
     "cli": {"commands"},
     "__main__": {"cli"},
+    "standby": {"cli", "pipeline", *STEPS},
     "api": {"commands", "pipeline", *STEPS},
     "__init__": {"api"},
 }

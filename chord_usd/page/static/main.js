@@ -5,7 +5,7 @@ import { home } from "./home.js";
 import { planTab } from "./plan_tab.js";
 import { certificateTab, filesTab, picturesTab } from "./results.js";
 
-const LOOK_AGAIN_MS = 500;
+const LOOK_AGAIN_MS = 250;
 
 const TABS = {
   plan: ["Plan", planTab],
