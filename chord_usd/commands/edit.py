@@ -31,6 +31,11 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--dry-run", action="store_true", help="only say what is understood; change nothing"
     )
+    parser.add_argument(
+        "--edits", type=Path, metavar="LAYER",
+        help="a layer over STAGE that moves things: the sentence means the house as it is seen "
+        "there, and the rooms that it changes are written so",
+    )  # fmt: skip
     target = parser.add_argument(
         "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
     )
@@ -44,17 +49,19 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.pipeline.settings import Settings
 
     source = existing_file(options.stage)
+    edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     watch = stopwatch(options)
     if options.dry_run:
         with watch.step("read"):
-            reading = read_sentence(source, options.sentence)
+            reading = read_sentence(source, options.sentence, edits)
         return Outcome("\n".join(_told(reading)), _data(reading))
     settings = Settings(style="", asset_folders=tuple(options.assets))
-    reading, done = edit(source, options.sentence, target, settings, watch)
+    reading, done = edit(source, options.sentence, target, settings, watch, edits)
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
-        "removed": list(done.removed), "moved": list(done.moved), "seconds": watch.seconds,
+        "removed": list(done.removed), "moved": list(done.moved),
+        "taken_over": list(done.taken_over), "seconds": watch.seconds,
         "certificate": "holds in the rooms that were changed",
     }  # fmt: skip
     counts = ", ".join(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -31,7 +31,10 @@ class Reading:
 
     source: Path
     house: StagedHouse
+    """As it is seen, with the layer of edits over it."""
     understood: Understood
+    written: StagedHouse
+    """As it is at source."""
 
     @property
     def rooms(self) -> tuple[str, ...]:
@@ -48,23 +51,27 @@ class Done:
     removed: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     """Or turned."""
+    taken_over: tuple[str, ...] = ()
+    """Paths of pieces that the stage now has where the layer of edits had them, or has no more."""
 
 
-def read_sentence(source: Path, sentence: str) -> Reading:
-    """What a sentence means in the house at source. Raises ChordError, also where a part of it
-    means nothing there.
+def read_sentence(source: Path, sentence: str, edits: Path | None = None) -> Reading:
+    """What a sentence means in the house at source, as it is seen with a layer of edits over it.
+
+    Raises ChordError, also where a part of the sentence means nothing there.
     """
     from chord_usd.lists.sentences import understand
-    from chord_usd.stage.refurnish import read_house
+    from chord_usd.stage.refurnish import read_edited_house, read_house
 
-    house = read_house(source)
+    written = read_house(source)
+    house = read_edited_house(edits, source) if edits else written
     named = {
         name: replace(house.graph.plan.room(room_id), name=house.titles[name])
         for name, room_id in house.room_ids.items()
     }
     graph = replace(house.graph, rooms=tuple(named.values()))
     house = replace(house, graph=graph)
-    return Reading(source, house, understand(sentence, graph, named))
+    return Reading(source, house, understand(sentence, graph, named), written)
 
 
 def edit(
@@ -73,8 +80,13 @@ def edit(
     target: Path,
     settings: Settings | None = None,
     stopwatch: Stopwatch | None = None,
+    edits: Path | None = None,
 ) -> tuple[Reading, Done]:
     """Do what a sentence asks for, and write the house to target, which may be source.
+
+    edits: a layer over the house that moves or removes pieces. The sentence means what is seen with
+    it, and the rooms that it changes are written as they are seen; elsewhere the layer is not taken
+    over.
 
     All of it is done or, where a part is not understood, has no place, or the certificate of a
     changed room would not hold, nothing is: a ChordError says why. Prims and files of rooms that
@@ -87,14 +99,17 @@ def edit(
     settings = settings or Settings(style="")
     with alone_with(source):
         with watch.step("read"):
-            reading = read_sentence(source, sentence)
+            reading = read_sentence(source, sentence, edits)
         with watch.step("arrange"):
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)
             work = _carried_out(reading, style, settings)
             done = _done(house.graph, work)
+            change = _change(reading, work, style)
         with watch.step("stage"):
-            _write(reading, work, target, style)
+            _write(reading, change, target)
+    if edits:
+        done = replace(done, taken_over=tuple(piece.path for piece in change.pieces))
     return reading, done
 
 
@@ -183,7 +198,7 @@ def _done(before: SceneGraph, work: Work) -> Done:
     return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved))
 
 
-def _write(reading: Reading, work: Work, target: Path, style: HomeStyle) -> None:
+def _write(reading: Reading, change: RoomsChange, target: Path) -> None:
     from chord_usd.stage.check import faults_in
     from chord_usd.stage.edit_rooms import edit_rooms
 
@@ -200,7 +215,7 @@ def _write(reading: Reading, work: Work, target: Path, style: HomeStyle) -> None
                 expected="an edit after which it does", try_="another place, or fewer pieces",
             )  # fmt: skip
 
-    edit_rooms(reading.source, target, _change(reading, work, style), accept)
+    edit_rooms(reading.source, target, change, accept)
 
 
 def _beside(reading: Reading) -> list[str]:
@@ -220,22 +235,11 @@ def _beside(reading: Reading) -> list[str]:
 
 def _change(reading: Reading, work: Work, style: HomeStyle) -> RoomsChange:
     """The same, as the stage takes it: prims in place of ids."""
-    from chord_usd.stage.edit_rooms import PieceChange, RoomsChange
+    from chord_usd.stage.edit_rooms import RoomsChange
     from chord_usd.stage.refurnish import NewFurniture
 
     house = reading.house
-    path_of = {item_id: path for path, item_id in house.item_ids.items()}
-    name_of = {room_id: name for name, room_id in house.room_ids.items()}
-    now = {one.id: one for one in (*work.graph.items, *work.graph.dressing)}
-    pieces: list[PieceChange] = []
-    for one in (*house.graph.items, *house.graph.dressing):
-        new = None if one.id in work.new else now.get(one.id)
-        locked = work.locks.get(one.id)
-        if new is None:
-            pieces.append(PieceChange(path_of[one.id], one.box, None))
-        elif new.box != one.box or new.room_id != one.room_id or locked is not None:
-            other = name_of[new.room_id] if new.room_id != one.room_id else ""
-            pieces.append(PieceChange(path_of[one.id], one.box, new.box, other, locked))
+    pieces = list(_piece_changes(reading, work))
     rooms: dict[str, Any] = {}
     for name in reading.rooms:
         room: Room = house.graph.plan.room(house.room_ids[name])
@@ -247,3 +251,31 @@ def _change(reading: Reading, work: Work, style: HomeStyle) -> RoomsChange:
             style=worn, home_seed=house.seed,
         )  # fmt: skip
     return RoomsChange(pieces, rooms)
+
+
+def _piece_changes(reading: Reading, work: Work) -> Iterator[PieceChange]:
+    """What becomes of the pieces that the stage has."""
+    from chord_usd.stage.edit_rooms import PieceChange
+
+    house, written = reading.house, reading.written
+    path_of = {item_id: path for path, item_id in written.item_ids.items()}
+    name_of = {room_id: name for name, room_id in house.room_ids.items()}
+    seen = {one.id: one for one in (*house.graph.items, *house.graph.dressing)}
+    now = {one.id: one for one in (*work.graph.items, *work.graph.dressing)}
+    for one in (*written.graph.items, *written.graph.dressing):
+        new = None if one.id in work.new else now.get(one.id)
+        if new == seen.get(one.id) and name_of[one.room_id] not in reading.rooms:
+            continue  # the layer of edits may have moved it, not the sentence
+        locked = work.locks.get(one.id)
+        if new is None:
+            yield PieceChange(path_of[one.id], one.box, None)
+        elif house.assets.get(one.id) != written.assets.get(one.id):
+            if new != seen[one.id]:
+                raise ChordError(
+                    f"{path_of[one.id]} wears another model in the layer of edits",
+                    expected="a sentence about other pieces",
+                    try_="remove it, and ask for a new one",
+                )  # fmt: skip
+        elif new.box != one.box or new.room_id != one.room_id or locked is not None:
+            other = name_of[new.room_id] if new.room_id != one.room_id else ""
+            yield PieceChange(path_of[one.id], one.box, new.box, other, locked)

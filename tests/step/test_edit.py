@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from pxr import Sdf, Usd
+from pxr import Gf, Sdf, Usd
 
 import chord_usd
 from chord_usd.arrange.asked_places import Floor
@@ -98,6 +98,29 @@ def test_a_lock_binds_until_it_is_taken_off(house: Path) -> None:
         edit(house, "remove the sofa", house)
     edit(house, "unlock the sofa", house)
     assert house.read_bytes() == text
+
+
+def test_rooms_are_written_as_a_layer_of_edits_shows_them(house: Path, tmp_path: Path) -> None:
+    edits = tmp_path / "edits.usda"
+    stage = Usd.Stage.CreateNew(str(edits))
+    stage.GetRootLayer().subLayerPaths.append(str(house))
+    stage.SetDefaultPrim(stage.GetPrimAtPath("/House"))
+    path_of = {item_id: path for path, item_id in read_house(house).item_ids.items()}
+    sofa, chair = (
+        stage.GetPrimAtPath(path_of[only(house, category, room).id])
+        for category, room in (("sofa", "LivingRoom_0"), ("leisure_sofa", "Balcony_0"))
+    )
+    for prim in (sofa, chair):
+        at = prim.GetAttribute("xformOp:translate")
+        at.Set(at.Get() + Gf.Vec3d(0.01, 0, 0))
+    stage.GetRootLayer().Save()
+    path, shown_m = sofa.GetPath(), sofa.GetAttribute("xformOp:translate").Get()
+    before = prims(house)
+    _, done = edit(house, "remove the coffee table", house, edits=edits)
+    written = Sdf.Layer.FindOrOpen(str(house)).GetPrimAtPath(path)
+    assert written.attributes["xformOp:translate"].default == pytest.approx(shown_m)
+    assert str(path) in done.taken_over
+    assert prims(house)["Balcony_0"] == before["Balcony_0"]
 
 
 def test_of_two_edits_at_once_the_second_is_refused(house: Path) -> None:
