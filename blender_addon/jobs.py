@@ -14,7 +14,7 @@ import bpy
 
 from .core import report
 from .core.commands import describe, found_house
-from .core.edits import Changes, carried_over, without_room
+from .core.edits import Changes, carried_over, without_pieces, without_room
 from .core.errors import InputError
 from .core.layer import read_changes, write_changes
 from .core.program import ProgramError
@@ -130,6 +130,22 @@ def show_room(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> N
     room = str(data["room"])
     write_changes(seen.house, without_room(before.changes, room))
     session.start(context, *bring_in(seen.house, data, before, room))
+
+
+def show_understood(sentence: str, context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """What a sentence means, before it is done."""
+    own = fields(context)
+    own.understood, own.understood_of = "\n".join(report.understood(data)), sentence
+
+
+def show_edited(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """A sentence was done: pieces in its rooms are where the house itself has them."""
+    keep(seen.house)
+    before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
+    write_changes(seen.house, without_pieces(before.changes, map(str, data["taken_over"])))
+    own = fields(context)
+    own.sentence = own.understood = own.understood_of = ""
+    session.start(context, *bring_in(seen.house, before=before))
 
 
 def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:

@@ -22,10 +22,12 @@ from .jobs import (
     rebuild,
     save_changes,
     show_certificate,
+    show_edited,
     show_farm_job,
     show_new_house,
     show_pictures,
     show_room,
+    show_understood,
     unsaved_folder,
 )
 from .preferences import preferences
@@ -103,6 +105,33 @@ class ChordRegenerate(JobOperator, bpy.types.Operator):
         keep(seen.house)
         own.rooms[own.room_index].seed = seed
         return arguments, partial(show_room, seen)
+
+
+class ChordReadSentence(JobOperator, bpy.types.Operator):
+    """Say what the sentence means in this house; nothing is changed yet"""
+
+    bl_idname = "chord.read_sentence"
+    bl_label = "Understand"
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The command line, and the lines that follow it."""
+        sentence, house = fields(context).sentence, save_changes(context).house
+        arguments = commands.edit(house, sentence, only_read=True)
+        return arguments, partial(show_understood, sentence)
+
+
+class ChordEditByWords(JobOperator, bpy.types.Operator):
+    """Do what was understood; other rooms stay as they are"""
+
+    bl_idname = "chord.edit_by_words"
+    bl_label = "Do it"
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The command line, and the import that follows it."""
+        own, seen = fields(context), save_changes(context)
+        arguments = commands.edit(seen.house, own.sentence, bpy.path.abspath(own.assets))
+        keep(seen.house)
+        return arguments, partial(show_edited, seen)
 
 
 class ChordCheckHouse(JobOperator, bpy.types.Operator):
@@ -218,6 +247,8 @@ _CLASSES = (
     ChordGenerate,
     ChordOpenHouse,
     ChordRegenerate,
+    ChordReadSentence,
+    ChordEditByWords,
     ChordCheckHouse,
     ChordRender,
     ChordWriteFarmJob,

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from .core import report, swaps
-from .core.program import WISHES_FROM, WITHOUT_DRESSING
+from .core.program import EDITS_IN_WORDS, WISHES_FROM, WITHOUT_DRESSING
 from .core.state import OFFERED_BY, panel_state, wrapped
 from .core.tree import is_dressing, piece_of
 from .house import LOCKED_KEY, Objects, arranged, own_objects, pieces_of
@@ -22,6 +22,9 @@ LINE_LETTERS = 42
 
 EXAMPLE = "a two-bedroom flat with an open kitchen, about 70 m²"
 """Stands in the empty text field."""
+
+SENTENCE = "turn the sofa to the window"
+"""Stands in the empty field for changes."""
 
 PLAN_SCALE, MODEL_SCALE = 8.0, 4.0
 """Sides of thumbnails, in heights of a button."""
@@ -107,6 +110,31 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
         row.operator("chord.save_edits", icon="FILE_TICK")
         discard = _when_idle(row.row(align=True))
         discard.operator("chord.discard_edits", text="", icon="LOOP_BACK")
+
+
+class ChordWordsPanel(_HousePart, bpy.types.Panel):
+    """The house changed by saying what it should be"""
+
+    bl_idname = "VIEW3D_PT_chord_words"
+    bl_label = "In words"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a house, and a program that is told so."""
+        program = session.known_program(preferences(context).program)
+        return super().poll(context) and bool(program and EDITS_IN_WORDS in program.abilities)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The sentence; what it was taken to mean, and the button that does it."""
+        own, layout = fields(context), self.layout
+        layout.prop(own, "sentence", text="", placeholder=SENTENCE)
+        buttons = _when_idle(layout.column())
+        buttons.operator("chord.read_sentence", icon="QUESTION")
+        if own.understood and own.understood_of == own.sentence:
+            box = buttons.box()
+            for line in own.understood.splitlines():
+                _draw_text(box, line, "CHECKMARK")
+            box.operator("chord.edit_by_words", icon="PLAY")
 
 
 class ChordFurniturePanel(_HousePart, bpy.types.Panel):
@@ -305,6 +333,7 @@ def _draw_text(layout: bpy.types.UILayout, text: str, icon_name: str) -> None:
 PANELS = (
     ChordPanel,
     ChordRoomsPanel,
+    ChordWordsPanel,
     ChordFurniturePanel,
     ChordDressingPanel,
     ChordCertificatePanel,

@@ -164,6 +164,13 @@ class ChordScene(bpy.types.PropertyGroup):
     unwanted: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Without", description="Pieces that a room furnished anew shall not hold, in words"
     )
+    sentence: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Change", description="What shall be changed in the house, in words"
+    )
+    understood: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+    """What the program takes a sentence to mean, in lines."""
+    understood_of: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
+    """That sentence."""
     solo: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Solo", description="Show the chosen room alone", update=_show_solo
     )

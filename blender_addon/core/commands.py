@@ -144,6 +144,20 @@ def regenerate(
     ]
 
 
+def edit(house: Path, sentence: str, assets: str = "", *, only_read: bool = False) -> list[str]:
+    """Arguments that change the house, as it is seen with its changes, as a sentence says.
+
+    only_read: only tell what is understood. Raises InputError.
+    """
+    if not sentence.strip():
+        raise InputError("Say what shall be changed.")
+    edits = edits_file(_existing(house))
+    seen = ["--edits", str(edits)] if edits.is_file() else []
+    dry = ["--dry-run"] if only_read else []
+    # Behind two dashes: a sentence may begin with one.
+    return ["edit", str(house), *seen, *dry, *_assets(assets), *_REPORT, "--", sentence.strip()]
+
+
 def describe(house: Path) -> list[str]:
     """Arguments that list what the house holds, with its changes. Raises InputError."""
     return ["describe", _seen(house), *_REPORT]

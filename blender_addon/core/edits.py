@@ -126,6 +126,13 @@ def without_room(changes: Changes, room: str) -> Changes:
     )
 
 
+def without_pieces(changes: Changes, paths: Iterable[str]) -> Changes:
+    """The changes without those of some pieces: the house itself has them now."""
+    gone = frozenset(paths)
+    kept = {path: edit for path, edit in changes.pieces.items() if path not in gone}
+    return replace(changes, pieces=kept)
+
+
 def as_it_was(changes: Changes, room: str) -> Changes:
     """The changes without any in this room."""
 

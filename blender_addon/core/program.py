@@ -25,14 +25,18 @@ OPTIONAL = {
     "--part": "take another plan of a sheet, or another storey",
     "--furniture": "furnish with pieces that are asked for",
     "--no-dressing": "leave rooms undressed",
+    "--dry-run": "change a house as a sentence says",
 }
-"""Options of `generate` that not every version has, and what each is there to do."""
+"""Options of `generate` and `edit` that not every version has, and what each is there to do."""
 
 WISHES_FROM = "--furniture"
 """Versions with this option can be told what a room shall hold, and what not."""
 
 WITHOUT_DRESSING = "--no-dressing"
 """Versions with this option dress rooms otherwise."""
+
+EDITS_IN_WORDS = "--dry-run"
+"""Versions with this option are told changes in words."""
 
 ANSWER_WITHIN_S = 20.0
 
@@ -150,7 +154,8 @@ def ask(command: Sequence[str]) -> Program:
             f"{found[0]} is too old for this panel, which needs {wanted} or newer. Update it where "
             "it is installed."
         )
-    options = set(_OPTION.findall(_answer(command, ["generate", "--help"]).stdout))
+    helps = (_answer(command, [verb, "--help"]).stdout for verb in ("generate", "edit"))
+    options = {option for text in helps for option in _OPTION.findall(text)}
     return Program(tuple(command), version, frozenset(options.intersection(OPTIONAL)))
 
 

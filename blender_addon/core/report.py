@@ -45,6 +45,13 @@ def planned(report: Mapping[str, Any]) -> list[str]:
     return [*wish, f"Planned: {rooms}, {told['area_m2']:.0f} m²"]
 
 
+def understood(report: Mapping[str, Any]) -> list[str]:
+    """What `edit --dry-run --json` takes a sentence to mean, a line for each change."""
+    slips = [f"Read {slip}" for slip in report.get("read_as", ())]
+    told = [str(one["told"]) for one in report["understood"]]
+    return [*slips, *(f"{text[:1].upper()}{text[1:]}" for text in told)]
+
+
 def warnings(report: Mapping[str, Any]) -> list[str]:
     """What `generate --json` warns of, as sentences."""
     return [f"{text[:1].upper()}{text[1:]}" for text in report.get("warnings", ())]

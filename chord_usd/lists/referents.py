@@ -67,7 +67,7 @@ class Referents:
         found = self.there(noun, rooms)
         if not found:
             place = f"in {self.name(rooms[0])}" if rooms else "in the house"
-            raise not_understood(clause.words, f"there is no {noun.said} {place}")
+            raise not_understood(clause.words, f"no {noun.said} {place}")
         if not rooms and self.room_said and any(one.room_id == self.room_said for one in found):
             found = [one for one in found if one.room_id == self.room_said]
         if len({one.room_id for one in found}) > 1 and not noun.is_every:
@@ -114,7 +114,7 @@ class Referents:
             own = self.there(anchor, [room] if room else [], but=but)
             if not own:
                 place = f"in {self.name(room)}" if room else "in the house"
-                raise not_understood(clause.words, f"there is no {anchor.said} {place}")
+                raise not_understood(clause.words, f"no {anchor.said} {place}")
             if not room and len({one.room_id for one in own}) > 1:
                 names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in own))
                 raise not_understood(

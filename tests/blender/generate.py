@@ -60,6 +60,23 @@ told["redone"], told["saved_redone"] = s.places(), s.start("save_edits")
 told["redone_on_disk"] = house.read_bytes() == anew
 own = s.own
 
+# What is asked for in words is said first, then done; what was moved by hand there stays so.
+stand = {p: p.split("/")[-1] for p in s.places() if "/LivingRoom_0/Furniture/" in p}
+stand = {p: name for p, name in stand.items() if p.count("/") == 5}
+alone = [
+    p for p, name in stand.items() if name.endswith("_0") and f"{name[:-1]}1" not in stand.values()
+]
+gone, beside = [p for p in alone if p != told["locked"]][:2]
+words = s.part("core.report").spaced(stand[gone].removesuffix("_0")).lower()
+own.sentence = f"remove the {words} from the living room"
+told["read"], told["read_drawn"] = s.press("read_sentence"), s.drawn()
+s.objects()[beside].location.x += 0.01
+told["beside_at"] = s.places()[beside]
+told["said"] = s.press("edit_by_words")
+told["still_there"] = gone in s.places()
+told["beside_after"] = s.places()[beside]
+told["by_hand"] = beside in s.part("house").changes_of(bpy.context).pieces
+
 # Pictures, here and elsewhere.
 size = bpy.context.scene.render
 size.resolution_x, size.resolution_y = 64, 36

@@ -70,6 +70,15 @@ def test_an_edit_made_while_the_program_works_is_not_lost(told: Told) -> None:
     assert np.allclose(told["after"][told["meanwhile"]], told["meanwhile_at"], atol=1e-5)
 
 
+def test_a_sentence_is_told_as_understood_then_done(told: Told) -> None:
+    assert told["read"] == told["said"] == ""
+    assert ["operator", "chord.edit_by_words"] in [line[:2] for line in told["read_drawn"]]
+    assert any(line[0] == "label" and "Remove" in line[1] for line in told["read_drawn"])
+    assert not told["still_there"]
+    assert np.allclose(told["beside_after"], told["beside_at"], atol=1e-5)
+    assert not told["by_hand"], "the stage itself has it there now"
+
+
 def test_a_room_is_taken_back_and_done_again(told: Told) -> None:
     assert told["saved_undone"] == told["saved_redone"] == ""
     assert told["undone_on_disk"]

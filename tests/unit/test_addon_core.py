@@ -200,6 +200,7 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
     for arguments in (
         commands.generate(settings, house),
         commands.regenerate(house, "Bedroom_0", furnish, keep=["Bed_0"]),
+        commands.edit(house, "-turn the sofa", str(tmp_path), only_read=True),
         commands.check(house),
         commands.describe(house),
         commands.nearest("bed", (1.6, 2.0, 0.9), tmp_path, str(tmp_path)),
@@ -215,9 +216,11 @@ def test_what_the_program_is_told_is_the_edited_house(tmp_path: Path) -> None:
     house.touch()
     assert "--edits" not in commands.regenerate(house, "Bedroom_0", FURNISH)
     file = layer.write_changes(house, edits.Changes(locked=(BED,)))
-    words = commands.regenerate(house, "Bedroom_0", FURNISH)
-    assert words[1] == str(house), "the house itself is written"
-    assert words[words.index("--edits") + 1] == str(file)
+    for words in (
+        commands.regenerate(house, "Bedroom_0", FURNISH), commands.edit(house, "remove the bed")
+    ):  # fmt: skip
+        assert words[1] == str(house), "the house itself is written"
+        assert words[words.index("--edits") + 1] == str(file)
     assert commands.check(house)[1] == str(file)
 
 
