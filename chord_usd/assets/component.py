@@ -311,6 +311,6 @@ def _worn(design: Design, slots: Sequence[str], maps: MapShelf) -> dict[str, Loo
     for slot in slots:
         names = [looks[slot] for looks in design.colourways.values()]
         names += METALS if slot in fittings else ()
-        finishes = [design.finishes[name] for name in names]
+        finishes = [(name, design.finishes[name]) for name in names]
         worn[slot] = slot_looks(design.id, slot, finishes, maps)
     return worn

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 
 TEXTURES = "textures"
 """Folder of the pictures of a component."""
+
+LOOK = "chord:look"
+"""Attribute of a material: the name of its finish and a digest of all that it says, by which
+those of many components are known as one."""
 
 _INPUTS = ("diffuseColor", "roughness", "metallic", "opacity", "emissiveColor")
 
@@ -60,6 +65,7 @@ class Looks:
     """The finishes that a slot wears, one for each colourway, and what is drawn of them."""
 
     finishes: Sequence[Finish]
+    names: Sequence[str]
     maps: Sequence[MapFiles | None]
     pictures: Sequence[str]
     """Names of picture files in TEXTURES; empty where a finish has none."""
@@ -68,7 +74,10 @@ class Looks:
 
     def __post_init__(self) -> None:
         found = zip(self.finishes, self.maps, self.pictures, strict=True)
-        object.__setattr__(self, "inputs", [_inputs(*one) for one in found])
+        told = [_inputs(*one) for one in found]
+        for name, values in zip(self.names, told, strict=True):
+            values[f".{LOOK}"] = ("String", f"{name}_{_digest(values)}")
+        object.__setattr__(self, "inputs", told)
 
     def common(self) -> Values:
         """What is the same in all colourways."""
@@ -107,18 +116,23 @@ class Looks:
         return any(self.maps) or any(self.pictures)
 
 
-def slot_looks(design_id: str, slot: str, finishes: Sequence[Finish], shelf: MapShelf) -> Looks:
+def slot_looks(
+    design_id: str, slot: str, finishes: Sequence[tuple[str, Finish]], shelf: MapShelf
+) -> Looks:
     """What a slot wears, its maps drawn. Raises OSError.
+
+    finishes: with their names, of each colourway.
 
     Pictures are named after the design, too: Blender unpacks all of a .usdz into one folder.
     """
     pictures: dict[int, str] = {}
-    for finish in finishes:
+    names, worn = [name for name, _ in finishes], [finish for _, finish in finishes]
+    for finish in worn:
         if finish.texture is not None:
             number = f"_{len(pictures) + 1}" if pictures else ""
             pictures.setdefault(id(finish.texture), f"{design_id}_{slot}{number}.jpg")
-    names = [pictures.get(id(finish.texture), "") for finish in finishes]
-    return Looks(finishes, [shelf.files(finish) for finish in finishes], names)
+    shown = [pictures.get(id(finish.texture), "") for finish in worn]
+    return Looks(worn, names, [shelf.files(finish) for finish in worn], shown)
 
 
 def save_pictures(looks: Looks, folder: Path) -> None:
@@ -151,6 +165,10 @@ def define_material(stage: Usd.Stage, path: str, looks: Looks) -> None:
     write_values(stage, path, looks.common())
     surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface)
+
+
+def _digest(values: Values) -> str:
+    return hashlib.sha256(repr(sorted(values.items())).encode()).hexdigest()[:8]
 
 
 def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
@@ -240,7 +258,7 @@ def write_values(stage: Usd.Stage, path: str, values: Values) -> None:
             attribute.SetConnections([Sdf.Path(f"{path}/{value}")] if value else [])
         else:
             kind = getattr(Sdf.ValueTypeNames, type_name)
-            prim.CreateAttribute(property_, kind, custom=False).Set(value)
+            prim.CreateAttribute(property_, kind, custom=property_ == LOOK).Set(value)
 
 
 def _connected(prim: Usd.Prim, name: str) -> Usd.Attribute:

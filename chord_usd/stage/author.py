@@ -53,6 +53,7 @@ from chord_usd.stage.prims import (
     note,
     relate,
 )
+from chord_usd.stage.shared_looks import share_looks
 from chord_usd.stage.shell import draw_shell
 from chord_usd.stage.surfaces import fitout
 from chord_usd.stage.variants import Wardrobe
@@ -157,6 +158,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
             lamps.append(hang_light(layer, room, walls))
             lamps += hang_lamps(layer, room.name, (target.parent, final))
             wear_looks(layer, room, floor, house.looks, materials, house.seed)
+    share_looks(layer, architecture)
     set_lighting(layer, lamps, walls, architecture, house.sky)
     _order_prims(layer, house.rooms)
     set_cameras(layer, house.rooms, walls)

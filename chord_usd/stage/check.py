@@ -22,6 +22,7 @@ from chord_usd.stage.check_dressing import Dressing, Objects, count_objects, mea
 from chord_usd.stage.check_held import Held, underfoot
 from chord_usd.stage.check_rules import Finding, broken_below, broken_rules
 from chord_usd.stage.check_scene import read_scene
+from chord_usd.stage.shared_looks import LOOKS
 
 
 @dataclass(frozen=True)
@@ -110,9 +111,9 @@ def faults_in(path: Path, rooms: Collection[str], beside: Collection[str] = ()) 
         layer = open_layer(path)
         names = [one.name for one in layer.GetPrimAtPath("/House/Rooms").nameChildren]
         near = {*rooms, *beside}
-        stage = open_known(path, only=[
+        stage = open_known(path, only=[LOOKS, *(
             f"/House/Rooms/{name}" + ("" if name in near else "/Architecture") for name in names
-        ])  # fmt: skip
+        )])  # fmt: skip
         scene = read_scene(stage)
         roots = tuple(f"/House/Rooms/{name}/" for name in rooms)
         found = broken_below(stage, [root.rstrip("/") for root in roots])
