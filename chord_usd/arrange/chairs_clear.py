@@ -15,7 +15,6 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
-import trimesh
 from pxr import UsdGeom, UsdPhysics
 from shapely import Polygon
 
@@ -28,6 +27,7 @@ from chord_usd.scene.types import Asset, Box, Item, SceneGraph
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.check_contact import Body, Solid, collisions
 from chord_usd.stage.check_scene import solids_of
+from chord_usd.stage.triangles import Triangles
 
 SEAT = "chair"
 FARTHEST_M = 0.5
@@ -142,8 +142,8 @@ def _solids(path: Path) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
     felt = tuple(
         Solid(
             str(prim.GetPath()),
-            trimesh.creation.box(
-                np.full(3, UsdGeom.Cube(prim).GetSizeAttr().Get()),
+            Triangles.box(
+                UsdGeom.Cube(prim).GetSizeAttr().Get(),
                 np.array(transforms.GetLocalToWorldTransform(prim)).T,
             ),
         )

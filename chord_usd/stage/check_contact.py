@@ -10,10 +10,9 @@ from typing import Any
 import fcl
 import numpy as np
 import shapely
-import trimesh
-from trimesh.collision import mesh_to_BVH, mesh_to_convex
 
 from chord_usd.scene.types import FloatArray
+from chord_usd.stage.triangles import Triangles, cross
 
 MIN_DEPTH_M = 0.005
 """Contact no deeper than this is touching."""
@@ -39,7 +38,7 @@ class Solid:
     """One mesh, placed in the world."""
 
     path: str
-    mesh: trimesh.Trimesh
+    mesh: Triangles
     """In world coordinates, metres. A wall is an open sheet, furniture is closed."""
 
     @cached_property
@@ -58,37 +57,41 @@ class Solid:
     @cached_property
     def area_m2(self) -> float:
         """Of the surface, one side of it."""
-        a, b, c = np.moveaxis(self.triangles_m, 1, 0)
-        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+        a, b, c = (self.triangles_m[:, k] for k in range(3))
+        return float(np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)).sum() / 2)
 
     def mass(self) -> tuple[float, FloatArray]:
         """Volume in m³ of a closed mesh, and the (3,) centre of it in metres."""
         low_m = self.bounds_m[0]
-        a, b, c = np.moveaxis(self.triangles_m - low_m, 1, 0)
-        volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+        own = self.triangles_m - low_m
+        a, b, c = (own[:, k] for k in range(3))
+        volumes = np.einsum("ij,ij->i", a, cross(b, c)) / 6
         volume = float(volumes.sum())
         if not volume:
             return 0.0, self.bounds_m.mean(axis=0)
         return abs(volume), low_m + volumes @ (a + b + c) / (4 * volume)
 
-    @cached_property
+    @property
     def is_convex(self) -> bool:
         """A sheet is flat and yet not convex: its holes are holes."""
-        return bool(self.mesh.is_watertight and self.mesh.is_convex)
+        return self.mesh.is_convex
 
     @cached_property
     def collider(self) -> Any:
         """The fcl object."""
-        shape = mesh_to_convex if self.is_convex else mesh_to_BVH
-        return fcl.CollisionObject(shape(self.mesh))
+        vertices, faces = self.mesh.vertices, self.mesh.faces
+        if self.is_convex:
+            counted = np.insert(faces, 0, 3, axis=1)
+            return fcl.CollisionObject(fcl.Convex(vertices, len(faces), counted.flatten()))
+        tree = fcl.BVHModel()
+        tree.beginModel(num_tris_=len(faces), num_vertices_=len(vertices))
+        tree.addSubModel(verts=vertices, triangles=faces)
+        tree.endModel()
+        return fcl.CollisionObject(tree)
 
     def placed(self, linear: FloatArray, offset_m: FloatArray) -> Solid:
         """Each vertex v, as a row, at v @ linear (3, 3) + offset_m (3,)."""
-        vertices = self.mesh.vertices @ linear + offset_m
-        solid = Solid(self.path, trimesh.Trimesh(vertices, self.mesh.faces, process=False))
-        # To find out takes longer than to place it, and no affine map changes it.
-        solid.__dict__["is_convex"] = self.is_convex
-        return solid
+        return Solid(self.path, self.mesh.placed(linear, offset_m))
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,6 +35,7 @@ from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdVali
 
 from chord_usd.runtime.stages import named_in
 from chord_usd.stage.textures import bound_material, coordinates_read
+from chord_usd.stage.triangles import cross
 
 NODE_ID = "chord:node_id"
 """Attribute of an item's prim: id of its node in the scene graph."""
@@ -375,8 +376,8 @@ def _face_areas_m2(points: np.ndarray, counts: np.ndarray, corners: np.ndarray) 
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     following = np.arange(1, len(corners) + 1)
     following[starts + counts - 1] = starts
-    cross = np.cross(points[corners], points[corners[following]])
-    doubled: np.ndarray = np.linalg.norm(np.add.reduceat(cross, starts), axis=1)
+    turns = cross(points[corners], points[corners[following]])
+    doubled: np.ndarray = np.linalg.norm(np.add.reduceat(turns, starts), axis=1)
     return doubled / 2.0
 
 

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-import trimesh
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import (
@@ -35,6 +34,7 @@ from chord_usd.stage.check_contact import Body, Solid
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.furniture import DRESSING, FURNITURE
 from chord_usd.stage.mesh import fans
+from chord_usd.stage.triangles import Triangles
 
 CATEGORY = "chord:category"
 SIZE = "chord:size_m"
@@ -47,6 +47,8 @@ RESTS_ON = "chord:rests_on"
 """Attribute of the prims of dressing: node id of what carries it."""
 
 _KINDS: dict[str, OpeningKind] = {"door": "door", "window": "window", "passage": "passage"}
+KnownMeshes = dict[Sdf.Path, Triangles]
+
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _SNAP_M = 1e-4
 
@@ -101,6 +103,7 @@ class _Reader:
         self.fixed: list[Body] = []
         self.ground: list[Body] = []
         self._transforms = UsdGeom.XformCache()
+        self._meshes: KnownMeshes = {}
         self._paths: dict[str, str] = {}
         """Of items, by node id."""
 
@@ -180,15 +183,25 @@ class _Reader:
         return _to_world(prim, self._transforms)
 
     def _body(self, prim: Usd.Prim, parent: str = "") -> Body:
-        return Body(str(prim.GetPath()), solids_of(prim, self._transforms), parent)
+        return Body(str(prim.GetPath()), solids_of(prim, self._transforms, self._meshes), parent)
 
 
-def solids_of(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> tuple[Solid, ...]:
-    """What is seen at and below a prim, in the world."""
-    return tuple(
-        Solid(str(mesh.GetPath()), _trimesh(mesh, _to_world(mesh, transforms)))
-        for mesh in _shown_meshes(prim)
-    )
+def solids_of(
+    prim: Usd.Prim, transforms: UsdGeom.XformCache, known: KnownMeshes | None = None
+) -> tuple[Solid, ...]:
+    """What is seen at and below a prim, in the world.
+
+    known: meshes that were read before, by their paths in prototypes; filled.
+    """
+    known = {} if known is None else known
+    found = []
+    for mesh in _shown_meshes(prim):
+        own = mesh.GetPrimInPrototype().GetPath() if mesh.IsInstanceProxy() else mesh.GetPath()
+        if own not in known:
+            known[own] = _triangles(mesh)
+        matrix = _to_world(mesh, transforms)
+        found.append(Solid(str(mesh.GetPath()), known[own].placed(matrix[:3, :3].T, matrix[:3, 3])))
+    return tuple(found)
 
 
 def _to_world(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> FloatArray:
@@ -229,14 +242,13 @@ def _shown_meshes(prim: Usd.Prim) -> Iterator[Usd.Prim]:
                 yield below
 
 
-def _trimesh(prim: Usd.Prim, matrix: FloatArray) -> trimesh.Trimesh:
-    """A mesh prim in the world, its faces cut into triangles."""
+def _triangles(prim: Usd.Prim) -> Triangles:
+    """A mesh prim in its own frame, its faces cut into triangles."""
     mesh = UsdGeom.Mesh(prim)
     points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64).reshape(-1, 3)
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
     corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int64)
-    world = points @ matrix[:3, :3].T + matrix[:3, 3]
-    return trimesh.Trimesh(world, corners[fans(counts)], process=False)
+    return Triangles(points, corners[fans(counts)])
 
 
 def _outline(floors: list[Body]) -> FloatArray | None:
