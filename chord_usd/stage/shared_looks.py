@@ -17,6 +17,7 @@ import posixpath
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from pxr import Sdf, Tf
 
@@ -173,7 +174,7 @@ class _Component:
             if said:
                 yield said
 
-    def _value(self, slot: Sdf.PrimSpec, name: str) -> object:
+    def _value(self, slot: Sdf.PrimSpec, name: str) -> Any:
         """Of an attribute of a material, or of a shader in it; None where it has none."""
         for said in self._said_of(slot):
             found = said.GetAttributeAtPath(name)

@@ -93,6 +93,8 @@ def _colours(stage: Usd.Stage) -> list[tuple[str, str]]:
             continue
         material = UsdShade.Material(prim)
         preview = material.ComputeSurfaceSource()[0]
+        if not preview:  # felt, not seen
+            continue
         twin = material.ComputeSurfaceSource("mtlx")[0]
         assert preview.GetShaderId() == "UsdPreviewSurface"
         assert twin.GetShaderId() == "ND_UsdPreviewSurface_surfaceshader"
