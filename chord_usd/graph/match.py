@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import shapely
@@ -20,12 +20,14 @@ from chord_usd.graph.flush import (
     kept_deep,
     parted,
 )
-from chord_usd.graph.snap import FoundItem
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.oriented_rect import Footprint
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.types import Asset, Box, Detection, Facts, Item, PixelFrame, Room, SceneGraph
 from chord_usd.scene.units import m_from_px, wrap_deg
+
+if TYPE_CHECKING:
+    from chord_usd.graph.snap import FoundItem
 
 LEAST_INSIDE = 0.5
 """An item with less of its footprint in its room (grown by a pixel) is in no room, and dropped."""
