@@ -330,6 +330,7 @@ class _Walk:
     missing: dict[str, None] = field(default_factory=dict)
     _due: list[str] = field(default_factory=list)
     _seen: set[str] = field(default_factory=set)
+    _met: set[str] = field(default_factory=set)
     _below: dict[str, list[str]] = field(default_factory=dict)
     """Sublayers of each layer."""
     _held: list[Any] = field(default_factory=list)
@@ -400,6 +401,8 @@ class _Walk:
         if not resolved:
             self.missing[asset_path] = None
             return
+        if resolved in self._met:  # a picture of many materials
+            return
         file = _file_of(resolved)
         mode = file.stat().st_mode
         if any(is_kind(mode) for is_kind in _SPECIAL):
@@ -410,7 +413,9 @@ class _Walk:
             )
         if stat.S_ISDIR(mode):
             self.missing[asset_path] = None
-        elif resolved.rstrip("]").endswith(LAYER_SUFFIXES):
+            return
+        self._met.add(resolved)
+        if resolved.rstrip("]").endswith(LAYER_SUFFIXES):
             self._add(resolved)
         else:
             self.others[file] = None
