@@ -16,6 +16,7 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -51,8 +52,9 @@ def share_looks(layer: Sdf.Layer, folder: Path) -> None:
     """
     home = Path(layer.realPath).parent
     worn: dict[tuple[str, _Choice], list[Sdf.PrimSpec]] = {}
+    chosen_in = cache(partial(_chosen_in, home))
     for piece, file in _pieces(layer):
-        usual = _chosen_in(home, file)
+        usual = chosen_in(file)
         if usual is not None:
             chosen = usual | dict(piece.variantSelections)
             choice = tuple((name, chosen[name]) for name in _STRONGEST_FIRST if name in chosen)
