@@ -39,8 +39,9 @@ def write_attribution(layer: Sdf.Layer, folders: Sequence[Path], staged: Path, f
 
 def _made_by_others(layer: Sdf.Layer, folders: Sequence[Path]) -> Iterator[str]:
     """A line for each component that has another author."""
+    own = [folder.resolve() for folder in folders]
     for path in _referred_to(layer):
-        found = next((folder / path for folder in folders if _holds(folder, path)), None)
+        found = next((folder / path for folder in own if _holds(folder, path)), None)
         component = open_layer(found) if found else None
         root = component.GetPrimAtPath(f"/{component.defaultPrim}") if component else None
         told = root.customData.get("chord", {}) if root else {}
@@ -66,9 +67,10 @@ def _skies(layer: Sdf.Layer) -> set[str]:
 
 
 def _holds(folder: Path, path: str) -> bool:
-    """Whether the folder holds this file; one that lies elsewhere is nobody's business here."""
+    """Whether the folder, whose path is resolved, holds this file; one that lies elsewhere is
+    nobody's business here."""
     place = (folder / path).resolve()
-    return place.is_file() and place.is_relative_to(folder.resolve())
+    return place.is_file() and place.is_relative_to(folder)
 
 
 def _referred_to(layer: Sdf.Layer) -> set[str]:

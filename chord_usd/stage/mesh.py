@@ -77,6 +77,8 @@ def fans(counts: npt.NDArray[np.integer]) -> npt.NDArray[np.int64]:
 
     counts: (F,) corners of each face; corners are numbered through all faces.
     """
+    if (counts == 3).all():
+        return np.arange(3 * len(counts)).reshape(-1, 3)
     starts = np.cumsum(counts) - counts
     cuts = np.maximum(counts - 2, 0)
     faces = np.repeat(np.arange(len(counts)), cuts)
