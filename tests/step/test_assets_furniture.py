@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 from shapely import Polygon, union_all
 from trimesh.graph import connected_component_labels
@@ -150,14 +151,19 @@ def test_no_two_faces_look_the_same_way_from_the_same_place(design: Design) -> N
     for part in parts_of(design):
         mesh = trimesh.Trimesh(part.solid.points_m, part.solid.faces, process=False)
         shells = connected_component_labels(mesh.face_adjacency, len(mesh.faces))
-        for axis, face in zip(*np.nonzero(np.abs(mesh.face_normals.T) > 0.99999), strict=True):
-            corners = mesh.triangles[face]
-            level = round(float(corners[:, axis].mean()) / 1e-4)
-            plane = (axis, mesh.face_normals[face, axis] > 0, level)
-            flat = Polygon(np.delete(corners, axis, axis=1))
-            planes[plane][(part.name, shells[face])].append(flat)
+        for axis in range(3):
+            along = mesh.face_normals[:, axis]
+            (faces,) = np.nonzero(np.abs(along) > 0.99999)
+            corners = mesh.triangles[faces]
+            levels = np.round(corners[..., axis].mean(axis=1) / 1e-4)
+            flats = shapely.polygons(np.delete(corners, axis, axis=2))
+            for face, level, flat in zip(faces, levels, flats, strict=True):
+                plane = (axis, along[face] > 0, level)
+                planes[plane][(part.name, shells[face])].append(flat)
     planes.pop((2, False, 0), None)
     for plane, shells_there in planes.items():
+        if len(shells_there) < 2:
+            continue
         faces = {owner: union_all(pieces) for owner, pieces in shells_there.items()}
         for first, second in combinations(faces, 2):
             shared_m2 = faces[first].intersection(faces[second]).area
