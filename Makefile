@@ -38,9 +38,10 @@ setup-dev: .venv/.ready-dev
 		|| $(call install,$(BLENDER_LIBRARIES))
 	@touch $@
 
-# All extras, on top of what is there.
+# All extras, on top of what is there. Of their 300 MB of Python little is ever imported, so that
+# it is compiled when it is: all of it takes a minute.
 .venv/.ready-dev: .venv/.ready
-	$(BIN)/python -m pip install --quiet --upgrade-strategy only-if-needed -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --no-compile --upgrade-strategy only-if-needed -c constraints.txt -e '.[dev]'
 	@touch $@
 
 # Debian packages: installed when we may, named when we may not.
