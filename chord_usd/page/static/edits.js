@@ -81,16 +81,39 @@ export class Edits {
         .multiply(new THREE.Matrix4().makeRotationZ((turn * Math.PI) / 180))
         .multiply(new THREE.Matrix4().makeTranslation(-pivot.x, -pivot.y, 0));
       for (const one of [piece, ...this.restingOn(piece)]) {
-        const moved = whole.clone().multiply(one.node.matrix);
-        state.pieces[one.path] = { was: one.was, matrix: rowsOf(moved) };
+        this.put(state, one, rowsOf(whole.clone().multiply(one.node.matrix)));
       }
     });
+  }
+
+  put(state, piece, matrix) {
+    state.pieces[piece.path] = { ...state.pieces[piece.path], was: piece.was, matrix };
+  }
+
+  /** Begin to move a piece as a finger does. Returns what moves it on, by metres in all, and what
+   * lets it go: one change, that can be taken back. */
+  drag(piece) {
+    const before = structuredClone(this.state);
+    const ones = [piece, ...this.restingOn(piece)];
+    const from = ones.map((one) => one.node.matrix.clone());
+    return {
+      to: ([x, y]) => ones.forEach((one, at) => {
+        const rows = rowsOf(new THREE.Matrix4().makeTranslation(x, y, 0).multiply(from[at]));
+        this.put(this.state, one, rows);
+        setMatrix(one.node, rows);
+        place(this.house.pieces, one);
+      }),
+      end: () => {
+        this.done.push(before);
+        this.tell();
+      },
+    };
   }
 
   remove(piece) {
     this.apply((state) => {
       for (const one of [piece, ...this.restingOn(piece)]) {
-        state.pieces[one.path] = { was: one.was, matrix: null };
+        this.put(state, one, null);
       }
     });
   }

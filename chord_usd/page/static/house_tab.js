@@ -2,10 +2,11 @@
 import { file, get } from "./api.js";
 import { boxOf, show } from "./batches.js";
 import { button, check, choice, complain, el, field } from "./dom.js";
+import { Collisions } from "./collisions.js";
 import { Edits } from "./edits.js";
 import { SceneView } from "./scene_view.js";
 import { THREE } from "./three.js";
-import { floorsOf } from "./walker.js";
+import { floorsOf, roomFloors } from "./walker.js";
 
 const STEP_M = 0.05;
 const FINE_M = 0.01;
@@ -27,7 +28,7 @@ class HouseTab {
   constructor(app) {
     this.app = app;
     this.version = app.version();
-    this.canvas = el("canvas", { tabindex: 0, role: "application", "aria-label": "The house. Click a piece; arrow keys move it, R turns it, Delete removes it." });
+    this.canvas = el("canvas", { tabindex: 0, role: "application", "aria-label": "The house. Click a piece and drag it; arrow keys move it, R turns it, Delete removes it." });
     this.wait = el("div", { class: "wait" }, "The house is loading …");
     this.area = el("div", { class: "stagearea" }, this.canvas, this.wait);
     this.side = el("aside", { class: "side stack", "aria-label": "Rooms and pieces" });
@@ -38,8 +39,10 @@ class HouseTab {
   async load() {
     const { house } = this.app;
     const version = this.version.number;
-    this.view = new SceneView(this.canvas, (piece) => this.choose(piece));
-    this.house = await this.view.load(file(house.id, version, "view", "view.glb"));
+    this.view = new SceneView(this.canvas, { picked: (piece) => this.choose(piece), held: (piece) => this.hold(piece) });
+    const address = `/api/houses/${house.id}/plan?number=${this.version.plan}`;
+    [this.house, { plan: this.plan }] = await Promise.all([this.view.load(file(house.id, version, "view", "view.glb")), get(address)]);
+    this.collisions = new Collisions(this.house, roomFloors(this.plan), (piece) => this.edits.isGone(piece));
     this.edits = new Edits(`/api/houses/${house.id}/versions/${version}/edits`, this.house, () => this.refresh());
     await this.edits.load();
     this.hideCeilings(true);
@@ -101,8 +104,7 @@ class HouseTab {
       return;
     }
     this.hideCeilings(false);
-    const { plan } = await get(`/api/houses/${this.app.house.id}/plan?number=${this.version.plan}`);
-    const floors = floorsOf(plan);
+    const floors = floorsOf(this.plan);
     const [points] = floors;
     const start = [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
     this.view.walk(floors, start);
@@ -133,15 +135,37 @@ class HouseTab {
     if (piece) this.side.scrollTop = 0;
   }
 
+  /** Drag the chosen piece, also by what lies on it; others turn the house, as the floor does. */
+  hold(piece) {
+    const { chosen } = this;
+    if (!chosen || this.edits.isGone(chosen)) return null;
+    if (piece !== chosen && piece.above !== chosen && !this.edits.restingOn(chosen).includes(piece)) return null;
+    const drag = this.edits.drag(chosen);
+    return {
+      to: (by) => {
+        drag.to(by);
+        this.mark();
+      },
+      end: drag.end,
+    };
+  }
+
+  mark() {
+    const piece = this.chosen && !this.edits.isGone(this.chosen) ? this.chosen : null;
+    const met = piece ? this.collisions.of(piece) : new Set();
+    this.view.mark(piece, piece ? this.collisions.footprint(piece) : [], met.size > 0);
+    return met;
+  }
+
   refresh() {
-    this.view.mark(this.chosen && !this.edits.isGone(this.chosen) ? this.chosen : null);
+    this.met = this.mark();
     if (this.areCeilingsHidden) this.hideCeilings(true);
     const undo = button("Undo", () => this.edits.undo());
     undo.disabled = !this.edits.done.length;
     this.side.replaceChildren(
       el("div", { class: "row" }, undo, el("span", { class: "quiet" }, this.version.label)),
       ...(this.app.choices.canSay ? [this.sentenceForm()] : []),
-      this.chosen ? this.pieceForm(this.chosen) : el("p", { class: "quiet" }, "Click a piece to change it."),
+      this.chosen ? this.pieceForm(this.chosen) : el("p", { class: "quiet" }, "Click a piece to change it; then drag it."),
       this.roomForm(),
       ...this.lists(),
     );
@@ -169,7 +193,8 @@ class HouseTab {
     const turn = (text, angle, name) => button(text, () => this.edits.move(piece, [0, 0], angle), { "aria-label": name });
     return el("section", { class: "card stack", id: "piece" },
       el("h2", {}, `${WORDS(piece.category)} (${piece.name})`),
-      el("p", { class: "quiet" }, `${told} m, in ${piece.room}`),
+      el("p", { class: "quiet" }, `${told} m, in ${piece.room}. Drag it, or:`),
+      el("p", { class: "wrong", role: "status", hidden: !this.met.size }, `Stands in: ${[...this.met].map(WORDS).join(", ")}`),
       el("div", { class: "row", role: "group", "aria-label": "Move" },
         move("←", [-STEP_M, 0], "Left"), move("→", [STEP_M, 0], "Right"), move("↑", [0, STEP_M], "Up, in the plan"), move("↓", [0, -STEP_M], "Down, in the plan"),
         turn("↺", TURN_DEG, "Turn left"), turn("↻", -TURN_DEG, "Turn right")),

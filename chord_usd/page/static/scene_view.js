@@ -8,12 +8,18 @@ const EYE_M = 1.6;
 /** From outside a narrow view looks like a model; within a room one wants to see some of it. */
 const VIEW_DEG = 45;
 const WALK_DEG = 70;
+const [RIGHT, WRONG] = [0xd9661f, 0xe0101c];
+const STILL_PX = 5;
+/** Near the horizon a pixel is a hundred metres. */
+const FARTHEST_M = 30;
 
 export class SceneView {
-  /** picked: is told of the piece that was clicked, or null; dragged: of a piece and metres. */
-  constructor(canvas, picked) {
-    this.canvas = canvas;
-    this.picked = picked;
+  /**
+   * picked: is told of the piece that was clicked, or null. held: asked whether a piece is to be
+   * dragged, it returns {to, end}, which are told of metres in the plan and of the end.
+   */
+  constructor(canvas, { picked, held }) {
+    Object.assign(this, { canvas, picked, held });
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "low-power" });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, MOST_PIXELS));
     this.renderer.toneMapping = THREE.NeutralToneMapping;
@@ -109,15 +115,21 @@ export class SceneView {
     this.draw();
   }
 
-  /** Mark a piece, or nothing. */
-  mark(piece) {
-    if (this.marked) this.scene.remove(this.marked);
+  /** Mark a piece, or nothing. corners: of what it covers of the floor; isWrong: it stands in something. */
+  mark(piece, corners = [], isWrong = false) {
+    if (this.marked) {
+      this.scene.remove(this.marked);
+      for (const one of this.marked.children) [one.geometry, one.material].forEach((part) => part.dispose());
+    }
     this.marked = null;
     if (piece) {
-      this.marked = new THREE.Box3Helper(boxOf(piece), 0xd9661f);
-      this.marked.material.depthTest = false;
+      const colour = isWrong ? WRONG : RIGHT;
+      const box = new THREE.Box3Helper(boxOf(piece), colour);
+      this.marked = new THREE.Group().add(box, footprintOf(corners, colour, isWrong ? 0.55 : 0.25));
+      for (const one of this.marked.children) one.material.depthTest = false;
       this.scene.add(this.marked);
     }
+    this.canvas.dataset.wrong = Boolean(piece && isWrong);
     this.draw();
   }
 
@@ -142,15 +154,52 @@ export class SceneView {
 
   listen() {
     let down = null;
+    // Before the controls hear of it: who drags a piece does not turn the house.
     this.canvas.addEventListener("pointerdown", (event) => {
+      if (!event.isPrimary || event.button) return;
       down = [event.clientX, event.clientY];
-    });
-    this.canvas.addEventListener("pointerup", (event) => {
-      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.pick(event);
-      down = null;
-    });
+      if (!this.walker) this.grip(event);
+    }, { capture: true });
+    this.canvas.addEventListener("pointermove", (event) => this.grasp && event.isPrimary && this.pull(event));
+    for (const name of ["pointerup", "pointercancel"]) {
+      this.canvas.addEventListener(name, (event) => {
+        if (!event.isPrimary) return;
+        const isStill = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < STILL_PX;
+        down = null;
+        const wasPulled = this.grasp?.isPulled;
+        this.letGo();
+        if (isStill && !wasPulled && name === "pointerup") this.pick(event);
+      });
+    }
     this.sizes = new ResizeObserver(() => this.resize());
     this.sizes.observe(this.canvas.parentElement);
+  }
+
+  /** Take hold of the piece under the pointer, if it is one to be dragged. */
+  grip(event) {
+    const hit = this.hit(event);
+    const hold = hit && this.held(hit.object.owners[hit.batchId]);
+    if (!hold) return;
+    const level = new THREE.Plane(new THREE.Vector3(0, 1, 0), -hit.point.y);
+    this.grasp = { ...hold, level, from: hit.point, at: [event.clientX, event.clientY], isPulled: false };
+    this.controls.enabled = false;
+    this.canvas.setPointerCapture(event.pointerId);
+  }
+
+  pull(event) {
+    const { at, level, from } = this.grasp;
+    if (Math.hypot(event.clientX - at[0], event.clientY - at[1]) >= STILL_PX) this.grasp.isPulled = true;
+    const place = this.ray(event).ray.intersectPlane(level, new THREE.Vector3());
+    if (!this.grasp.isPulled || !place || place.distanceTo(from) > FARTHEST_M) return;
+    this.grasp.to([place.x - from.x, from.z - place.z]);
+  }
+
+  letGo() {
+    if (!this.grasp) return;
+    const { end, isPulled } = this.grasp;
+    this.grasp = null;
+    this.controls.enabled = true;
+    if (isPulled) end();
   }
 
   ray(event) {
@@ -159,6 +208,8 @@ export class SceneView {
       ((event.clientX - area.left) / area.width) * 2 - 1,
       1 - ((event.clientY - area.top) / area.height) * 2,
     );
+    // The camera may have moved since the last picture was drawn.
+    this.camera.updateMatrixWorld();
     const ray = new THREE.Raycaster();
     ray.setFromCamera(place, this.camera);
     return ray;
@@ -166,9 +217,14 @@ export class SceneView {
 
   pick(event) {
     if (!this.house) return;
-    const hits = this.ray(event).intersectObjects(this.house.batches, false);
-    const seen = hits.find((hit) => hit.object.getVisibleAt(hit.batchId) && hit.point.y <= this.cut.constant);
+    const seen = this.hit(event);
     this.picked(seen ? seen.object.owners[seen.batchId] : null);
+  }
+
+  /** What is seen under a pointer. */
+  hit(event) {
+    const hits = this.house ? this.ray(event).intersectObjects(this.house.batches, false) : [];
+    return hits.find((hit) => hit.object.getVisibleAt(hit.batchId) && hit.point.y <= this.cut.constant);
   }
 
   end() {
@@ -180,4 +236,12 @@ export class SceneView {
     this.renderer.dispose();
     this.renderer.forceContextLoss();
   }
+}
+
+/** What a piece covers of the floor. */
+function footprintOf(corners, colour, opacity) {
+  const geometry = new THREE.BufferGeometry().setFromPoints(corners);
+  geometry.setIndex([0, 1, 2, 0, 2, 3]);
+  const material = new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity, side: THREE.DoubleSide });
+  return new THREE.Mesh(geometry, material);
 }

@@ -1,6 +1,6 @@
 // Walking through a house at eye height: rooms and the holes of doors are where one can be.
 import { THREE } from "./three.js";
-import { isInside } from "./plan_model.js";
+import { isInside, roomsOf } from "./plan_model.js";
 
 const M_PER_S = 1.6;
 const TURN_PER_S = 1.6;
@@ -99,9 +99,7 @@ export class Walker {
 
 /** Where one can stand in a plan: its floors, and the holes of doors and passages, in metres. */
 export function floorsOf(plan) {
-  const floors = plan.rooms
-    .filter((room) => room.roomType !== 0)
-    .map((room) => room.wallPoints.map(([x, y]) => [x / 100, y / 100]));
+  const floors = roomFloors(plan);
   const holes = plan.windowsDoors
     .filter((opening) => opening.type !== "window")
     .map(({ pos, length, width, rotate }) => {
@@ -115,3 +113,6 @@ export function floorsOf(plan) {
     });
   return [...floors, ...holes];
 }
+
+/** The rooms of a plan as polygons, in metres. */
+export const roomFloors = (plan) => roomsOf(plan).map((room) => room.wallPoints.map(([x, y]) => [x / 100, y / 100]));
