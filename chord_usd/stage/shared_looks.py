@@ -155,16 +155,16 @@ class _Component:
         own = _variant_of_class(shelf.layer, self._name, choice)
         over(own, "Materials").SetInfo("active", False)
         root = self._shapes.GetPrimAtPath(f"/{self._name}")
-        for prim in _below(root):
-            for name, paths in (("material:binding", looks), ("material:binding:physics", feels)):
-                bound = prim.relationships.get(name)
-                target = bound and paths.get(
-                    next(iter(bound.targetPathList.GetAppliedItems()), None)
-                )
-                if target:
-                    names = str(prim.path.MakeRelativePath(root.path)).split("/")
-                    spec = Sdf.RelationshipSpec(over(own, *names), name, custom=False)
-                    spec.targetPathList.explicitItems = [target]
+        bound_to = {"material:binding": looks, "material:binding:physics": feels}
+        for part in root.nameChildren:
+            for prim in _below(part) if part.name != "Materials" else ():
+                for bound in prim.relationships:
+                    slot_path = next(iter(bound.targetPathList.GetAppliedItems()), None)
+                    target = bound_to.get(bound.name, {}).get(slot_path)
+                    if target:
+                        names = str(prim.path.MakeRelativePath(root.path)).split("/")
+                        spec = Sdf.RelationshipSpec(over(own, *names), bound.name, custom=False)
+                        spec.targetPathList.explicitItems = [target]
         return True
 
     def _said_of(self, slot: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:
@@ -180,7 +180,7 @@ class _Component:
         """Of an attribute of a material, or of a shader in it; None where it has none."""
         for said in self._said_of(slot):
             found = said.GetAttributeAtPath(name)
-            if found and found.default is not None:
+            if found and found.HasDefaultValue():
                 return found.default
         return None
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
@@ -115,7 +116,10 @@ def _free_places(
 
 def _behind_walls(floor: Polygon, things: Sequence[Item]) -> Iterator[Stand]:
     """Places before and behind each wall from which one looks straight at the one across."""
-    standing = [footprint_polygon(one.box) for one in things if one.box.center_m[2] < _HIGH_M]
+    standing = np.array(
+        [footprint_polygon(one.box) for one in things if one.box.center_m[2] < _HIGH_M],
+        dtype=object,
+    )
     clear = floor.difference(unary_union([piece.buffer(_UNCUT_M) for piece in standing]))
     ring = np.asarray(shapely.geometry.polygon.orient(floor).exterior.simplify(0.02).coords)
     for start, end in pairwise(ring):
@@ -150,7 +154,7 @@ def _cut_m(
     along: FloatArray,
     inwards: FloatArray,
     half_m: float,
-    standing: Sequence[Polygon],
+    standing: npt.NDArray[np.object_],
 ) -> float | None:
     """How much is cut away with a wall: what stands there whole; None where that is too much."""
     ends = (foot - half_m * along, foot + half_m * along)
@@ -158,10 +162,10 @@ def _cut_m(
     for _ in range(3):
         near, far = cut_m * inwards, (cut_m + _BEFORE_CUT_M) * inwards
         strip = Polygon([ends[0] + near, ends[1] + near, ends[1] + far, ends[0] + far])
-        met = [piece for piece in standing if strip.intersects(piece)]
-        if not met:
+        met = standing[shapely.intersects(strip, standing)]
+        if not len(met):
             return cut_m
-        corners = np.concatenate([shapely.get_coordinates(piece) for piece in met])
+        corners = shapely.get_coordinates(met)
         cut_m = float(((corners - foot) @ inwards).max()) + _BEYOND_PIECE_M
         if cut_m > _DEEPEST_CUT_M:
             return None

@@ -63,7 +63,7 @@ class Surroundings:
         step = np.where(np.abs(step) < 1e-9, 1e-9, step)
         one, other = (-self._halves_m[:, :2] - start) / step, (self._halves_m[:, :2] - start) / step
         low, high = np.minimum(one, other), np.maximum(one, other)
-        return np.maximum(*np.moveaxis(low, 2, 0)), np.minimum(*np.moveaxis(high, 2, 0))
+        return np.maximum(low[..., 0], low[..., 1]), np.minimum(high[..., 0], high[..., 1])
 
     def _between(self, eye_m: float, rise_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(N, B) shares of rises, (N,), from where to where one is as high as each box."""
