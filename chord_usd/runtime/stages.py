@@ -278,7 +278,10 @@ def _try_all(paths: tuple[str, ...]) -> list[StageFiles]:
 
 def _try(path: Path) -> StageFiles:
     """Open a stage with everything in it, once its files are known to be files."""
-    files = walk(path)
+    silence()
+    found = _Walk(path)  # while it is here, its layers need not be read again
+    found.follow()
+    files = found.files
     stage = open_known(path)
     count_prims(stage, path)
     for prim in _prims_once(stage):
@@ -317,7 +320,7 @@ def walk(path: Path) -> StageFiles:
     silence()
     found = _Walk(path)
     found.follow()
-    return StageFiles(tuple(found.layers), tuple(found.others), tuple(found.missing))
+    return found.files
 
 
 @dataclass
@@ -335,6 +338,11 @@ class _Walk:
     """Sublayers of each layer."""
     _held: list[Any] = field(default_factory=list)
     """Layers are closed, and would be read again, when nobody holds them."""
+
+    @property
+    def files(self) -> StageFiles:
+        """What was found."""
+        return StageFiles(tuple(self.layers), tuple(self.others), tuple(self.missing))
 
     def follow(self) -> None:
         _require_file(self.path)

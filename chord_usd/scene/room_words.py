@@ -46,6 +46,8 @@ class Word:
 
 def plain(text: str) -> str:
     """Without accents: "Küche" -> "kuche". text: in lower case."""
+    if text.isascii():
+        return text
     parts = unicodedata.normalize("NFD", text.translate(_FLATTENED))
     kept = (c for c in parts if not any(low <= c <= high for low, high in _ACCENTS))
     return unicodedata.normalize("NFC", "".join(kept))
