@@ -99,7 +99,7 @@ def test_what_takes_too_long_is_ended(limits: Limits) -> None:
     began = time.monotonic()
     with pytest.raises(ChordError, match="took longer than 1 s"):
         confined(pow, *ENDLESS, where=WHERE, limits=limits)
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < 25.0, "not by the clock of the other limit"
 
 
 def test_the_limit_counts_from_what_the_process_starts_with() -> None:
