@@ -60,6 +60,9 @@ def read_sentence(source: Path, sentence: str, edits: Path | None = None) -> Rea
 
     Raises ChordError, also where a part of the sentence means nothing there.
     """
+    from chord_usd.runtime.stages import look_through
+
+    look_through([source], meanwhile=_load_what_edits)
     from chord_usd.lists.sentences import understand
     from chord_usd.stage.refurnish import read_edited_house, read_house
 
@@ -72,6 +75,14 @@ def read_sentence(source: Path, sentence: str, edits: Path | None = None) -> Rea
     graph = replace(house.graph, rooms=tuple(named.values()))
     house = replace(house, graph=graph)
     return Reading(source, house, understand(sentence, graph, named), written)
+
+
+def _load_what_edits() -> None:
+    """Imports that take as long as a stage is tried."""
+    import chord_usd.arrange.asked_edits
+    import chord_usd.lists.sentences
+    import chord_usd.stage.check
+    import chord_usd.stage.edit_rooms  # noqa: F401
 
 
 def edit(

@@ -20,6 +20,7 @@ import subprocess
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar, TypeVarTuple
 
@@ -34,6 +35,9 @@ _CHILD = (
 )
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 """Threads that wait for work count as memory, and parsers give them none."""
+
+_PIPE_BYTES = 2**15
+"""What a pipe takes in at once on all systems."""
 
 _SIMPLER = "a smaller or simpler file"
 _PR_SET_PDEATHSIG = 1
@@ -64,11 +68,13 @@ def confined(
     where: str,
     limits: Limits = DEFAULT,
     error: type[ChordError] = ChordError,
+    meanwhile: Callable[[], object] | None = None,
 ) -> Result:
     """function(*arguments), computed in a process of its own.
 
     function: importable by its name; it, its arguments and its result are pickled. What it prints
-    is dropped. where: the file, for messages.
+    is dropped. where: the file, for messages. meanwhile: called here while that process works, to
+    import what comes next, say.
 
     Raises the ChordError, or the OSError about a file, that the function raised; and `error` for
     any other exception, for a limit passed and for a crash. Whatever signal handlers raise here
@@ -77,7 +83,7 @@ def confined(
     parts = (list(sys.path), (os.getpid(), limits), (function, arguments))
     payload = b"".join(pickle.dumps(part) for part in parts)
     try:
-        code, answer = _run(payload, limits.wall_s)
+        code, answer = _run(payload, limits.wall_s, meanwhile)
     except subprocess.TimeoutExpired:
         _refuse_slow(limits.wall_s, where, error)
     if code != 0 or not answer:
@@ -94,7 +100,9 @@ def confined(
     raise error(f"cannot be read ({value})", where=where) from cause
 
 
-def _run(payload: bytes, wall_s: float) -> tuple[int, bytes]:
+def _run(
+    payload: bytes, wall_s: float, meanwhile: Callable[[], object] | None
+) -> tuple[int, bytes]:
     """Exit code and answer of a child. Raises TimeoutExpired; leaves no child behind."""
     # -I: neither the current folder nor PYTHONPATH comes before what the caller imports from.
     with subprocess.Popen(
@@ -105,6 +113,12 @@ def _run(payload: bytes, wall_s: float) -> tuple[int, bytes]:
         env={**os.environ, **_ONE_THREAD},
     ) as process:
         try:
+            if meanwhile and process.stdin and len(payload) <= _PIPE_BYTES:
+                with suppress(BrokenPipeError):  # told by the exit code
+                    process.stdin.write(payload)
+                    process.stdin.flush()
+                payload = b""
+                meanwhile()
             answer, _ = process.communicate(payload, timeout=wall_s)
         except BaseException:
             process.kill()

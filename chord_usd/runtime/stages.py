@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 import os
 import stat
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -156,13 +156,14 @@ def own_files(path: Path, where: Path | None = None) -> StageFiles:
     return files
 
 
-def look_through(paths: Sequence[Path]) -> tuple[StageFiles, ...]:
+def look_through(
+    paths: Sequence[Path], meanwhile: Callable[[], object] | None = None
+) -> tuple[StageFiles, ...]:
     """Try stages in a process of their own; returns their files.
 
-    Raises StageError for one that is missing, damaged, endless, or far too large, and for one that
-    refers to files outside the folders that are open (locations.open_folders).
+    meanwhile: called while that process works, if it has to. Raises StageError for one that is
+    missing, damaged, endless, or far too large, and for one that refers to files outside the folders that are open (locations.open_folders).
     """
-    silence()
     for path in paths:
         _require_file(path)
     unknown = [path for path in paths if not _is_remembered(path)]
@@ -170,9 +171,12 @@ def look_through(paths: Sequence[Path]) -> tuple[StageFiles, ...]:
         others = f" and {len(unknown) - 1} others" if len(unknown) > 1 else ""
         where = f"{unknown[0]}{others}"
         names = tuple(os.path.abspath(path) for path in unknown)  # noqa: PTH100
-        found = confined(_try_all, names, where=where, limits=TRIAL, error=StageError)
+        found = confined(
+            _try_all, names, where=where, limits=TRIAL, error=StageError, meanwhile=meanwhile
+        )
         for path, files in zip(unknown, found, strict=True):
             _remembered[path.absolute()] = files, _states(files)
+    silence()
     looked = tuple(_remembered[path.absolute()][0] for path in paths)
     if folders := open_folders():
         for path, files in zip(paths, looked, strict=True):
