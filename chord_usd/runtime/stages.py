@@ -162,7 +162,8 @@ def look_through(
     """Try stages in a process of their own; returns their files.
 
     meanwhile: called while that process works, if it has to. Raises StageError for one that is
-    missing, damaged, endless, or far too large, and for one that refers to files outside the folders that are open (locations.open_folders).
+    missing, damaged, endless, or far too large, and for one that refers to files outside the
+    folders that are open (locations.open_folders).
     """
     for path in paths:
         _require_file(path)
