@@ -30,6 +30,7 @@ from chord_usd.page.house_jobs import (
 from chord_usd.page.job_queue import OVER, Job, JobQueue
 from chord_usd.page.kept_houses import ChangedError, KeptHouses, NotThereError, Record
 from chord_usd.page.piece_edits import read_edits, write_edits
+from chord_usd.page.swapped_models import OFFERED, is_name
 from chord_usd.page.uploads import (
     PLAN_SUFFIXES,
     UploadError,
@@ -82,6 +83,7 @@ def make_application(
             "/api/houses/{house}/versions/{number:int}/edits", told(page.put_edits), methods=["PUT"]
         ),
         Route("/api/houses/{house}/versions/{number:int}/{kind}/{name:path}", told(page.file)),
+        Route("/api/models/{name}.png", told(page.model_picture)),
         Route("/api/jobs/{job}", told(page.cancel), methods=["DELETE"]),
         Route("/api/jobs/{job}/again", told(page.again), methods=["POST"]),
     ]
@@ -270,11 +272,20 @@ class _Page:
             return _file(folder / VIEW)
         if kind == "pictures" and _PICTURE.fullmatch(name):
             return _file(folder / "pictures" / name)
+        if kind == "models" and is_name(name) and name.endswith(".glb"):
+            return _file(folder / "models" / name)
         if kind == "packs" and name in PACKS.values():
             called = self._houses.get(house)["name"]
             stem, _, suffix = name.partition(".")
             return _file(folder / "packs" / name, f"{called}{stem.removeprefix('house')}.{suffix}")
         raise NotThereError("there is no such file")
+
+    async def model_picture(self, request: Request) -> Response:
+        """Of a model that was offered for a piece."""
+        name = request.path_params["name"]
+        if not is_name(name):
+            raise NotThereError("there is no such file")
+        return _file(self._houses.root / OFFERED / f"{name}.png")
 
     # jobs ---------------------------------------------------------------------------------------
 

@@ -17,6 +17,13 @@ from chord_usd.errors import ChordError
 from chord_usd.page.job_queue import Job
 from chord_usd.page.kept_houses import EDITS, STAGE, KeptHouses, Record
 from chord_usd.page.piece_edits import carry_edits
+from chord_usd.page.swapped_models import (
+    OFFERED,
+    bring_model,
+    is_name,
+    note_offered,
+    piece_layer,
+)
 from chord_usd.page.uploads import refuse_full_disk
 from chord_usd.runtime.archives import pack_folder
 from chord_usd.runtime.verb_calls import Answer, Told
@@ -36,6 +43,7 @@ QUALITIES = {"draft": ("draft", "640x360"), "good": ("good", "1280x720")}
 """What render is asked for, by the name on the page."""
 
 LONGEST_TEXT = 2000
+MOST_MODELS = 9
 
 CAN_SAY = find_spec("chord_usd.commands.edit") is not None
 """Whether houses can be changed by sentences here."""
@@ -55,6 +63,8 @@ class HouseJobs:
             "furnish": self._furnish,
             "refurnish": self._refurnish,
             **({"say": self._say} if CAN_SAY else {}),
+            "models": self._models,
+            "swap": self._swap,
             "check": self._check,
             "render": self._render,
             "pack": self._pack,
@@ -157,6 +167,36 @@ class HouseJobs:
     def _view_word(self, folder: Path) -> str:
         return f"--view={self._houses.word(folder / VIEW)}"
 
+    async def _models(self, job: Job) -> dict[str, Any]:
+        """Models that could take the place of a piece, with pictures."""
+        given, folder = job.given, self._houses.root / OFFERED
+        words = ["assets", "nearest", _no_option(str(given["category"]))]
+        words += [*_option("size", given["size"]), f"--count={MOST_MODELS}"]
+        answer = await self._call(job, [*words, f"--pictures={self._houses.word(folder)}"])
+        return {"models": note_offered(folder, answer.data["assets"])}
+
+    async def _swap(self, job: Job) -> dict[str, Any]:
+        """A model that was offered comes beside the house, in a colour, to be seen in the view."""
+        given = job.given
+        folder = self._houses.version_folder(job.house, given.get("version"))
+        usd = bring_model(self._houses.root / OFFERED, given["model"], folder / "house")
+        colour = given.get("colour") or ""
+        if colour and not is_name(colour):
+            raise ChordError("that is no colour")
+        name = f"{Path(usd).parent.name}-{colour}"
+        target = folder / "models" / f"{name}.glb"
+        if not target.is_file():
+            # Beside the house: a stage's files lie in its own folder.
+            stage = folder / "house" / f"piece-{job.id}.usda"
+            target.parent.mkdir(exist_ok=True)
+            try:
+                stage.write_text(piece_layer(usd, colour))
+                words = ["export", self._houses.word(stage), "--for=gltf"]
+                await self._call(job, [*words, f"--output={self._houses.word(target)}"])
+            finally:
+                stage.unlink(missing_ok=True)
+        return {"usd": usd, "view": target.name, "model": given["model"], "colour": colour}
+
     async def _check(self, job: Job) -> dict[str, Any]:
         stage = self._houses.stage(job.house, job.given.get("version"))
         answer = await self._call(job, ["check", self._houses.word(stage)])
@@ -249,6 +289,7 @@ def given_of(kind: str, given: object) -> dict[str, Any]:
         if any(isinstance(text, str) and len(text) > LONGEST_TEXT for text in texts):
             raise ChordError(f"{name} is too long", expected=f"at most {LONGEST_TEXT} characters")
     needed = {"refurnish": ("version", "room"), "say": ("version", "sentence"),
+              "models": ("category", "size"), "swap": ("version", "model"),
               "render": ("version", "camera"),
               "check": ("version",), "pack": ("version", "for")}  # fmt: skip
     for name in needed.get(kind, ()):

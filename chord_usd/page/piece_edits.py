@@ -1,7 +1,7 @@
-"""What was moved, turned, deleted and locked in a house: the layer of changes beside it.
+"""What was moved, swapped, deleted and locked in a house: the layer of changes beside it.
 
 The layer is the Blender panel's: what is changed on the page is found there, and the other way
-round. What the page does not change itself (swaps, looks, lights) is kept as it stands.
+round. What the page does not change itself (looks, lights) is kept as it stands.
 """
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ from typing import Any
 
 from chord_usd.errors import ChordError
 from chord_usd.page.kept_houses import EDITS, STAGE
+from chord_usd.page.swapped_models import carry_models, checked_swap
 from chord_usd.runtime.files import write_atomic
 
 SCHEMA = 2
 MOST_EDITS = 5000
 
-_PIECE = re.compile(r"/House/Rooms/(\w+)/(?:Furniture|Dressing)/\w+(?:/Items/\w+)*")
+_PIECE = re.compile(r"/House/Rooms/(\w+)/(?:Furniture|Dressing)/\w+(?:/\w+){0,8}")
 _MARK, _END = "string chord_edits = '''", "'''"
 _HEAD = """#usda 1.0
 (
@@ -57,7 +58,8 @@ def read_edits(folder: Path) -> Edits:
 def write_edits(folder: Path, given: object) -> Edits:
     """Keep the pieces and locks that the page gives; returns all changes.
 
-    given: {"pieces": {path: {"was": matrix, "matrix": matrix or null}}, "locked": [path]}; a matrix
+    given: {"pieces": {path: {"was": matrix, "matrix": matrix or null, "swap": perhaps another
+    model}}, "locked": [path]}; a matrix
     is four rows of four that act on columns, in metres, in the frame of the piece's parent.
     Raises ChordError for anything else.
     """
@@ -68,15 +70,17 @@ def write_edits(folder: Path, given: object) -> Edits:
         raise ChordError("the changes are no pieces and locks")
     if len(pieces) + len(locked) > MOST_EDITS:
         raise ChordError(f"there are more than {MOST_EDITS} changes")
-    before = read_edits(folder)
-    swaps = {path: kept["swap"] for path, kept in before["pieces"].items() if "swap" in kept}
     edits = {
-        **before,
+        **read_edits(folder),
         "pieces": {
             room_of(path) and path: {
                 "was": _matrix(edit.get("was")),
                 "matrix": None if edit.get("matrix") is None else _matrix(edit["matrix"]),
-                **({"swap": swaps[path]} if path in swaps and edit.get("matrix") else {}),
+                **(
+                    {"swap": checked_swap(edit["swap"], folder)}
+                    if edit.get("swap") and edit.get("matrix") is not None
+                    else {}
+                ),
             }
             for path, edit in sorted(pieces.items())
             if isinstance(edit, dict)
@@ -103,6 +107,8 @@ def carry_edits(before: Path, after: Path, *, room: str = "", touched: Iterable[
 
     for kind in ("pieces", "looks"):
         edits[kind] = {path: what for path, what in edits[kind].items() if stays(path)}
+    swaps = (edit.get("swap") for edit in edits["pieces"].values())
+    carry_models(before.parent, after.parent, [swap["usd"] for swap in swaps if swap])
     _write(after, edits)
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from chord_usd.runtime.locations import ROOT_VARIABLE
 from chord_usd.runtime.verb_calls import END_S, Answer, Told, answer_of, run_verb
 
-WARM = ("plan", "generate", "regenerate", "edit", "check", "assets")
+WARM = ("plan", "generate", "regenerate", "edit", "check", "assets", "export")
 """Verbs that are run here; Blender, and what is asked for seldom, gets a process of its own."""
 
 IDLE_S = 120.0

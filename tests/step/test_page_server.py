@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import re
 import signal
 import socket
-import struct
 import subprocess
 import sys
-import time
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import anyio
 import pytest
 
 if not find_spec("nicegui"):
@@ -26,94 +22,12 @@ if not find_spec("nicegui"):
 
 from starlette.testclient import TestClient
 
-from chord_usd.cli import build_parser
-from chord_usd.commands.paths import check_paths
-from chord_usd.errors import ChordError
 from chord_usd.page import uploads
 from chord_usd.page.application import make_application
-from chord_usd.runtime.verb_calls import Answer, Told
+from tests.page_stand_in import BED, PNG, StandIn, ask, dropped, stage_of, until_over
 
 ROOT = Path(__file__).parents[2]
-PLAN = ROOT / "tests" / "fixtures" / "furnished_house.json"
-PNG = (ROOT / "examples" / "studio.png").read_bytes()
 HERE = "http://127.0.0.1:8321"
-
-
-def as_glb(stage: str) -> bytes:
-    """A GLB with one room and no meshes."""
-    nodes = [{"name": "Bedroom_0", "extras": {"path": "/House/Rooms/Bedroom_0"}}]
-    text = json.dumps({"asset": {"version": "2.0"}, "nodes": nodes, "of": stage}).encode()
-    return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
-
-
-def stage_of(glb: bytes) -> str:
-    return str(json.loads(glb[20:])["of"])
-
-
-class StandIn:
-    """Verbs that take no time: command lines are understood as the verbs would, outputs are small.
-
-    A plan's text travels into all that is made of it, so that houses can be told apart.
-    """
-
-    def __init__(self, seconds: float = 0.0) -> None:
-        self.lines: list[list[str]] = []
-        self.seconds = seconds
-
-    async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
-        before = Path.cwd()
-        os.chdir(root)
-        try:
-            options = build_parser(words).parse_args([*words, "--progress", "none"])
-            check_paths(options.parser, options)
-            self.lines.append(list(words))
-            return await self._done(options, root, told)
-        finally:
-            os.chdir(before)
-
-    async def _done(self, options: Any, root: Path, told: Told) -> Answer:
-        await told(options.verb, 1, 2)
-        if self.seconds:
-            await anyio.sleep(self.seconds)
-        data: dict[str, Any] = {}
-        if options.verb == "plan":
-            seed = getattr(options, "text", "") or root.joinpath(options.image).read_bytes().hex()
-            plan = {**json.loads(PLAN.read_text()), "seed": seed}
-            root.joinpath(options.output).write_text(json.dumps(plan))
-            if getattr(options, "drawing", None):
-                root.joinpath(options.drawing).write_bytes(PNG)
-                data["drawing"] = {"m_per_px": 0.02, "origin_m": [0, 0], "height_px": 100}
-        elif options.verb == "generate":
-            if "impossible" in (options.furniture or ""):
-                raise ChordError("finds no place")
-            seed = json.loads(root.joinpath(options.plan).read_text()).get("seed", "")
-            stage = f"#usda 1.0\n# {seed}"
-            root.joinpath(options.output).write_text(stage)
-            root.joinpath(options.view).write_bytes(as_glb(stage))
-            data = {"style": "modern", "certificate": None}
-        elif options.verb == "regenerate":
-            old = root.joinpath(options.stage).read_text()
-            stage = f"{old}\n# {options.room} {options.keep}"
-            root.joinpath(options.output).write_text(stage)
-            root.joinpath(options.view).write_bytes(as_glb(stage))
-            data = {"seed": 1, "certificate": {"holds": True}}
-        elif options.verb == "export":
-            target = root.joinpath(options.output)
-            if options.package == "mujoco":
-                target.mkdir()
-                target = target / "house.xml"
-            stage = root.joinpath(options.stage).read_text()
-            target.write_bytes(as_glb(stage) if target.suffix == ".glb" else stage.encode())
-        elif options.verb == "render":
-            root.joinpath(options.output).mkdir(parents=True)
-            root.joinpath(options.output, "Top.png").write_bytes(PNG)
-            data = {"pictures": [f"{options.output}/Top.png"]}
-        elif options.verb == "edit":
-            root.joinpath(options.output).write_text(f"#usda 1.0\n# {options.sentence}")
-            data = {"rooms": ["Bedroom_0"], "moved": [BED], "removed": []}
-        elif options.verb == "check":
-            data = {"holds": True, "collisions": []}
-        return Answer(data, True)
 
 
 @pytest.fixture
@@ -125,29 +39,6 @@ def verbs() -> StandIn:
 def page(tmp_path: Path, verbs: StandIn) -> Iterator[TestClient]:
     with TestClient(make_application(tmp_path, run=verbs), base_url=HERE) as client:
         yield client
-
-
-def until_over(page: TestClient, house: str, jobs: int = 1) -> dict[str, Any]:
-    """The house once all its jobs are over."""
-    for _ in range(500):
-        shown = page.get(f"/api/houses/{house}").json()
-        states = [job["state"] for job in shown["jobs"]]
-        if len(states) >= jobs and not {"queued", "running"} & set(states):
-            return shown
-        time.sleep(0.01)
-    raise AssertionError(states)
-
-
-def ask(page: TestClient, house: str, kind: str, **given: Any) -> dict[str, Any]:
-    answer = page.post(f"/api/houses/{house}/jobs", json={"kind": kind, "given": given})
-    assert answer.status_code == 200, answer.text
-    return answer.json()
-
-
-def dropped(page: TestClient, name: str = "plan.png", data: bytes = PNG) -> str:
-    answer = page.post("/api/houses", params={"name": name}, content=data)
-    assert answer.status_code == 201, answer.text
-    return str(answer.json()["id"])
 
 
 def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
@@ -247,7 +138,7 @@ def test_two_tabs_do_not_lose_a_correction(page: TestClient) -> None:
 
 
 PLACED = [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 0], [0, 0, 0, 1]]
-BED, DESK = "/House/Rooms/Bedroom_0/Furniture/Bed_0", "/House/Rooms/Study_0/Furniture/Desk_0"
+DESK = "/House/Rooms/Study_0/Furniture/Desk_0"
 
 
 def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: StandIn) -> None:
@@ -284,6 +175,37 @@ def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: Sta
 
     assert page.put(address, json={"base": 1, "edits": {}}).status_code == 200
     assert page.get(address).json()["edits"]["pieces"] == {}
+
+
+def test_a_piece_is_swapped_and_stays_so_in_later_versions(
+    page: TestClient, tmp_path: Path
+) -> None:
+    house = dropped(page)
+    ask(page, house, "furnish")
+    ask(page, house, "models", category="bed", size="2x1.5x1")
+    jobs = until_over(page, house, 4)["jobs"]
+    ((offered,),) = (job["answer"]["models"] for job in jobs if job["kind"] == "models")
+    assert page.get(f"/api/models/{offered['id']}.png").content == PNG
+    ask(page, house, "swap", version=1, model=offered["id"], colour="oak")
+    made = until_over(page, house, 5)["jobs"][-1]["answer"]
+    address = f"/api/houses/{house}/versions"
+    assert page.get(f"{address}/1/models/{made['view']}").status_code == 200
+
+    swap = {"usd": made["usd"], "slot_m": [2, 1.5, 1], "offset_m": [0, 0]}
+    swap |= {"size_m": offered["fits"]["size_m"], "looks": {"colour": "oak"}}
+    pieces = {BED: {"was": PLACED, "matrix": PLACED, "swap": swap}}
+    for odd in ("assets/../house.usda", "assets/Other/Other.usda"):
+        wrong = {BED: {"was": PLACED, "matrix": PLACED, "swap": {**swap, "usd": odd}}}
+        answer = page.put(f"{address}/1/edits", json={"base": 0, "edits": {"pieces": wrong}})
+        assert answer.status_code == 400
+    page.put(f"{address}/1/edits", json={"base": 0, "edits": {"pieces": pieces}})
+    ask(page, house, "refurnish", version=1, room="Study_0")
+    until_over(page, house, 6)
+    kept = page.get(f"{address}/2/edits").json()["edits"]["pieces"][BED]["swap"]
+    assert kept["usd"] == made["usd"]
+    folder = tmp_path / house / "versions" / "0002"
+    assert (folder / "house" / made["usd"]).is_file()
+    assert made["usd"] in (folder / "house" / "house.edits.usda").read_text()
 
 
 @pytest.mark.parametrize(
@@ -407,6 +329,7 @@ ODD: list[dict[str, Any]] = [
     {"kind": "furnish", "given": {"seed": {"a": 1}}},
     {"kind": "furnish", "given": {"furniture": "x" * 3000}},
     {"kind": "furnish", "given": []},
+    {"kind": "swap", "given": {"version": 1}},
     {},
 ]
 

@@ -43,8 +43,12 @@ function pieceOf(node, owner, room) {
   const group = node.parent ? nameOf(node.parent) : "";
   if (GROUPS.includes(group) && room) {
     const above = owner?.group === "Items" || owner?.group === "Furniture" ? owner.path : `/House/Rooms/${room}`;
-    const said = node.userData.path ? node.userData : node.children.find((one) => one.userData.path)?.userData ?? {};
+    // What carries things is a group, with the model itself beside them.
+    const model = node.userData.path ? node : node.children.find((one) => one.userData.path) ?? node;
+    const said = model.userData;
     return {
+      model,
+      modelPath: said.path ?? `${above}/${group}/${nameOf(node)}`,
       path: `${above}/${group}/${nameOf(node)}`,
       name: nameOf(node),
       category: said.category ?? "",
@@ -96,6 +100,29 @@ function batchOf({ material, parts }) {
   for (const geometry of geometries) geometry.dispose();
   batch.frustumCulled = false; // its parts are, one by one
   return batch;
+}
+
+/**
+ * Show a model, the node of a GLB, in the place of a piece's own; null: its own again. Returns the
+ * batches that are new.
+ */
+export function wear(pieces, piece, model) {
+  piece.ownParts ??= piece.parts;
+  for (const { batch, id } of piece.parts) batch.setVisibleAt(id, false);
+  let made = [];
+  if (model && !model.userData.parts) {
+    const groups = new Map();
+    const worn = { ...piece, parts: [] };
+    model.traverse((node) => node.isMesh && sort(groups, node, worn));
+    piece.model.add(model);
+    made = [...groups.values()].map(batchOf);
+    for (const batch of made) batch.owners = batch.owners.map(() => piece);
+    model.userData.parts = worn.parts;
+  }
+  piece.parts = model ? model.userData.parts : piece.ownParts;
+  for (const { batch, id } of piece.parts) batch.setVisibleAt(id, true);
+  place(pieces, piece);
+  return made;
 }
 
 /** Put a piece's parts where its node is now, and those of all below it. */

@@ -1,14 +1,17 @@
 // What is changed by hand in a house: kept in the view at once, on the server a moment later.
 import { ask, get } from "./api.js";
-import { place, show } from "./batches.js";
+import { boxOf, place, show } from "./batches.js";
 import { complain } from "./dom.js";
 import { THREE } from "./three.js";
 
 const SAVE_AFTER_MS = 600;
+/** Dressing that lies this near to a piece's top lies on it. */
+const ON_TOP_M = 0.1;
 
 export class Edits {
-  constructor(address, house, changed) {
-    Object.assign(this, { address, house, changed, done: [], revision: 0 });
+  /** dressed: told of each piece and the swap of it, or null, whenever something has changed. */
+  constructor(address, house, { changed, dressed }) {
+    Object.assign(this, { address, house, changed, dressed, done: [], revision: 0 });
     this.state = { pieces: {}, locked: [] };
   }
 
@@ -17,18 +20,26 @@ export class Edits {
     const { revision, edits } = await get(this.address);
     this.revision = revision;
     this.state = { pieces: edits.pieces, locked: edits.locked };
-    for (const piece of this.house.pieces.values()) piece.was = rowsOf(piece.node.matrix);
+    for (const piece of this.house.pieces.values()) {
+      piece.was = rowsOf(piece.node.matrix);
+      if (piece.model) piece.modelWas = rowsOf(piece.model.matrix);
+    }
     this.showAll();
   }
 
   showAll() {
     for (const piece of this.house.pieces.values()) {
       if (piece.group === "Architecture") continue;
-      const rows = this.state.pieces[piece.path]?.matrix ?? piece.was;
-      if (String(rows) !== String(rowsOf(piece.node.matrix))) {
-        setMatrix(piece.node, rows);
-        place(this.house.pieces, piece);
+      const nodes = [[piece.path, piece.node, piece.was]];
+      if (piece.modelPath !== piece.path) nodes.push([piece.modelPath, piece.model, piece.modelWas]);
+      for (const [path, node, was] of nodes) {
+        const rows = this.state.pieces[path]?.matrix ?? was;
+        if (String(rows) !== String(rowsOf(node.matrix))) {
+          setMatrix(node, rows);
+          place(this.house.pieces, piece);
+        }
       }
+      this.dressed(piece, this.state.pieces[piece.modelPath]?.swap ?? null);
     }
     for (const piece of this.house.pieces.values()) {
       if (piece.group !== "Architecture" && !piece.above) show(this.house.pieces, piece, true);
@@ -108,6 +119,48 @@ export class Edits {
         this.tell();
       },
     };
+  }
+
+  swapOf(piece) {
+    return this.state.pieces[piece.modelPath]?.swap ?? null;
+  }
+
+  /** What a piece may fill: what the house had there. */
+  slotOf(piece) {
+    const swap = this.swapOf(piece);
+    if (swap) return swap.slot_m;
+    const size = boxOf({ ...piece, node: piece.model }, true).getSize(new THREE.Vector3());
+    return size.multiply(new THREE.Vector3().setFromMatrixScale(piece.model.matrix)).toArray();
+  }
+
+  /** Put another model in a piece's place, as it was turned; what stands on it goes up or down. */
+  swap(piece, model, { usd, colour }) {
+    const before = this.swapOf(piece);
+    const swap = {
+      usd,
+      slot_m: this.slotOf(piece),
+      offset_m: model.fits.center_m.slice(0, 2),
+      size_m: model.fits.size_m,
+      looks: colour ? { colour } : {},
+      kg_per_m3: before?.kg_per_m3 ?? 0,
+    };
+    const [x, y] = [0, 1].map((axis) => swap.offset_m[axis] - (before?.offset_m[axis] ?? 0));
+    const [at, turn] = [new THREE.Vector3(), new THREE.Quaternion()];
+    piece.model.matrix.decompose(at, turn, new THREE.Vector3());
+    at.add(new THREE.Vector3(x, y, 0).applyQuaternion(turn));
+    const scale = new THREE.Vector3(...swap.size_m.map((side, axis) => side / model.size_m[axis]));
+    const matrix = rowsOf(new THREE.Matrix4().compose(at, turn, scale));
+    const height = before?.size_m[2] ?? swap.slot_m[2];
+    const top = piece.node.matrix.elements[14] + height;
+    const carried = [...this.house.pieces.values()].filter((one) => one.above === piece);
+    const onTop = this.restingOn(piece).filter((one) => one.node.matrix.elements[14] >= top - ON_TOP_M);
+    this.apply((state) => {
+      state.pieces[piece.modelPath] = { was: piece.modelWas, matrix, swap };
+      for (const one of [...carried, ...onTop]) {
+        const up = new THREE.Matrix4().makeTranslation(0, 0, swap.size_m[2] - height);
+        this.put(state, one, rowsOf(up.multiply(one.node.matrix)));
+      }
+    });
   }
 
   remove(piece) {

@@ -5,6 +5,7 @@ import { button, check, choice, complain, el, field } from "./dom.js";
 import { Collisions } from "./collisions.js";
 import { Edits } from "./edits.js";
 import { SceneView } from "./scene_view.js";
+import { Swaps } from "./swaps.js";
 import { THREE } from "./three.js";
 import { floorsOf, roomFloors } from "./walker.js";
 
@@ -43,7 +44,11 @@ class HouseTab {
     const address = `/api/houses/${house.id}/plan?number=${this.version.plan}`;
     [this.house, { plan: this.plan }] = await Promise.all([this.view.load(file(house.id, version, "view", "view.glb")), get(address)]);
     this.collisions = new Collisions(this.house, roomFloors(this.plan), (piece) => this.edits.isGone(piece));
-    this.edits = new Edits(`/api/houses/${house.id}/versions/${version}/edits`, this.house, () => this.refresh());
+    this.swaps = new Swaps(this);
+    this.edits = new Edits(`/api/houses/${house.id}/versions/${version}/edits`, this.house, {
+      changed: () => this.refresh(),
+      dressed: (piece, swap) => this.swaps.show(piece, swap).catch(complain),
+    });
     await this.edits.load();
     this.hideCeilings(true);
     this.wait.remove();
@@ -199,7 +204,8 @@ class HouseTab {
         move("←", [-STEP_M, 0], "Left"), move("→", [STEP_M, 0], "Right"), move("↑", [0, STEP_M], "Up, in the plan"), move("↓", [0, -STEP_M], "Down, in the plan"),
         turn("↺", TURN_DEG, "Turn left"), turn("↻", -TURN_DEG, "Turn right")),
       check("Locked: stays when the room is furnished again", this.edits.isLocked(piece), (isLocked) => this.edits.lock(piece, isLocked)),
-      el("div", { class: "row" }, button("Delete", () => this.remove(piece)), button("Look at it", () => this.view.frame(boxOf(piece)))));
+      el("div", { class: "row" }, button("Delete", () => this.remove(piece)), button("Look at it", () => this.view.frame(boxOf(piece)))),
+      ...this.swaps.form(piece).filter(Boolean));
   }
 
   remove(piece) {

@@ -58,6 +58,19 @@ const app = {
     return job;
   },
 
+  /** Ask for a job and wait for what it answers; null where another house is looked at meanwhile. */
+  async result(kind, given) {
+    const { id } = app.house;
+    const asked = await app.start(kind, given);
+    for (;;) {
+      const job = app.house?.id === id && app.house.jobs.find((one) => one.id === asked.id);
+      if (!job) return null;
+      if (job.state === "done") return job.answer;
+      if (isOver(job)) throw new Error(job.error || "That was cancelled.");
+      await new Promise((go) => setTimeout(go, LOOK_AGAIN_MS));
+    }
+  },
+
   /** Show another tab, perhaps with something chosen in it. */
   open(tab, target = null) {
     app.target = target;
@@ -85,7 +98,7 @@ function follow() {
 
 const WORDS = {
   read: "Reading the plan", furnish: "Furnishing", refurnish: "Furnishing the room", say: "Changing the house",
-  check: "Checking", render: "Rendering", pack: "Packing", view: "Preparing the view",
+  check: "Checking", render: "Rendering", pack: "Packing", models: "Looking for others", swap: "Bringing it",
 };
 
 const noted = new Set();

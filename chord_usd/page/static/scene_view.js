@@ -54,14 +54,21 @@ export class SceneView {
     if (!answer.ok) throw new Error("The house cannot be loaded.");
     const { scene } = await new GLTFLoader().parseAsync(await answer.arrayBuffer(), "");
     this.house = batched(scene);
-    for (const batch of this.house.batches) {
+    this.add(this.house.batches.splice(0));
+    this.overview();
+    return this.house;
+  }
+
+  /** Show further batches. */
+  add(batches) {
+    for (const batch of batches) {
       batch.material.clippingPlanes = [this.cut];
       // Whoever looks into a cut wall from above sees its far side, not through it.
       if (!batch.material.transparent) batch.material.side = THREE.DoubleSide;
       this.scene.add(batch);
+      this.house.batches.push(batch);
     }
-    this.overview();
-    return this.house;
+    this.draw();
   }
 
   /** All of the house, from above a corner. */
@@ -139,17 +146,20 @@ export class SceneView {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
-    this.draw();
+    // At once: a canvas of another size is empty.
+    if (this.house) this.drawNow();
   }
 
   draw() {
-    if (this.waits) return;
-    this.waits = requestAnimationFrame(() => {
-      this.waits = 0;
-      this.renderer.render(this.scene, this.camera);
-      this.canvas.dataset.calls = this.renderer.info.render.calls;
-      this.canvas.dataset.triangles = this.renderer.info.render.triangles;
-    });
+    this.waits ||= requestAnimationFrame(() => this.drawNow());
+  }
+
+  drawNow() {
+    cancelAnimationFrame(this.waits);
+    this.waits = 0;
+    this.renderer.render(this.scene, this.camera);
+    this.canvas.dataset.calls = this.renderer.info.render.calls;
+    this.canvas.dataset.triangles = this.renderer.info.render.triangles;
   }
 
   listen() {
