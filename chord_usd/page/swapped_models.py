@@ -11,7 +11,7 @@ import re
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from chord_usd.errors import ChordError
 from chord_usd.runtime.files import write_atomic
@@ -45,7 +45,7 @@ def Xform "House"
 """
 
 
-def is_name(name: object) -> bool:
+def is_name(name: object) -> TypeGuard[str]:
     """Whether this can be the id of a model, or a colour."""
     return isinstance(name, str) and _NAME.fullmatch(name) is not None
 
@@ -139,7 +139,7 @@ def checked_swap(given: Any, house: Path) -> dict[str, Any]:
     """A swap as the layer of changes has it. Raises ChordError for what is none."""
     try:
         looks = {str(key): str(value) for key, value in given.get("looks", {}).items()}
-        swap = {
+        swap: dict[str, Any] = {
             "usd": str(given["usd"]),
             "slot_m": _numbers(given["slot_m"], 3),
             "offset_m": _numbers(given["offset_m"], 2),
