@@ -62,7 +62,8 @@ class StandIn:
             await anyio.sleep(self.seconds)
         data: dict[str, Any] = {}
         if options.verb == "plan":
-            seed = getattr(options, "text", "") or root.joinpath(options.image).read_bytes().hex()
+            source = getattr(options, "image", None) or getattr(options, "outline", "")
+            seed = getattr(options, "text", "") or root.joinpath(source).read_bytes().hex()
             plan = {**json.loads(PLAN.read_text()), "seed": seed}
             root.joinpath(options.output).write_text(json.dumps(plan))
             if getattr(options, "drawing", None):

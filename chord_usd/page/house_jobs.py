@@ -60,6 +60,7 @@ class HouseJobs:
         """What asks for a further job: a house can be seen before its certificate is there."""
         self.kinds: dict[str, Callable[[Job], Awaitable[dict[str, Any]]]] = {
             "read": self._read,
+            "divide": self._divide,
             "furnish": self._furnish,
             "refurnish": self._refurnish,
             **({"say": self._say} if CAN_SAY else {}),
@@ -96,6 +97,19 @@ class HouseJobs:
             kept.update(plan=number, reading=answer.data, drawing=answer.data.get("drawing"))
 
         self._houses.update(job.house, change)
+        return answer.data
+
+    async def _divide(self, job: Job) -> dict[str, Any]:
+        """The current plan, outer walls only, gets rooms; --text and --seed as given."""
+        before = int(self._houses.get(job.house)["plan"])
+        target = self._houses.plan_path(job.house, before + 1)
+        outline = self._houses.word(self._houses.plan_path(job.house, before))
+        words = ["plan", "from-outline", outline, *_option("text", job.given.get("text"))]
+        words += _option("seed", job.given.get("seed"))
+        answer = await self._call(job, [*words, f"--output={self._houses.word(target)}"])
+        self._houses.update(
+            job.house, lambda kept: kept.update(plan=before + 1, reading=answer.data)
+        )
         return answer.data
 
     async def _furnish(self, job: Job) -> dict[str, Any]:

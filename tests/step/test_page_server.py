@@ -24,7 +24,7 @@ from starlette.testclient import TestClient
 
 from chord_usd.page import uploads
 from chord_usd.page.application import make_application
-from tests.page_stand_in import BED, PNG, StandIn, ask, dropped, stage_of, until_over
+from tests.page_stand_in import BED, PLAN, PNG, StandIn, ask, dropped, stage_of, until_over
 
 ROOT = Path(__file__).parents[2]
 HERE = "http://127.0.0.1:8321"
@@ -82,6 +82,15 @@ def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
     }  # fmt: skip
     assert page.delete(f"/api/houses/{house}").status_code == 200
     assert page.get("/api/houses").json() == {"houses": []}
+
+
+def test_an_outline_is_divided(page: TestClient) -> None:
+    house = dropped(page, "outline.json", PLAN.read_bytes())
+    ask(page, house, "divide", text="two bedrooms")
+    shown = until_over(page, house, 2)
+    assert shown["plan"] == 2
+    plan = page.get(f"/api/houses/{house}/plan").json()["plan"]
+    assert plan["seed"] == "two bedrooms"
 
 
 def test_twenty_at_once_are_not_mixed_up(page: TestClient) -> None:

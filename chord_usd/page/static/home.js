@@ -1,6 +1,7 @@
 // Where a house begins: a plan that is dropped or picked, a text, or one that is there already.
 import { ask, houses, job, post } from "./api.js";
 import { button, check, complain, el, field } from "./dom.js";
+import { Outline, openPlan } from "./outline.js";
 
 const EXAMPLE = "a two-bedroom flat with an open kitchen, about 70 m²";
 
@@ -9,7 +10,7 @@ let isAtOnce = true;
 
 export async function home(app) {
   const list = await houseList();
-  return el("div", { class: "home" }, dropArea(app), textArea(), list);
+  return el("div", { class: "home" }, dropArea(app), textArea(), outlineArea(), list);
 }
 
 function dropArea(app) {
@@ -68,6 +69,20 @@ function textArea() {
       await begin(await post("/api/houses", { text: text.value || EXAMPLE }));
     }),
   );
+}
+
+function outlineArea() {
+  return el("section", { class: "card stack" },
+    el("h2", {}, "Or draw its outer walls"),
+    el("p", { class: "quiet" }, "They are divided into rooms then."),
+    button("Draw an outline", () => {
+      const outline = new Outline(async (corners) => {
+        const file = new Blob([JSON.stringify(openPlan(corners))]);
+        const house = await ask("POST", "/api/houses?name=Outline.json", file);
+        location.hash = `#/${house.id}/plan`;
+      });
+      document.getElementById("main").replaceChildren(outline.node);
+    }));
 }
 
 async function houseList() {

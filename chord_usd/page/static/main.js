@@ -97,7 +97,7 @@ function follow() {
 }
 
 const WORDS = {
-  read: "Reading the plan", furnish: "Furnishing", refurnish: "Furnishing the room", say: "Changing the house",
+  read: "Reading the plan", divide: "Dividing it into rooms", furnish: "Furnishing", refurnish: "Furnishing the room", say: "Changing the house",
   check: "Checking", render: "Rendering", pack: "Packing", models: "Looking for others", swap: "Bringing it",
 };
 

@@ -212,7 +212,22 @@ class PlanTab {
     if (this.drawing.tool === "scale" && this.drawing.points.length === 2) return [this.scaleForm()];
     if (this.drawing.tool) return [el("p", {}, HINTS[this.drawing.tool])];
     const chosen = this.choice ? [this.choiceForm()] : [];
-    return [...chosen, this.furnishForm(), this.doubts(), this.roomList()];
+    const divide = model.roomsOf(this.plan).length === 1 ? [this.divideForm()] : [];
+    return [...chosen, ...divide, this.furnishForm(), this.doubts(), this.roomList()];
+  }
+
+  /** Outer walls without rooms: what may be drawn by hand, or in a picture. */
+  divideForm() {
+    const text = el("input", { placeholder: "two bedrooms, open kitchen", maxlength: 2000, value: this.rooms ?? "" });
+    text.addEventListener("input", () => { this.rooms = text.value; });
+    return el("section", { class: "card stack", id: "divide" },
+      el("h2", {}, "Divide it into rooms"),
+      el("p", { class: "quiet" }, "First put the windows and the front door where they are: rooms are laid out behind them."),
+      field("Which rooms", text),
+      button("Divide", async () => {
+        await this.save();
+        await this.app.start("divide", { text: text.value, seed: Number(this.wishes.seed) || 0 });
+      }, { class: "first" }));
   }
 
   scaleForm() {
