@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 import trimesh
@@ -14,6 +12,7 @@ from chord_usd.assets.dressing.wall_pictures import ART_SLOTS
 from chord_usd.assets.model import Design, Part
 from chord_usd.scene.palette import CATEGORIES, Mount, category
 from chord_usd.scene.styles import STYLES
+from tests.design_forms import forms
 from tests.whole_meshes import is_manifold, points_differ
 
 ALL = designs()
@@ -21,14 +20,6 @@ MOST_TRIANGLES = {"floor_plant": 6200, "trailing_plant": 6000}
 MOST_OF_SOFT, MOST_OF_OTHERS = 12_000, 5000
 SOFT = ("curtain", "throw", "cushion", "rug", "towel_rail", "towel_stack")
 FLAT_M = 1e-6
-
-
-def _one_of_each_form() -> list[Design]:
-    """The first of each family whose names differ in size only."""
-    forms: dict[str, Design] = {}
-    for design in ALL:
-        forms.setdefault(re.sub(r"(_\d+(x\d+)?)+$", "", design.id), design)
-    return list(forms.values())
 
 
 def most_triangles(design: Design) -> int:
@@ -56,7 +47,7 @@ def test_ids_are_unique_and_sizes_lie_in_the_range_of_the_palette() -> None:
         assert set(design.styles) <= set(STYLES), design.id
 
 
-@pytest.mark.parametrize("design", _one_of_each_form(), ids=lambda design: design.id)
+@pytest.mark.parametrize("design", [form[0] for form in forms(ALL)], ids=lambda design: design.id)
 def test_a_design_is_sound(design: Design) -> None:
     parts = design.parts()
     mount, (length, width, height) = CATEGORIES[design.category].mount, design.size_m

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import defaultdict
 from functools import cache
 from itertools import combinations
@@ -21,6 +20,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import AssetError
 from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
+from tests.design_forms import ends
 from tests.whole_meshes import is_manifold, points_differ
 
 ALL = tuple(
@@ -30,26 +30,8 @@ LEAST_TRIANGLES = 150
 MOST_TRIANGLES = 13_000
 
 
-def _smallest_and_largest() -> list[Design]:
-    """Of every style the smallest and the largest edition, and all designs that come in one."""
-    styles: dict[str, list[Design]] = defaultdict(list)
-    for design in ALL:
-        styles[re.sub(r"_\d+x\d+$", "", design.id)].append(design)
-    ends = [
-        {min(style, key=_area_m2).id: None, max(style, key=_area_m2).id: None}
-        for style in styles.values()
-    ]
-    return [BY_ID[name] for pair in ends for name in pair]
-
-
-def _area_m2(design: Design) -> tuple[float, str]:
-    return design.size_m[0] * design.size_m[1], design.id
-
-
 BY_ID = {design.id: design for design in ALL}
-every_design = pytest.mark.parametrize(
-    "design", _smallest_and_largest(), ids=lambda design: design.id
-)
+every_design = pytest.mark.parametrize("design", ends(ALL), ids=lambda design: design.id)
 
 
 @cache

@@ -28,6 +28,7 @@ from chord_usd.assets.surface_maps import (
 )
 from chord_usd.errors import AssetError
 from chord_usd.stage.packages import Packages
+from tests.design_forms import forms
 
 PX = 256
 DRAWN = {name: finish for name, finish in FINISHES.items() if has_maps(finish)}
@@ -96,7 +97,7 @@ def surfaces(design: Design, looks: Mapping[str, str]) -> set[str]:
 def test_every_design_that_is_not_plain_throughout_wears_maps(tmp_path: Path) -> None:
     """Of each family of surfaces a design is written; its textures are there, sRGB or raw."""
     seen: set[str] = set()
-    for design in designs():
+    for design, *_ in forms(designs()):
         looks = next(iter(design.colourways.values()))
         kinds = surfaces(design, looks)
         if kinds <= seen:
