@@ -7,6 +7,7 @@ from pathlib import Path
 
 from chord_usd.commands.common import (
     Outcome,
+    UsageError,
     Verbs,
     add_output,
     add_verb,
@@ -24,8 +25,13 @@ PACKAGES = {
     "dxf": "a plan for CAD",
     "ros": "a folder with an occupancy grid, rooms, doors and free poses for robots",
     "mujoco": "a folder with an MJCF model, its meshes and textures",
+    "blend": "a file of Blender with its pictures in it",
     "materialx": "a folder with the house, its materials in MaterialX, too",
 }
+
+
+BLEND = "blend"
+"""The package that Blender writes."""
 
 
 def add(verbs: Verbs) -> None:
@@ -52,8 +58,27 @@ def run(options: argparse.Namespace) -> Outcome:
 
     output: Path = options.output
     with stopwatch(options).step("export"):
-        export_stage(existing_file(options.stage), output, options.package, folder_mode(options))
+        stage = existing_file(options.stage)
+        if options.package == BLEND:
+            _export_blend(stage, output)
+        else:
+            export_stage(stage, output, options.package, folder_mode(options))
     files = output.rglob("*") if output.is_dir() else [output]
     size = sum(file.stat().st_size for file in files if file.is_file())
     data = {"package": str(output), "for": options.package, "bytes": size}
     return Outcome(f"{output}: {size / 1e6:.1f} MB", data)
+
+
+def _export_blend(stage: Path, output: Path) -> None:
+    from chord_usd.image.blender import write_blend
+    from chord_usd.runtime.files import deliver
+    from chord_usd.runtime.stages import own_files
+
+    if output.suffix != ".blend":
+        raise UsageError(
+            f"{output.suffix or 'no suffix'} is not the suffix of a Blender file",
+            where=str(output), expected=".blend", try_=f"-o {output.stem}.blend",
+        )  # fmt: skip
+    own_files(stage)
+    with deliver() as delivery:
+        write_blend(stage, delivery.place(output))

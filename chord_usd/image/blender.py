@@ -49,8 +49,25 @@ def run_blender(job: Job, on_message: Callable[[dict[str, Any]], None]) -> None:
             raise _failure(code, said.read())
 
 
+def write_blend(stage: Path, target: Path) -> None:
+    """Write a stage as a Blender file with its pictures in it. Raises RenderError."""
+    words = (".blend_file", str(stage.absolute()), str(target.absolute()))
+    with (
+        scratch_folder() as home,
+        tempfile.TemporaryFile("w+", dir=home) as said,
+        _started(home, said, *words) as process,
+    ):
+        process.communicate()
+        if process.returncode != 0 or not target.is_file():
+            said.seek(0)
+            raise _failure(process.returncode or 1, said.read())
+
+
 @contextmanager
-def _started(home: Path, said: TextIO) -> Iterator[subprocess.Popen[str]]:
+def _started(
+    home: Path, said: TextIO, module: str = "", *words: str
+) -> Iterator[subprocess.Popen[str]]:
+    """A Blender that runs a module of the worker's."""
     environment = {k: v for k, v in os.environ.items() if k not in _FOREIGN_VARIABLES}
     environment.update(
         # The package may have been found by a path that only this process knows.
@@ -61,7 +78,7 @@ def _started(home: Path, said: TextIO) -> Iterator[subprocess.Popen[str]]:
         BLENDER_USER_RESOURCES=str(home),
     )
     process = subprocess.Popen(
-        [sys.executable, "-m", "chord_usd.image.worker"],
+        [sys.executable, "-m", f"chord_usd.image.worker{module}", *words],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=said,

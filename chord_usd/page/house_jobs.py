@@ -36,6 +36,7 @@ VIEW = "view.glb"
 PACKS = {
     "usda": "house.zip", "web": "house.usdz", "ar": "house_ar.usdz", "gltf": "house.glb",
     "ifc": "house.ifc", "dxf": "house.dxf", "mujoco": "house_mujoco.zip", "ros": "house_ros.zip",
+    "blend": "house.blend",
 }  # fmt: skip
 """What can be taken away, and the name of its file: the folder of the stage, else export's."""
 

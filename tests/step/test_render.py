@@ -21,6 +21,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdUtils
 from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
 from scipy.stats import spearmanr
 
+from chord_usd import cli
 from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import OutputError, RenderError, StageError
 from chord_usd.image.exr import read_exr
@@ -347,3 +348,18 @@ def test_the_command_line_ends_with_2_and_one_line(house, tmp_path, arguments, s
     assert says in done.stderr
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_blender_file_holds_the_house_with_its_pictures(house, tmp_path, capsys):
+    target = tmp_path / "house.blend"
+    assert cli.main(["export", str(house), "--for", "blend", "-o", str(target)]) == 0
+    look = (
+        f"import bpy; bpy.ops.wm.open_mainfile(filepath={str(target)!r});"
+        "print('HELD', sum(1 for o in bpy.data.objects if o.type == 'CAMERA'),"
+        "all(image.packed_file for image in bpy.data.images))"
+    )
+    seen = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True)
+    assert "HELD 2 True" in seen.stdout
+    assert cli.main(["export", str(house), "--for", "blend", "-o", str(tmp_path / "x.glb")]) == 2
+    assert ".blend" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [target]

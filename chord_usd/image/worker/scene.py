@@ -36,13 +36,24 @@ over pale ground, so that one does not look into a void through a window."""
 
 def import_stage(job: Job) -> Any:
     """A new scene with the stage and a camera in it."""
+    scene = bring_in(job.stage, cameras=False)
+    if not job.has_dome:
+        _paint_sky(scene.world)
+    camera = bpy.data.objects.new("ShotCamera", bpy.data.cameras.new("ShotCamera"))
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    return scene
+
+
+def bring_in(stage: str, *, cameras: bool) -> Any:
+    """A new scene with the stage in it, and nothing else; returns it."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     # Without a world the importer drops a DomeLight silently.
     scene.world = bpy.data.worlds.new("World")
     bpy.ops.wm.usd_import(
-        filepath=job.stage,
-        import_cameras=False,
+        filepath=stage,
+        import_cameras=cameras,
         set_frame_range=False,
         import_textures_mode="IMPORT_PACK",  # of .usdz packages; files elsewhere are left there
         mtl_name_collision_mode="MAKE_UNIQUE",
@@ -55,11 +66,6 @@ def import_stage(job: Job) -> Any:
         if light.type == "SUN":
             light.energy /= SUN_IMPORT
     _drop_missing_textures()
-    if not job.has_dome:
-        _paint_sky(scene.world)
-    camera = bpy.data.objects.new("ShotCamera", bpy.data.cameras.new("ShotCamera"))
-    scene.collection.objects.link(camera)
-    scene.camera = camera
     return scene
 
 

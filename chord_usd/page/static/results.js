@@ -98,6 +98,7 @@ const PACKS = {
   web: "USDZ for viewers in a browser",
   ar: "USDZ for AR Quick Look",
   gltf: "GLB",
+  blend: "Blender file, pictures within",
   ifc: "IFC, for planners",
   dxf: "DXF, for CAD",
   mujoco: "MJCF, for MuJoCo",
