@@ -3,7 +3,6 @@
     Desk_A/Desk_A.usda    kind, assetInfo, class, labels, extentsHint, names of variants, payload
     Desk_A/payload.usdc   meshes, materials, what colourways make of them, colliders
     Desk_A/jointed.usdc   another payload, of a variant, where doors or drawers open
-    Desk_A/geometry.usdc  the meshes of such a piece, which both payloads share
 
 A closed payload still gives bounds and the names of colourways. Structure: ASWF asset-structure
 guidelines; but one layer, not three, since a house opens all layers of all its assets.
@@ -30,7 +29,7 @@ from chord_usd.assets.component_prims import (
     write_labels,
 )
 from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
-from chord_usd.assets.jointed import GEOMETRY_LAYER, JOINTED_LAYER, write_jointed
+from chord_usd.assets.jointed import JOINTED_LAYER, PAYLOAD_LAYER, SHAPES, write_jointed
 from chord_usd.assets.links import opens
 from chord_usd.assets.material import (
     TEXTURES,
@@ -52,7 +51,6 @@ if TYPE_CHECKING:
 
 COMPONENT_VERSION = "1"
 COLOUR_VARIANT_SET = "colour"
-PAYLOAD_LAYER = "payload.usdc"
 
 
 @dataclass(frozen=True)
@@ -92,13 +90,16 @@ def write_component(
 def _write_payload(
     design: Design, parts: Sequence[Part], worn: Mapping[str, Looks], package: Path
 ) -> None:
+    from pxr import Sdf
+
     stage = new_stage(design)
+    geometry = f"/{design.id}/Geometry"
     if opens(parts):
-        meshes = new_stage(design)
-        _add_geometry(meshes, design, parts)
-        meshes.GetRootLayer().Export(str(package / GEOMETRY_LAYER))
+        # Of no component: what opens has the same meshes elsewhere.
+        _add_geometry(stage, SHAPES, parts)
+        stage.GetPrimAtPath(SHAPES).SetSpecifier(Sdf.SpecifierClass)
     else:
-        _add_geometry(stage, design, parts)
+        _add_geometry(stage, geometry, parts)
     _add_materials(stage, design, parts, worn)
     _add_colliders(stage, design, parts)
     for looks in worn.values():
@@ -108,16 +109,17 @@ def _write_payload(
     _add_colourways(stage, design, worn)
     layer = detached(stage)
     if opens(parts):
-        layer.subLayerPaths = [f"./{GEOMETRY_LAYER}"]
+        shared = Sdf.Reference("", SHAPES)
+        layer.GetPrimAtPath(geometry).referenceList.prependedItems = [shared]
     layer.Export(str(package / PAYLOAD_LAYER))
 
 
-def _add_geometry(stage: Usd.Stage, design: Design, parts: Iterable[Part]) -> None:
+def _add_geometry(stage: Usd.Stage, scope: str, parts: Iterable[Part]) -> None:
     from pxr import UsdGeom
 
-    UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
+    UsdGeom.Scope.Define(stage, scope)
     for part in parts:
-        define_mesh(stage, f"/{design.id}/Geometry/{part.name}", part)
+        define_mesh(stage, f"{scope}/{part.name}", part)
 
 
 def _add_materials(

@@ -39,7 +39,10 @@ from chord_usd.scene.articulation import SETTLES_S
 if TYPE_CHECKING:
     from pxr import Usd
 
-JOINTED_LAYER, GEOMETRY_LAYER = "jointed.usdc", "geometry.usdc"
+PAYLOAD_LAYER, JOINTED_LAYER = "payload.usdc", "jointed.usdc"
+SHAPES = "/Shapes"
+"""A class in the payload of a piece that opens: its meshes, which are also those of its base."""
+
 JOINTS, ANCHOR = "Joints", "Anchor"
 
 _SOLID_SHARE, _MOST_KG_PER_M3 = 0.7, 700.0
@@ -49,7 +52,7 @@ _LEAST_KG, _LEAST_KG_M2 = 0.05, 1e-3
 
 
 def write_jointed(design: Design, parts: Sequence[Part], path: Path) -> None:
-    """Write the layer of a piece of which something moves; geometry.usdc lies beside it."""
+    """Write the layer of a piece of which something moves; payload.usdc lies beside it."""
     from pxr import Sdf, UsdGeom, UsdPhysics
 
     stage = new_stage(design)
@@ -71,7 +74,7 @@ def write_jointed(design: Design, parts: Sequence[Part], path: Path) -> None:
     # Said last: while it is written, the layer is nowhere that a path could start from.
     spec = layer.GetPrimAtPath(f"/{design.id}/{BASE}/Geometry")
     if links[0].reused:
-        shared = Sdf.Reference(f"./{GEOMETRY_LAYER}", f"/{design.id}/Geometry")
+        shared = Sdf.Reference(f"./{PAYLOAD_LAYER}", SHAPES)
         spec.referenceList.prependedItems = [shared]
     layer.Export(str(path))
 
