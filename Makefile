@@ -19,8 +19,8 @@ BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/*/scripts/addons_core/
 # small networks learn a batch in 34 s of CPU so, and in more than 109 s otherwise).
 PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 
-# Tests that look at the clock have the machine to themselves.
-TIMED := tests/step/test_cli_help.py $(wildcard tests/step/test_hostile_*.py)
+# Tests whose limits are so near that they need the machine for themselves.
+ALONE = $(shell grep -rl 'mark\.alone' tests)
 
 .PHONY: setup setup-dev house test lint wheel extension clean
 
@@ -59,8 +59,8 @@ test: setup-dev
 	@command -v strace >/dev/null || $(call install,strace)
 	@command -v chromium >/dev/null || ($(call install,chromium)) || echo "no chromium: the page is not driven"
 	$(PARALLEL) tests/unit
-	$(PARALLEL) --dist loadfile $(TIMED:%=--ignore %) tests/step tests/end_to_end
-	$(BIN)/python -m pytest $(TIMED)
+	$(PARALLEL) --dist loadfile --no-loadscope-reorder -m 'not alone' tests/end_to_end tests/step
+	$(BIN)/python -m pytest -m alone $(ALONE)
 
 lint: setup-dev
 	$(BIN)/ruff check .

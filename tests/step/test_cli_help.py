@@ -11,6 +11,7 @@ from tests.verbs import VERBS
 HELP_SECONDS = 0.3
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("verb", ["", *VERBS])
 def test_help_answers_at_once(run_cli, verb: str) -> None:
     """Processor seconds, the best of six tries: other work on the machine only adds to them."""

@@ -233,6 +233,7 @@ def test_angles_are_taken_modulo_a_turn(turns: int, yaw: int) -> None:
     assert abs(found) <= 360
 
 
+@pytest.mark.alone
 def test_twice_the_rooms_take_about_twice_as_long() -> None:
     """Reading and building walls: nothing goes through the whole house for each of its rooms."""
 

@@ -233,6 +233,7 @@ def test_the_largest_pictures_that_are_promised_fit_the_limit(mode: str, tmp_pat
     assert picture.rgb[0, 0, 0] == picture.rgb[-1, -1, -1] == (255 if mode == "RGBA" else 0)
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
 def test_a_reading_that_lasts_is_ended_at_once(
     number: signal.Signals, code: int, tmp_path: Path
