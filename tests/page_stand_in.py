@@ -96,7 +96,7 @@ class StandIn:
             data = {"pictures": [f"{options.output}/Top.png"]}
         elif options.verb == "edit":
             root.joinpath(options.output).write_text(f"#usda 1.0\n# {options.sentence}")
-            data = {"rooms": ["Bedroom_0"], "moved": [BED], "removed": []}
+            data = {"rooms": ["Bedroom_0"], "moved": [BED], "removed": [], "taken_over": [BED]}
         elif options.verb == "assets":
             model = root / "library" / "Bed_Other" / "Bed_Other.usda"
             model.parent.mkdir(parents=True, exist_ok=True)

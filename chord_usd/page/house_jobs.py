@@ -160,12 +160,13 @@ class HouseJobs:
         with self._version(job) as (number, folder):
             target = folder / "house" / STAGE
             words = ["edit", self._houses.word(before / STAGE), _no_option(str(given["sentence"]))]
+            if (before / EDITS).is_file():
+                words += _option("edits", self._houses.word(before / EDITS))
             answer = await self._call(job, [*words, f"--output={self._houses.word(target)}"])
             words = ["export", self._houses.word(target), "--for=gltf"]
             view = folder / VIEW
             await self._call(job, [*words, f"--output={self._houses.word(view)}"])
-            touched = [*answer.data["moved"], *answer.data["removed"]]
-            carry_edits(before, folder / "house", touched=touched)
+            carry_edits(before, folder / "house", touched=answer.data["taken_over"])
             plan = self._houses.get(job.house)["plan"]
             label, rooms = str(given["sentence"])[:80], _rooms_in(view)
             self._keep(job, number, label, plan, given["version"], rooms, {"certificate": None})

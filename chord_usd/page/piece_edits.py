@@ -94,14 +94,14 @@ def write_edits(folder: Path, given: object) -> Edits:
 def carry_edits(before: Path, after: Path, *, room: str = "", touched: Iterable[str] = ()) -> None:
     """Give a house that was made of another its changes, those that still mean something.
 
-    room: was furnished anew, and only locked pieces in it keep theirs. touched: pieces that stand
-    elsewhere now, or are gone.
+    room: was furnished anew, and only locked pieces in it keep theirs. touched: pieces that the
+    stage itself has as they were changed, or has no more.
     """
     edits = read_edits(before)
-    kept, moved = tuple(edits["locked"]), tuple(touched)
+    kept, done = tuple(edits["locked"]), frozenset(touched)
 
     def stays(path: str) -> bool:
-        if _is_of(path, moved):
+        if path in done:
             return False
         return path.split("/")[3:4] != [room] or _is_of(path, kept)
 

@@ -4,6 +4,7 @@ import { button, el, field, svg } from "./dom.js";
 /** Corners lie on a grid of so much, and in line with the last or the first where they nearly are. */
 const GRID_CM = 10;
 const SNAP_PX = 12;
+const TEXT_PX = 13;
 const WIDTH_CM = 2000;
 const HEIGHT_CM = 1400;
 const LEAST_M2 = 10;
@@ -72,15 +73,16 @@ export class Outline {
     const ends = this.isClosed ? [...open, open[0]] : open;
     const parts = [...grid()];
     if (open.length) parts.push(svg(this.isClosed ? "polygon" : "polyline", { points: open.map(String).join(" "), class: "walls" }));
-    for (let at = 0; at + 1 < ends.length; at += 1) parts.push(length(ends[at], ends[at + 1]));
+    const size = TEXT_PX / (this.board.getScreenCTM()?.a || 0.3);
+    for (let at = 0; at + 1 < ends.length; at += 1) parts.push(length(ends[at], ends[at + 1], size));
     this.corners.forEach(([x, y], at) => parts.push(svg("circle", { cx: x, cy: y, r: at ? 9 : 16, class: "corner" })));
     this.board.replaceChildren(...parts);
-    const size = areaM2(this.corners);
+    const area = areaM2(this.corners);
     this.told.textContent = this.isClosed
-      ? `${size.toFixed(1)} m² within the walls.`
+      ? `${area.toFixed(1)} m² within the walls.`
       : this.corners.length > 2 ? "Click the first corner to close the outline." : "Click where the corners of the outer walls are; a square of the grid is a metre.";
     this.back.disabled = !this.corners.length;
-    this.go.disabled = !this.isClosed || size < LEAST_M2;
+    this.go.disabled = !this.isClosed || area < LEAST_M2;
   }
 }
 
@@ -89,8 +91,8 @@ function* grid() {
   for (let y = 0; y <= HEIGHT_CM; y += 100) yield svg("line", { x1: 0, x2: WIDTH_CM, y1: y, y2: y, class: "grid" });
 }
 
-function length([x1, y1], [x2, y2]) {
-  const text = svg("text", { x: (x1 + x2) / 2, y: (y1 + y2) / 2, "font-size": 52 });
+function length([x1, y1], [x2, y2], size) {
+  const text = svg("text", { x: (x1 + x2) / 2, y: (y1 + y2) / 2, "font-size": size });
   text.textContent = `${(Math.hypot(x2 - x1, y2 - y1) / 100).toFixed(1)} m`;
   return text;
 }
