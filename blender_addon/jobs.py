@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -124,12 +125,8 @@ def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
 
 def show_room(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A room was furnished anew: there, only locked pieces keep what was changed."""
-    keep(seen.house)
-    # The artist may have gone on in other rooms.
-    before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
     room = str(data["room"])
-    write_changes(seen.house, without_room(before.changes, room))
-    session.start(context, *bring_in(seen.house, data, before, room))
+    _show_written(seen, context, lambda changes: without_room(changes, room), data, room)
 
 
 def show_understood(sentence: str, context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -140,12 +137,10 @@ def show_understood(sentence: str, context: bpy.types.Context, data: dict[str, A
 
 def show_edited(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A sentence was done: pieces in its rooms are where the house itself has them."""
-    keep(seen.house)
-    before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
-    write_changes(seen.house, without_pieces(before.changes, map(str, data["taken_over"])))
+    taken_over = [str(path) for path in data["taken_over"]]
     own = fields(context)
     own.sentence = own.understood = own.understood_of = ""
-    session.start(context, *bring_in(seen.house, before=before))
+    _show_written(seen, context, lambda changes: without_pieces(changes, taken_over))
 
 
 def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -169,6 +164,24 @@ def show_pictures(context: bpy.types.Context, data: dict[str, Any]) -> None:
 def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """Say where the bundle is."""
     fields(context).note = f"{data['tasks']} tasks in {data['template']}"
+
+
+def _show_written(
+    seen: Seen,
+    context: bpy.types.Context,
+    still_meant: Callable[[Changes], Changes],
+    made: dict[str, Any] | None = None,
+    new_room: str = "",
+) -> None:
+    """Bring in a house that the program has written, with those changes that still mean something.
+
+    made, new_room: as bring_in has them.
+    """
+    keep(seen.house)
+    # The artist may have gone on meanwhile.
+    before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
+    write_changes(seen.house, still_meant(before.changes))
+    session.start(context, *bring_in(seen.house, made, before, new_room))
 
 
 def _show_house(
