@@ -58,7 +58,11 @@ def _draw(dice: Dice, rooms: int) -> Plan:
     _turn(dice, sketch)
     inner = faces(sketch)
     _check(sketch, inner)
-    holes = make_openings(dice, sketch, find_walls(inner))
+    return plan_of(sketch, inner, make_openings(dice, sketch, find_walls(inner)))
+
+
+def plan_of(sketch: Sketch, inner: list[Face], holes: list[Hole]) -> Plan:
+    """The plan of a sketch with its inner faces and holes."""
     return Plan(rooms=_rooms(sketch, inner), openings=_openings(holes))
 
 

@@ -265,7 +265,7 @@ def _read_opening(element: Element, names: Names, floors: Floors) -> Opening:
         raise element.error(
             f"unknown type '{shown(element.text('type'))}'", expected=f"one of {', '.join(kinds)}"
         )
-    box = _read_box(element)
+    box = read_box(element)
     if element.has("roomIds"):
         room_ids = element.texts("roomIds")
         for room_id in room_ids:
@@ -284,7 +284,7 @@ def _read_item(
     level: Level = Level.HOUSE,
 ) -> Item:
     category = read_category(element, level, is_child=parent is not None)
-    box = _read_box(element)
+    box = read_box(element)
     if element.has("roomId"):
         room_id = element.text("roomId")
         if room_id:
@@ -299,11 +299,12 @@ def _read_item(
         parts = element.elements("children", "child", MOST_ITEMS)
         children = tuple(_read_item(part, names, floors, item) for part in parts)
     asset = _read_asset(element.element("asset")) if element.has("asset") else None
-    facts, extra = read_facts(element, _read_box), element.rest(_ITEM_KEYS)
+    facts, extra = read_facts(element, read_box), element.rest(_ITEM_KEYS)
     return Item(item_id, category, box, room_id, asset, children, score, facts, extra)
 
 
-def _read_box(element: Element) -> Box:
+def read_box(element: Element) -> Box:
+    """The box that an element is, in metres."""
     x, y, z = (m_from_cm(value) for value in element.numbers("pos", 3))
     length, width, height = (m_from_cm(element.size(key)) for key in ("length", "width", "height"))
     return Box((x, y, z), (length, width, height), element.angle("rotate"))
@@ -431,7 +432,7 @@ def _room_to_json(room: Room) -> dict[str, Any]:
 def _opening_to_json(opening: Opening) -> dict[str, Any]:
     return {
         "type": opening.kind,
-        **_box_to_json(opening.box),
+        **box_to_json(opening.box),
         "id": opening.id,
         "roomIds": list(opening.room_ids),
         **opening.extra,
@@ -439,7 +440,7 @@ def _opening_to_json(opening: Opening) -> dict[str, Any]:
 
 
 def _item_to_json(item: Item, *, is_child: bool = False) -> dict[str, Any]:
-    data: dict[str, Any] = {"type": item.category, **_box_to_json(item.box), "id": item.id}
+    data: dict[str, Any] = {"type": item.category, **box_to_json(item.box), "id": item.id}
     if item.room_id or not is_child:
         data["roomId"] = item.room_id
     if item.score != 1.0:
@@ -448,7 +449,7 @@ def _item_to_json(item: Item, *, is_child: bool = False) -> dict[str, Any]:
         data["asset"] = _asset_to_json(item.asset)
     if item.children:
         data["children"] = [_item_to_json(child, is_child=True) for child in item.children]
-    return {**data, **facts_to_json(item.facts, _box_to_json), **item.extra}
+    return {**data, **facts_to_json(item.facts, box_to_json), **item.extra}
 
 
 def _asset_to_json(asset: Asset) -> dict[str, Any]:
@@ -463,7 +464,8 @@ def _asset_to_json(asset: Asset) -> dict[str, Any]:
     }
 
 
-def _box_to_json(box: Box) -> dict[str, Any]:
+def box_to_json(box: Box) -> dict[str, Any]:
+    """The keys of an element that say its box, in centimetres."""
     length, width, height = (_cm(value) for value in box.size_m)
     return {
         "pos": [_cm(value) for value in box.center_m],

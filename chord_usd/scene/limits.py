@@ -39,6 +39,12 @@ STEPS = (1, 1000)
 PARTS = (1, 1000)
 """Plans of a sheet, storeys of a file."""
 
+MOST_STOREYS = 12
+"""Of one house: its walls and rooms are those of houses, not of towers."""
+
+MOST_STAIRS = 100
+"""On one storey."""
+
 REDRAWS = (0, 100)
 
 TEXTURE_PX = (256, 4096)

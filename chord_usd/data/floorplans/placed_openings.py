@@ -184,13 +184,17 @@ class NoPlaceError(Exception):
     """An opening the house cannot do without has no wall to sit in."""
 
 
-def make_openings(dice: Dice, sketch: Sketch, walls: Walls) -> list[Hole]:
-    """Entrance, doors, passages and windows. Raises NoPlaceError where a room cannot be reached."""
+def make_openings(dice: Dice, sketch: Sketch, walls: Walls, *, entrance: bool = True) -> list[Hole]:
+    """Entrance, doors, passages and windows. Raises NoPlaceError where a room cannot be reached.
+
+    entrance: upper storeys have none.
+    """
     holes = _join_rooms(dice, sketch, walls)
     boxes = sketch.boxes
     for room, stretches in walls.outer.items():
         walls.outer[room] = _with_view(stretches, boxes[:room] + boxes[room + 1 :])
-    holes.append(_entrance(dice, sketch, walls))
+    if entrance:
+        holes.append(_entrance(dice, sketch, walls))
     for index, cell in enumerate(sketch.cells):
         windows = _windows(dice, cell, index, walls.outer[index])
         if not windows and cell.kind in _LIT and not _has_balcony(sketch, holes, index):

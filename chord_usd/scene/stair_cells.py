@@ -1,0 +1,166 @@
+"""The part of a storey that a stair takes up, as a room of its own: nothing is furnished in it.
+
+Where the stair stands in a hall, the hall loses that floor; the two touch, so no wall is between
+them, and where one steps on or off is a passage, which furniture keeps clear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from shapely.geometry import Point, Polygon
+from shapely.geometry.polygon import orient
+
+from chord_usd.errors import PlanError
+from chord_usd.scene.geometry import polygons_of, room_polygon
+from chord_usd.scene.stair_forms import BuiltStair
+from chord_usd.scene.types import (
+    BASE_AND_HEIGHT_M,
+    WALL_THICKNESS_M,
+    Box,
+    FloatArray,
+    Opening,
+    Plan,
+    Room,
+    frozen_array,
+)
+
+CELL = "stairCell"
+"""Key of Room.extra: the room is what a stair takes up."""
+
+_LEAST_M2 = 0.5
+"""Of what is left of a room beside a stair; less is no floor."""
+
+_NARROW_M = 0.45
+"""Floor no wider than this beside a stair is none that one can use."""
+
+_TOUCH_M = 0.05
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Where a stair meets a storey."""
+
+    room: str
+    """Id of the room that is the stair's."""
+    joined: str
+    """Id of the room that one steps on from, or off to."""
+
+
+def is_cell(room: Room) -> bool:
+    """Whether a room is what a stair takes up."""
+    return bool(room.extra.get(CELL))
+
+
+def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell]:
+    """The plan with a stair's cell, and the room that the stair leads to on it.
+
+    above: whether the stair arrives on this storey, and does not start there. Raises PlanError for
+    a stair that leads nowhere.
+    """
+    area = built.area_m
+    by_share = sorted(
+        ((area.intersection(room_polygon(room)).area / area.area, room) for room in plan.rooms),
+        key=lambda pair: -pair[0],
+    )
+    share, main = by_share[0]
+    if share < 0.5:
+        raise PlanError(
+            f"stair {built.stair.id} leads nowhere: it meets no room"
+            if above else f"stair {built.stair.id} stands in no room",
+            expected="a room around the stair on both storeys",
+        )  # fmt: skip
+    if is_cell(main) or not _left_of(main, area):
+        cell, rooms = _marked(main), [r for r in plan.rooms if r.id != main.id]
+        rooms = [part for room in rooms for part in _cut(room, room_polygon(cell))]
+    else:
+        polygon = area if share > 0.99 else _inside(area, main)
+        cell = Room(
+            _free_id(plan, f"{built.stair.id}_cell"), "corridor", _corners(polygon), "Stairs",
+            {CELL: True, "roomKind": "corridor"},
+        )  # fmt: skip
+        rooms = [part for room in plan.rooms for part in _cut(room, polygon)]
+    place = [room.id for room in plan.rooms].index(main.id)
+    rooms.insert(min(place + 1, len(rooms)), cell)
+    plan = replace(plan, rooms=tuple(rooms))
+    return _joined(plan, cell, built, above)
+
+
+def _joined(plan: Plan, cell: Room, built: BuiltStair, above: bool) -> tuple[Plan, Cell]:
+    """The room where one steps on or off, over a passage where no wall is between."""
+    probe = Point(built.walk_m[-1 if above else 0, :2])
+    edge = built.arrival_m if above else built.departure_m
+    others = [room for room in plan.rooms if room.id != cell.id]
+    beyond = next((room for room in others if room_polygon(room).covers(probe)), None)
+    if beyond is not None and room_polygon(beyond).distance(edge.centroid) < _TOUCH_M:
+        opening = _passage(f"{built.stair.id}_{'top' if above else 'foot'}", edge, cell, beyond)
+        taken = {one.id for one in plan.openings}
+        added = () if opening.id in taken else (opening,)
+        return replace(plan, openings=(*plan.openings, *added)), Cell(cell.id, beyond.id)
+    for opening in plan.openings:
+        joins = opening.kind != "window" and len(opening.room_ids) > 1
+        near = Point(opening.box.center_m[:2]).distance(edge) < 2 * WALL_THICKNESS_M
+        if joins and near and cell.id in opening.room_ids:
+            return plan, Cell(cell.id, next(i for i in opening.room_ids if i != cell.id))
+    raise PlanError(
+        f"stair {built.stair.id} leads nowhere: its {'top' if above else 'foot'} ends at a wall",
+        expected="floor, or a door, where one steps on and off",
+    )
+
+
+def _passage(name: str, edge: Polygon, cell: Room, beyond: Room) -> Opening:
+    (x0, y0), (x1, y1) = np.asarray(edge.coords)
+    low, height = BASE_AND_HEIGHT_M["passage"]
+    length = float(np.hypot(x1 - x0, y1 - y0))
+    yaw_deg = float(np.degrees(np.arctan2(y1 - y0, x1 - x0))) % 180.0
+    middle = (float(x0 + x1) / 2, float(y0 + y1) / 2, low)
+    return Opening(
+        name, "passage", Box(middle, (length, WALL_THICKNESS_M, height), yaw_deg),
+        (cell.id, beyond.id),
+    )  # fmt: skip
+
+
+def _left_of(room: Room, area: Polygon) -> list[Polygon]:
+    """What of a room's floor can be used beside a stair, the largest part first."""
+    free = room_polygon(room).difference(area.buffer(1e-4, join_style="mitre"))
+    half = _NARROW_M / 2
+    opened = free.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
+    exact = room_polygon(room).difference(area).intersection(
+        opened.buffer(1e-3, join_style="mitre")
+    )  # fmt: skip
+    parts = [part for part in polygons_of(exact) if part.area >= _LEAST_M2]
+    return sorted(parts, key=lambda part: -part.area)
+
+
+def _cut(room: Room, area: Polygon) -> list[Room]:
+    """A room less the stair; in several where the stair divides it."""
+    if room_polygon(room).intersection(area).area < 1e-3:
+        return [room]
+    parts = _left_of(room, area)
+    return [
+        replace(room, id=room.id if index == 0 else f"{room.id}_{index}",
+                polygon_m=_corners(part))
+        for index, part in enumerate(parts)
+    ]  # fmt: skip
+
+
+def _inside(area: Polygon, room: Room) -> Polygon:
+    parts = polygons_of(area.intersection(room_polygon(room)))
+    return max(parts, key=lambda part: part.area)
+
+
+def _marked(room: Room) -> Room:
+    return replace(room, kind="corridor", extra={**room.extra, CELL: True, "roomKind": "corridor"})
+
+
+def _corners(polygon: Polygon) -> FloatArray:
+    tidy = orient(Polygon(polygon.exterior).simplify(2e-3))
+    return frozen_array(np.asarray(tidy.exterior.coords)[:-1])
+
+
+def _free_id(plan: Plan, wanted: str) -> str:
+    taken, number = {room.id for room in plan.rooms}, 0
+    while (name := wanted if not number else f"{wanted}_{number}") in taken:
+        number += 1
+    return name

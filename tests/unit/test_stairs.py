@@ -1,0 +1,57 @@
+"""Stairs keep their rules, whatever box they stand in."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from shapely.geometry import LineString, Point, Polygon
+
+from chord_usd.errors import PlanError
+from chord_usd.scene.geometry import footprint_polygon, to_world
+from chord_usd.scene.stair_forms import GOING_M, RISE_M, BuiltStair, Stair, build_stair
+from chord_usd.scene.types import Box
+
+SIZES = {"straight": (0.95, 4.0), "U": (2.0, 3.0), "L": (2.8, 3.0)}
+CASES = list(itertools.product(SIZES, ("left", "right"), (0.0, 90.0, 37.0), (2.6, 3.0, 3.2)))
+
+
+def built(form: str, turn: str, yaw_deg: float, height_m: float) -> BuiltStair:
+    width, depth = SIZES[form]
+    box = Box((3.0, -2.0, 0.0), (width, depth + (height_m - 3.0) * 1.5, 1.0), yaw_deg)
+    return build_stair(Stair("stair", form, box, turn), height_m)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_walking_a_stair_is_even_steps_of_the_rule(case: tuple[str, str, float, float]) -> None:
+    stair = built(*case)
+    assert RISE_M[0] - 1e-9 <= stair.rise_m <= RISE_M[1] + 1e-9
+    assert GOING_M[0] - 1e-6 <= stair.going_m <= GOING_M[1] + 1e-6
+    line = LineString(stair.walk_m[:, :2])
+    places = [to_world(stair.stair.box, np.asarray(t.area_m.exterior.coords)) for t in stair.treads]
+    heights = [0.0]
+    for along in np.arange(0.0, line.length, 0.02):
+        point: Point = line.interpolate(along)
+        under = [
+            tread.top_m
+            for tread, ring in zip(stair.treads, places, strict=True)
+            if Polygon(ring).buffer(1e-3).covers(point)
+        ]
+        if under:
+            heights.append(max(under))
+    heights.append(stair.height_m)
+    steps = np.diff(heights)
+    up = steps[np.abs(steps) > 1e-6]
+    assert np.allclose(up, stair.rise_m)
+    assert footprint_polygon(stair.stair.box).buffer(1e-3).covers(stair.area_m)
+    assert stair.area_m.distance(Point(stair.walk_m[-1, :2])) > 0.3
+    assert stair.departure_m.length == pytest.approx(stair.arrival_m.length)
+
+
+@pytest.mark.parametrize(
+    ("form", "size"), [("straight", (0.95, 2.5)), ("U", (1.5, 3.0)), ("L", (1.9, 1.9))]
+)
+def test_a_box_too_small_is_refused(form: str, size: tuple[float, float]) -> None:
+    with pytest.raises(PlanError, match="cannot rise"):
+        build_stair(Stair("s", form, Box((0, 0, 0), (*size, 1.0), 0.0)), 3.0)  # type: ignore[arg-type]

@@ -1,0 +1,139 @@
+"""Houses of storeys: procedural ones are sound, and what does not fit is refused with a reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from shapely.ops import unary_union
+
+from chord_usd.data.storey_houses import random_storeys
+from chord_usd.errors import PlanError
+from chord_usd.metrics.walk import walk
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, storeys_to_json
+from chord_usd.scene.pose import Pose, posed
+from chord_usd.scene.stair_cells import is_cell
+from chord_usd.scene.storeys import Building, stack
+from chord_usd.scene.types import Plan
+
+HOUSES = 24
+
+
+@cache
+def house(seed: int) -> tuple[StoreyPlan, ...]:
+    return random_storeys(np.random.default_rng(seed), 3 if seed % 4 == 0 else 2)
+
+
+@cache
+def building(seed: int) -> Building:
+    return stack(house(seed))
+
+
+@pytest.mark.parametrize("seed", range(HOUSES))
+def test_every_room_of_a_procedural_house_is_reached_over_its_stairs(seed: int) -> None:
+    made = building(seed)
+    assert len(made.climbs) == len(made.storeys) - 1
+    assert not made.warnings
+    reached = {0: True}
+    for climb in made.climbs:
+        reached[climb.storey + 1] = reached[climb.storey]
+        assert {climb.foot.joined, climb.top.joined}.isdisjoint({climb.foot.room, climb.top.room})
+    assert set(reached) == set(range(len(made.storeys)))
+    for storey in made.storeys:
+        assert walk(storey.plan.scene()).reachable_rooms == 1.0
+        assert any(map(is_cell, storey.plan.rooms))
+    ids = [one.id for storey in made.storeys for one in (*storey.plan.rooms, *storey.plan.openings)]
+    assert len(ids) == len(set(ids))
+
+
+@pytest.mark.parametrize("seed", range(HOUSES))
+def test_a_cell_takes_its_floor_from_the_hall_and_nothing_else(seed: int) -> None:
+    for given, storey in zip(house(seed), building(seed).storeys, strict=True):
+        before = unary_union([room_polygon(room) for room in given.plan.rooms])
+        after = unary_union([room_polygon(room) for room in storey.plan.rooms])
+        assert before.symmetric_difference(after).area < 0.01
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_registration_does_not_depend_on_where_a_plan_was_drawn(seed: int) -> None:
+    moved = [
+        replace(one, plan=moved_plan(one.plan, (3.7 * index, -11.0 * index)))
+        for index, one in enumerate(house(seed))
+    ]
+    for one, other in zip(stack(moved).storeys, building(seed).storeys, strict=True):
+        for room, same in zip(one.plan.rooms, other.plan.rooms, strict=True):
+            assert room_polygon(room).symmetric_difference(room_polygon(same)).area < 0.01
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_without_stairs_storeys_are_laid_on_each_other_by_their_outer_walls(seed: int) -> None:
+    bare = [replace(one, plan=replace(one.plan, extra={})) for one in house(seed)]
+    bare[1] = replace(bare[1], plan=posed(bare[1].plan, Pose(offset_m=(2.0, 5.0))))
+    made = stack(bare)
+    found = made.storeys[1].registration
+    assert found
+    assert found.by == "outer walls"
+    assert np.allclose(found.shift_m, (-2.0, -5.0), atol=0.05)
+    assert found.residual_m < 0.02
+    assert "no stair joins" in made.warnings[0]
+
+
+def test_json_gives_the_same_storeys_back() -> None:
+    data = storeys_to_json(house(0))
+    assert storeys_to_json(storeys_from_json(data)) == data
+
+
+def moved_plan(plan: Plan, by_m: tuple[float, float], scale: float = 1.0, yaw: float = 0.0) -> Plan:
+    pose = Pose(scale=scale, yaw_deg=yaw, offset_m=by_m)
+    stairs = [
+        {**one, "pos": [*(pose.points(np.array([one["pos"][:2]]) / 100)[0] * 100), 0.0],
+         "length": one["length"] * scale, "width": one["width"] * scale,
+         "rotate": pose.yaw(one["rotate"])}
+        for one in plan.extra.get(STAIRS, [])
+    ]  # fmt: skip
+    return replace(posed(plan, pose), extra={STAIRS: stairs})
+
+
+def with_stairs(plan: Plan, change: Callable[[dict[str, object]], dict[str, object]]) -> Plan:
+    return replace(plan, extra={STAIRS: [change(dict(one)) for one in plan.extra[STAIRS]]})
+
+
+def spoilt(kind: str) -> list[StoreyPlan]:
+    ground, first = house(1)[0], house(1)[1]
+    bare = [replace(one, plan=replace(one.plan, extra={})) for one in (ground, first)]
+    away = [0.0, 0.0, 0.0]
+    changed: dict[str, Callable[[], list[StoreyPlan]]] = {
+        "scale": lambda: [ground, StoreyPlan(moved_plan(first.plan, (0, 0), 1.3))],
+        "turned": lambda: [ground, StoreyPlan(moved_plan(first.plan, (0, 0), 1.0, 90.0))],
+        "scale without stairs": lambda: [
+            bare[0], StoreyPlan(posed(bare[1].plan, Pose(scale=0.7)))
+        ],
+        "three copies": lambda: [ground, ground, ground],
+        "too small": lambda: [
+            replace(one, plan=with_stairs(one.plan, lambda s: {**s, "width": 200.0}))
+            for one in (ground, first)
+        ],
+        "nowhere": lambda: [
+            replace(ground, plan=with_stairs(ground.plan, lambda s: {**s, "pos": away})),
+            replace(bare[1], shift_m=(0.0, 0.0)),
+        ],
+        "13 storeys": lambda: [ground, *[first] * 12],
+    }  # fmt: skip
+    return changed[kind]()
+
+
+REASONS = {
+    "scale": "1.30 times the scale", "turned": "is turned by",
+    "scale without stairs": "drawn 1.4", "three copies": "once more",
+    "too small": "cannot rise", "nowhere": "stands in no room", "13 storeys": "13 storeys",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", REASONS)
+def test_what_does_not_fit_is_refused_with_the_reason(kind: str) -> None:
+    with pytest.raises(PlanError, match=REASONS[kind]):
+        stack(spoilt(kind))
