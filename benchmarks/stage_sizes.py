@@ -2,7 +2,7 @@
 
     python benchmarks/stage_sizes.py [--rooms N] [--seed N] [--folder DIR]
 
-The house is a procedural one with tabletop items, alone in its folder.
+The house is a procedural one with tabletop items and dressing, alone in its folder.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from results import write_section
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.graph.match import match_assets
-from chord_usd.pipeline import Settings, lay_tables, load_models, write_stage
+from chord_usd.pipeline import Settings, dress_rooms, lay_tables, load_models, write_stage
 from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.export import export_stage
 
@@ -58,20 +58,23 @@ def main() -> None:
 
 
 def house_of(rooms: int, seed: int) -> SceneGraph:
-    """A furnished house with tabletop items."""
+    """A furnished house with tabletop items, dressed."""
     rng = np.random.default_rng(seed)
     settings = Settings(seed=seed)
     models = load_models(settings)
     assert models.table is not None
     graph = furnish(random_plan(rng, rooms), rng)
     graph = match_assets(graph, models.reader.database)
-    return lay_tables(graph, models.table, models.reader.database, settings).graph
+    graph = lay_tables(graph, models.table, models.reader.database, settings).graph
+    return dress_rooms(graph, models.reader.database, settings)
 
 
 def measure(graph: SceneGraph, folder: Path, seed: int) -> Iterator[tuple[str, str]]:
     """Rows of the table."""
     children = sum(len(item.children) for item in graph.items)
-    yield "house", f"{len(graph.rooms)} rooms, {len(graph.items)} pieces, {children} on them"
+    dressing = len(graph.dressing)
+    pieces = f"{len(graph.items)} pieces, {children} on them, {dressing} of dressing"
+    yield "house", f"{len(graph.rooms)} rooms, {pieces}"
     house = folder / "house.usda"
     seconds = _timed(lambda: write_stage(graph, house, Settings(seed=seed)))
     own = ("assets", "materials", "house_architecture")

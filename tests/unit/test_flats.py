@@ -58,6 +58,20 @@ def test_walls_are_one_thickness_everywhere(plan):
     assert wall_area(plan.rooms).area > 8.0
 
 
+@pytest.mark.parametrize("off_m", [-0.125, -0.05, 0.05, 0.125])
+def test_openings_lie_in_walls_also_where_they_are_drawn_beside_them(off_m):
+    window, door = line(1, 6.5, 3, 6.5, "door"), line(7.6, 2, 8.4, 2, "door")
+    moved = [
+        line(1, 6.5 + off_m, 3, 6.5 + off_m, "door"),
+        line(7.6, 2 + off_m, 8.4, 2 + off_m, "door"),
+    ]
+    rest = [one for one in flat_lines() if one not in (window, door)]
+    plan = flat_from_lines("x", rest + moved)
+    walls = wall_area(plan.rooms).buffer(1e-6)
+    assert len(plan.openings) == 7
+    assert all(walls.covers(footprint_polygon(opening.box)) for opening in plan.openings)
+
+
 def test_windows_and_doors_are_told_apart(plan):
     kind_of = {room.id: room.kind for room in plan.rooms}
     found = sorted(

@@ -74,6 +74,8 @@ class _Side:
     high: float
     offset: float
     """Of the face from the drawn line, positive to its left."""
+    is_left: bool
+    """Whether the room, not only its face, lies to the left: lines are drawn inside rooms, too."""
 
     def overlap(self, length: float) -> float:
         """How much of the opening, which spans 0 to length, lies on this edge."""
@@ -193,8 +195,8 @@ def _hole(rooms: Sequence[TracedRoom], door: LineString) -> _Hole | None:
     if length < _LEAST_WIDTH_M:
         return None
     sides = [side for i, room in enumerate(rooms) for side in _sides(i, room, start, end)]
-    lefts = [side for side in sides if side.offset > 0.0]
-    rights = [side for side in sides if side.offset < 0.0]
+    lefts = [side for side in sides if side.is_left]
+    rights = [side for side in sides if not side.is_left]
     left = max(lefts, key=lambda s: s.overlap(length), default=None)
     right = max(rights, key=lambda s: s.overlap(length), default=None)
     found = [side for side in (left, right) if side is not None]
@@ -211,7 +213,7 @@ def _hole(rooms: Sequence[TracedRoom], door: LineString) -> _Hole | None:
     middle = min(max(length / 2, low + width / 2), high - width / 2)
     direction = (end - start) / length
     normal = np.array([-direction[1], direction[0]])
-    offset = found[0].offset - math.copysign(WALL_THICKNESS_M / 2, found[0].offset)
+    offset = found[0].offset + WALL_THICKNESS_M / 2 * (-1.0 if found[0].is_left else 1.0)
     center = start + middle * direction + offset * normal
     return _Hole(tuple(sorted(s.room for s in found)), center, direction, width)
 
@@ -236,7 +238,7 @@ def _sides(index: int, room: TracedRoom, start: FloatArray, end: FloatArray) -> 
     length = float(np.linalg.norm(end - start))
     direction = (end - start) / length
     normal = np.array([-direction[1], direction[0]])
-    corners = np.array(room.face.exterior.coords)
+    corners = np.array(orient(room.face).exterior.coords)
     along, across = (corners - start) @ direction, (corners - start) @ normal
     sides = []
     for i in range(len(corners) - 1):
@@ -248,7 +250,7 @@ def _sides(index: int, room: TracedRoom, start: FloatArray, end: FloatArray) -> 
             continue
         offset = float(across[i] + across[i + 1]) / 2
         if abs(abs(offset) - WALL_THICKNESS_M / 2) <= _REACH_M:
-            sides.append(_Side(index, low, high, offset))
+            sides.append(_Side(index, low, high, offset, bool(along[i] < along[i + 1])))
     return sides
 
 

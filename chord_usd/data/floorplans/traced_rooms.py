@@ -36,6 +36,9 @@ _NICHE_M2 = 0.8
 _NICHE_SHARE = 0.55
 """Nor does a basin take as much of one; a washing machine, drawn alike, fills its niche."""
 
+_SLIVER_M = 0.1
+"""What a cut leaves of a room is nowhere thinner."""
+
 
 @dataclass(eq=False)
 class TracedRoom:
@@ -218,13 +221,21 @@ def _split_off_kitchen(room: TracedRoom) -> tuple[Polygon, Polygon] | None:
             # A kitchen of about 7 m2 is the most usual; a metre of cut weighs like 4 m2.
             cost = length + abs(kitchen.area - 7.0) / 4.0
             better = holds and apart and usual and cost < least
-            if better and not _is_thin(kitchen, 1.5) and not _is_thin(rest, 1.8):
+            thin = _is_thin(kitchen, 1.5) or _is_thin(rest, 1.8)
+            if better and not thin and not any(map(_has_sliver, (kitchen, rest))):
                 best, least = (kitchen, rest), cost
     return best
 
 
 def _is_thin(face: Polygon, width_m: float) -> bool:
     return bool(face.buffer(-width_m / 2, join_style="mitre").is_empty)
+
+
+def _has_sliver(face: Polygon) -> bool:
+    """Whether a part of it is too thin to be a floor, and would make the wall behind it thicker."""
+    half = _SLIVER_M / 2
+    whole = face.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
+    return bool(face.difference(whole).area > _SLIVER_M**2)
 
 
 def _cuts(face: Polygon, cooking: Sequence[Mark]) -> list[LineString]:
