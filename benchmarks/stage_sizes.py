@@ -137,14 +137,18 @@ def _blender_rows(house: Path) -> Iterator[tuple[str, str]]:
     )
 
 
-def mesh_bounds(house: Path) -> tuple[np.ndarray, int]:
-    """(2, 3) bounds of all meshes as UsdGeom has them, without hints, and their number."""
+def mesh_bounds(house: Path, *, rendered: bool = True) -> tuple[np.ndarray, int]:
+    """(2, 3) bounds of all meshes as UsdGeom has them, without hints, and their number.
+
+    rendered: also what is there for renderers only, the ground, which packages leave out.
+    """
+    unseen = {"guide"} if rendered else {"guide", "render"}
     stage = Usd.Stage.Open(str(house))
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default", "render"])
     boxes = [
         cache.ComputeWorldBound(prim).ComputeAlignedRange()
         for prim in Usd.PrimRange(stage.GetPseudoRoot(), _PROXIES)
-        if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() != "guide"
+        if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() not in unseen
     ]
     low = np.min([box.GetMin() for box in boxes], axis=0)
     return np.array([low, np.max([box.GetMax() for box in boxes], axis=0)]), len(boxes)
@@ -163,17 +167,18 @@ def _package_rows(graph: SceneGraph, house: Path, seed: int) -> Iterator[tuple[s
 
 def _loaded(target: Path, house: Path) -> str:
     """What a reader finds in a package."""
-    bounds, count = mesh_bounds(house)
+    bounds, count = mesh_bounds(house, rendered=False)
+    what = "meshes"
     if target.suffix == ".glb":
         scene = trimesh.load(target)
         low, high = scene.bounds
-        found = len(scene.graph.nodes_geometry)
+        what, found = "primitives for meshes", len(scene.graph.nodes_geometry)
         # glTF has y up: x, z, -y
         theirs = np.array([[low[0], -high[2], low[1]], [high[0], -low[2], high[1]]])
     else:
         theirs, found = mesh_bounds(target)
     off_mm = 1000.0 * np.abs(theirs - bounds).max()
-    return f"{found} meshes of {count}, bounds off by {off_mm:.2f} mm"
+    return f"{found} {what} of {count}, bounds off by {off_mm:.2f} mm"
 
 
 def _timed(work: Callable[[], object]) -> float:
