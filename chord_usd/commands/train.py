@@ -90,6 +90,7 @@ def add(verbs: Verbs) -> None:
     _add_start(lists)
     reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
     _add_training_options(reader, minutes=60.0, batch=None)
+    _add_flats(reader)
     _add_loop_options(reader)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     _add_training_options(detector, minutes=15.0, batch=16)
@@ -353,23 +354,28 @@ def _things(batch: int) -> Task:
 
 def run_reader(options: argparse.Namespace) -> Outcome:
     """Runs train reader."""
-    from chord_usd.training.reader_data import held_out
-    from chord_usd.training.reader_trainer import ReaderTraining, train_reader
+    from chord_usd.data.flats import furnishable, read_flats
+    from chord_usd.training.reader_crops import held_out
+    from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
-    base = ReaderTraining()
+    device = _device(options)
+    base = ReaderTraining() if device == "cpu" else ON_GPU
     config = replace(
         base,
         minutes=options.minutes,
         batch=options.batch or base.batch,
         workers=options.workers,
         seed=options.seed,
-        device=_device(options),
+        device=device,
     )
+    flats = furnishable(read_flats(options.flats, part="train")) if options.flats else []
     watch = stopwatch(options)
     with watch.step("draw"):
         crops = held_out(24)
     with watch.step("train") as progress:
-        facts = train_reader(config, options.output, crops, progress, start=options.start)
+        facts = train_reader(
+            config, options.output, crops, progress, start=options.start, flats=flats
+        )
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 

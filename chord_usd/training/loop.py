@@ -25,7 +25,6 @@ from chord_usd.training.weights import Weights, warm_and_cool
 
 STATE_FOLDER = "state"
 LOG_FILE = "log.jsonl"
-_SAVE_MINUTES = 3.0
 _LOG_STEPS = 50
 _PROGRESS_STEPS = 10
 _END_RATE = 0.02
@@ -50,6 +49,8 @@ class RunConfig:
     gradient_clip: float = 1.0
     seed: int = 0
     device: str = "cpu"
+    save_minutes: float = 3.0
+    """After so many, what was learned is saved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ def train(
         if progress and step % _PROGRESS_STEPS == 0:
             progress(round(budget.spent * 60), round(config.minutes * 60))
         ended = budget.is_over
-        if ended or budget.is_due("save", _SAVE_MINUTES):
+        if ended or budget.is_due("save", config.save_minutes):
             minutes = before["minutes"] + budget.spent
             facts = _saved(lesson, weights, config, folder, {"step": step, "minutes": minutes})
         if ended:
@@ -161,15 +162,17 @@ class _Log:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.seen: dict[str, float] = {}
+        self.seen: dict[str, Tensor] = {}
         self.count = 0
 
     def tell(self, step: int, minutes: float, losses: Mapping[str, Tensor]) -> None:
         for name, loss in losses.items():
-            self.seen[name] = self.seen.get(name, 0.0) + float(loss.detach())
+            # Summed on the device: to ask for each would make the processor wait for it.
+            own = loss.detach()
+            self.seen[name] = self.seen[name] + own if name in self.seen else own.clone()
         self.count += 1
         if step % _LOG_STEPS == 0:
-            means = {name: round(total / self.count, 4) for name, total in self.seen.items()}
+            means = {name: round(float(total) / self.count, 4) for name, total in self.seen.items()}
             row = json.dumps({"step": step, "minutes": round(minutes, 2), **means})
             with self.path.open("a", encoding="utf-8") as log:
                 log.write(row + "\n")

@@ -6,6 +6,7 @@ several thicknesses, doors stand in corners, and pages hold much beside the plan
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,14 +57,15 @@ class _Placed:
     origin_m: FloatArray
 
 
-def draw_page(seed: int, look: Look | None = None) -> CrowdedPage:
-    """The page of a seed; look: drawn too where it is not given."""
+def draw_page(seed: int, look: Look | None = None, flats: Sequence[Plan] = ()) -> CrowdedPage:
+    """The page of a seed; look: drawn too where it is not given; flats: shown in place of
+    procedural plans."""
     rng = np.random.default_rng(seed)
     look = random_look(rng) if look is None else look
     count = int(rng.choice(len(_STOREYS), p=_STOREYS)) + 1
     houses = []
     for _ in range(count):
-        plan = random_plan(rng)
+        plan = flats[int(rng.integers(len(flats)))] if flats else random_plan(rng)
         houses.append(build(furnish(plan, rng, "homes"), look, rng))
     placed, size_m = _laid_out(houses, look, rng)
     side = rng.uniform(*_PX) * (1.2 if count > 1 else 1.0)
