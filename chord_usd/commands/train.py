@@ -354,7 +354,7 @@ def _things(batch: int) -> Task:
 
 def run_reader(options: argparse.Namespace) -> Outcome:
     """Runs train reader."""
-    from chord_usd.data.flats import furnishable, read_flats
+    from chord_usd.data.flats import read_flats
     from chord_usd.training.reader_crops import held_out
     from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
@@ -368,7 +368,7 @@ def run_reader(options: argparse.Namespace) -> Outcome:
         seed=options.seed,
         device=device,
     )
-    flats = furnishable(read_flats(options.flats, part="train")) if options.flats else []
+    flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
     with watch.step("draw"):
         crops = held_out(24)

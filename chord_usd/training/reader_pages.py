@@ -90,7 +90,9 @@ def page_supply(
     workers: int, seed: int, flats: Sequence[Plan] = ()
 ) -> Iterator[Queue[LabelledPage]]:
     """A queue that worker processes fill while the block runs; they wait where it is full."""
-    context = processes.get_context("spawn")  # OpenCV's threads do not live on in a fork
+    # Not by plain forks: OpenCV's threads do not live on in them.
+    context = processes.get_context("forkserver")
+    context.set_forkserver_preload([__name__])
     supply = context.Queue(_WAITING * workers)
     drawing: list[BaseProcess] = [
         context.Process(target=_draw, args=(supply, (seed, worker), flats), daemon=True)
