@@ -355,11 +355,12 @@ def _things(batch: int) -> Task:
 def run_reader(options: argparse.Namespace) -> Outcome:
     """Runs train reader."""
     from chord_usd.data.flats import read_flats
-    from chord_usd.training.reader_crops import held_out
+    from chord_usd.training.reader_data import held_out
+    from chord_usd.training.reader_network import CHANNELS, GPU_CHANNELS
     from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
     device = _device(options)
-    base = ReaderTraining() if device == "cpu" else ON_GPU
+    base, channels = (ReaderTraining(), CHANNELS) if device == "cpu" else (ON_GPU, GPU_CHANNELS)
     config = replace(
         base,
         minutes=options.minutes,
@@ -374,7 +375,7 @@ def run_reader(options: argparse.Namespace) -> Outcome:
         crops = held_out(24)
     with watch.step("train") as progress:
         facts = train_reader(
-            config, options.output, crops, progress, start=options.start, flats=flats
+            config, options.output, crops, progress, channels, options.start, flats
         )
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)

@@ -23,8 +23,6 @@ LAID_NAMES = ("nothing", "swing", "piece", "writing")
 
 LAID_SHIFT = 4
 """A label is what is built, and what is drawn over it from this bit on."""
-LAID_MASK = (1 << LAID_SHIFT) - 1
-"""Of the bits that say what is built."""
 
 HINGE, JAMB, CORNER = range(3)
 """Points: where a leaf hangs, where an opening ends, where the faces of a room meet."""
@@ -33,7 +31,7 @@ POINT_NAMES = ("hinge", "jamb", "corner")
 
 def built_of(labels: ByteArray) -> ByteArray:
     """(H, W) what is built, of labels."""
-    return np.asarray(labels & LAID_MASK, np.uint8)
+    return np.asarray(labels & ((1 << LAID_SHIFT) - 1), np.uint8)
 
 
 def laid_of(labels: ByteArray) -> ByteArray:

@@ -20,8 +20,10 @@ from chord_usd.raster.page_labels import (
     POINT_NAMES,
 )
 
-CHANNELS = (32, 64, 128, 224, 320)
+CHANNELS = (16, 32, 80, 144, 224)
 """From a half to a thirty-second of the page's resolution."""
+GPU_CHANNELS = (32, 64, 128, 224, 320)
+"""Of what a GPU learns in minutes."""
 
 OUTPUTS = (len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES))
 

@@ -26,7 +26,14 @@ from chord_usd.runtime.progress import Progress
 from chord_usd.scene.types import Plan
 from chord_usd.training.loop import Lesson, RunConfig, train, write_weights
 from chord_usd.training.onnx_file import write_graph
-from chord_usd.training.reader_crops import Batch, Diet, crop_batches
+from chord_usd.training.reader_data import (
+    NO_KIND,
+    Batch,
+    Crop,
+    PageStream,
+    batch_of,
+    page_loader,
+)
 from chord_usd.training.reader_network import (
     CHANNELS,
     OUTPUTS,
@@ -34,7 +41,6 @@ from chord_usd.training.reader_network import (
     Reading,
     take_up_fused,
 )
-from chord_usd.training.reader_pages import NO_KIND
 
 _CALIBRATED_ON = 24
 """Batches."""
@@ -59,30 +65,19 @@ class ReaderTraining(RunConfig):
     cooldown_share: float = 0.7
     weight_decay: float = 0.01
     ema_decay: float = 0.998
-    crop_px: int = 384
-    pool: int = 200
-    crops_a_page: float = 6.0
     workers: int = 1
-
-    @property
-    def diet(self) -> Diet:
-        """What the network is given."""
-        return Diet(
-            self.batch, self.crop_px, self.pool, self.crops_a_page, self.workers, self.device
-        )
 
 
 ON_GPU = ReaderTraining(
     batch=32, learning_rate=3e-3, warmup_steps=200, cooldown_share=0.6, ema_decay=0.9992,
-    crop_px=512, pool=20_000, crops_a_page=4.0, save_minutes=6.0,
+    save_minutes=6.0,
 )  # fmt: skip
-"""Pages stay in the GPU's memory, 2.5 MB each."""
 
 
 def train_reader(
     config: ReaderTraining,
     folder: Path,
-    held_out: Sequence[Batch],
+    held_out: Sequence[Crop],
     progress: Progress | None = None,
     channels: tuple[int, ...] = CHANNELS,
     start: Path | None = None,
@@ -95,12 +90,17 @@ def train_reader(
     network = ReaderNetwork(channels).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     pictures: deque[Tensor] = deque(maxlen=_CALIBRATED_ON)
 
-    def losses(network: ReaderNetwork, batch: Batch) -> dict[str, Tensor]:
+    is_cuda = config.device.startswith("cuda")
+
+    def losses(network: ReaderNetwork, told: Batch) -> dict[str, Tensor]:
+        batch = _moved(told, config.device)
         pictures.append(batch[0])
         return dict(zip(_LOSSES, batch_losses(network, batch), strict=True))
 
     lesson = Lesson(
-        lambda seed: crop_batches(config.diet, seed, flats),
+        lambda seed: page_loader(
+            PageStream(config.batch, seed, flats=flats), config.workers, pinned=is_cuda
+        ),
         losses,
         score=lambda network: {"held_out": score(network, held_out, config.device)},
         write=write_checkpoint,
@@ -112,12 +112,11 @@ def train_reader(
 
 def _first_pages(seed: int) -> Tensor:
     """What a network sees whose normalisation is counted anew."""
-    pages = crop_batches(Diet(_TAKEN_UP_ON, 384, _TAKEN_UP_ON, 1.0, workers=1), seed)
-    return next(pages)[0].float() / 127.5 - 1.0
+    return next(iter(PageStream(_TAKEN_UP_ON, seed)))[0].float() / 127.5 - 1.0
 
 
 def _moved(batch: Batch, device: str) -> Batch:
-    rgb, built, laid, heat, kinds = (part.to(device) for part in batch)
+    rgb, built, laid, heat, kinds = (part.to(device, non_blocking=True) for part in batch)
     return rgb, built, laid, heat, kinds
 
 
@@ -162,7 +161,7 @@ def batch_losses(network: ReaderNetwork, batch: Batch) -> Tensor:
     device = str(rgb.device)
     of_built = functional.cross_entropy(said_built, built.long(), _on(device, BUILT_WEIGHTS))
     of_laid = functional.cross_entropy(said_laid, laid.long(), _on(device, _LAID_WEIGHTS))
-    of_points = _point_loss(said_points, heat)
+    of_points = _point_loss(said_points, heat.float() / 255)
     losses = (
         of_built, _LAID_SHARE * of_laid, _POINTS_SHARE * of_points,
         _OVERLAP_SHARE * (_overlap_loss(said_built, built) + _overlap_loss(said_laid, laid)),
@@ -206,7 +205,7 @@ def _overlap_loss(said: Tensor, labels: Tensor) -> Tensor:
 
 
 @torch.inference_mode()
-def score(network: ReaderNetwork, crops: Sequence[Batch], device: str) -> dict[str, float]:
+def score(network: ReaderNetwork, crops: Sequence[Crop], device: str) -> dict[str, float]:
     """Intersection over union of each class over all crops, classes that are nowhere left out; and
     kinds: the share of floor whose kind is right."""
     if not crops:
@@ -215,7 +214,7 @@ def score(network: ReaderNetwork, crops: Sequence[Batch], device: str) -> dict[s
     counts = {"built": torch.zeros(OUTPUTS[0], 3), "laid": torch.zeros(OUTPUTS[1], 3)}
     right, floor = 0, 0
     for crop in crops:
-        rgb, built, laid, _, kinds = _moved(crop, device)
+        rgb, built, laid, _, kinds = _moved(batch_of([crop]), device)
         said_built, said_laid, _, said_kinds = logits_of(network, rgb)
         right += int((said_kinds.argmax(dim=1) == kinds).sum())
         floor += int((kinds != NO_KIND).sum())

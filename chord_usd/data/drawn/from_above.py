@@ -65,7 +65,7 @@ def _nearest(category: str, length_m: float, width_m: float) -> tuple[Design, ..
     return tuple(sorted(own, key=distance)[:_CHOICES])
 
 
-@lru_cache(maxsize=8192)
+@lru_cache(maxsize=2048)
 def _picture(design_id: str, category: str, colourway: str) -> ByteArray:
     """(h, w, 4) a design from above: lighter where it is higher and level."""
     design = next(d for d in designs() if d.id == design_id and d.category == category)
