@@ -35,7 +35,7 @@ def _text(stage: Path, holds: bool, data: dict[str, Any]) -> str:
         f"  collision {c['depth_m'] * 100:.1f} cm: {c['a']} and {c['b']}"
         for c in data["collisions"]
     ]
-    for key in ("out_of_room", "blocked_openings", "unsupported", "empty_rooms"):
+    for key in ("out_of_room", "blocked_openings", "unsupported", "empty_rooms", "stairs"):
         lines += [f"  {key.replace('_', ' ')}: {path}" for path in data[key]]
     lines.append(
         f"  walkable {data['walkable']:.0%}, reachable rooms {data['reachable_rooms']:.0%}, "

@@ -30,6 +30,7 @@ from chord_usd.commands.common import (
     scale,
     stopwatch,
 )
+from chord_usd.commands.generate_storeys import run_storeys, storeys_given
 from chord_usd.commands.paths import output_file, output_folder
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
 from chord_usd.runtime.files import deliver
@@ -43,8 +44,9 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
     parser.add_argument(
-        "plan", type=Path, nargs="?", metavar="PLAN",
-        help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON",
+        "plan", type=Path, nargs="*", metavar="PLAN",
+        help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON; several are the "
+        "storeys of a house, the lowest first",
     )  # fmt: skip
     add_sources(parser)
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
@@ -121,13 +123,18 @@ def run(options: argparse.Namespace) -> Outcome:
         furniture=() if options.furniture is None else read_furniture(options.furniture),
         rooms=() if options.rooms is None else read_rooms(options.rooms),
     )
-    if settings.rooms and options.plan is None:
+    if settings.rooms and not options.plan:
         raise UsageError(
             "names rooms of a plan that is not drawn yet", where="--rooms",
             expected="PLAN, a plan that was read before",
         )  # fmt: skip
     require(settings)
     watch = stopwatch(options)
+    if options.plan:
+        storeys = storeys_given(options, settings, watch)
+        if storeys:
+            return run_storeys(options, storeys, settings, watch)
+    options.plan = options.plan[0] if options.plan else None
     with plan_source(options, settings, watch) as (plan_file, planned), deliver() as delivery:
         stage_path = delivery.place(options.output)
         extras = {

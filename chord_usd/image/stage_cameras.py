@@ -18,6 +18,9 @@ TENTHS = 0.1
 CUT_NOTE = "chord:cut_m"
 """Attribute of cameras that see the house with its walls cut at a height."""
 
+ELEVATION_NOTE = "chord:elevation_m"
+"""Attribute of groups that hold the rooms of a storey."""
+
 DEFAULT_CAMERA = "Default"
 _CORNER = (-0.6, -0.7, 0.45)
 _FAR_RADII = 5.0
@@ -116,7 +119,11 @@ def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:
     """The rooms of a house; none on a stage that is not one of ours."""
     house = stage.GetDefaultPrim()
     rooms = house.GetChild("Rooms") if house else None
-    return list(rooms.GetChildren()) if rooms else []
+    return [
+        room
+        for child in (rooms.GetChildren() if rooms else ())
+        for room in (child.GetChildren() if child.HasAttribute(ELEVATION_NOTE) else (child,))
+    ]
 
 
 def _top_m(stage: Usd.Stage) -> float:

@@ -111,16 +111,21 @@ def walk(graph: SceneGraph) -> Walk:
     walkable floor reaches no room.
     """
     free = free_floor(graph)
-    parts = polygons_of(free.buffer(-WALKER_RADIUS_M - SEAM_M, quad_segs=4))
+    parts = walkable_parts(free)
     areas_m2 = np.array([part.area for part in parts])
     total_m2 = float(areas_m2.sum())
     largest_m2 = float(areas_m2.max()) if parts else 0.0
     return Walk(
         walkable=largest_m2 / total_m2 if total_m2 > 0 else 0.0,
         walkable_m2=total_m2,
-        unreachable=tuple(_unreachable(graph, free, _start(graph, parts))),
+        unreachable=tuple(unreachable_rooms(graph, free, _start(graph, parts))),
         rooms=len(graph.rooms),
     )
+
+
+def walkable_parts(free: shapely.Geometry) -> list[shapely.Polygon]:
+    """Where the centre of a walker can be on free floor, in connected parts."""
+    return polygons_of(free.buffer(-WALKER_RADIUS_M - SEAM_M, quad_segs=4))
 
 
 def _start(graph: SceneGraph, parts: list[shapely.Polygon]) -> shapely.Polygon | None:
@@ -135,9 +140,10 @@ def _start(graph: SceneGraph, parts: list[shapely.Polygon]) -> shapely.Polygon |
     return nearest if doorway.distance(nearest) < WALKER_RADIUS_M + WALL_THICKNESS_M else None
 
 
-def _unreachable(
-    graph: SceneGraph, free: shapely.Geometry, start: shapely.Polygon | None
+def unreachable_rooms(
+    graph: SceneGraph, free: shapely.Geometry, start: shapely.Geometry | None
 ) -> list[str]:
+    """Ids of the rooms that one does not get to from a part of the free floor."""
     if start is None:
         return [room.id for room in graph.rooms]
     # What the walker's whole disc covers, not only its centre: a small bathroom has floor to

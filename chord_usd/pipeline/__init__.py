@@ -66,6 +66,18 @@ class FirstDraw:
 
 
 @dataclass(frozen=True, eq=False)
+class Furnished:
+    """What becomes of a plan before it is written."""
+
+    graph: SceneGraph
+    layout: LayoutImage
+    first: FirstDraw
+    tabletops: Tabletops | None
+    redrawn: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class House:
     """Every artefact of one run."""
 
@@ -97,8 +109,6 @@ def generate(
     and stage.
     Raises ChordError.
     """
-    from chord_usd.graph.match import match_assets
-
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
     # The plan is read before torch is imported: a wrong picture is told within a second.
@@ -112,6 +122,31 @@ def generate(
         models = (models or load_models(settings)).in_style(style.name)
         load_usd()
     draw = sampling(settings, models.lists, asked)
+    made = furnish(plan, plan_image, plan_file, models, settings, draw, style, watch)
+    with watch.step("stage"):
+        stage = write_stage(made.graph, stage_path, settings)
+    return House(
+        plan, plan_image, made.layout, made.graph, stage, made.first, made.tabletops,
+        made.redrawn, made.left_out,
+    )  # fmt: skip
+
+
+def furnish(
+    plan: Plan,
+    plan_image: PlanImage,
+    plan_file: Path,
+    models: Models,
+    settings: Settings,
+    draw: Draw,
+    style: HomeStyle,
+    watch: Stopwatch,
+) -> Furnished:
+    """Plan -> SceneGraph, furnished, laid and dressed: all but its stage.
+
+    plan_image: the raster of the plan. plan_file: what it was read from, for the provenance.
+    """
+    from chord_usd.graph.match import match_assets
+
     with watch.step("list"):
         listed = draw.listed(plan.scene(), plan.rooms)
     with watch.step("layout") as progress:
@@ -142,13 +177,13 @@ def generate(
         graph = settle(graph, settings)
     if settings.dressing:
         with watch.step("dress"):
-            graph = dress_rooms(graph, models.reader.database, settings)
-    with watch.step("stage"):
-        built = {item.id for item in graph.items}
-        later = (item.id for item in mended.graph.items if item.id not in built)
-        left_out = (*mended.left_out, *later)
-        stage = write_stage(graph, stage_path, settings)
-    return House(plan, plan_image, layout, graph, stage, first, tabletops, mended.rooms, left_out)
+            dressed = [room.id for room in plan.rooms if room.id not in draw.shut]
+            rooms = dressed if draw.shut else ()
+            graph = dress_rooms(graph, models.reader.database, settings, rooms)
+    built = {item.id for item in graph.items}
+    later = (item.id for item in mended.graph.items if item.id not in built)
+    left_out = (*mended.left_out, *later)
+    return Furnished(graph, layout, first, tabletops, mended.rooms, left_out)
 
 
 def read_plan(plan_file: Path, settings: Settings) -> Plan:

@@ -71,6 +71,8 @@ class Draw:
     """Decides which pieces a room has before they are painted; None leaves it to the painter."""
     asked: Mapping[str, Asked] = field(default_factory=dict)
     """What rooms shall hold, by room id."""
+    shut: frozenset[str] = frozenset()
+    """Ids of rooms in which nothing stands: those of stairs."""
 
     def listed(
         self, graph: SceneGraph, rooms: Sequence[Room], kept_ids: Collection[str] = ()
@@ -90,6 +92,7 @@ class Draw:
                 kept=tuple(item for item in graph.items_of(room.id) if item.id in kept_ids),
             )
             for room in rooms
+            if room.id not in self.shut
         }
         drafts = Drafts(self.seed, DRAFTS)
         return furnish_by_lists(graph.plan, self.lists, drafts, asked, list(asked), graph.items)
@@ -98,7 +101,9 @@ class Draw:
         """A house that was read, without what its rooms shall not hold."""
         shut_out = {room_id: own.excluded for room_id, own in self.asked.items()}
         return graph.without(
-            item.id for item in graph.items if item.category in shut_out.get(item.room_id, ())
+            item.id
+            for item in graph.items
+            if item.room_id in self.shut or item.category in shut_out.get(item.room_id, ())
         )
 
     def lacking(self, graph: SceneGraph) -> dict[str, tuple[Piece, ...]]:

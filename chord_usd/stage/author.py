@@ -8,6 +8,7 @@ import os
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.articulation import FIXED
 from chord_usd.scene.looks import LookSource
 from chord_usd.scene.skies import Sky, sky_named
+from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.stage.attribution import write_attribution
@@ -35,7 +37,7 @@ from chord_usd.stage.furniture import (
 from chord_usd.stage.lighting import set_lighting
 from chord_usd.stage.lights import hang_lamps, hang_light
 from chord_usd.stage.look_variants import wear_looks
-from chord_usd.stage.names import NamedRoom, name_rooms
+from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.physics import write_gravity
 from chord_usd.stage.prims import (
@@ -51,13 +53,14 @@ from chord_usd.stage.prims import (
     label,
     new_layer,
     note,
+    place,
     relate,
 )
 from chord_usd.stage.shared_looks import share_looks
 from chord_usd.stage.shell import draw_shell
+from chord_usd.stage.stage_levels import SHAFT, Level, one_level, room_specs
 from chord_usd.stage.surfaces import fitout
 from chord_usd.stage.variants import Wardrobe
-from chord_usd.stage.walls import build_walls
 
 SCHEMA = 1
 """Version of the structure and the `chord:` attributes; readers refuse a newer one."""
@@ -92,22 +95,29 @@ def author_stage(
     Raises ChordError for an unknown sky, SceneError for a graph without rooms or with an unknown
     category, AssetError for a missing mesh, OutputError for a target that cannot be written.
     """
+    _refuse_odd_suffix(path)
+    style = style or graph.style or MIXED
+    return author_levels(
+        [one_level(graph)], path, seed=seed, looks=looks, style=style, sky=sky,
+        articulation=articulation,
+    )  # fmt: skip
+
+
+def author_levels(
+    levels: Sequence[Level],
+    path: Path,
+    *,
+    seed: int = 0,
+    looks: LookSource | None = None,
+    style: str = MIXED,
+    sky: str = "",
+    articulation: str = FIXED,
+) -> StageFile:
+    """Write the storeys of a house as one stage; everything else is as author_stage has it."""
     path = Path(path)
-    if path.suffix not in SUFFIXES:
-        raise OutputError(
-            f"{path.suffix or 'no suffix'} is no kind of stage",
-            where=str(path),
-            expected=f"one of {', '.join(SUFFIXES)}",
-        )
-    house = _House(
-        graph,
-        name_rooms(graph),
-        seed,
-        looks,
-        style_named(style or graph.style or MIXED, seed),
-        sky_named(sky),
-        articulation,
-    )
+    _refuse_odd_suffix(path)
+    named = style_named(style, seed)
+    house = _House(tuple(levels), seed, looks, named, sky_named(sky), articulation)
     require_picture(house.sky)
     with deliver() as delivery:
         target = delivery.place(path)
@@ -119,51 +129,68 @@ def author_stage(
             layer = open_layer(target)
             write_attribution(layer, (target.parent, final), target, path)
     _reload(path)
-    return StageFile(path, content_hash, graph.provenance)
+    return StageFile(path, content_hash, levels[0].graph.provenance)
+
+
+def _refuse_odd_suffix(path: Path) -> None:
+    if Path(path).suffix not in SUFFIXES:
+        raise OutputError(
+            f"{Path(path).suffix or 'no suffix'} is no kind of stage",
+            where=str(path),
+            expected=f"one of {', '.join(SUFFIXES)}",
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class _House:
     """What is to be written."""
 
-    graph: SceneGraph
-    rooms: tuple[NamedRoom, ...]
+    levels: tuple[Level, ...]
+    """The lowest first."""
     seed: int
     looks: LookSource | None
     style: HomeStyle
     sky: Sky
     articulation: str
 
+    @property
+    def rooms(self) -> list[NamedRoom]:
+        """Of all storeys."""
+        return [room for level in self.levels for room in level.rooms]
+
 
 def _write_house(house: _House, target: Path, final: Path) -> str:
     """Write the stage to target, which will end up in final; returns the content hash."""
     layer = _open_house(house, target)
-    walls = build_walls(house.graph.plan)
     architecture = _architecture(target)
+    architecture.mkdir()
     assets = Packages(target.parent, [final], "assets")
     materials = Packages(target.parent, [final], "materials")
+    agreed = house.style.agreed(house.seed)
+    finish = fitout(house.style, agreed)
+    wardrobe = Wardrobe(house.seed, house.style, agreed, house.articulation)
+    extents, lamps = [], []
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
-        for room in house.rooms:
-            _open_room(layer, room)
-        agreed = house.style.agreed(house.seed)
-        finish = fitout(house.style, agreed)
-        extent = draw_shell(layer, house.rooms, walls, architecture, finish)
-        lamps = []
-        wardrobe = Wardrobe(house.seed, house.style, agreed, house.articulation)
-        for room in house.rooms:
-            floor = walls.floors_m[room.index]
-            place_furniture(layer, room, assets, Path(scratch), wardrobe)
-            if house.graph.dressing:
-                place_dressing(layer, room, assets, Path(scratch), wardrobe)
-            lamps.append(hang_light(layer, room, walls))
-            lamps += hang_lamps(layer, room.name, (target.parent, final))
-            wear_looks(layer, room, floor, house.looks, materials, house.seed)
+        for level, above in zip_longest(house.levels, house.levels[1:]):
+            for room in level.rooms:
+                _open_room(layer, room)
+            extent = draw_shell(layer, level, architecture, finish, above)
+            extents.append(extent + np.array([0.0, 0.0, level.elevation_m]))
+            for room in level.rooms:
+                place_furniture(layer, room, assets, Path(scratch), wardrobe)
+                if level.graph.dressing:
+                    place_dressing(layer, room, assets, Path(scratch), wardrobe)
+                if room.room.id not in level.rising:  # those have no ceiling
+                    lamps.append(hang_light(layer, room, level.walls))
+                lamps += hang_lamps(layer, room.path, (target.parent, final))
+                floor = level.walls.floors_m[room.index]
+                wear_looks(layer, room, floor, house.looks, materials, house.seed)
     share_looks(layer, architecture)
-    set_lighting(layer, lamps, walls, architecture, house.sky)
+    set_lighting(layer, lamps, house.levels[0].walls, architecture, house.sky)
     _order_prims(layer, house.rooms)
-    set_cameras(layer, house.rooms, walls)
+    set_cameras(layer, house.levels)
     _set_render(layer, house.rooms)
-    _hint_house(layer, extent, house.graph)
+    _hint_house(layer, extents, house.levels)
     layer.Save()
     return _hash([target, *sorted(architecture.iterdir())])
 
@@ -172,7 +199,7 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
     """The layer with its metadata, the house and its groups."""
     layer = new_layer(target, "House")
     layer.pseudoRoot.SetInfo("renderSettingsPrimPath", "/House/Render/Settings")
-    made = house.graph.provenance
+    made = house.levels[0].graph.provenance
     layer.customLayerData = {
         "chord": dictionary(
             {
@@ -200,22 +227,30 @@ def _open_house(house: _House, target: Path) -> Sdf.Layer:
     # Beside the house: two houses on one stage bring no two scenes.
     write_gravity(layer, "/PhysicsScene")
     define(layer, "/House/Rooms", "Xform", kind="group")
+    if len(house.levels) > 1:
+        define(layer, "/House/Exterior", "Xform", kind="group")
+    for level in house.levels:
+        if level.group:
+            storey = define(layer, level.path, "Xform", kind="group", name=level.title)
+            place(storey, at_m=(0.0, 0.0, level.elevation_m))
+            label(storey, "category", "storey")
+            note(storey, elevation_m=level.elevation_m)
     return layer
 
 
 def _open_room(layer: Sdf.Layer, room: NamedRoom) -> None:
-    prim = define(
-        layer, f"/House/Rooms/{room.name}", "Xform", kind="group", name=room.room.name or room.name
-    )
+    prim = define(layer, room.path, "Xform", kind="group", name=room.room.name or room.name)
     inherit(prim, define_class(layer, "Room"))
     label(prim, "room", room.room.kind)
     note(prim, node_id=room.room.id, kind=room.room.kind, polygon_m=room.room.polygon_m)
+    if room.group and is_cell(room.room):
+        note(prim, category=SHAFT)
 
 
 def _order_prims(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
     """In the order of the design, where variants would put theirs first."""
     for room in rooms:
-        prim = layer.GetPrimAtPath(f"/House/Rooms/{room.name}")
+        prim = layer.GetPrimAtPath(room.path)
         prim.nameChildrenOrder = ["Architecture", "Furniture", "Lights"]
     house = layer.GetPrimAtPath("/House")
     house.nameChildrenOrder = [
@@ -228,7 +263,8 @@ def _set_render(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
     define(layer, "/House/Render", "Scope")
     settings = define(layer, "/House/Render/Settings", "RenderSettings")
     attribute(settings, "resolution", Types.Int2, Gf.Vec2i(*_RESOLUTION_PX), uniform=True)
-    relate(settings, "camera", [f"/House/Cameras/{rooms[0].name}"])
+    first = next(room for room in rooms if layer.GetPrimAtPath(f"/House/Cameras/{room.name}"))
+    relate(settings, "camera", [f"/House/Cameras/{first.name}"])
     relate(settings, "products", ["/House/Render/Product"])
     product = define(layer, "/House/Render/Product", "RenderProduct")
     attribute(product, "productName", Types.Token, "house.png")
@@ -238,13 +274,17 @@ def _set_render(layer: Sdf.Layer, rooms: Sequence[NamedRoom]) -> None:
     attribute(color, "sourceName", Types.String, "color", uniform=True)
 
 
-def _hint_house(layer: Sdf.Layer, shell_m: FloatArray, graph: SceneGraph) -> None:
+def _hint_house(layer: Sdf.Layer, shells_m: Sequence[FloatArray], levels: Sequence[Level]) -> None:
     """Bounds and collections, once everything is in place."""
     house = layer.GetPrimAtPath("/House")
-    extents = np.array([shell_m, extent_of(graph.items)] if graph.items else [shell_m])
-    hint_extent(house, np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)]))
+    extents = list(shells_m)
+    for level in levels:
+        if level.graph.items:
+            extents.append(extent_of(level.graph.items) + np.array([0.0, 0.0, level.elevation_m]))
+    bounds = np.array(extents)
+    hint_extent(house, np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)]))
     _collect(layer, FURNITURE)
-    if graph.dressing:
+    if any(level.graph.dressing for level in levels):
         _collect(layer, DRESSING)
 
 
@@ -252,8 +292,8 @@ def _collect(layer: Sdf.Layer, group: str) -> None:
     """A collection of the house: the groups of this name of all rooms."""
     house, name = layer.GetPrimAtPath("/House"), group.lower()
     apply_schema(house, f"CollectionAPI:{name}")
-    rooms = layer.GetPrimAtPath("/House/Rooms").nameChildren
-    relate(house, f"collection:{name}:includes", [room.path.AppendChild(group) for room in rooms])
+    groups = [room.nameChildren.get(group) for room in room_specs(layer)]
+    relate(house, f"collection:{name}:includes", [one.path for one in groups if one])
 
 
 def _pack(house: _House, target: Path, final: Path) -> str:

@@ -15,6 +15,7 @@ from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Item
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, note, set_op_order
+from chord_usd.stage.stage_levels import Level, is_shaft
 from chord_usd.stage.viewpoints import EYE_M, NEAR_M, SENSOR_MM, View, choose_view
 from chord_usd.stage.walls import Walls
 
@@ -52,21 +53,25 @@ _CUT_AT_M = 1.2
 """Where an isometric view cuts the walls."""
 
 
-def set_cameras(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> None:
-    """Write /House/Cameras: one per room under the room's name, Top and Isometric."""
+def set_cameras(layer: Sdf.Layer, levels: Sequence[Level]) -> None:
+    """Write /House/Cameras: one per room under the room's name, Top, and Isometric; one of these
+    for each storey where there are several, the lowest's without its name."""
     define(layer, "/House/Cameras", "Scope")
-    for room in rooms:
-        _set_room_camera(layer, room, walls)
-    above = _camera(layer, TOP_CAMERA, _above(walls), Gf.Vec3f(0.0, 0.0, 0.0))
+    for level in levels:
+        for room in level.rooms:
+            if not is_shaft(level, room):
+                _set_room_camera(layer, room, level.walls, level.elevation_m)
+    above = _camera(layer, TOP_CAMERA, _above(levels), Gf.Vec3f(0.0, 0.0, 0.0))
     _set_lens(above, _TOP_LENS_MM, 0.0, NEAR_M)
-    _set_isometric(layer, rooms, walls)
+    for level in levels:
+        _set_isometric(layer, level)
 
 
-def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> None:
+def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls, floor_m: float) -> None:
     openings = [tunnel.opening for tunnel in walls.tunnels_of(room.room.id)]
     floor, items = walls.floors_m[room.index], [named.item for named in room.items]
     dressing = _large(named.item for named in room.dressing)
-    _write_view(layer, room.name, choose_view(floor, items, openings, dressing))
+    _write_view(layer, room.name, choose_view(floor, items, openings, dressing), floor_m)
 
 
 def _large(dressing: Iterable[Item]) -> list[Item]:
@@ -125,25 +130,26 @@ def _first_m(view: View, reach_m: float) -> Polygon:
     return Polygon(corners)
 
 
-def _write_view(layer: Sdf.Layer, name: str, view: View) -> None:
+def _write_view(layer: Sdf.Layer, name: str, view: View, floor_m: float = 0.0) -> None:
     turn = Gf.Vec3f(90.0, 0.0, view.yaw_deg - 90.0)
-    camera = _camera(layer, name, Gf.Vec3d(*view.position_m, EYE_M), turn)
+    camera = _camera(layer, name, Gf.Vec3d(*view.position_m, floor_m + EYE_M), turn)
     _set_lens(camera, view.lens_mm, view.shift_mm, view.near_m)
 
 
-def _above(walls: Walls) -> Gf.Vec3d:
+def _above(levels: Sequence[Level]) -> Gf.Vec3d:
     """Where a camera that looks straight down sees the whole house."""
-    low_x, low_y, high_x, high_y = walls.solid_m.bounds
+    bounds = np.array([level.walls.solid_m.bounds for level in levels])
+    (low_x, low_y), (high_x, high_y) = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
     reach_x = (high_x - low_x) * _TOP_LENS_MM / SENSOR_MM[0]
     reach_y = (high_y - low_y) * _TOP_LENS_MM / SENSOR_MM[1]
-    height = ROOM_HEIGHT_M + _MARGIN * max(reach_x, reach_y)
-    return Gf.Vec3d((low_x + high_x) / 2, (low_y + high_y) / 2, height)
+    height = levels[-1].elevation_m + ROOM_HEIGHT_M + _MARGIN * max(reach_x, reach_y)
+    return Gf.Vec3d(float(low_x + high_x) / 2, float(low_y + high_y) / 2, float(height))
 
 
-def _set_isometric(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -> None:
+def _set_isometric(layer: Sdf.Layer, level: Level) -> None:
     """An orthographic view from above a corner; `chord:cut_m` says where walls are cut for it."""
-    yaw_deg = _facing_deg(rooms)
-    low_x, low_y, high_x, high_y = walls.solid_m.bounds
+    yaw_deg = _facing_deg(level.rooms)
+    low_x, low_y, high_x, high_y = level.walls.solid_m.bounds
     middle = np.array([(low_x + high_x) / 2, (low_y + high_y) / 2, _CUT_AT_M / 2])
     rise = math.radians(_ELEVATION_DEG)
     towards = np.array([*rotation_2d(yaw_deg)[:, 0] * math.cos(rise), math.sin(rise)])
@@ -155,15 +161,16 @@ def _set_isometric(layer: Sdf.Layer, rooms: Sequence[NamedRoom], walls: Walls) -
     width_m = 2 * np.abs((corners - middle) @ right).max()
     height_m = 2 * np.abs((corners - middle) @ up).max()
     width_m = _MARGIN * max(width_m, height_m * SENSOR_MM[0] / SENSOR_MM[1])
-    eye = middle + towards * (2.0 * width_m + 10.0)
+    eye = middle + towards * (2.0 * width_m + 10.0) + np.array([0.0, 0.0, level.elevation_m])
     turn = Gf.Vec3f(90.0 - _ELEVATION_DEG, 0.0, yaw_deg + 90.0)
-    camera = _camera(layer, ISOMETRIC_CAMERA, Gf.Vec3d(*eye.tolist()), turn)
+    name = f"{ISOMETRIC_CAMERA}_{level.group}" if level.elevation_m else ISOMETRIC_CAMERA
+    camera = _camera(layer, name, Gf.Vec3d(*eye.tolist()), turn)
     attribute(camera, "projection", Types.Token, "orthographic", uniform=True)
     attribute(camera, "clippingRange", Types.Float2, Gf.Vec2f(NEAR_M, 1000.0))
     height_m = width_m * SENSOR_MM[1] / SENSOR_MM[0]
     attribute(camera, "horizontalAperture", Types.Float, width_m * TENTHS_PER_M)
     attribute(camera, "verticalAperture", Types.Float, height_m * TENTHS_PER_M)
-    note(camera, cut_m=_CUT_AT_M)
+    note(camera, cut_m=level.elevation_m + _CUT_AT_M)
 
 
 def _facing_deg(rooms: Sequence[NamedRoom]) -> float:

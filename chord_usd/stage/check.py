@@ -6,7 +6,7 @@ by chord_usd.metrics on the scene that is read back from it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,18 @@ from typing import Any
 from pxr import Usd
 
 from chord_usd.metrics import SceneScores, score_scene
-from chord_usd.metrics.complete import Misplaced
+from chord_usd.metrics.climb import Ascent, climb, without_openings
+from chord_usd.metrics.complete import Homely, Misplaced
+from chord_usd.metrics.overlap import Overlap
+from chord_usd.metrics.walk import Walk
 from chord_usd.runtime.stages import open_known, open_layer, open_stage, reading
-from chord_usd.scene.types import Item
+from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.stage.check_contact import Collision, collisions, unsupported
 from chord_usd.stage.check_dressing import Dressing, Objects, count_objects, measure_dressing
 from chord_usd.stage.check_held import Held, underfoot
 from chord_usd.stage.check_rules import Finding, broken_below, broken_rules
-from chord_usd.stage.check_scene import read_scene
+from chord_usd.stage.check_scene import StageScene, read_scene, read_storeys
+from chord_usd.stage.check_stairs import stair_faults
 from chord_usd.stage.shared_looks import LOOKS
 
 
@@ -68,6 +72,8 @@ class Report:
     misplaced: tuple[Misplaced, ...]
     objects: Objects
     dressing: Dressing
+    stairs: tuple[str, ...] = ()
+    """Stairs that cannot be walked, and why."""
 
     @property
     def valid(self) -> bool:
@@ -87,6 +93,7 @@ class Report:
             self.blocked_openings,
             self.unsupported,
             self.empty_rooms,
+            self.stairs,
         )
         return self.valid and not any(faults)
 
@@ -138,31 +145,76 @@ def faults_in(path: Path, rooms: Collection[str], beside: Collection[str] = ()) 
 
 def _reported(stage: Usd.Stage) -> Report:
     errors = broken_rules(stage)
-    scene = read_scene(stage)
-    if not scene.graph.rooms:
+    storeys = read_storeys(stage)
+    if not any(scene.graph.rooms for scene in storeys):
         errors.append(Finding("CHORD015", "/", "has no room with a floor below its Rooms"))
-    scores = score_scene(scene.graph)
+    scores = [score_scene(scene.graph) for scene in storeys]
+    faults = stair_faults(storeys)
+    walks = _walks(storeys, scores, faults)
+    overlap = Overlap(
+        sum(one.overlap.pairs for one in scores),
+        tuple(pair for one in scores for pair in one.overlap.overlapping),
+    )
+    whole = _together(storeys)
     return Report(
         errors=tuple(errors),
-        collisions=tuple(collisions(scene.items, scene.fixed, underfoot(scene.graph.dressing))),
-        out_of_room=scores.out_of_room,
-        blocked_openings=scores.blocked_openings,
-        unsupported=tuple(unsupported(scene.items, scene.ground, Held(scene))),
-        empty_rooms=scores.empty_rooms,
-        walkable=scores.walk.walkable,
-        reachable_rooms=scores.walk.reachable_rooms,
-        por=scores.overlap.por,
-        piou=scores.overlap.piou,
-        pairs=scores.overlap.pairs,
-        ood=_outliers(scene.graph.items),
-        **_advice(scores),
-        objects=count_objects(scene.graph),
-        dressing=measure_dressing(stage, scene),
+        collisions=tuple(hit for scene in storeys for hit in _collisions(scene)),
+        out_of_room=tuple(one for own in scores for one in own.out_of_room),
+        blocked_openings=tuple(one for own in scores for one in own.blocked_openings),
+        unsupported=tuple(
+            one for scene in storeys for one in unsupported(scene.items, scene.ground, Held(scene))
+        ),
+        empty_rooms=tuple(one for own in scores for one in own.empty_rooms),
+        walkable=_share(sum(one.walkable * one.walkable_m2 for one in walks),
+                        sum(one.walkable_m2 for one in walks)),
+        reachable_rooms=1.0 - _share(sum(len(one.unreachable) for one in walks),
+                                     sum(one.rooms for one in walks)),
+        por=overlap.por,
+        piou=overlap.piou,
+        pairs=overlap.pairs,
+        ood=_outliers(whole.items),
+        **_advice([room for own in scores for room in own.homely]),
+        objects=count_objects(whole),
+        dressing=measure_dressing(stage, storeys),
+        stairs=tuple(f"{path} {told}" for path, told in faults.items()),
+    )  # fmt: skip
+
+
+def _collisions(scene: StageScene) -> list[Collision]:
+    return collisions(scene.items, scene.fixed, underfoot(scene.graph.dressing))
+
+
+def _walks(
+    storeys: Sequence[StageScene], scores: Sequence[SceneScores], faults: Collection[str]
+) -> list[Walk]:
+    """On one storey as it is scored; else over the stairs that can be walked."""
+    if len(storeys) == 1:
+        return [scores[0].walk]
+    ascents = [
+        Ascent(index, tuple(one.walk_m[0, :2].tolist()), tuple(one.walk_m[-1, :2].tolist()))
+        for index, scene in enumerate(storeys)
+        for one in scene.stairs
+        if one.body.path not in faults
+    ]  # fmt: skip
+    return climb([without_openings(one.graph, one.by_stairs) for one in storeys], ascents)
+
+
+def _together(storeys: Sequence[StageScene]) -> SceneGraph:
+    """All storeys as one graph, to count what is in it: places are those of each storey."""
+    graphs = [scene.graph for scene in storeys]
+    return SceneGraph(
+        tuple(room for graph in graphs for room in graph.rooms),
+        tuple(one for graph in graphs for one in graph.openings),
+        tuple(item for graph in graphs for item in graph.items),
+        dressing=tuple(item for graph in graphs for item in graph.dressing),
     )
 
 
-def _advice(scores: SceneScores) -> dict[str, Any]:
-    rooms = scores.homely
+def _share(part: float, whole: float) -> float:
+    return part / whole if whole else 0.0
+
+
+def _advice(rooms: Sequence[Homely]) -> dict[str, Any]:
     judged = max(1, len(rooms))
     return {
         "complete": 1.0 - sum(not room.complete for room in rooms) / judged,

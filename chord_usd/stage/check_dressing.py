@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
@@ -58,19 +58,23 @@ def count_objects(graph: SceneGraph) -> Objects:
     )
 
 
-def measure_dressing(stage: Usd.Stage, scene: StageScene) -> Dressing:
+def measure_dressing(stage: Usd.Stage, storeys: Sequence[StageScene]) -> Dressing:
     """Figures of the dressing of a house. Payloads must be loaded."""
-    graph = scene.graph
-    hung = [footprint_polygon(one.box) for one in graph.dressing if _is_at_window(one)]
-    windows = [footprint_polygon(one.box) for one in _windows(graph)]
-    dressed = sum(bool((shapely.distance(hung, one) <= WINDOW_GAP_M).any()) for one in windows)
-    mirrored = {one.room_id for one in graph.dressing if one.category == "mirror"}
-    wet = [room.id for room in graph.rooms if room.kind == "bathroom"]
+    graphs = [scene.graph for scene in storeys]
+    dressed = windows = 0
+    for graph in graphs:
+        hung = [footprint_polygon(one.box) for one in graph.dressing if _is_at_window(one)]
+        own = [footprint_polygon(one.box) for one in _windows(graph)]
+        dressed += sum(bool((shapely.distance(hung, one) <= WINDOW_GAP_M).any()) for one in own)
+        windows += len(own)
+    mirrored = {one.room_id for graph in graphs for one in graph.dressing
+                if one.category == "mirror"}  # fmt: skip
+    wet = [room.id for graph in graphs for room in graph.rooms if room.kind == "bathroom"]
     return Dressing(
-        items=len(graph.dressing),
-        windows_dressed=_share(dressed, len(windows)),
+        items=sum(len(graph.dressing) for graph in graphs),
+        windows_dressed=_share(dressed, windows),
         wet_rooms_with_mirror=_share(sum(room in mirrored for room in wet), len(wet)),
-        textured_area=_textured_area(stage, scene),
+        textured_area=_textured_area(stage, storeys),
     )
 
 
@@ -94,12 +98,13 @@ def _is_at_window(item: Item) -> bool:
     return row is not None and row.mount is Mount.WINDOW
 
 
-def _textured_area(stage: Usd.Stage, scene: StageScene) -> float:
+def _textured_area(stage: Usd.Stage, storeys: Sequence[StageScene]) -> float:
     """Instances of one mesh are looked at once, and so is a material of many meshes."""
     meshes: dict[Sdf.Path, bool] = {}
     materials: dict[Sdf.Path, bool] = {}
     textured_m2 = all_m2 = 0.0
-    for solid in (solid for body in scene.items for solid in body.solids):
+    bodies = (body for scene in storeys for body in scene.items)
+    for solid in (solid for body in bodies for solid in body.solids):
         mesh = stage.GetPrimAtPath(solid.path)
         own = mesh.GetPrimInPrototype() if mesh.IsInstanceProxy() else mesh
         path = own.GetPath()

@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+from chord_usd.errors import StageError
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import (
     ROOM_KINDS,
@@ -34,6 +35,7 @@ from chord_usd.stage.check_contact import Body, Solid
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.furniture import DRESSING, FURNITURE
 from chord_usd.stage.mesh import fans
+from chord_usd.stage.stage_levels import ELEVATION, SHAFT, STAIR_WALK
 from chord_usd.stage.triangles import Triangles
 
 CATEGORY = "chord:category"
@@ -65,15 +67,59 @@ class StageScene:
     """Walls, frames of openings and what hangs in them."""
     ground: tuple[Body, ...]
     """Floors, thresholds and window boards."""
+    elevation_m: float = 0.0
+    """Of its floor: everything else is in the storey's own frame."""
+    ceilings: tuple[Body, ...] = ()
+    stairs: tuple[StageStair, ...] = ()
+    """Up from this storey."""
+    by_stairs: frozenset[str] = frozenset()
+    """Ids of openings that are where one steps onto stairs or off."""
+
+
+@dataclass(frozen=True, eq=False)
+class StageStair:
+    """A stair as it stands on its stage."""
+
+    body: Body
+    walk_m: FloatArray
+    """(N, 3) the line that one walks up, in the frame of the storey that it starts on."""
 
 
 def read_scene(stage: Usd.Stage) -> StageScene:
-    """The rooms below `<default prim>/Rooms` and what is in them. Payloads must be loaded."""
-    reader = _Reader(stage)
-    for prim in _children(stage.GetDefaultPrim(), "Rooms"):
+    """The rooms below `<default prim>/Rooms` and what is in them. Payloads must be loaded.
+
+    Raises StageError for a house of several storeys, which is no scene on one floor.
+    """
+    storeys = read_storeys(stage)
+    if len(storeys) > 1:
+        raise StageError(
+            f"the house has {len(storeys)} storeys, and this is not made for these yet",
+            where=stage.GetRootLayer().identifier,
+            expected="a house of one storey",
+        )
+    return storeys[0]
+
+
+def read_storeys(stage: Usd.Stage) -> list[StageScene]:
+    """The storeys of a house, the lowest first; a house without storeys is one."""
+    rooms = _children(stage.GetDefaultPrim(), "Rooms")
+    storeys = [one for one in rooms if one.HasAttribute(ELEVATION)]
+    if not storeys:
+        return [_read_storey(rooms, 0.0)]
+    return [_read_storey(list(one.GetFilteredChildren(_PROXIES)), one.GetAttribute(ELEVATION).Get())
+            for one in storeys]  # fmt: skip
+
+
+def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
+    reader = _Reader(elevation_m)
+    for prim in rooms:
         reader.read_room(prim)
     reader.tell_carriers()
     return StageScene(
+        elevation_m=elevation_m,
+        ceilings=_meshed(reader.ceilings),
+        stairs=tuple(reader.stairs),
+        by_stairs=frozenset(reader.by_stairs),
         graph=SceneGraph(
             tuple(reader.rooms),
             tuple(reader.openings),
@@ -94,7 +140,11 @@ def _meshed(bodies: Sequence[Body]) -> tuple[Body, ...]:
 class _Reader:
     """Collects a house room by room."""
 
-    def __init__(self, stage: Usd.Stage) -> None:
+    def __init__(self, elevation_m: float) -> None:
+        self.elevation_m = elevation_m
+        self.ceilings: list[Body] = []
+        self.stairs: list[StageStair] = []
+        self.by_stairs: list[str] = []
         self.rooms: list[Room] = []
         self.openings: list[Opening] = []
         self.items: list[Item] = []
@@ -119,7 +169,7 @@ class _Reader:
         ]
 
     def read_room(self, prim: Usd.Prim) -> None:
-        path = str(prim.GetPath())
+        path, shaft = str(prim.GetPath()), _text(prim, CATEGORY) == SHAFT
         floors = []
         for part in _children(prim.GetChild("Architecture"), "Geometry"):
             name = part.GetName()
@@ -129,9 +179,15 @@ class _Reader:
                 self.fixed.append(self._body(part))
             elif _text(part, CATEGORY) in _KINDS:
                 self._read_opening(part)
+                self.by_stairs += [self.openings[-1].id] if shaft else []
+            elif name == "Ceiling":
+                self.ceilings.append(self._body(part))
+            elif shaft:
+                self.fixed.append(self._body(part))
+                self._read_stair(part)
         self.ground += floors
         polygon = _outline(floors)
-        if polygon is not None:
+        if polygon is not None and not shaft:
             self.rooms.append(Room(path, _room_kind(prim), polygon, name=prim.GetName()))
         for group, things in ((FURNITURE, self.items), (DRESSING, self.dressing)):
             for part in _children(prim, group):
@@ -179,19 +235,29 @@ class _Reader:
             facts=_facts(piece),
         )
 
+    def _read_stair(self, prim: Usd.Prim) -> None:
+        walk = prim.GetAttribute(STAIR_WALK).Get() if prim.HasAttribute(STAIR_WALK) else None
+        if walk:
+            self.stairs.append(StageStair(self.fixed[-1], np.array(walk, dtype=np.float64)))
+
     def _matrix(self, prim: Usd.Prim) -> FloatArray:
-        return _to_world(prim, self._transforms)
+        return _to_world(prim, self._transforms, self.elevation_m)
 
     def _body(self, prim: Usd.Prim, parent: str = "") -> Body:
-        return Body(str(prim.GetPath()), solids_of(prim, self._transforms, self._meshes), parent)
+        solids = solids_of(prim, self._transforms, self._meshes, self.elevation_m)
+        return Body(str(prim.GetPath()), solids, parent)
 
 
 def solids_of(
-    prim: Usd.Prim, transforms: UsdGeom.XformCache, known: KnownMeshes | None = None
+    prim: Usd.Prim,
+    transforms: UsdGeom.XformCache,
+    known: KnownMeshes | None = None,
+    elevation_m: float = 0.0,
 ) -> tuple[Solid, ...]:
     """What is seen at and below a prim, in the world.
 
-    known: meshes that were read before, by their paths in prototypes; filled.
+    known: meshes that were read before, by their paths in prototypes; filled. elevation_m: height
+    in the world from which heights count.
     """
     known = {} if known is None else known
     found = []
@@ -199,14 +265,18 @@ def solids_of(
         own = mesh.GetPrimInPrototype().GetPath() if mesh.IsInstanceProxy() else mesh.GetPath()
         if own not in known:
             known[own] = _triangles(mesh)
-        matrix = _to_world(mesh, transforms)
+        matrix = _to_world(mesh, transforms, elevation_m)
         found.append(Solid(str(mesh.GetPath()), known[own].placed(matrix[:3, :3].T, matrix[:3, 3])))
     return tuple(found)
 
 
-def _to_world(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> FloatArray:
-    """(4, 4) local to world, column vectors."""
-    return np.array(transforms.GetLocalToWorldTransform(prim)).T
+def _to_world(
+    prim: Usd.Prim, transforms: UsdGeom.XformCache, elevation_m: float = 0.0
+) -> FloatArray:
+    """(4, 4) local to world, column vectors; less the elevation of its storey."""
+    matrix = np.array(transforms.GetLocalToWorldTransform(prim)).T
+    matrix[2, 3] -= elevation_m
+    return matrix
 
 
 def _children(prim: Usd.Prim, name: str) -> list[Usd.Prim]:

@@ -67,7 +67,7 @@ def place_dressing(
 
 
 def _place_all(layer: Sdf.Layer, name: str, items: Iterable[NamedItem], shop: _Shop) -> None:
-    group = define(layer, f"/House/Rooms/{shop.named.name}/{name}", "Xform", kind="group")
+    group = define(layer, f"{shop.named.path}/{name}", "Xform", kind="group")
     for named in items:
         _place(layer, group.path, named, shop)
 

@@ -55,7 +55,7 @@ def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
     """Write Lights/AreaLight of a room, its brightness left open."""
     floor = walls.floors_m[room.index]
     panel = panel_for(floor)
-    scope = define(layer, f"/House/Rooms/{room.name}/Lights", "Scope")
+    scope = define(layer, f"{room.path}/Lights", "Scope")
     light = define(layer, scope.path.AppendChild("AreaLight"), "RectLight")
     place(light, at_m=(*panel.center_m, ROOM_HEIGHT_M - _BELOW_CEILING_M), yaw_deg=panel.yaw_deg)
     width, height = panel.size_m
@@ -67,12 +67,12 @@ def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
     return Lamp(light.path, radiance, by_window)
 
 
-def hang_lamps(layer: Sdf.Layer, room_name: str, folders: Sequence[Path]) -> list[Lamp]:
+def hang_lamps(layer: Sdf.Layer, room_path: str, folders: Sequence[Path]) -> list[Lamp]:
     """Write a SphereLight for each lamp that stands or hangs in a room, its brightness left open.
 
     folders: where the packages that the layer refers to are.
     """
-    room = Sdf.Path(f"/House/Rooms/{room_name}")
+    room = Sdf.Path(room_path)
     lamps = []
     for root in LIGHT_ROOTS:
         group = layer.GetPrimAtPath(room.AppendChild(root))
@@ -80,7 +80,7 @@ def hang_lamps(layer: Sdf.Layer, room_name: str, folders: Sequence[Path]) -> lis
             shining = _light_of(spec, folders)
             if not shining:
                 continue
-            names = str(spec.path).split("/")[5:]
+            names = str(spec.path.MakeRelativePath(group.path)).split("/")
             name = "_".join(name for name in names if name != "Items")
             light = define(layer, f"{room}/Lights/{name}", "SphereLight")
             at_m = to_room @ np.array([*shining["at_m"], 1.0])

@@ -40,7 +40,7 @@ def wear_looks(
 
     How they are laid depends on seed and the room's id alone. Without looks, surfaces are plain.
     """
-    prim = layer.GetPrimAtPath(f"/House/Rooms/{room.name}")
+    prim = layer.GetPrimAtPath(room.path)
     parts: tuple[tuple[Part, str], ...] = (
         ("floor", floor_material(room)),
         ("wall", wall_material(room)),

@@ -14,6 +14,7 @@ from shapely.geometry import Point
 from chord_usd.errors import SceneError
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.palette import category
+from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.types import Item, Opening, Room, RoomKind, SceneGraph
 
 ROOM_LABELS: dict[RoomKind, str] = {
@@ -59,10 +60,23 @@ class NamedRoom:
     items: tuple[NamedItem, ...]
     openings: tuple[NamedOpening, ...]
     dressing: tuple[NamedItem, ...] = ()
+    group: str = ""
+    """Name of the group of its storey; "" in a house of one."""
+
+    @property
+    def path(self) -> str:
+        """Path of its prim."""
+        return (
+            f"/House/Rooms/{self.group}/{self.name}" if self.group else f"/House/Rooms/{self.name}"
+        )
 
 
-def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
+def name_rooms(
+    graph: SceneGraph, group: str = "", taken: Collection[str] = ()
+) -> tuple[NamedRoom, ...]:
     """Every room, item and opening of a house under its name, in the graph's order.
+
+    group: that of the storey. taken: names of rooms of other storeys, so that none is twice.
 
     An opening belongs to the first room it joins; what names no room of the house belongs to the
     nearest one. Raises SceneError for a house without rooms.
@@ -73,7 +87,7 @@ def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
             expected="at least one closed room",
             try_="chord-usd plan read PLAN -o plan.json --overlay look.png shows what was read",
         )
-    names = _numbered([ROOM_LABELS[room.kind] for room in graph.rooms])
+    names = _numbered([room_label(room) for room in graph.rooms], taken)
     place = _Places(graph.rooms)
     items, dressing = _by_room(graph.items, place), _by_room(graph.dressing, place)
     openings: list[list[Opening]] = [[] for _ in graph.rooms]
@@ -82,7 +96,7 @@ def name_rooms(graph: SceneGraph) -> tuple[NamedRoom, ...]:
     return tuple(
         NamedRoom(
             index, names[index], room, name_items(items[index]), _openings(openings[index]),
-            name_items(dressing[index]),
+            name_items(dressing[index]), group,
         )
         for index, room in enumerate(graph.rooms)
     )  # fmt: skip
@@ -121,7 +135,12 @@ def room_title(room: Room, shown: str, rooms: Sequence[Room]) -> str:
         return shown
     of_kind = [one.id for one in rooms if one.kind == room.kind]
     number = f" {of_kind.index(room.id) + 1}" if len(of_kind) > 1 else ""
-    return f"{spoken(ROOM_LABELS[room.kind])}{number}"
+    return f"{spoken(room_label(room))}{number}"
+
+
+def room_label(room: Room) -> str:
+    """What prims of such rooms are called, less their number."""
+    return "Stairs" if is_cell(room) else ROOM_LABELS[room.kind]
 
 
 def printable(text: str) -> str:

@@ -445,7 +445,7 @@ def _light_lamps(layer: Sdf.Layer, room_name: str, folders: Sequence[Path]) -> N
     forget(house, gone)
     for path in gone:
         del scope.nameChildren[path.name]
-    lamps = hang_lamps(layer, room_name, folders)
+    lamps = hang_lamps(layer, f"/House/Rooms/{room_name}", folders)
     for time, variant in variants.items():
         shine(variant, lamps, MOODS[time])
 

@@ -25,6 +25,7 @@ from pxr import Sdf, Tf
 from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.stage.prims import apply_schema, attribute, define, over
+from chord_usd.stage.stage_levels import room_specs
 
 LOOKS = "/House/Looks"
 LOOKS_LAYER = "Looks.usdc"
@@ -76,7 +77,7 @@ def _pieces(layer: Sdf.Layer) -> Iterator[tuple[Sdf.PrimSpec, str]]:
     """Things that are placed in rooms, with the file that they refer to."""
     due = [
         group
-        for room in layer.GetPrimAtPath("/House/Rooms").nameChildren
+        for room in room_specs(layer)
         for group in room.nameChildren
         if group.name in ("Furniture", "Dressing")
     ]

@@ -19,7 +19,7 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.scene.feels import FEEL_OF_SURFACE
-from chord_usd.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.scene.trim import CASING_M
 from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
@@ -61,6 +61,16 @@ from chord_usd.stage.prims import (
     place,
     write_mesh,
 )
+from chord_usd.stage.slabs import slab_faces
+from chord_usd.stage.stage_levels import Level, is_shaft, note_stair
+from chord_usd.stage.stair_parts import (
+    floor_boxes,
+    guard_lines,
+    guard_part,
+    open_landing_sides,
+    stair_boxes,
+    stair_parts,
+)
 from chord_usd.stage.surfaces import Fitout, write_surface
 from chord_usd.stage.walls import (
     WallLine,
@@ -89,21 +99,22 @@ _GLASS_DOOR_FROM_M = 1.5
 
 def draw_shell(
     layer: Sdf.Layer,
-    rooms: Sequence[NamedRoom],
-    walls: Walls,
+    level: Level,
     folder: Path,
     fitout: Fitout | None = None,
+    above: Level | None = None,
 ) -> FloatArray:
-    """Write Architecture of every room and the Exterior; returns the bounds, (2, 3) metres.
+    """Write Architecture of every room of a storey and its Exterior; returns the bounds, (2, 3)
+    metres in the storey's frame.
 
     folder: where the payload layers go, beside the layer's own file. fitout: by default plain.
+    above: the storey on top, whose floor's edge is drawn with the exterior.
     """
-    folder.mkdir()
     fitout = fitout or Fitout()
     extents = []
-    for room in rooms:
-        extents.append(_draw_room(layer, room, walls, rooms, folder, fitout))
-    extents.append(_draw_exterior(layer, walls, folder, fitout))
+    for room in level.rooms:
+        extents.append(_draw_room(layer, room, level, folder, fitout))
+    extents.append(_draw_exterior(layer, level, above, folder, fitout))
     bounds = np.array(extents)
     return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
@@ -186,6 +197,10 @@ class _Component:
                 write_feel(define(self._layer, path, "Material"), FEEL_OF_SURFACE[plain])
         return path
 
+    def reserve(self, material: str) -> None:
+        """A material that the room's variants write, though nothing here wears it."""
+        self._material(material)
+
     def save(self) -> None:
         """Write the layer's file."""
         self._layer.Save()
@@ -211,23 +226,20 @@ class _Frame:
 
 
 def _draw_room(
-    layer: Sdf.Layer,
-    room: NamedRoom,
-    walls: Walls,
-    rooms: Sequence[NamedRoom],
-    folder: Path,
-    fitout: Fitout,
+    layer: Sdf.Layer, room: NamedRoom, level: Level, folder: Path, fitout: Fitout
 ) -> FloatArray:
+    walls, rooms = level.walls, level.rooms
     component = _Component(folder / f"{room.name}.usdc", "Architecture", fitout)
     floor = walls.floors_m[room.index]
     lines = walls.lines_of(room.index)
-    _draw_floor_and_ceiling(component, room, floor)
+    _draw_floor_and_ceiling(component, room, floor, level)
     for edge in sorted({line.edge for line in lines}):
         faces = wall_faces([line for line in lines if line.edge == edge])
         if faces:
             wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
             label(wall, "category", "wall")
-    if room.room.kind not in _TILED:
+    shaft = is_shaft(level, room)
+    if room.room.kind not in _TILED and not shaft:
         skirting = _skirting(floor, lines, walls.tunnels_near(floor, CASING_M[0]))
         if skirting:
             component.mesh("Skirting", skirting, "Trim")
@@ -236,17 +248,65 @@ def _draw_room(
     railings = [tunnel for index, tunnel in walls.railings if index == room.index]
     for number, tunnel in enumerate(railings):
         _draw_railing(component, f"Railing_{number}", tunnel, room)
+    if shaft:
+        _draw_stairs(component, room, level)
     walled = [(box, wall_material(room)) for box in wall_boxes(lines)]
-    component.block([(_slab(floor), floor_material(room)), *walled])
+    slabs = [] if room.room.id in level.ways else _slabs(floor, level)
+    steps = [box for own in level.rising.get(room.room.id, ()) for box in stair_boxes(own.built)]
+    component.block([*((box, floor_material(room)) for box in (*slabs, *steps)), *walled])
     component.save()
-    return _refer(layer, f"/House/Rooms/{room.name}/Architecture", component)
+    return _refer(layer, f"{room.path}/Architecture", component)
 
 
-def _draw_floor_and_ceiling(component: _Component, room: NamedRoom, floor: Polygon) -> None:
-    sheet = component.mesh("Floor", flat(floor, 0.0, up=True), floor_material(room))
-    label(sheet, "category", "floor")
-    ceiling = component.mesh("Ceiling", flat(floor, ROOM_HEIGHT_M, up=False), "Ceiling")
-    label(ceiling, "category", "ceiling")
+def _draw_floor_and_ceiling(
+    component: _Component, room: NamedRoom, floor: Polygon, level: Level
+) -> None:
+    if room.room.id not in level.ways:
+        sheet = component.mesh("Floor", flat(floor, 0.0, up=True), floor_material(room))
+        label(sheet, "category", "floor")
+    if room.room.id not in level.rising:
+        ceiling = component.mesh("Ceiling", flat(floor, ROOM_HEIGHT_M, up=False), "Ceiling")
+        label(ceiling, "category", "ceiling")
+
+
+def _draw_stairs(component: _Component, room: NamedRoom, level: Level) -> None:
+    """The stairs up from a room, and the railings around the hole that one comes up through."""
+    solid = level.walls.solid_m
+    for index, own in enumerate(level.rising.get(room.room.id, ())):
+        group = component.group(f"Stair_{index}")
+        label(group, "category", "stairs")
+        note_stair(group, own)
+        for part in stair_parts(own.built, solid):
+            material = floor_material(room) if part.surface == "Floor" else part.surface
+            component.mesh(f"{group.name}/{part.name}", part.faces, material)
+        for number, (line, low_m) in enumerate(open_landing_sides(own.built, solid)):
+            _draw_guard(component, f"{group.name}/Guard_{number}", line, low_m)
+    ways = level.ways.get(room.room.id)
+    if ways is not None:
+        component.reserve(floor_material(room))
+        for number, line in enumerate(guard_lines(room_polygon(room.room), solid, ways)):
+            _draw_guard(component, f"Guard_{number}", line, 0.0)
+
+
+def _draw_guard(component: _Component, name: str, line: FloatArray, low_m: float) -> None:
+    part, collider = guard_part(line)
+    group = component.group(name)
+    place(group, at_m=(0.0, 0.0, low_m))
+    label(group, "category", "railing")
+    component.mesh(f"{name}/{part.name}", part.faces, part.surface, _Frame(0.0, (0.0, 0.0, low_m)))
+    component.guard(group, collider, part.surface)
+
+
+def _slabs(floor: Polygon, level: Level) -> list[Box]:
+    """The slab of a room, with the holes of its storey left open."""
+    slab = _slab(floor)
+    under = footprint_polygon(slab)
+    holes = [hole for hole in level.holes if hole.intersects(under)]
+    if not holes:
+        return [slab]
+    (x0, y0), (x1, y1) = np.asarray(holes[0].exterior.coords)[:2]
+    yaw_deg = float(np.degrees(np.arctan2(y1 - y0, x1 - x0)))
+    return list(floor_boxes(slab, holes, yaw_deg))
 
 
 def _slab(floor: Polygon) -> Box:
@@ -387,15 +447,28 @@ def _fronts(board: Polygon, floor: Polygon, height: float) -> list[Face]:
     return faces
 
 
-def _draw_exterior(layer: Sdf.Layer, walls: Walls, folder: Path, fitout: Fitout) -> FloatArray:
+def _draw_exterior(
+    layer: Sdf.Layer, level: Level, above: Level | None, folder: Path, fitout: Fitout
+) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
-    component = _Component(folder / "Exterior.usdc", "Exterior", fitout)
+    walls, name = level.walls, level.group or "Exterior"
+    component = _Component(folder / f"{name}.usdc", name, fitout)
     facade = wall_faces(walls.lines_of(None))
     if facade:
         component.mesh("Facade", facade, "Facade")
         component.mesh("WallTop", top_faces(walls), "WallTop")
+    if above:
+        outside, inside = slab_faces(walls, above.walls, above.holes)
+        component.mesh("FacadeSlab", outside, "Facade")
+        if inside:
+            component.mesh("SlabHole", inside, "Ceiling")
     component.save()
-    return _refer(layer, "/House/Exterior", component)
+    if not level.group:
+        return _refer(layer, "/House/Exterior", component)
+    path = f"/House/Exterior/{name}"
+    extent = _refer(layer, path, component)
+    place(layer.GetPrimAtPath(path), at_m=(0.0, 0.0, level.elevation_m))
+    return extent
 
 
 def _refer(layer: Sdf.Layer, path: str, component: _Component) -> FloatArray:

@@ -29,9 +29,13 @@ _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
 _GRID_M = 1e-4
 _NEAR_WALL_M = 0.3
 
+_NEXT_FLOOR_M = 1.5
+"""A cut is no lower than this under the floor above: what stands higher is of another storey."""
+
 
 def cut_open(height_m: float) -> None:
-    """Cut the building at a height, close the cut walls, and take away what hung above.
+    """Cut the building at a height, close the cut walls, and take away what hung above, and what
+    stands on the storeys above.
 
     For good: views that come later see it so.
     """
@@ -41,7 +45,7 @@ def cut_open(height_m: float) -> None:
     for thing in [one for one in bpy.data.objects if one.type == "MESH" and _is_building(one)]:
         name = _plain_name(thing)
         if name.startswith(_CAP_FROM):
-            tops += _seen_from_above(thing)
+            tops += _seen_from_above(thing, height_m)
             material = thing.data.materials[0] if thing.data.materials else None
         elif name.startswith(_SHEETS):
             sheets += _section(thing, height_m)
@@ -49,7 +53,8 @@ def cut_open(height_m: float) -> None:
             thing.hide_render = True
     _close(sheets, unary_union(tops), height_m, material)
     for thing in _dressed():
-        if _mount(thing) in _HUNG and _top_m(thing) > height_m:
+        hung = _mount(thing) in _HUNG and _top_m(thing) > height_m
+        if hung or thing.matrix_world.translation.z > height_m + _NEXT_FLOOR_M:
             _hide(thing)
 
 
@@ -169,13 +174,18 @@ def _triangles_m(thing: Any) -> np.ndarray:
     """(T, 3, 3) triangles of a mesh in the world."""
     mesh = thing.data
     mesh.calc_loop_triangles()
+    if not mesh.loop_triangles:  # an earlier cut has taken all of it
+        return np.zeros((0, 3, 3))
     points = np.array([thing.matrix_world @ vertex.co for vertex in mesh.vertices])
     corners = np.array([triangle.vertices[:] for triangle in mesh.loop_triangles], dtype=np.int64)
     return points[corners.reshape(-1, 3)]
 
 
-def _seen_from_above(thing: Any) -> list[Polygon]:
-    found = shapely.polygons(_triangles_m(thing)[:, :, :2])
+def _seen_from_above(thing: Any, height_m: float) -> list[Polygon]:
+    """The triangles of the storey that is cut."""
+    triangles = _triangles_m(thing)
+    over = triangles[:, :, 2].min(axis=1) - height_m
+    found = shapely.polygons(triangles[(over > 0.0) & (over < _NEXT_FLOOR_M + 0.2)][:, :, :2])
     return list(found[shapely.area(found) > 0.0])
 
 

@@ -1,0 +1,134 @@
+"""What generate does with several plans, the storeys of one house."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.commands.common import Outcome, UsageError, existing_file
+from chord_usd.runtime.files import deliver
+
+if TYPE_CHECKING:
+    from chord_usd.pipeline import Settings
+    from chord_usd.pipeline.whole_house import StoreyHouse
+    from chord_usd.runtime.progress import Stopwatch
+    from chord_usd.scene.json_stairs import StoreyPlan
+
+_OF_ONE_PLAN = ("rooms", "layout_out", "graph_out", "preview", "keep")
+"""Options that are about one plan."""
+
+
+def storeys_given(
+    options: argparse.Namespace, settings: Settings, watch: Stopwatch
+) -> tuple[StoreyPlan, ...]:
+    """The storeys, the lowest first, where the plans given are a house of several; else none.
+
+    Raises UsageError for options that such a house cannot have, PlanError for odd files.
+    """
+    from chord_usd.pipeline.whole_house import read_storeys, storeys_in
+
+    files = [existing_file(file) for file in options.plan]
+    if len(files) == 1 and not storeys_in(files[0]):
+        return ()
+    for name in (*_OF_ONE_PLAN, "text", "outline"):
+        if getattr(options, name):
+            raise UsageError(
+                "is for one plan, and there are several storeys",
+                where=f"--{name.replace('_', '-')}",
+            )
+    with watch.step("plan"):
+        return read_storeys(files, settings)
+
+
+def run_storeys(
+    options: argparse.Namespace,
+    given: Sequence[StoreyPlan],
+    settings: Settings,
+    watch: Stopwatch,
+) -> Outcome:
+    """Furnishes the storeys and writes their stage. All outputs appear together, at the end."""
+    from chord_usd.pipeline.whole_house import generate_storeys
+
+    with deliver() as delivery:
+        stage = delivery.place(options.output)
+        view = delivery.place(options.view) if options.view else None
+        house = generate_storeys(given, options.plan, stage, settings, watch)
+        if view:
+            from chord_usd.stage.gltf import write_view
+
+            with watch.step("view"):
+                write_view(stage, view)
+        report = None if options.no_check else _checked(stage, watch)
+    data = _summary(house, options.output, watch.seconds, report)
+    return Outcome(_text(data), data, warnings=data["warnings"])
+
+
+def _checked(stage: Path, watch: Stopwatch) -> dict[str, Any]:
+    with watch.step("check"):
+        from chord_usd.stage.check import certificate, check_stage
+
+        return certificate(check_stage(stage, own=True))
+
+
+def _summary(
+    house: StoreyHouse, stage: Path, seconds: dict[str, float], check: dict[str, Any] | None
+) -> dict[str, Any]:
+    graphs = [one.graph for one in house.furnished]
+    storeys = []
+    for storey, graph in zip(house.building.storeys, graphs, strict=True):
+        laid = storey.registration
+        storeys.append(
+            {
+                "name": storey.name,
+                "elevation_m": storey.elevation_m,
+                "rooms": len(graph.rooms),
+                "furniture": len(graph.items),
+                "registered_by": laid.by if laid else None,
+                "shift_m": list(laid.shift_m) if laid else [0.0, 0.0],
+                "on_walls": laid.on_walls if laid else None,
+                "residual_m": laid.residual_m if laid else None,
+            }
+        )
+    told = [str(one) for storey in house.building.storeys
+            for one in storey.plan.extra.get("warnings", ())]  # fmt: skip
+    return {
+        "stage": str(stage),
+        "style": graphs[0].style,
+        "storeys": storeys,
+        "stairs": [
+            {"form": one.built.stair.form, "rise_m": round(one.built.rise_m, 3),
+             "going_m": round(one.built.going_m, 3), "from": one.foot.joined, "to": one.top.joined}
+            for one in house.building.climbs
+        ],
+        "rooms": sum(len(graph.rooms) for graph in graphs),
+        "furniture": sum(len(graph.items) for graph in graphs),
+        "openings": sum(len(graph.openings) for graph in graphs),
+        "dressing": sum(len(graph.dressing) for graph in graphs),
+        "left_out": [item for one in house.furnished for item in one.left_out],
+        "seconds": seconds,
+        "certificate": check,
+        "warnings": list(dict.fromkeys((*house.building.warnings, *told))),
+    }  # fmt: skip
+
+
+def _text(data: dict[str, Any]) -> str:
+    check = data["certificate"]
+    lines = [
+        f"{data['stage']}: {len(data['storeys'])} storeys, {data['rooms']} rooms, "
+        f"{data['furniture']} pieces of furniture, in {sum(data['seconds'].values()):.1f} s"
+    ]
+    lines += [
+        f"  {one['name']}: laid over the storey below by its {one['registered_by']}, "
+        f"{one['on_walls']:.0%} of its outer walls on walls, {one['residual_m'] * 100:.1f} cm off"
+        for one in data["storeys"][1:]
+    ]
+    lines += [
+        f"  {one['form']} stair, rise {one['rise_m'] * 100:.1f} cm, going "
+        f"{one['going_m'] * 100:.1f} cm, from {one['from']} to {one['to']}"
+        for one in data["stairs"]
+    ]
+    holds = "holds" if check and check["holds"] else "does not hold: chord-usd check says why"
+    told = f"certificate {holds}" if check else "not checked: chord-usd check does that"
+    return "\n".join([*lines, told])

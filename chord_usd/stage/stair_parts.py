@@ -1,0 +1,222 @@
+"""What stairs are drawn from: flights, landings, handrails, and the railings around their holes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from chord_usd.scene.geometry import to_world
+from chord_usd.scene.stair_forms import BuiltStair, Flight, Tread
+from chord_usd.scene.types import Box, FloatArray
+from chord_usd.scene.units import rotation_2d
+from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
+from chord_usd.stage.railings import railing_faces
+
+GUARD_M = 1.0
+"""Height of a railing around a hole over the floor."""
+
+_WAIST_M = 0.16
+"""Of a flight, straight down from the inner corner of a step."""
+
+_LANDING_M = 0.2
+_RAIL_M = 0.9
+"""Height of a handrail over the noses of the steps."""
+
+_GRIP_M = (0.045, 0.05)
+"""Width and height of a handrail."""
+
+_FROM_SIDE_M = 0.06
+"""From the side of a flight to the middle of its rail."""
+
+_BAR_M = 0.014
+_POST_M = 0.05
+_GUARD_FOOT_M = 0.07
+"""Between the floor and where a railing's frame begins."""
+
+_GUARD_IN_M = 0.04
+"""A railing stands this far over its hole, off the floor that one walks on."""
+
+_LEAST_GUARD_M = 0.12
+"""A gap no wider needs no railing."""
+
+
+@dataclass(frozen=True, eq=False)
+class StairPart:
+    """One mesh of a stair, in the storey's frame."""
+
+    name: str
+    faces: Sequence[Face]
+    surface: str
+    """Row of surfaces.PLAIN_SURFACES, or "Floor" for the look of the room."""
+
+
+def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
+    """Steps and handrails of a stair. walls: where walls stand around it, seen from above."""
+    steps: list[Face] = []
+    rails: list[Face] = []
+    for flight in built.flights:
+        steps += _in_storey(built, _flight_faces(built, flight))
+        for side in (-1, 1):
+            walled = _is_walled(built, flight, side, walls)
+            rails += _in_storey(built, _rail_faces(built, flight, side, walled=walled))
+    for tread in built.treads:
+        if tread.is_landing:
+            steps += _in_storey(built, prism(tread.area_m, tread.top_m - _LANDING_M, tread.top_m))
+    return [StairPart("Steps", steps, "Floor"), StairPart("Handrail", rails, "Metal")]
+
+
+def stair_boxes(built: BuiltStair) -> list[Box]:
+    """What one steps on, as upright boxes in the storey's frame."""
+    found = []
+    for tread in built.treads:
+        west, south, east, north = tread.area_m.bounds
+        low = 0.0 if tread.top_m < 2 * built.rise_m - 1e-6 else tread.top_m - built.rise_m - 0.02
+        x, y = to_world(built.stair.box, ((west + east) / 2, (south + north) / 2))
+        size_m = (east - west, north - south, tread.top_m - low)
+        found.append(Box((float(x), float(y), low), size_m, built.stair.box.yaw_deg))
+    return found
+
+
+def guard_lines(hole: Polygon, walls: BaseGeometry, ways: Sequence[LineString]) -> list[FloatArray]:
+    """(2, 2) ends of the railings around a hole in a floor: where neither a wall stands nor one of
+    the ways over its edge is. The hole lies to their left."""
+    ring = shapely.geometry.polygon.orient(hole).exterior
+    blocked = shapely.union_all([walls.buffer(0.03), *(way.buffer(0.03) for way in ways)])
+    found = []
+    for start, end in pairwise(np.asarray(ring.coords)):
+        for piece in shapely.get_parts(LineString([start, end]).difference(blocked)):
+            if piece.length > _LEAST_GUARD_M:
+                found.append(np.asarray(piece.coords))
+    return found
+
+
+def guard_part(line: FloatArray) -> tuple[StairPart, Box]:
+    """A railing along a line, with posts at its ends, and its collider; in the storey's frame."""
+    start, end = line
+    along = (end - start) / np.hypot(*(end - start))
+    inwards = np.array([-along[1], along[0]]) * _GUARD_IN_M
+    half = float(np.hypot(*(end - start))) / 2
+    yaw_deg = float(np.degrees(np.arctan2(along[1], along[0])))
+    x, y = (start + end) / 2 + inwards
+    faces = moved(railing_faces(-half, half, 0.0), np.eye(2), (0.0, 0.0, _GUARD_FOOT_M))
+    for post in (-half, half - _POST_M):
+        faces += cuboid((post, -_POST_M / 2, 0.0), (post + _POST_M, _POST_M / 2, GUARD_M))
+    own = moved(faces, rotation_2d(yaw_deg), (float(x), float(y), 0.0))
+    collider = Box((float(x), float(y), 0.0), (2 * half, _POST_M, GUARD_M), yaw_deg)
+    return StairPart("Railing", own, "Metal"), collider
+
+
+def floor_boxes(floor: Box, holes: Sequence[Polygon], yaw_deg: float) -> Iterator[Box]:
+    """A slab around holes, as boxes. yaw_deg: the direction in which the holes' sides run."""
+    turn = rotation_2d(-yaw_deg)
+    rings = [np.asarray(hole.exterior.coords) @ turn.T for hole in holes]
+    own = [Polygon(ring) for ring in rings]
+    length, width, height = floor.size_m
+    corners = to_world(floor, [[-length / 2, -width / 2], [length / 2, -width / 2],
+                               [length / 2, width / 2], [-length / 2, width / 2]])  # fmt: skip
+    area = Polygon(corners @ turn.T)
+    cuts = np.vstack([*rings, np.asarray(area.exterior.coords)])
+    xs, ys = (_distinct(cuts[:, axis]) for axis in (0, 1))
+    for low, high in pairwise(ys):
+        run: list[float] = []
+        for left, right in [*pairwise(xs), (xs[-1], xs[-1])]:
+            middle = shapely.Point((left + right) / 2, (low + high) / 2)
+            solid = right > left and area.covers(middle) and not any(o.covers(middle) for o in own)
+            if solid:
+                run = [run[0] if run else left, right]
+            elif run:
+                x, y = np.array([(run[0] + run[1]) / 2, (low + high) / 2]) @ turn
+                size_m = (run[1] - run[0], high - low, height)
+                yield Box((float(x), float(y), floor.center_m[2]), size_m, yaw_deg)
+                run = []
+
+
+def _distinct(values: FloatArray) -> list[float]:
+    kept: list[float] = []
+    for value in np.sort(values):
+        if not kept or value - kept[-1] > 1e-3:
+            kept.append(float(value))
+    return kept
+
+
+def _in_storey(built: BuiltStair, faces: Sequence[Face]) -> list[Face]:
+    x, y, _ = built.stair.box.center_m
+    return moved(faces, rotation_2d(built.stair.box.yaw_deg), (x, y, 0.0))
+
+
+def _in_flight(flight: Flight, faces: Sequence[Face]) -> list[Face]:
+    """Faces drawn with x along a flight, y to its left."""
+    ux, uy = flight.ahead
+    return moved(faces, np.array([[ux, -uy], [uy, ux]], float), (*flight.start_m, 0.0))
+
+
+def _flight_faces(built: BuiltStair, flight: Flight) -> list[Face]:
+    """Steps and what carries them, in the stair's frame."""
+    count = round((flight.high_m - flight.low_m) / built.rise_m) - 1
+    going, rise, low = flight.length_m / count, built.rise_m, flight.low_m
+    profile = [(0.0, low)]
+    for index in range(count):
+        top = low + (index + 1) * rise
+        profile += [(index * going, top), ((index + 1) * going, top)]
+    foot = low - (0.0 if low == 0.0 else _LANDING_M)
+    bend = float(np.clip((foot - low + _WAIST_M) * going / rise, 0.0, flight.length_m))
+    profile += [(flight.length_m, low + count * rise - _WAIST_M), (bend, foot)]
+    profile += [(0.0, foot)] if bend > 0.0 and foot < low else []
+    half = flight.width_m / 2
+    return _in_flight(flight, standing(prism(Polygon(profile), -half, half)))
+
+
+def _rail_faces(built: BuiltStair, flight: Flight, side: int, *, walled: bool) -> list[Face]:
+    """A handrail; where no wall holds it, with a bar on each step. side: 1 is to the left."""
+    count = round((flight.high_m - flight.low_m) / built.rise_m) - 1
+    going, rise = flight.length_m / count, built.rise_m
+    wide, high = _GRIP_M
+    at = side * (flight.width_m / 2 - _FROM_SIDE_M)
+
+    def under(along: float) -> float:
+        return flight.low_m + rise + along / going * rise + _RAIL_M - high
+
+    ends = (0.0, flight.length_m)
+    bar = Polygon([(x, under(x)) for x in ends] + [(x, under(x) + high) for x in ends[::-1]])
+    faces = standing(prism(bar, -at - wide / 2, -at + wide / 2))
+    if not walled:
+        for index in range(count):
+            x = (index + 0.5) * going
+            top = flight.low_m + (index + 1) * rise - 0.005
+            low = (x - _BAR_M / 2, at - _BAR_M / 2, top)
+            faces += cuboid(low, (x + _BAR_M / 2, at + _BAR_M / 2, under(x) + 0.005))
+    return _in_flight(flight, faces)
+
+
+def _is_walled(built: BuiltStair, flight: Flight, side: int, walls: BaseGeometry) -> bool:
+    (x, y), (ux, uy) = flight.start_m, flight.ahead
+    out = side * (flight.width_m / 2 + 0.1)
+    points = [
+        (x + ux * along - uy * out, y + uy * along + ux * out)
+        for along in np.linspace(0.1, 0.9, 5) * flight.length_m
+    ]
+    inside = shapely.contains_xy(walls, to_world(built.stair.box, points))
+    return bool(inside.mean() > 0.5)
+
+
+def open_landing_sides(
+    built: BuiltStair, walls: BaseGeometry
+) -> Iterator[tuple[FloatArray, float]]:
+    """(2, 2) ends of the sides of landings over which one could fall, and the landings' heights."""
+    for tread in built.treads:
+        if tread.is_landing:
+            others = [_world_area(built, other) for other in built.treads if other is not tread]
+            around = shapely.union_all([walls, *others])
+            for line in guard_lines(_world_area(built, tread), around, ()):
+                if np.hypot(*(line[1] - line[0])) > 2 * _LEAST_GUARD_M:
+                    yield line, tread.top_m
+
+
+def _world_area(built: BuiltStair, tread: Tread) -> Polygon:
+    return Polygon(to_world(built.stair.box, np.asarray(tread.area_m.exterior.coords)))
