@@ -91,6 +91,27 @@ def drag_up(page: Page, canvas: Locator) -> None:
     page.mouse.up()
 
 
+JOINED_AGAIN = """async () => {
+    const model = await import("/page/plan_model.js");
+    const outline = [[0, 0], [900, 0], [900, 400], [600, 400], [600, 700], [0, 700]];
+    const room = { roomId: "a", roomKind: "living", wallPoints: structuredClone(outline) };
+    const plan = { rooms: [room], windowsDoors: [] };
+    model.splitRoom(plan, room, 0, [300, 0]);
+    const wall = room.wallPoints.findIndex((_, index) => model.edgeOf(room, index).out[0] > 0.9);
+    model.addOpening(plan, room, wall, [290, 350], "door");
+    model.addOpening(plan, room, 0, [100, 0], "window");
+    model.joinRooms(plan, room, wall, [290, 200]);
+    return {
+        rooms: plan.rooms.length,
+        corners: room.wallPoints.length,
+        area: model.areaM2(room),
+        openings: plan.windowsDoors.map((opening) => opening.type),
+        beyond: model.joinRooms(plan, room, 0, [100, 0]),
+    };
+}"""
+"""A room cut in two, and made one again by taking away that wall with its door."""
+
+
 def test_from_drop_to_download(page: Page, address: str) -> None:
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
@@ -119,6 +140,11 @@ def test_from_drop_to_download(page: Page, address: str) -> None:
     page.get_by_label("Name").fill(SCRIPT)
     page.get_by_label("Name").press("Enter")
     expect(page.locator("svg text").first).to_contain_text("onerror")
+
+    joined = page.evaluate(JOINED_AGAIN)
+    assert joined == {
+        "rooms": 1, "corners": 6, "area": 54.0, "openings": ["window"], "beyond": False,
+    }  # fmt: skip
 
     page.locator("#furnish").click()
     canvas = page.locator("canvas[data-ready]")

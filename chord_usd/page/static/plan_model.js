@@ -187,6 +187,57 @@ export function splitRoom(plan, room, index, place) {
   return made;
 }
 
+/** Make one room of two by taking away the wall between them, at a place on a face; returns whether
+ * there is another room across it. */
+export function joinRooms(plan, room, index, place) {
+  const own = edgeOf(room, index);
+  const at = dot(sub(place, own.from), own.along);
+  const beyond = acrossFrom(plan, room, own, at);
+  if (!beyond) return false;
+  const other = edgeOf(beyond.room, beyond.index);
+  const far = (point) => dot(sub(point, own.from), own.along);
+  const [low, high] = [Math.max(0, far(other.to)), Math.min(own.span, far(other.from))];
+  const onOwn = (x) => own.from.map((from, axis) => from + own.along[axis] * x);
+  const onOther = (x) => other.to.map((to, axis) => to + own.along[axis] * (x - far(other.to)));
+  const thick = dot(sub(other.from, own.from), own.out);
+  plan.windowsDoors = plan.windowsDoors.filter(({ pos }) => {
+    const across = dot(sub(pos, own.from), own.out);
+    return far(pos) < low || far(pos) > high || across < -1 || across > thick + 1;
+  });
+  const around = (points, start) => points.map((_, k) => points[(start + k) % points.length]);
+  room.wallPoints = withoutIdle([
+    ...around(room.wallPoints, index + 1), onOwn(low),
+    onOther(low), ...around(beyond.room.wallPoints, beyond.index + 1), onOther(high), onOwn(high),
+  ]);
+  plan.rooms = plan.rooms.filter((one) => one !== beyond.room);
+  for (const opening of plan.windowsDoors) delete opening.roomIds;
+  return true;
+}
+
+/** The face of another room across a wall, at so far along a face. */
+function acrossFrom(plan, room, own, at) {
+  for (const other of roomsOf(plan)) {
+    if (other === room) continue;
+    const index = other.wallPoints.findIndex((_, k) => {
+      const edge = edgeOf(other, k);
+      const [low, high] = [edge.to, edge.from].map((end) => dot(sub(end, own.from), own.along));
+      return facing(own, edge) && low <= at && at <= high;
+    });
+    if (index >= 0) return { room: other, index };
+  }
+  return null;
+}
+
+/** A ring without corners that stand on the one before, or in line with both beside them. */
+function withoutIdle(points) {
+  const apart = points.filter((point, k) => length(sub(point, points.at(k - 1))) > 0.5);
+  return apart.filter((point, k) => {
+    const [before, after] = [apart.at(k - 1), apart[(k + 1) % apart.length]];
+    const [a, b] = [sub(point, before), sub(after, point)];
+    return Math.abs(a[0] * b[1] - a[1] * b[0]) > 0.01 * length(a) * length(b);
+  });
+}
+
 /** The part of a polygon before (side -1) or beyond (1) a line across the way along an edge. */
 function clipped(points, edge, at, side) {
   const far = (point) => (dot(sub(point, edge.from), edge.along) - at) * side;

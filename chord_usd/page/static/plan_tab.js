@@ -13,6 +13,7 @@ const HINTS = {
   window: "Click the wall where the window is.",
   passage: "Click the wall where the passage is.",
   split: "Click a wall where a new wall meets it.",
+  join: "Click the wall between two rooms that are one.",
 };
 
 export async function planTab(app) {
@@ -101,7 +102,7 @@ class PlanTab {
       "div", { class: "tools", role: "toolbar", "aria-label": "Tools" },
       this.undo, this.redo,
       tool("door", "+ Door"), tool("window", "+ Window"), tool("passage", "+ Passage"),
-      tool("split", "+ Wall"), tool("scale", "Scale"),
+      tool("split", "+ Wall"), tool("join", "− Wall"), tool("scale", "Scale"),
       button("+", () => this.drawing.zoom(0.8), { "aria-label": "Nearer" }),
       button("−", () => this.drawing.zoom(1.25), { "aria-label": "Farther" }),
     );
@@ -132,6 +133,8 @@ class PlanTab {
       const room = plan.rooms[this.plan.rooms.indexOf(what.item)];
       if (tool === "split") {
         if (!model.splitRoom(plan, room, what.index, place)) complain("There is no room for a wall.");
+      } else if (tool === "join") {
+        if (!model.joinRooms(plan, room, what.index, place)) complain("No other room lies beyond this wall.");
       } else model.addOpening(plan, room, what.index, place, tool);
     }));
     this.use("");
