@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from shapely.geometry import Polygon
 
-from chord_usd.image.stage_cameras import room_prims
-from chord_usd.runtime.stages import open_stage
+from chord_usd.runtime.stages import open_stage, room_prims
 from chord_usd.scene.geometry import seams
 
 if TYPE_CHECKING:
@@ -39,9 +38,13 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
         if walls:
             walls.Load()
     names = {_node_id(room): room.GetName() for room in rooms}
-    floors = {room.GetName(): _floor_m(room) for room in rooms}
+    storeys: dict[str, dict[str, Polygon]] = {}
+    for room in rooms:
+        own = storeys.setdefault(room.GetParent().GetName(), {})
+        own[room.GetName()] = _floor_m(room)
     pairs = {pair for room in rooms for pair in _pairs(room, names)}
-    return tuple(sorted(pairs | set(touching(floors))))
+    beside = {pair for floors in storeys.values() for pair in touching(floors)}
+    return tuple(sorted(pairs | beside))
 
 
 def touching(floors_m: Mapping[str, Polygon]) -> Iterator[tuple[str, str]]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from chord_usd.errors import RenderError
 from chord_usd.image.picture_layers import layer_over
 from chord_usd.image.stage_cameras import Matrix, rigid
-from chord_usd.runtime.stages import open_stage
+from chord_usd.runtime.stages import ELEVATION, open_stage
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -161,5 +161,9 @@ def _thing(prim: Usd.Prim, number: int) -> Thing:
 
 
 def _room_of(prim: Usd.Prim) -> str:
-    parts = prim.GetPath().pathString.split("/")
-    return parts[3] if len(parts) > 3 and parts[2] == "Rooms" else ""
+    """Name of the room that a prim is in: of a house of storeys, below one of these."""
+    above = prim.GetPath().GetPrefixes()
+    rooms = [path for path in above[2:] if path.GetParentPath().name == "Rooms"]
+    if rooms and prim.GetStage().GetPrimAtPath(rooms[0]).HasAttribute(ELEVATION):
+        rooms = [path for path in above if path.GetParentPath() == rooms[0]]
+    return str(rooms[0].name) if rooms else ""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.runtime.stages import files_of, open_stage, reading, silence
+from chord_usd.runtime.stages import files_of, open_stage, reading, room_prims, silence
 
 if TYPE_CHECKING:
     from pxr import Gf, Sdf, Usd
@@ -17,9 +17,6 @@ TENTHS = 0.1
 
 CUT_NOTE = "chord:cut_m"
 """Attribute of cameras that see the house with its walls cut at a height."""
-
-ELEVATION_NOTE = "chord:elevation_m"
-"""Attribute of groups that hold the rooms of a storey."""
 
 DEFAULT_CAMERA = "Default"
 _CORNER = (-0.6, -0.7, 0.45)
@@ -113,17 +110,6 @@ def stage_files(path: Path) -> list[Path]:
     """All files a stage is made of, itself first, absolute. Raises StageError."""
     files = files_of(path)
     return [*files.layers, *files.others]
-
-
-def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:
-    """The rooms of a house; none on a stage that is not one of ours."""
-    house = stage.GetDefaultPrim()
-    rooms = house.GetChild("Rooms") if house else None
-    return [
-        room
-        for child in (rooms.GetChildren() if rooms else ())
-        for room in (child.GetChildren() if child.HasAttribute(ELEVATION_NOTE) else (child,))
-    ]
 
 
 def _top_m(stage: Usd.Stage) -> float:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from chord_usd.errors import RenderError
-from chord_usd.image.stage_cameras import StageCamera, room_prims
-from chord_usd.runtime.stages import open_stage
+from chord_usd.image.stage_cameras import StageCamera
+from chord_usd.runtime.stages import open_stage, room_prims
 from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray
 
 FOCAL_M = 0.04

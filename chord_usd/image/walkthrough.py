@@ -15,8 +15,8 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import polylabel, unary_union
 
 from chord_usd.errors import RenderError
-from chord_usd.image.stage_cameras import StageCamera, room_prims
-from chord_usd.runtime.stages import open_stage
+from chord_usd.image.stage_cameras import StageCamera
+from chord_usd.runtime.stages import open_stage, room_prims, storey_prims
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import BoolArray, FloatArray
 
@@ -109,6 +109,13 @@ def _read_house(path: Path) -> _House:
     from pxr import Usd
 
     stage = open_stage(path, load=False)
+    storeys = storey_prims(stage)
+    if storeys:
+        raise RenderError(
+            f"the house has {len(storeys)} storeys, and walkthroughs are not made for these yet",
+            where=str(path),
+            expected="a house of one storey, or --camera",
+        )
     stage.Load()
     rooms, doors, items = {}, [], []
     for room in room_prims(stage):

@@ -297,6 +297,25 @@ def _try(path: Path) -> StageFiles:
     return StageFiles((*files.layers, *more), files.others, files.missing)
 
 
+ELEVATION = "chord:elevation_m"
+"""Attribute of the groups that hold the rooms of a storey."""
+
+
+def storey_prims(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The groups of a house's storeys, the lowest first; none in a house of one."""
+    house = stage.GetDefaultPrim()
+    rooms = house.GetChild("Rooms") if house else None
+    return [one for one in (rooms.GetChildren() if rooms else ()) if one.HasAttribute(ELEVATION)]
+
+
+def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The rooms of a house, of all its storeys; none on a stage that is not one of ours."""
+    house = stage.GetDefaultPrim()
+    rooms = house.GetChild("Rooms") if house else None
+    groups = storey_prims(stage) or ([rooms] if rooms else [])
+    return [room for group in groups for room in group.GetChildren()]
+
+
 def count_prims(stage: Usd.Stage, path: Path) -> None:
     """Raises StageError for more prims, or more of them in one another, than any house has."""
     from pxr import Usd

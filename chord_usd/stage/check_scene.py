@@ -16,6 +16,7 @@ import shapely
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 from chord_usd.errors import StageError
+from chord_usd.runtime.stages import ELEVATION, storey_prims
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import (
     ROOM_KINDS,
@@ -35,7 +36,7 @@ from chord_usd.stage.check_contact import Body, Solid
 from chord_usd.stage.check_rules import NODE_ID
 from chord_usd.stage.furniture import DRESSING, FURNITURE
 from chord_usd.stage.mesh import fans
-from chord_usd.stage.stage_levels import ELEVATION, SHAFT, STAIR_WALK
+from chord_usd.stage.stage_levels import SHAFT, STAIR_WALK
 from chord_usd.stage.triangles import Triangles
 
 CATEGORY = "chord:category"
@@ -102,10 +103,9 @@ def read_scene(stage: Usd.Stage) -> StageScene:
 
 def read_storeys(stage: Usd.Stage) -> list[StageScene]:
     """The storeys of a house, the lowest first; a house without storeys is one."""
-    rooms = _children(stage.GetDefaultPrim(), "Rooms")
-    storeys = [one for one in rooms if one.HasAttribute(ELEVATION)]
+    storeys = storey_prims(stage)
     if not storeys:
-        return [_read_storey(rooms, 0.0)]
+        return [_read_storey(_children(stage.GetDefaultPrim(), "Rooms"), 0.0)]
     return [_read_storey(list(one.GetFilteredChildren(_PROXIES)), one.GetAttribute(ELEVATION).Get())
             for one in storeys]  # fmt: skip
 

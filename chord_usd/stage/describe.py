@@ -13,7 +13,7 @@ from pathlib import Path
 from pxr import Usd
 
 from chord_usd.errors import StageError
-from chord_usd.runtime.stages import open_stage, reading
+from chord_usd.runtime.stages import open_stage, reading, room_prims
 from chord_usd.stage.summary import LOADED_OR_NOT
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
@@ -94,10 +94,11 @@ def _described(stage: Usd.Stage, path: Path) -> HouseContents:
             try_=f"chord-usd check {path.name}",
         )
     cameras = house.GetChild("Cameras")
-    paths = {node: path for room in rooms.GetChildren() for node, path in _placed(room)}
+    every = room_prims(stage)
+    paths = {node: path for room in every for node, path in _placed(room)}
     return HouseContents(
         looks=_looks(house),
-        rooms=tuple(_room(prim, paths) for prim in rooms.GetChildren()),
+        rooms=tuple(_room(prim, paths) for prim in every),
         cameras=tuple(prim.GetName() for prim in (cameras.GetChildren() if cameras else ())),
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
 from chord_usd.runtime.networks import usable_cores
-from chord_usd.runtime.stages import open_known
+from chord_usd.runtime.stages import open_known, room_prims
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
 from chord_usd.stage.gltf_lights import camera_of, light_of
@@ -59,6 +59,7 @@ class _Writer:
     def __init__(self, stage: Usd.Stage, pool: Executor, most_px: int | None) -> None:
         self.file = GltfFile()
         self.looks = Looks(self.file, pool, most_px)
+        self._rooms = {room.GetPath() for room in room_prims(stage)}
         self._meshes: dict[tuple[str, ...], int] = {}
         self._frames = UsdGeom.XformCache()
         self._metres = UsdGeom.GetStageMetersPerUnit(stage)
@@ -74,7 +75,7 @@ class _Writer:
 
     def _node(self, prim: Usd.Prim, frame: FloatArray, *, inside: bool, room: str) -> Entry | None:
         """The entry of a prim, those of its children written; None where nothing is in it."""
-        if prim.GetParent().GetPath() == "/House/Rooms":
+        if prim.GetPath() in self._rooms:
             room = prim.GetName()
         meshes: list[Usd.Prim] = [prim] if prim.IsA(UsdGeom.Mesh) else []
         children = []

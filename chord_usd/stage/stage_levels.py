@@ -102,9 +102,6 @@ def is_shaft(level: Level, room: NamedRoom) -> bool:
     return is_cell(room.room) and (room.room.id in level.rising or room.room.id in level.ways)
 
 
-ELEVATION = "chord:elevation_m"
-"""Attribute of the groups of storeys."""
-
 SHAFT = "stairwell"
 """`chord:category` of rooms that a stair goes through."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pxr import Kind, Usd
 
-from chord_usd.runtime.stages import open_stage, reading
+from chord_usd.runtime.stages import open_stage, reading, room_prims
 
 LOADED_OR_NOT = Usd.PrimIsActive & Usd.PrimIsDefined & ~Usd.PrimIsAbstract
 """Which prims count where furniture is not loaded."""
@@ -40,7 +40,7 @@ def summary(path: Path) -> StageSummary:
 
 
 def _counted(stage: Usd.Stage) -> StageSummary:
-    rooms = _rooms(stage)
+    rooms = room_prims(stage)
     for room in rooms:  # openings are behind the payload
         stage.Load(room.GetPath().AppendChild("Architecture"))
     prims = [prim for room in rooms for prim in Usd.PrimRange(room, LOADED_OR_NOT)]
@@ -57,12 +57,6 @@ def _counted(stage: Usd.Stage) -> StageSummary:
         lights=sum(prim.GetTypeName() == "RectLight" for prim in prims),
         cameras=sum(prim.GetTypeName() == "Camera" for prim in stage.Traverse()),
     )
-
-
-def _rooms(stage: Usd.Stage) -> list[Usd.Prim]:
-    house = stage.GetDefaultPrim()
-    group = house.GetChild("Rooms") if house else None
-    return list(group.GetChildren()) if group else []
 
 
 def _is_component(prim: Usd.Prim) -> bool:
