@@ -18,15 +18,15 @@ LEAST_FREE_BYTES = 256 * 2**20
 
 LONGEST_NAME = 80
 
+_PICTURES = (
+    b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"II*\0", b"MM\0*", b"BM", b"RIFF", b"GIF8",
+)  # fmt: skip
+"""Any of them under any of their suffixes: many a JPEG is called .png."""
+
+_PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".gif")
+
 _STARTS: dict[str, tuple[bytes, ...]] = {
-    ".png": (b"\x89PNG\r\n\x1a\n",),
-    ".jpg": (b"\xff\xd8\xff",),
-    ".jpeg": (b"\xff\xd8\xff",),
-    ".tif": (b"II*\0", b"MM\0*"),
-    ".tiff": (b"II*\0", b"MM\0*"),
-    ".bmp": (b"BM",),
-    ".webp": (b"RIFF",),
-    ".gif": (b"GIF8",),
+    **dict.fromkeys(_PICTURE_SUFFIXES, _PICTURES),
     ".pdf": (b"%PDF",),
     ".sh3d": (b"PK\x03\x04",),
     ".ifc": (b"ISO-10303-21",),
