@@ -356,11 +356,10 @@ def run_reader(options: argparse.Namespace) -> Outcome:
     """Runs train reader."""
     from chord_usd.data.flats import read_flats
     from chord_usd.training.reader_data import held_out
-    from chord_usd.training.reader_network import CHANNELS, GPU_CHANNELS
     from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
     device = _device(options)
-    base, channels = (ReaderTraining(), CHANNELS) if device == "cpu" else (ON_GPU, GPU_CHANNELS)
+    base = ReaderTraining() if device == "cpu" else ON_GPU
     config = replace(
         base,
         minutes=options.minutes,
@@ -375,7 +374,7 @@ def run_reader(options: argparse.Namespace) -> Outcome:
         crops = held_out(24)
     with watch.step("train") as progress:
         facts = train_reader(
-            config, options.output, crops, progress, channels, options.start, flats
+            config, options.output, crops, progress, start=options.start, flats=flats
         )
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)

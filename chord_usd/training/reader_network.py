@@ -20,10 +20,8 @@ from chord_usd.raster.page_labels import (
     POINT_NAMES,
 )
 
-CHANNELS = (16, 32, 80, 144, 224)
+CHANNELS = (32, 64, 128, 224, 320)
 """From a half to a thirty-second of the page's resolution."""
-GPU_CHANNELS = (32, 64, 128, 224, 320)
-"""Of what a GPU learns in minutes."""
 
 OUTPUTS = (len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES))
 
