@@ -24,6 +24,12 @@ _ROOM_WORDS = frozenset((
 ))  # fmt: skip
 _NUMBERED = frozenset(("one", "two", "three", "four", "five", "six"))
 _OUTSIDE = ("outside", "outdoors")
+_PARTED = {
+    "out": ("take", "get", "bring", "carry", "move", "put"),
+    "away": ("take", "get", "bring", "carry", "move", "put", "give", "send"),
+    "down": ("take", "get", "bring"),
+}
+"""Verbs that mean to remove together with a word that may stand after their object."""
 
 
 @dataclass
@@ -216,7 +222,7 @@ class _Parser:
         """Whether a verb belongs to the next clause."""
         own = self.clause.verb
         return bool(own and own != "weak" and token.value != "weak" and not self.clause.is_bare
-                    and token.said not in ("out", "away", "up", "face", "get"))  # fmt: skip
+                    and token.said not in ("up", "face", "get"))  # fmt: skip
 
     @property
     def is_between(self) -> bool:
@@ -235,6 +241,10 @@ class _Parser:
             clause.degrees, self.pending = 180.0, ""
         if self.pending == "for" or (self.pending and not clause.is_bare):
             clause.relation = clause.relation or self.pending
+        leaves = any(prep == "from" for prep, _ in clause.rooms)
+        stays = clause.relation or clause.way or any(prep == "to" for prep, _ in clause.rooms)
+        if leaves and not stays and clause.verb_said in _PARTED["out"]:
+            clause.verb = "remove"  # "take the sofa out of the living room"
         if clause.said:
             yield clause
         self._begin()
@@ -248,9 +258,7 @@ class _Parser:
         pass
 
     def on_verb(self, token: Token) -> None:
-        if not self.clause.verb or self.clause.verb == "weak" or token.said == "out":
-            if token.said == "out" and self.clause.verb not in ("", "weak"):
-                return
+        if not self.clause.verb or self.clause.verb == "weak":
             self.clause.verb, self.clause.verb_said = token.value, token.said
             self.prep = ""
         elif token.value != "weak" and self.clause.verb != token.value:
@@ -258,6 +266,13 @@ class _Parser:
                 self.clause.words, f"'{self.clause.verb_said}' and '{token.said}' at once",
                 "one thing to do between two commas",
             )  # fmt: skip
+
+    def on_particle(self, token: Token) -> None:
+        clause = self.clause
+        if clause.verb in ("", "weak") or clause.verb_said in _PARTED[token.said]:
+            clause.verb, clause.verb_said = "remove", f"{clause.verb_said} {token.said}".strip()
+        elif clause.verb != "remove":
+            raise not_understood(clause.words, f"'{token.said}' after '{clause.verb_said}'")
 
     def on_thing(self, token: Token) -> None:
         assert token.thing is not None

@@ -48,7 +48,11 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("verb", "put", "put|place|stand|set|lay|hang|position|arrange|put up|set up|stands|be placed"),
     ("verb", "remove", "remove|delete|get rid of|throw out|throw away|throw|take away|take out|take"
      " down|take off|discard|drop|eliminate|ditch|scrap|dispose of|do away with|clear|clear out"
-     "|empty|strip|kick out|chuck out|leave out|erase|out|away"),
+     "|empty|strip|kick out|chuck out|leave out|erase|put away|should go"
+     "|must go|has to go|have to go"),
+    ("verb", "dislike", "dislike|hate|do not like|dont like|cannot stand|cant stand|tired of|im"
+     " tired of|am tired of"),
+    ("particle", "", "out|away|down"),
     ("verb", "move", "move|shift|translate|push|pull|slide|bring|carry|relocate|drag|nudge|shove"
      "|transfer|take|be moved|send"),
     ("verb", "turn", "turn|rotate|spin|yaw|swivel|pivot|be turned|be rotated"),

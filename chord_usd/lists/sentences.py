@@ -111,6 +111,8 @@ class _Reader(Referents):
                 raise not_understood(clause.words, "it names no piece and no room")
             self.room_said, self._verb = rooms[0], ""  # "kitchen: a fridge"
             return []
+        if verb == "dislike":
+            return self._disliked(clause, following)
         said, verb = verb, verb or self._implied(clause)
         if said:
             self._verb = said
@@ -156,6 +158,14 @@ class _Reader(Referents):
                 )  # fmt: skip
 
     # Verbs ----------------------------------------------------------------------------------------
+
+    def _disliked(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
+        """Nothing yet: what follows says what shall be done with it."""
+        own = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
+        if not following:
+            raise not_understood(clause.words, "what shall be done with it?", "a verb after it")
+        self.last, self.room_said = tuple(one.id for one in own), own[0].room_id
+        return []
 
     def _add(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         if clause.verb == "put" and not clause.is_it and self._is_move(clause):
@@ -221,6 +231,7 @@ class _Reader(Referents):
     def _removed_ids(self, clause: Clause) -> list[Intent]:
         own = self.subjects(clause, [])
         told = f"remove {len(own)} × {category(own[0].category).label.lower()}"
+        told += f" from {self.name(own[0].room_id)}"
         return [Intent("remove", own[0].room_id, told, tuple(one.id for one in own))]
 
     def _removed(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> Iterator[Intent]:
