@@ -48,6 +48,11 @@ def add(verbs: Verbs) -> None:
         help="plan picture, PDF page, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON; several are the "
         "storeys of a house, the lowest first",
     )  # fmt: skip
+    parser.add_argument(
+        "--storeys",
+        action="store_true",
+        help="take all storeys that a sheet, IFC or Sweet Home 3D file shows, as one house",
+    )
     add_sources(parser)
     add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
     add_seed(parser)

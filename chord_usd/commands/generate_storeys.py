@@ -30,7 +30,7 @@ def storeys_given(
     from chord_usd.pipeline.whole_house import read_storeys, storeys_in
 
     files = [existing_file(file) for file in options.plan]
-    if len(files) == 1 and not storeys_in(files[0]):
+    if len(files) == 1 and not options.storeys and not storeys_in(files[0]):
         return ()
     for name in (*_OF_ONE_PLAN, "text", "outline"):
         if getattr(options, name):
@@ -39,7 +39,7 @@ def storeys_given(
                 where=f"--{name.replace('_', '-')}",
             )
     with watch.step("plan"):
-        return read_storeys(files, settings)
+        return read_storeys(files, settings, every=options.storeys)
 
 
 def run_storeys(

@@ -47,14 +47,23 @@ class StoreyHouse:
     stage: StageFile
 
 
-def read_storeys(files: Sequence[Path], settings: Settings) -> tuple[StoreyPlan, ...]:
+def read_storeys(
+    files: Sequence[Path], settings: Settings, *, every: bool = False
+) -> tuple[StoreyPlan, ...]:
     """The storeys in these files, the lowest first: a plan each, or a JSON that holds several.
+
+    every: whether of each file all storeys are taken that it shows.
 
     Raises PlanError.
     """
     found: list[StoreyPlan] = []
     for file in files:
         held = storeys_in(file)
+        if every and not held:
+            from chord_usd.plan.read import read_storey_plans
+
+            found += read_storey_plans(file, settings.m_per_px)
+            continue
         found += held or [StoreyPlan(read_plan(file, settings))]
     return tuple(found)
 

@@ -8,11 +8,13 @@ printed gives rooms their kinds, and the scale, and contradicts the worse of two
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Protocol
+
+import numpy as np
 
 from chord_usd.errors import PlanError
 from chord_usd.metrics.fidelity import room_iou
@@ -28,6 +30,7 @@ from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.seen import Reader, read_seen
 from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
+from chord_usd.plan.storey_titles import titled
 from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.scene.types import (
@@ -56,6 +59,12 @@ _SURROUNDED_M2 = 1.0
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
+
+
+_SHOWS = "the sheet shows "
+
+_MOST_PLANS = 12
+"""Of one sheet."""
 
 
 class Reading(Protocol):
@@ -111,6 +120,57 @@ def read_drawing(
     Raises CheckpointError, and PlanError where no closed room is found, or what was found cannot be
     a house.
     """
+    return _read_part(_page(rgb, m_per_px, part, known, reader), with_strokes=reader is None).plan
+
+
+def read_sheet(
+    rgb: ByteArray, m_per_px: float | None = None, known: Known | None = None
+) -> list[tuple[Plan, str]]:
+    """All plans of a sheet with what each is titled, as storeys of one house: the lowest first,
+    all at the scale of the one that is surest of its own.
+
+    Without titles the largest is the lowest. Raises CheckpointError, and PlanError.
+    """
+    page = _page(rgb, m_per_px, 1, known, None)
+    found = list(_all_parts(page))
+    if m_per_px is None and len(found) > 1:
+        surest = max(found, key=lambda one: one.plan.extra[SCALE]["confidence"])
+        scaled = replace(page, m_per_px=surest.plan.extra[SCALE]["mPerPx"])
+        found = list(_all_parts(scaled))
+    titles = titled([one.bounds_px for one in found], page.texts)
+    rows = [
+        (title[0] if title else 0.5 * index, index, _alone(one.plan), title[1] if title else "")
+        for index, (one, title) in enumerate(zip(found, titles, strict=True))
+    ]
+    return [(plan, title) for _, _, plan, title in sorted(rows, key=lambda row: row[:2])]
+
+
+def _alone(plan: Plan) -> Plan:
+    """A plan without the warning that the sheet shows others."""
+    told = [one for one in plan.extra.get(WARNINGS, ()) if not one.startswith(_SHOWS)]
+    rest = {key: value for key, value in plan.extra.items() if key != WARNINGS}
+    return replace(plan, extra={**rest, **({WARNINGS: told} if told else {})})
+
+
+def _all_parts(page: _Page) -> Iterator[_Found]:
+    """The plans of a sheet, the largest first. Raises PlanError where the first cannot be read."""
+    for part in range(1, _MOST_PLANS + 1):
+        try:
+            yield _read_part(replace(page, part=part))
+        except NoSuchPartError:
+            return
+        except PlanError:
+            if part == 1:
+                raise
+
+
+def _page(
+    rgb: ByteArray,
+    m_per_px: float | None,
+    part: int,
+    known: Known | None,
+    reader: Reader | None,
+) -> _Page:
     known = known or Known()
     # Loading is Python's work, straightening OpenCV's: they go side by side.
     with ThreadPoolExecutor(1) as aside:
@@ -120,9 +180,14 @@ def read_drawing(
     light = on_white(sheet.rgb)
     segments = (reader or _reader()).read(light)
     texts = _texts(sheet, known)
-    page = _Page(sheet, segments, texts, m_per_px, part, known.stated_m_per_px)
-    ways: list[_Way] = [lambda: read_seen(segments, page.given)]
-    if reader is None:
+    return _Page(sheet, segments, texts, m_per_px, part, known.stated_m_per_px)
+
+
+def _read_part(page: _Page, *, with_strokes: bool = True) -> _Found:
+    """One plan of a sheet, by the network and by its strokes. Raises PlanError."""
+    ways: list[_Way] = [lambda: read_seen(page.segments, page.given)]
+    if with_strokes:
+        light = on_white(page.sheet.rgb)
         ways.append(lambda: read_strokes(light, page.texts_px, page.given))
     found, refusals = [], []
     for way in ways:
@@ -132,7 +197,7 @@ def read_drawing(
             refusals.append(error)
     if not found:
         raise refusals[0]
-    return found[0].plan if len(found) == 1 else _better(*found)
+    return found[0] if len(found) == 1 else _better(*found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,16 +234,22 @@ class _Found:
 
     plan: Plan
     contradictions: int
+    bounds_px: FloatArray
+    """(2, 2) lowest and highest corner on the working picture."""
 
 
-def _better(seen: _Found, strokes: _Found) -> Plan:
+class NoSuchPartError(PlanError):
+    """A sheet shows fewer plans than were asked for."""
+
+
+def _better(seen: _Found, strokes: _Found) -> _Found:
     """Where network and strokes see the same rooms, the strokes, which are exact.
 
     Where they do not, the strokes if less of the page contradicts them and they see no more rooms:
     whatever is drawn in a room, they take for walls. It is said.
     """
     if room_iou(strokes.plan, _at_scale_of(seen.plan, strokes.plan)) > _SAME_ROOMS:
-        return strokes.plan
+        return strokes
     taken, other = seen, strokes
     is_simpler = len(strokes.plan.rooms) <= len(seen.plan.rooms)
     if is_simpler and strokes.contradictions < seen.contradictions:
@@ -187,7 +258,8 @@ def _better(seen: _Found, strokes: _Found) -> Plan:
     shown = "rooms of other outlines" if count == others else f"{others}"
     told = f"{count} rooms were found; read in another way, it shows {shown}: look at --overlay"
     warnings = [*taken.plan.extra.get(WARNINGS, ()), told]
-    return replace(taken.plan, extra={**taken.plan.extra, WARNINGS: warnings})
+    plan = replace(taken.plan, extra={**taken.plan.extra, WARNINGS: warnings})
+    return replace(taken, plan=plan)
 
 
 def _at_scale_of(plan: Plan, other: Plan) -> Plan:
@@ -215,7 +287,9 @@ def _finished(whole: Reading | None, page: _Page) -> _Found:
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     extra = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
     plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
-    return _Found(plan, rooms.contradictions)
+    corners = np.concatenate([outline.polygon_px for outline in reading.outlines])
+    bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
+    return _Found(plan, rooms.contradictions, bounds)
 
 
 def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
@@ -247,7 +321,7 @@ def _take_part(reading: Reading | None, part: int) -> tuple[Reading, list[str]]:
         raise _no_room()
     parts = parts_of([outline.polygon_px for outline in reading.outlines], reading.regions)
     if part > len(parts):
-        raise PlanError(
+        raise NoSuchPartError(
             f"part {part} was asked for, but the sheet shows {len(parts)}",
             expected=f"--part 1 to {len(parts)}" if len(parts) > 1 else "no --part",
         )
@@ -255,7 +329,7 @@ def _take_part(reading: Reading | None, part: int) -> tuple[Reading, list[str]]:
     if len(parts) == 1:
         return chosen, []
     which = "the largest was taken" if part == 1 else f"number {part} by size was taken"
-    return chosen, [f"the sheet shows {len(parts)} plans; {which}, --part N takes another"]
+    return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
 
 
 def _scale(reading: Reading, page: _Page) -> Scale:

@@ -10,15 +10,16 @@ import numpy as np
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.decode import decode_plan
-from chord_usd.plan.drawing import Known, read_drawing
+from chord_usd.plan.drawing import Known, read_drawing, read_sheet
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, WARNINGS
-from chord_usd.plan.vector.formats import is_vector, read_vector
+from chord_usd.plan.vector.formats import is_vector, read_vector, read_vector_storeys
 from chord_usd.plan.vector.pdf import PdfPage, read_pages
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.scene import palette
 from chord_usd.scene.chord_json import read_plan
 from chord_usd.scene.geometry import extent_m
+from chord_usd.scene.json_stairs import StoreyPlan
 from chord_usd.scene.limits import LARGEST_HOUSE_M
 from chord_usd.scene.types import ByteArray, Plan, PlanImage
 
@@ -52,6 +53,26 @@ def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Pla
         )
     warnings = _warnings(plan)
     return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
+
+
+def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan]:
+    """All storeys that a file shows, the lowest first: of a sheet by their titles, of a vector file
+    by their heights, of CHOrD JSON the one. Raises PlanError."""
+    refuse_odd_file(path, PlanError)
+    if is_vector(path):
+        plans = read_vector_storeys(path, scale)
+        return [StoreyPlan(plan, name, (0.0, 0.0) if index else None)
+                for index, (plan, name) in enumerate(plans)]  # fmt: skip
+    if path.suffix.lower() == ".pdf" or _is_json(path):
+        return [StoreyPlan(read_plan_file(path, scale))]
+    picture = read_picture(path)
+    if picture.frame is not None or is_plan_raster(picture.rgb):
+        return [StoreyPlan(read_plan_file(path, scale))]
+    try:
+        found = read_sheet(picture.rgb, scale)
+    except PlanError as error:
+        raise _at(path, error) from error
+    return [StoreyPlan(plan, title) for plan, title in found]
 
 
 def _read(path: Path, scale: float | None, part: int) -> Plan:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+
+from shapely import affinity
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.placement import WARNINGS
+from chord_usd.plan.scale_choice import SCALE
 from chord_usd.plan.vector.assemble import assemble
-from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
+from chord_usd.plan.vector.shapes import StairShape, VectorDrawing, refuse_absurd
+from chord_usd.plan.vector.stair_places import placed_stair
 from chord_usd.runtime.confined import confined
+from chord_usd.scene.json_stairs import STAIRS, stair_to_json
 from chord_usd.scene.types import Plan
 
 Reader = Callable[[Path], list[VectorDrawing]]
@@ -21,6 +27,9 @@ _READERS = {
     ".ifc": ("ifc", "read_ifc"),
     ".sh3d": ("sweethome", "read_sweethome"),
 }
+
+_LEAST_STOREY = 0.2
+"""Share of the largest storey's floor that another one has; a roof's or a cellar's may be less."""
 
 SUFFIXES = tuple(_READERS)
 
@@ -86,6 +95,61 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan:
     )
     extra = {**plan.extra, WARNINGS: [f"{told}, --part N takes another", *_told(plan)]}
     return Plan(plan.rooms, plan.openings, extra)
+
+
+def read_vector_storeys(path: Path, m_per_unit: float | None = None) -> list[tuple[Plan, str]]:
+    """The storeys of a vector file that rooms with doors are on, and their names, the lowest first.
+
+    Where they lie on each other is as in the file. Raises PlanError.
+    """
+    found: list[tuple[Plan, str]] = confined(
+        _read_storeys, path, m_per_unit, where=str(path), error=PlanError
+    )
+    return found
+
+
+def _read_storeys(path: Path, m_per_unit: float | None) -> list[tuple[Plan, str]]:
+    found, reasons = [], []
+    for drawing in read_drawings(path):
+        try:
+            found.append((drawing.elevation, assemble(drawing, str(path), m_per_unit), drawing))
+        except PlanError as error:
+            reasons.append(error)
+    most = max((_floor_m2(plan) for _, plan, _ in found), default=0.0)
+    homes = [
+        row for row in found
+        if _homeliness(row[1])[0] and _floor_m2(row[1]) >= _LEAST_STOREY * most
+    ]  # fmt: skip
+    if not homes:
+        raise (
+            reasons[0]
+            if reasons
+            else PlanError("has no storey with rooms that doors lead into", where=str(path))
+        )
+    homes.sort(key=lambda row: row[0])
+    plans = [plan for _, plan, _ in homes]
+    for index, (_, plan, drawing) in enumerate(homes[:-1]):
+        scale = m_per_unit or drawing.m_per_unit or plan.extra[SCALE]["mPerPx"]
+        plans[index] = _with_stairs(plan, drawing.stairs, scale, plans[index + 1])
+    return [(plan, drawing.name) for plan, (_, _, drawing) in zip(plans, homes, strict=True)]
+
+
+def _with_stairs(plan: Plan, shapes: Sequence[StairShape], m_per_unit: float, above: Plan) -> Plan:
+    """The plan with the stairs that can be built to rule; what cannot is told."""
+    stairs, told = [], []
+    for number, shape in enumerate(shapes, start=1):
+        area = affinity.scale(shape.area, m_per_unit, m_per_unit, origin=(0, 0))
+        stair = placed_stair(replace(shape, area=area), f"stair{number}", plan, above)
+        if stair is None:
+            told.append(
+                f"stair {number} of the file is left out: none to rule joins two rooms there"
+            )
+        else:
+            stairs.append(stair_to_json(stair))
+    if not shapes:
+        return plan
+    warnings = {WARNINGS: [*_told(plan), *told]} if told else {}
+    return replace(plan, extra={**plan.extra, **warnings, **({STAIRS: stairs} if stairs else {})})
 
 
 def _homeliness(plan: Plan) -> tuple[int, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
+from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, StairShape, VectorDrawing
 from chord_usd.runtime.extras import needed_for
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import FloatArray, OpeningKind
@@ -21,6 +22,9 @@ from chord_usd.scene.types import FloatArray, OpeningKind
 _LARGEST_BYTES = 512 * 2**20
 _DEEPEST_AGGREGATE = 50
 """Nothing stops a file from saying that a storey is part of a wall in it."""
+_LEAST_RUN_M = 0.5
+"""Between the middles of the lowest and the highest steps, which tells the direction up."""
+
 _LEAST_DOORWAY_M = (0.5, 1.8)
 """Width and height from which a hole without a leaf is a passage."""
 
@@ -29,11 +33,15 @@ def read_ifc(path: Path) -> list[VectorDrawing]:
     """One drawing per storey that has spaces or walls. Raises PlanError, MissingExtraError."""
     model = _open(path)
     by_storey: dict[str, list[Any]] = defaultdict(list)
-    for kind in ("IfcSpace", "IfcWall", "IfcDoor", "IfcWindow", "IfcOpeningElement"):
+    for kind in ("IfcSpace", "IfcWall", "IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcStair"):
         for element in model.by_type(kind):
             by_storey[_storey(element)].append(element)
+    heights = {
+        storey.Name or storey.GlobalId: float(storey.Elevation or 0.0)
+        for storey in model.by_type("IfcBuildingStorey")
+    }
     drawings = [
-        drawing
+        replace(drawing, elevation=heights.get(name, 0.0))
         for name, elements in by_storey.items()
         if (drawing := _drawing(name, elements)).rooms or drawing.walls
     ]
@@ -95,7 +103,31 @@ def _drawing(name: str, elements: list[Any]) -> VectorDrawing:
         else:
             walls += parts
     openings = list(_openings(elements, meshes, floor_m))
-    return VectorDrawing(rooms, walls, openings, m_per_unit=1.0, name=name)
+    stairs = [stair for one in elements if one.is_a("IfcStair") and (stair := _stair(one, meshes))]
+    return VectorDrawing(rooms, walls, openings, stairs=stairs, m_per_unit=1.0, name=name)
+
+
+def _stair(element: Any, meshes: dict[int, FloatArray | None]) -> StairShape | None:
+    """A stair by its own body, or those of its flights and landings."""
+    import ifcopenshell.util.element as relations
+
+    parts = [meshes.get(element.id())]
+    parts += [
+        _triangles(one)
+        for one in relations.get_parts(element)
+        if one.is_a("IfcStairFlight") or one.is_a("IfcSlab")
+    ]
+    bodies = [part for part in parts if part is not None and len(part)]
+    shadow = polygons_of(_shadow(np.concatenate(bodies))) if bodies else []
+    if not shadow:
+        return None
+    points = np.concatenate(bodies).reshape(-1, 3)
+    low, high = points[:, 2].min(), points[:, 2].max()
+    foot, top = (points[np.abs(points[:, 2] - z) < 0.2 * (high - low), :2].mean(axis=0)
+                 for z in (low, high))  # fmt: skip
+    rise = float(np.hypot(*(top - foot)))
+    area = max(shadow, key=lambda part: part.area)
+    return StairShape(area, (top - foot) / rise if rise > _LEAST_RUN_M else None)
 
 
 def _triangles(element: Any) -> FloatArray | None:

@@ -44,6 +44,15 @@ class OpeningShape:
 
 
 @dataclass(frozen=True, eq=False)
+class StairShape:
+    """A stair up from a storey, seen from above."""
+
+    area: Polygon
+    up: FloatArray | None = None
+    """(2,) unit vector from its lowest steps to its highest; None where the file does not say."""
+
+
+@dataclass(frozen=True, eq=False)
 class Label:
     """Something written."""
 
@@ -63,6 +72,9 @@ class VectorDrawing:
     """None where the file does not say."""
     name: str = ""
     """Of the storey."""
+    stairs: Sequence[StairShape] = ()
+    elevation: float = 0.0
+    """Of the storey; tells which is above which."""
     notes: Sequence[str] = ()
     """What a user should know of the reading."""
     extra: Mapping[str, object] = field(default_factory=dict)

@@ -18,6 +18,7 @@ from chord_usd.plan.vector.shapes import (
     MOST_SHAPES,
     OpeningShape,
     RoomShape,
+    StairShape,
     VectorDrawing,
     too_many_shapes,
 )
@@ -29,23 +30,26 @@ _EXPECTED = "a Sweet Home 3D file (.sh3d)"
 _WINDOW_NAMES = re.compile(r"window|fenster|fen[eê]tre|ventana|janela|fönster|ikkuna|窗|窓", re.I)
 _DOOR_NAMES = re.compile(r"door|t(?:ü|u)r|porte|puerta|porta|dörr|ovi|门|門|ドア", re.I)
 _PASSAGE_NAMES = re.compile(r"opening|doorway|arch", re.I)
+_STAIR_NAMES = re.compile(
+    r"stair|treppe|escalier|escalera|scala|trap\b|trappa|portaat|schody", re.I
+)
 _SILL_CM = 20.0
 
 
 def read_sweethome(path: Path) -> list[VectorDrawing]:
     """One drawing per level, in the file's order. Raises PlanError."""
     home = parse_xml(_home_xml(path), str(path), _EXPECTED)
-    levels = {e.get("id"): e.get("name", "") for e in home if local_name(e) == "level"}
+    levels = {e.get("id"): e for e in home if local_name(e) == "level"}
     parts: dict[str | None, list[Element]] = defaultdict(list)
     for element in home.iter():
-        if local_name(element) in ("wall", "room", "doorOrWindow"):
+        if local_name(element) in ("wall", "room", "doorOrWindow") or _is_stair(element):
             parts[element.get("level")].append(element)
     if sum(map(len, parts.values())) > MOST_SHAPES:
         raise too_many_shapes(path)
     if not parts:
         raise PlanError("holds neither walls nor rooms", where=str(path), expected=_EXPECTED)
     try:
-        return [_drawing(parts[key], levels.get(key, "")) for key in parts]
+        return [_drawing(parts[key], levels.get(key)) for key in parts]
     except ValueError as error:
         raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
 
@@ -60,7 +64,7 @@ def _home_xml(path: Path) -> bytes:
         return archive.read("Home.xml", LARGEST_BYTES)
 
 
-def _drawing(elements: list[Element], name: str) -> VectorDrawing:
+def _drawing(elements: list[Element], level: Element | None) -> VectorDrawing:
     by_name: dict[str, list[Element]] = defaultdict(list)
     for element in elements:
         by_name[local_name(element)].append(element)
@@ -68,8 +72,10 @@ def _drawing(elements: list[Element], name: str) -> VectorDrawing:
         rooms=[room for e in by_name["room"] if (room := _room(e)) is not None],
         walls=[wall for e in by_name["wall"] if not (wall := _wall(e)).is_empty],
         openings=[_opening(e) for e in by_name["doorOrWindow"]],
+        stairs=[_stair(e) for e in elements if _is_stair(e)],
         m_per_unit=m_from_cm(1.0),
-        name=name,
+        name="" if level is None else level.get("name", ""),
+        elevation=0.0 if level is None else _number(level, "elevation"),
     )
 
 
@@ -94,6 +100,19 @@ def _wall(element: Element) -> Polygon:
 def _room(element: Element) -> RoomShape | None:
     points = [_point(child, "x", "y") for child in element if local_name(child) == "point"]
     return RoomShape(Polygon(points), element.get("name", "")) if len(points) >= 3 else None
+
+
+def _is_stair(element: Element) -> bool:
+    said = f"{element.get('catalogId', '')} {element.get('name', '')}"
+    return local_name(element) == "pieceOfFurniture" and bool(_STAIR_NAMES.search(said))
+
+
+def _stair(element: Element) -> StairShape:
+    center, angle = _point(element, "x", "y"), -_number(element, "angle")
+    along = np.array([math.cos(angle), math.sin(angle)]) * _number(element, "width") / 2
+    across = np.array([-math.sin(angle), math.cos(angle)]) * _number(element, "depth") / 2
+    corners = [-along - across, along - across, along + across, -along + across]
+    return StairShape(Polygon([center + corner for corner in corners]))
 
 
 def _opening(element: Element) -> OpeningShape:
