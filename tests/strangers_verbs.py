@@ -51,6 +51,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "train outline2plan": (),
     "train bubbles": (),
     "train lists": (),
+    "train boxes": (),
     "train reader": (),
     "train detector": (),
     "evaluate layouts": ("--from", "houses"),

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from chord_usd.evaluation.layouts import Sampling
     from chord_usd.evaluation.realism import Encoder
     from chord_usd.layout.sample import LayoutModel
-    from chord_usd.lists.list_sampler import ListDrawer
+    from chord_usd.lists.list_sampler import Drawer, ListDrawer
 
 SPLITS = ("test", "train", "all")
 
@@ -79,6 +79,15 @@ def load_drawer(options: argparse.Namespace) -> ListDrawer:
     from chord_usd.runtime.locations import checkpoint_folder
 
     return load_lists(options.lists or checkpoint_folder(LISTS_CHECKPOINT), PIECES)
+
+
+def load_boxes_or_lists(options: argparse.Namespace) -> Drawer:
+    """What lists rooms, nothing painted. Raises CheckpointError."""
+    if not options.boxes:
+        return load_drawer(options)
+    from chord_usd.training.boxes_sampler import load_boxes
+
+    return load_boxes(options.boxes)
 
 
 def load_lists_of(options: argparse.Namespace, model: LayoutModel) -> ListDrawer | None:

@@ -40,8 +40,10 @@ def add(verbs: Verbs) -> None:
     layout = add_verb(group, "plan2layout", run_plan2layout, "train the layout model")
     _add_training_options(layout, minutes=60.0, batch=None)
     layout.add_argument(
-        "--preset", default="default", metavar="NAME", help="default, large or paper (default)"
-    )
+        "--preset", default="default", metavar="NAME",
+        help="default, large, paper, small or small-pure (default)",
+    )  # fmt: skip
+    _add_processor_time(layout)
     _add_flats(layout)
     _add_loop_options(layout)
     _add_guidance(layout)
@@ -88,6 +90,13 @@ def add(verbs: Verbs) -> None:
     )
     _add_flats(lists)
     _add_start(lists)
+    _add_processor_time(lists)
+    boxes = add_verb(
+        group, "boxes", run_boxes, "train a diffusion of boxes, the baseline beside the lists"
+    )
+    _add_training_options(boxes, minutes=60.0, batch=None)
+    _add_flats(boxes)
+    _add_processor_time(boxes)
     reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
     _add_training_options(reader, minutes=60.0, batch=None)
     _add_flats(reader)
@@ -182,6 +191,14 @@ def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) 
     )
     parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu, cuda or cuda:1 (cpu)")
     add_seed(parser)
+
+
+def _add_processor_time(parser: Parser) -> None:
+    parser.add_argument(
+        "--processor-time",
+        action="store_true",
+        help="minutes of this process's processor time, not of the clock: for comparisons",
+    )
 
 
 def run_plan2layout(options: argparse.Namespace) -> Outcome:
@@ -324,6 +341,7 @@ def run_lists(options: argparse.Namespace) -> Outcome:
         batch=options.batch or base.batch,
         seed=options.seed,
         device=options.device,
+        processor_time=options.processor_time,
     )
     task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
     with stopwatch(options).step("train") as progress:
@@ -341,6 +359,29 @@ def _pieces(options: argparse.Namespace, batch: int) -> Task:
 
     flats = read_flats(options.flats, part="train") if options.flats else []
     return Task(PIECES, partial(endless_batches, flats, batch), batch_of(held_out(50)))
+
+
+def run_boxes(options: argparse.Namespace) -> Outcome:
+    """Runs train boxes."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.training.boxes_trainer import BoxTraining, train_boxes
+    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+
+    base = BoxTraining()
+    config = replace(
+        base,
+        minutes=options.minutes,
+        batch=options.batch or base.batch,
+        seed=options.seed,
+        device=options.device,
+        processor_time=options.processor_time,
+    )
+    flats = read_flats(options.flats, part="train") if options.flats else []
+    rooms = partial(endless_batches, flats, config.batch)
+    with stopwatch(options).step("train") as progress:
+        facts = train_boxes(config, options.output, rooms, batch_of(held_out(50)), progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
 def _things(batch: int) -> Task:
@@ -388,6 +429,7 @@ def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConf
         workers=options.workers,
         seed=options.seed,
         device=_device(options),
+        processor_time=getattr(options, "processor_time", False),
     )
 
 

@@ -23,7 +23,7 @@ from chord_usd.layout.device import in_batches
 from chord_usd.layout.draft import Draft
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.lists.house import Drafts, furnish_by_lists
-from chord_usd.lists.list_sampler import ListDrawer
+from chord_usd.lists.list_sampler import Drawer, ListDrawer
 from chord_usd.metrics.complete import ESSENTIALS
 from chord_usd.metrics.fidelity import F1, plan_fidelity
 from chord_usd.metrics.rooms import empty_rooms, is_to_furnish
@@ -187,9 +187,9 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
 
 
 def listed(
-    drawer: ListDrawer, cases: Iterable[Case], sampling: Sampling, drafts: int
+    drawer: Drawer, cases: Iterable[Case], sampling: Sampling, drafts: int
 ) -> Iterator[Furnished]:
-    """What the list network alone puts in, nothing painted. Case i gets that seed plus i.
+    """What lists, or boxes, alone put in, nothing painted. Case i gets that seed plus i.
 
     drafts: of each room, of which the best is taken.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from difflib import get_close_matches
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -113,6 +113,15 @@ def _alike(value: Any, usual: Any) -> bool:
 FRONT_AMPLITUDE = 8**0.5
 """Sets front marks as far apart as code words, which differ in 8 bits."""
 
+_SMALL = LayoutConfig(
+    channels=(32, 48, 80, 112),
+    attention=(False, False, False, True),
+    feature_channels=32,
+    draft=True,
+    default_sampler="ddpm",
+    front_amplitude=FRONT_AMPLITUDE,
+)
+
 PRESETS: dict[str, LayoutConfig] = {
     "default": LayoutConfig(draft=True, default_sampler="ddpm", front_amplitude=FRONT_AMPLITUDE),
     "large": LayoutConfig(
@@ -134,8 +143,11 @@ PRESETS: dict[str, LayoutConfig] = {
         default_steps=1000,
         default_sampler="ddpm",
     ),
+    "small": _SMALL,
+    "small-pure": replace(_SMALL, draft=False),
 }
-"""default: two CPU cores; large: a GPU; paper: section 5 of the paper, 3 noise + 3 plan channels
+"""default: two CPU cores; large: a GPU; small, and small-pure, which sees no draft: some minutes of
+one core, to compare ways of furnishing; paper: section 5 of the paper, 3 noise + 3 plan channels
 in, 3 out, DDPM's U-Net and linear schedule at full resolution."""
 
 FLOOR = LayoutConfig(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chord_usd.lists.list_sampler import HEAT, Drawn, Heat, ListDrawer, Subject, without
+from chord_usd.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
 from chord_usd.lists.piece_words import ANY_M
 from chord_usd.lists.pieces import (
     PIECES,
@@ -48,7 +48,7 @@ class Drafts:
 
 def furnish_by_lists(
     plan: Plan,
-    drawer: ListDrawer,
+    drawer: Drawer,
     drafts: Drafts,
     asked: Mapping[str, Asked] | None = None,
     rooms: Iterable[str] | None = None,
@@ -109,7 +109,7 @@ class _Table:
 
     jobs: Sequence[tuple[Room, Around]]
     wishes: Sequence[Asked]
-    drawer: ListDrawer
+    drawer: Drawer
     drafts: Drafts
     rng: np.random.Generator
     clear: ClearFloors

@@ -51,6 +51,8 @@ class RunConfig:
     device: str = "cpu"
     save_minutes: float = 3.0
     """After so many, what was learned is saved."""
+    processor_time: bool = False
+    """Whether minutes are the processor's, of this process, not the clock's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +97,8 @@ def train(
     if before is None:
         before = _begun(lesson, weights, start, config) if start else {"step": 0, "minutes": 0.0}
     step = first_step = int(before["step"])
-    budget, log = Budget(config.minutes), _Log(folder / LOG_FILE)
+    budget = Budget(config.minutes, processor_time=config.processor_time)
+    log = _Log(folder / LOG_FILE)
     facts: dict[str, Any] = {}
     for batch in lesson.batches(config.seed + step):
         rate = warm_and_cool(

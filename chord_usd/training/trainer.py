@@ -67,6 +67,8 @@ class TrainingConfig:
     device: str = "cpu"
     mixed_precision: bool = True
     """bfloat16 in the network, float32 in losses and weights."""
+    processor_time: bool = False
+    """Whether minutes are the processor's, of this process without its workers, not the clock's."""
 
 
 PAPER_SCENES = 9706
@@ -107,7 +109,7 @@ class LayoutTrainer:
         self.network, self.average = self.weights.network, self.weights.average
         self.scheduler = training_scheduler(network_config)
         self.step, self.first_step, self.minutes_before = 0, 0, 0.0
-        self.budget = Budget(config.minutes)
+        self.budget = Budget(config.minutes, processor_time=config.processor_time)
         self._run_step = self._compiled()
 
     def warm_start(self, checkpoint: Path) -> None:
@@ -163,7 +165,7 @@ class LayoutTrainer:
         self.data = asdict(stream.config)
         # A resumed run must not see the data of its first minutes again.
         stream.skip_to(self.step)
-        budget = self.budget = Budget(config.minutes)
+        budget = self.budget = Budget(config.minutes, processor_time=config.processor_time)
         self.first_step = self.step
         for batch in batch_loader(stream, config.workers):
             losses = self._step(batch)

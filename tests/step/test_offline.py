@@ -72,6 +72,7 @@ SLOW: dict[str, str] = {
     "train outline2plan": f"{TRAIN} --workers 0",
     "train bubbles": f"{TRAIN} --houses 2",
     "train lists": TRAIN,
+    "train boxes": TRAIN,
     "train reader": f"{TRAIN} --workers 0",
     "evaluate layouts": ONE,
     "evaluate ood": "--n 1 --draws 1 --per-room 1",
