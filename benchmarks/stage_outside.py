@@ -3,10 +3,12 @@
     python benchmarks/stage_outside.py HOUSE.usda ... --usd
     python benchmarks/stage_outside.py HOUSE.usda ... --validator ENVIRONMENT/bin/python
     python benchmarks/stage_outside.py HOUSE.usda ... --still ENVIRONMENT/bin/python simcheck.py
+    python benchmarks/stage_outside.py HOUSE.usda ... --mujoco
 
-The last two want environments of their own: `pip install 'usd-validation-nvidia[usd]'`, and
+The second and third want environments of their own: `pip install 'usd-validation-nvidia[usd]'`, and
 `pip install 'newton[importers,sim]'` for a script that exits 0 if every body of a stage stays where
-it is for two seconds. `--told FILE` keeps what was told, so that a run can be resumed.
+it is for two seconds. `--mujoco` exports each house and asks the same of the model. `--jointed`:
+with all that opens opened up. `--told FILE` keeps what was told, so that a run can be resumed.
 
 The validator's own command is run for every stage and every set of rules, all in one process, since
 most of its time goes into starting. It looks at a stage once for every combination of variants,
@@ -20,6 +22,7 @@ import argparse
 import json
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -46,6 +49,9 @@ for stage in stages:
 
 _LINES_SHOWN = 12
 
+_STILL_S, _STRAY_M, _STRAY_RAD = 2.0, 0.01, 0.1
+"""What stands still moves and turns less, in so long."""
+
 
 def main() -> None:
     """Asks, and writes benchmarks/RESULTS.md."""
@@ -54,10 +60,19 @@ def main() -> None:
     parser.add_argument("--usd", action="store_true", help="ask all of USD's own validators")
     parser.add_argument("--validator", type=Path, metavar="PYTHON")
     parser.add_argument("--still", type=Path, nargs=2, metavar=("PYTHON", "SCRIPT"))
+    parser.add_argument("--mujoco", action="store_true", help="ask MuJoCo of the exported model")
+    parser.add_argument("--jointed", action="store_true", help="open up all that opens")
     parser.add_argument("--kind", default="houses", help="what the stages are (houses)")
     parser.add_argument("--as-they-stand", action="store_true", help="do not try every variant")
     parser.add_argument("--told", type=Path, metavar="FILE", help="resume from here")
     options = parser.parse_args()
+    if options.jointed:
+        options.stages = [_opened(stage) for stage in options.stages]
+        options.kind += ", jointed"
+    _ask(options)
+
+
+def _ask(options: argparse.Namespace) -> None:
     if options.usd:
         log = _Log(options.told, "UsdValidation")
         log.extend(_asked_usd(log.missing(options.stages)))
@@ -79,6 +94,34 @@ def main() -> None:
         rows = [("stand still for two seconds", log.row(options.stages))]
         title = f"stages: physics, {options.kind}"
         sys.stdout.write(write_section(title, rows, _note(options)))
+    if options.mujoco:
+        log = _Log(options.told, "mujoco")
+        log.extend(_stood_in_mujoco(log.missing(options.stages)))
+        rows = [("stand still for two seconds", log.row(options.stages))]
+        title = f"stages: MuJoCo, {options.kind}"
+        sys.stdout.write(write_section(title, rows, _note(options)))
+
+
+def _opened(stage: Path) -> Path:
+    """An override beside a stage in which all pieces are jointed that can be."""
+    from pxr import Sdf, Usd
+
+    from chord_usd.scene.articulation import ARTICULATION, JOINTED
+
+    path = stage.with_name(f"{stage.stem}_jointed.usda")
+    path.unlink(missing_ok=True)
+    opened = Usd.Stage.CreateNew(str(path))
+    opened.GetRootLayer().subLayerPaths = [f"./{stage.name}"]
+    source = Sdf.Layer.FindOrOpen(str(stage))
+    opened.GetRootLayer().defaultPrim = source.defaultPrim
+    for key in ("upAxis", "metersPerUnit", "kilogramsPerUnit"):
+        opened.SetMetadata(key, source.pseudoRoot.GetInfo(key))
+    for prim in list(opened.Traverse()):
+        choice = prim.GetVariantSets().GetVariantSet(ARTICULATION)
+        if JOINTED in choice.GetVariantNames():
+            choice.SetVariantSelection(JOINTED)
+    opened.Save()
+    return path
 
 
 class _Log:
@@ -161,9 +204,36 @@ def _stood(command: Sequence[Path], stages: Sequence[Path]) -> Iterator[tuple[st
         yield str(stage), run.returncode, run.stdout + run.stderr
 
 
+def _stood_in_mujoco(stages: Sequence[Path]) -> Iterator[tuple[str, int, str]]:
+    """Which bodies of the exported model moved, and how many could."""
+    import mujoco
+    import numpy as np
+
+    from chord_usd.stage.export import export_stage
+
+    for stage in stages:
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "model"
+            export_stage(stage, folder, "mujoco")
+            model = mujoco.MjModel.from_xml_path(str(folder / "model.xml"))
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        at, turned = data.xpos.copy(), data.xquat.copy()
+        for _ in range(round(_STILL_S / model.opt.timestep)):
+            mujoco.mj_step(model, data)
+        moved_m = np.linalg.norm(data.xpos - at, axis=1)
+        turned_rad = 2 * np.arccos(np.clip(abs((data.xquat * turned).sum(axis=1)), 0, 1))
+        astray = (moved_m > _STRAY_M) | (turned_rad > _STRAY_RAD)
+        names = [model.body(int(index)).name for index in np.flatnonzero(astray)]
+        movable = int((model.body_dofnum > 0).sum())
+        sys.stderr.write(f"{movable} bodies can move, at most by {1000 * moved_m.max():.1f} mm\n")
+        warned = sum(warning.number for warning in data.warning)
+        yield str(stage), int(bool(names or warned)), "\n".join(names)
+
+
 def _note(options: argparse.Namespace) -> str:
-    stages = options.stages
-    return f"{stages[0].name} to {stages[-1].name}{', as they stand' * options.as_they_stand}."
+    first, last = (Path(*stage.parts[-2:]) for stage in (options.stages[0], options.stages[-1]))
+    return f"{first} to {last}{', as they stand' * options.as_they_stand}."
 
 
 if __name__ == "__main__":
