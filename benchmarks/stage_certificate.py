@@ -1,7 +1,7 @@
 """What `check` says of many houses: furniture of procedural houses, or what the models draw.
 
     python benchmarks/stage_certificate.py --folder DIR [--houses N] [--first SEED]
-    python benchmarks/stage_certificate.py --release DIR
+    python benchmarks/stage_certificate.py --release DIR ...
 
 Each house is drawn as a layout raster with the furniture of a procedural house, read back by the
 detector, given meshes and tabletop items, written as a stage and checked, so what is found is the
@@ -46,16 +46,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     kept = parser.add_mutually_exclusive_group(required=True)
     kept.add_argument("--folder", type=Path, help="where the houses are kept")
-    kept.add_argument("--release", type=Path, help="houses of a data set, dressed")
+    kept.add_argument("--release", type=Path, nargs="+", help="data sets of dressed houses")
     parser.add_argument("--houses", type=int, default=200)
     parser.add_argument("--first", type=int, default=1000, metavar="SEED")
     options = parser.parse_args()
     if options.release:
-        reports = [
-            json.loads(file.read_text())["told"]
-            for file in sorted(options.release.glob("house_*/house.json"))
-        ]
-        note = f"Houses of `chord-usd dataset release --seed {reports[0]['seed']}`, dressed."
+        files = [file for one in options.release for file in sorted(one.glob("house_*/house.json"))]
+        reports = [json.loads(file.read_text())["told"] for file in files]
+        seeds = sorted(report["seed"] for report in reports)
+        note = f"Houses of `chord-usd dataset release`, dressed; seeds {', '.join(map(str, seeds))}."
         sys.stdout.write(write_section("stages: certificate, of a release", rows_of(reports), note))
         return
     options.folder.mkdir(parents=True, exist_ok=True)

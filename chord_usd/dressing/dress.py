@@ -126,7 +126,7 @@ class _House:
         walkways = Walkways(self._free, floor)
         for item in kept:
             taken.add(item.box, "rug" if is_underfoot(item) else "dressing", item.id)
-            if category(item.category).mount is Mount.FLOOR:
+            if item.category == "radiator" or category(item.category).mount is Mount.FLOOR:
                 walkways.take(item.box)
         door = next(
             (

@@ -44,8 +44,11 @@ def _radiator(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
     offered = within(frame.stock.offered("radiator"), (widest, 0.15, tallest), (0.0, 0.0, 0.3))
     radiators = frame.stock.family(offered, "radiator")
     asset = nearest_length(radiators, 0.8 * widest)
-    if asset is not None:
-        frame.put_where_free(asset, face.box(hole.middle_m, _RADIATOR_BASE_M, asset.size_m))
+    if asset is None:
+        return
+    box = face.box(hole.middle_m, _RADIATOR_BASE_M, asset.size_m)
+    if frame.walkways.stay_with(box, at_ease=False) and frame.put_where_free(asset, box):
+        frame.walkways.take(box)
 
 
 def _switch(frame: RoomFrame) -> None:

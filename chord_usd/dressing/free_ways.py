@@ -30,10 +30,14 @@ class Walkways:
         self._free = free.intersection(around)
         self._eroded: dict[float, shapely.Geometry] = {}
 
-    def stay_with(self, box: Box) -> bool:
-        """Whether all one could walk to before can be walked to with something in this place."""
+    def stay_with(self, box: Box, *, at_ease: bool = True) -> bool:
+        """Whether all one could walk to before can be walked to with something in this place.
+
+        at_ease: also all that one could walk to without turning sideways.
+        """
         shape = footprint_polygon(box)
-        return all(self._stays(shape, radius) for radius in (WALKER_RADIUS_M, _COMFORT_M))
+        radii_m = (WALKER_RADIUS_M, _COMFORT_M) if at_ease else (WALKER_RADIUS_M,)
+        return all(self._stays(shape, radius) for radius in radii_m)
 
     def _stays(self, shape: shapely.Polygon, radius_m: float) -> bool:
         before = self._walkable(radius_m)
