@@ -87,23 +87,30 @@ def wall_solid(rooms: Sequence[Room]) -> MultiPolygon:
 
 
 def as_cut(rooms: Sequence[Room], openings: Sequence[Opening]) -> list[Opening]:
-    """The openings, as wide as the holes that they cut: less where a wall ends before them."""
+    """The openings as the holes that they cut: as wide, less where a wall ends before them, and as
+    deep as the wall there is, whatever was read."""
     dug = dig_tunnels(openings, wall_solid(rooms))
     return [
-        opening if tunnel is None else _narrowed(opening, tunnel)
+        opening if tunnel is None else _as_hole(opening, tunnel)
         for opening, tunnel in zip(openings, dug, strict=True)
     ]
 
 
-def _narrowed(opening: Opening, tunnel: Tunnel) -> Opening:
+def _as_hole(opening: Opening, tunnel: Tunnel) -> Opening:
+    ends = [to_own(opening.box, edge) for edge in tunnel.ends_m()]
+    fronts = [float(end[:, 1].max()) for end in ends if end[:, 1].mean() < 0.0]
+    backs = [float(end[:, 1].min()) for end in ends if end[:, 1].mean() >= 0.0]
     along = to_own(opening.box, shapely.get_coordinates(tunnel.area_m))[:, 0]
-    low, high = float(along.min()), float(along.max())
-    if high - low > opening.box.size_m[0] - ON_LINE_M:
+    left, right = float(along.min()), float(along.max())
+    half = opening.box.size_m[1] / 2
+    front, back = max(fronts, default=-half), min(backs, default=half)
+    if back <= front:
+        front, back = -half, half
+    sides, middle = (right - left, back - front), ((left + right) / 2, (front + back) / 2)
+    size_m = opening.box.size_m
+    if np.allclose((*sides, *middle), (*size_m[:2], 0.0, 0.0), rtol=0.0, atol=ON_LINE_M):
         return opening
-    middle = (low + high) / 2
-    return replace(
-        opening, box=resized(opening.box, (high - low, opening.box.size_m[1]), (middle, 0.0))
-    )
+    return replace(opening, box=resized(opening.box, sides, middle))
 
 
 def dig_tunnels(openings: Sequence[Opening], solid: MultiPolygon) -> list[Tunnel | None]:
