@@ -1,0 +1,86 @@
+"""Procedural houses of two storeys: the certificate, the rooms reached, and what a storey costs.
+
+    python benchmarks/storeys_certificate.py [--houses N] [--first SEED] [--records FILE]
+
+Each house is furnished and checked; of every fourth the ground floor is also furnished alone, with
+the same models. Seconds are those of the processor, without loading: other work on the machine does
+not count. With --records a measurement goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chord_usd import pipeline
+from chord_usd.data.storey_houses import random_storeys
+from chord_usd.pipeline.whole_house import generate_storeys
+from chord_usd.scene.chord_json import write_plan
+from chord_usd.stage.check import check_stage
+
+_APART = 50_000
+"""Seeds of houses begin here: those of tests are smaller."""
+
+_ALONE_EVERY = 4
+
+
+def _house(seed: int, models: pipeline.Models, folder: Path) -> dict[str, Any]:
+    storeys = random_storeys(np.random.default_rng(_APART + seed), 2)
+    ground = folder / "ground.json"
+    write_plan(storeys[0].plan, ground)
+    settings = pipeline.Settings(seed=seed)
+    started = time.process_time()
+    made = generate_storeys(storeys, [ground], folder / "house.usda", settings, models=models)
+    both_s = time.process_time() - started
+    report = check_stage(folder / "house.usda", own=True)
+    alone_s = None
+    if seed % _ALONE_EVERY == 0:
+        started = time.process_time()
+        pipeline.generate(ground, folder / "ground.usda", settings, models=models)
+        alone_s = time.process_time() - started
+    return {
+        "seed": seed, "form": made.building.climbs[0].built.stair.form, "holds": report.holds,
+        "reached": report.reachable_rooms, "stairs": list(report.stairs),
+        "complete": report.complete, "both_s": both_s, "alone_s": alone_s,
+    }  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--houses", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0, metavar="SEED")
+    parser.add_argument("--records", type=Path, metavar="FILE")
+    options = parser.parse_args()
+    kept = options.records and options.records.is_file()
+    rows = [json.loads(line) for line in options.records.read_text().splitlines()] if kept else []
+    known = {row["seed"] for row in rows}
+    models = pipeline.load_models(pipeline.Settings())
+    for seed in range(options.first, options.first + options.houses):
+        if seed in known:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            rows.append(_house(seed, models, Path(folder)))
+        if options.records:
+            with options.records.open("a") as file:
+                file.write(json.dumps(rows[-1]) + "\n")
+    pairs = [(row["both_s"], row["alone_s"]) for row in rows if row["alone_s"]]
+    told = (
+        f"{len(rows)} houses: certificate {sum(row['holds'] for row in rows)}, all rooms reached "
+        f"{sum(row['reached'] == 1.0 for row in rows)}, rooms complete "
+        f"{np.mean([row['complete'] for row in rows]):.3f}\n"
+    )
+    if pairs:
+        both, alone = np.array(pairs).T
+        told += f"two storeys cost {both.sum() / alone.sum():.2f} times one (n = {len(pairs)})\n"
+    sys.stdout.write(told)
+
+
+if __name__ == "__main__":
+    main()
