@@ -20,7 +20,9 @@ from chord_usd.graph.faces import settle_faces
 from chord_usd.graph.outlines import outline_of
 from chord_usd.graph.wall_sides import Walls
 from chord_usd.raster.vectorize import RotatedBox, rotated_box_from_mask
+from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.palette import PLAN_CATEGORIES
+from chord_usd.scene.room_areas import plausibility
 from chord_usd.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
@@ -88,12 +90,13 @@ def _kind_of(room: Room, proposals: Sequence[RoomProposal], frame: PixelFrame) -
     floor = np.zeros(proposals[0].mask.shape, dtype=np.uint8)
     corners = np.rint((px_from_m(room.polygon_m, frame) - 0.5) * 16).astype(np.int32)
     cv2.fillPoly(floor, [corners], (1,), shift=4)
-    inside = floor > 0
+    inside, area_m2 = floor > 0, room_polygon(room).area
     votes: dict[RoomKind, float] = {}
     for proposal in proposals:
         both = (proposal.mask & inside).sum()
         overlap = float(both / max(1, (proposal.mask | inside).sum()))
-        votes[proposal.kind] = max(votes.get(proposal.kind, 0.0), overlap * proposal.score)
+        vote = overlap * proposal.score * plausibility(proposal.kind, area_m2)
+        votes[proposal.kind] = max(votes.get(proposal.kind, 0.0), vote)
     best = max(votes, key=lambda kind: votes[kind])
     return best if votes[best] >= _SURE else room.kind
 

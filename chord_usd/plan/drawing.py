@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from typing import Protocol
 
 import numpy as np
+from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
 from chord_usd.metrics.fidelity import room_iou
@@ -33,6 +34,7 @@ from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.plan.storey_titles import titled
 from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.scene.room_areas import scale_by_rooms
 from chord_usd.scene.types import (
     OPEN,
     SURROUNDS,
@@ -338,19 +340,29 @@ def _scale(reading: Reading, page: _Page) -> Scale:
     if page.stated_m_per_px:
         printed.append(Estimate(STATED, page.stated_m_per_px / page.sheet.shrink, "1:n"))
     walls = WALL_THICKNESS_M / max(reading.regions.thickness_px, 1.0)
-    return choose_scale(printed, reading.doors_m_per_px, walls, page.given)
+    kinds = [room.kind for room in _labelled_rooms(reading, page, reading.frame)]
+    rooms = scale_by_rooms(kinds, [Polygon(polygon).area for polygon in polygons])
+    return choose_scale(printed, reading.doors_m_per_px, walls, page.given, rooms)
 
 
 def _plan(reading: Reading, page: _Page, frame: PixelFrame) -> Plan:
     """Rooms with what they are for, and the openings in their walls."""
-    polygons = [outline.polygon_px for outline in reading.outlines]
+    areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
+    rooms = _labelled_rooms(reading, page, frame, areas_m2)
+    openings = reading.placed([room.id for room in rooms], frame)
+    return Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+
+
+def _labelled_rooms(
+    reading: Reading, page: _Page, frame: PixelFrame, areas_m2: Sequence[float] = ()
+) -> tuple[Room, ...]:
+    """Rooms with what they are for. areas_m2: of each, where they are known."""
     outlined = [
         Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
         for o in reading.outlines
     ]
-    rooms = label_rooms(outlined, page.texts, frame, kinds_seen(polygons, page.segments))
-    openings = reading.placed([room.id for room in rooms], frame)
-    return Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+    polygons = [outline.polygon_px for outline in reading.outlines]
+    return label_rooms(outlined, page.texts, frame, kinds_seen(polygons, page.segments, areas_m2))
 
 
 def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:

@@ -17,6 +17,7 @@ from chord_usd.raster.page_labels import (
     STAIRS,
 )
 from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.room_areas import plausibility
 from chord_usd.scene.types import BoolArray, FloatArray, RoomKind
 
 _SMALLEST_ROOM_M2 = 0.8
@@ -182,16 +183,18 @@ def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:
 
 
 def kinds_seen(
-    polygons_px: Sequence[FloatArray], segments: Segments
+    polygons_px: Sequence[FloatArray], segments: Segments, areas_m2: Sequence[float] = ()
 ) -> list[tuple[RoomKind, float]]:
-    """What rooms are for by what is drawn in them, and how sure the network is; unknown where it is
-    not."""
+    """What rooms are for by what is drawn in them and, where areas are known, by how large they
+    are, and how sure that is; unknown where it is not."""
     found: list[tuple[RoomKind, float]] = []
-    for polygon in polygons_px:
+    for index, polygon in enumerate(polygons_px):
         mask = np.zeros(segments.kinds.shape[1:], np.uint8)
         cv2.fillPoly(mask, [np.rint(polygon - 0.5).astype(np.int32)], (1.0,))
         inside = mask > 0
         chances = segments.kinds[:, inside].mean(axis=1)
+        if areas_m2:
+            chances = chances * [plausibility(kind, areas_m2[index]) for kind in KIND_NAMES]
         best = int(chances.argmax())
         kind: RoomKind = KIND_NAMES[best] if chances[best] >= _SURE_KIND else "unknown"
         if segments.built[STAIRS][inside].mean() > _STAIRWELL:

@@ -36,7 +36,10 @@ _TRUST = {
 }  # fmt: skip
 """Areas are rounded, and count wardrobes in one country and not in the other."""
 
-_CONFIDENCE = {"given": 1.0, "file": 1.0, "doors": 0.6, "walls": 0.4}
+_CONFIDENCE = {"given": 1.0, "file": 1.0, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
+
+_SPREAD = {"doors": 0.2, "walls": 0.45}
+"""Standard deviation of the logarithm of what they say."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class Scale:
 
     m_per_px: float
     witness: str
-    """Given, file, doors, walls, or a printed measure: see printed.Estimate."""
+    """Given, file, doors, rooms, walls, or a printed measure: see printed.Estimate."""
     count: int = 1
     """How many measures speak for it."""
     agreement: float = 1.0
@@ -91,36 +94,52 @@ class Scale:
         ]
         if odd and self.witness not in ("given", "file"):
             return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: check --scale"]
-        if self.witness == "walls":
-            return ["no printed measure and no door gives the scale; it is a guess from the walls"]
+        if self.witness in ("rooms", "walls"):
+            guess = "the usual sizes of rooms" if self.witness == "rooms" else "the walls"
+            return [f"no printed measure and no door gives the scale; it is a guess from {guess}"]
         return []
 
 
 def choose_scale(
-    printed: Sequence[Estimate], doors: float | None, walls: float, given: float | None = None
+    printed: Sequence[Estimate],
+    doors: float | None,
+    walls: float,
+    given: float | None = None,
+    rooms: tuple[float, float] | None = None,
 ) -> Scale:
-    """The scale by the best witness: the one given, printed measures, doors, walls.
+    """The scale by the best witness: the one given, printed measures, or what doors, usual sizes of
+    rooms (scene.room_areas.scale_by_rooms) and walls say together.
 
     All in metres per pixel. Printed measures count where they agree with one another, or, alone,
-    where doors and walls find them believable.
+    where the others find them believable.
     """
-    others = {"walls": walls, **({"doors": doors} if doors else {})}
+    unprinted = {"walls": (walls, _SPREAD["walls"])}
+    if doors:
+        unprinted["doors"] = doors, _SPREAD["doors"]
+    if rooms:
+        unprinted["rooms"] = rooms
+    others = {name: value for name, (value, _) in unprinted.items()}
     for name in _TRUST:
         own = [e.m_per_px for e in printed if e.witness == name and e.is_sure]
         if own:
             others[name] = float(np.median(own))
     if given:
         return Scale(given, "given", others=others)
-    rough = doors or walls
+    rough = _together(list(unprinted.values()))
     found = _consensus(printed, rough)
     if found is not None and found.agreement >= LEAST_AGREEMENT:
         return replace(found, others=others)
     told = ""
     if found is not None:
         told = f"only {found.agreement:.0%} of the printed {found.witness} agree"
-    if doors:
-        return Scale(doors, "doors", others=others, disagreement=told)
-    return Scale(walls, "walls", others=others, disagreement=told)
+    witness = next(name for name in ("doors", "rooms", "walls") if name in unprinted)
+    return Scale(rough, witness, others=others, disagreement=told)
+
+
+def _together(told: Sequence[tuple[float, float]]) -> float:
+    """The mean of what witnesses say, each as heavy as it is precise."""
+    logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
+    return float(np.exp(np.average(logs, weights=spreads**-2.0)))
 
 
 def _consensus(printed: Sequence[Estimate], rough: float) -> Scale | None:
