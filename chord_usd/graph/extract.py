@@ -20,6 +20,7 @@ from chord_usd.graph.match import place_items
 from chord_usd.graph.network_items import find_foreign_items
 from chord_usd.graph.snap import find_items
 from chord_usd.graph.tiles import detect_in_tiles, name_in_tiles
+from chord_usd.metrics.rooms import empty_rooms
 from chord_usd.scene.types import ByteArray, Detection, LayoutImage, Plan, SceneGraph
 
 
@@ -47,14 +48,16 @@ def extract_graph(
     """The scene graph of a layout raster: pieces stand where they are painted, without meshes.
 
     plan: its rooms and openings are taken as they are; without it they are read from the raster.
-    Rooms of unknown kind are named by the segmenter. detector, segmenter: the shipped networks by
-    default, loaded when needed. pixels: of the layout, where they were read before.
-    Raises CheckpointError when they cannot be, SceneError when there is no room.
+    Rooms of unknown kind are named by the segmenter, if something of that kind stands there.
+    detector, segmenter: the shipped networks by default, loaded when needed. pixels: of the layout,
+    where they were read before. Raises CheckpointError when they cannot be, SceneError when there
+    is no room.
     """
     pixels = pixels or read_pixels(layout.rgb)
     proposals = detect_in_tiles((detector or _shipped_detector()).detect, layout.rgb)
     plan = plan or read_plan(pixels, layout.frame)
-    if any(room.kind == "unknown" for room in plan.rooms):
+    nameless = {room.id for room in plan.rooms if room.kind == "unknown"}
+    if nameless:
         plan = name_in_tiles((segmenter or _shipped_segmenter()).segment, plan, layout)
     directions = plan_directions(plan.rooms, layout.frame)
     if pixels.clean or not proposals:
@@ -63,7 +66,10 @@ def extract_graph(
         m_per_px = layout.frame.m_per_px
         found = find_foreign_items(pixels, layout.rgb, m_per_px, directions, proposals)
     items = place_items(found, plan.rooms, layout.frame)
-    return replace(plan.scene(), items=items, provenance=layout.provenance)
+    graph = replace(plan.scene(), items=items, provenance=layout.provenance)
+    bare = nameless.intersection(empty_rooms(graph))
+    rooms = (replace(room, kind="unknown") if room.id in bare else room for room in graph.rooms)
+    return replace(graph, rooms=tuple(rooms)) if bare else graph
 
 
 @lru_cache(maxsize=1)
