@@ -9,6 +9,7 @@ import shapely
 from chord_usd.metrics.footprints import GRID_M, footprints_of
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.tunnels import as_cut
 from chord_usd.scene.types import Item, Opening, Room, RoomKind, SceneGraph
 
 MAX_SHARE_OUTSIDE = 0.01
@@ -37,7 +38,7 @@ def out_of_room(graph: SceneGraph) -> list[str]:
         return []
     nowhere = shapely.Polygon()
     floors = {room.id: room_polygon(room) for room in graph.rooms}
-    wider = _with_windows(floors, graph.openings) if graph.dressing else {}
+    wider = _with_windows(floors, as_cut(graph.rooms, graph.openings)) if graph.dressing else {}
     homes = [floors.get(item.room_id, nowhere) for item in graph.items]
     homes += [wider.get(item.room_id, nowhere) for item in graph.dressing]
     prints = footprints_of(things)
