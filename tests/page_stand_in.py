@@ -72,7 +72,7 @@ class StandIn:
         elif options.verb == "generate":
             if "impossible" in (options.furniture or ""):
                 raise ChordError("finds no place")
-            seed = json.loads(root.joinpath(options.plan).read_text()).get("seed", "")
+            seed = json.loads(root.joinpath(*options.plan).read_text()).get("seed", "")
             stage = f"#usda 1.0\n# {seed}"
             root.joinpath(options.output).write_text(stage)
             root.joinpath(options.view).write_bytes(as_glb(stage))
