@@ -29,7 +29,7 @@ from chord_usd.commands.paths import output_run
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
     from chord_usd.training.detector_data import Sample
-    from chord_usd.training.lists_trainer import Task
+    from chord_usd.training.lists_trainer import ListTraining, Task
     from chord_usd.training.stream import BatchStream
     from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
 
@@ -332,17 +332,9 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
 
 def run_lists(options: argparse.Namespace) -> Outcome:
     """Runs train lists."""
-    from chord_usd.training.lists_trainer import ListTraining, train_lists
+    from chord_usd.training.lists_trainer import train_lists
 
-    base = ListTraining()
-    config = replace(
-        base,
-        minutes=options.minutes,
-        batch=options.batch or base.batch,
-        seed=options.seed,
-        device=options.device,
-        processor_time=options.processor_time,
-    )
+    config = _list_training(options)
     task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
     with stopwatch(options).step("train") as progress:
         facts = train_lists(config, options.output, task, progress, options.start)
@@ -363,12 +355,22 @@ def _pieces(options: argparse.Namespace, batch: int) -> Task:
 
 def run_boxes(options: argparse.Namespace) -> Outcome:
     """Runs train boxes."""
-    from chord_usd.data.flats import read_flats
-    from chord_usd.training.boxes_trainer import BoxTraining, train_boxes
-    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.boxes_trainer import train_boxes
 
-    base = BoxTraining()
-    config = replace(
+    config = _list_training(options)
+    task = _pieces(options, config.batch)
+    with stopwatch(options).step("train") as progress:
+        facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+
+
+def _list_training(options: argparse.Namespace) -> ListTraining:
+    """How lists, and boxes beside them, are trained."""
+    from chord_usd.training.lists_trainer import ListTraining
+
+    base = ListTraining()
+    return replace(
         base,
         minutes=options.minutes,
         batch=options.batch or base.batch,
@@ -376,12 +378,6 @@ def run_boxes(options: argparse.Namespace) -> Outcome:
         device=options.device,
         processor_time=options.processor_time,
     )
-    flats = read_flats(options.flats, part="train") if options.flats else []
-    rooms = partial(endless_batches, flats, config.batch)
-    with stopwatch(options).step("train") as progress:
-        facts = train_boxes(config, options.output, rooms, batch_of(held_out(50)), progress)
-    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
 def _things(batch: int) -> Task:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,30 +14,18 @@ from chord_usd.runtime.progress import Progress
 from chord_usd.training.boxes_data import BOX, CATEGORIES, EMPTY, slots_of
 from chord_usd.training.boxes_network import NOISE_STEPS, BoxNetwork, Surroundings
 from chord_usd.training.lists_data import Batch
-from chord_usd.training.loop import Lesson, RunConfig, train, write_weights
+from chord_usd.training.lists_trainer import ListTraining, moved
+from chord_usd.training.loop import Lesson, train, write_weights
 
 _EMPTY_WEIGHT = 0.1
 """Of the box of a slot that holds nothing, which is only to go to zero."""
 
 
-@dataclass(frozen=True)
-class BoxTraining(RunConfig):
-    """How to train: as lists are."""
-
-    minutes: float = 60.0
-    batch: int = 64
-    learning_rate: float = 1e-3
-    warmup_steps: int = 200
-    cooldown_share: float = 0.5
-    weight_decay: float = 0.02
-    ema_decay: float = 0.999
-
-
 def train_boxes(
-    config: BoxTraining,
+    config: ListTraining,
     folder: Path,
     batches: Callable[[int], Iterator[Batch]],
-    held_out: Batch,
+    held_out: Batch | None,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Train as loop.train does, and return what the card says of the run.
@@ -48,12 +35,14 @@ def train_boxes(
     torch.manual_seed(config.seed)
 
     def losses(network: BoxNetwork, batch: Batch) -> dict[str, Tensor]:
-        return denoising_losses(network, _moved(batch, config.device))
+        return denoising_losses(network, moved(batch, config.device))
 
     def score(network: BoxNetwork) -> dict[str, Any]:
+        if held_out is None:
+            return {}
         generator = torch.Generator(config.device).manual_seed(0)
         with torch.inference_mode():
-            found = denoising_losses(network, _moved(held_out, config.device), generator)
+            found = denoising_losses(network, moved(held_out, config.device), generator)
         return {f"held_out_{name}": round(float(loss), 4) for name, loss in found.items()}
 
     def write(to: Path, network: BoxNetwork, facts: dict[str, Any]) -> None:
@@ -61,11 +50,6 @@ def train_boxes(
 
     lesson = Lesson(batches, losses, score, write)
     return train(lesson, BoxNetwork(), config, folder, progress)
-
-
-def _moved(batch: Batch, device: str) -> Batch:
-    segments, facts, flags, roles, left, values = (part.to(device) for part in batch)
-    return segments, facts, flags, roles, left, values
 
 
 def denoising_losses(

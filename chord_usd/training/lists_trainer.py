@@ -54,7 +54,7 @@ def train_lists(
     torch.manual_seed(config.seed)
 
     def losses(network: ListNetwork, batch: Batch) -> dict[str, Tensor]:
-        return {"nats": batch_loss(network, _moved(batch, config.device)).mean()}
+        return {"nats": batch_loss(network, moved(batch, config.device)).mean()}
 
     lesson = Lesson(
         task.batches,
@@ -78,7 +78,8 @@ def take_up(network: ListNetwork, tensors: dict[str, Tensor]) -> None:
     network.load_state_dict(tensors)
 
 
-def _moved(batch: Batch, device: str) -> Batch:
+def moved(batch: Batch, device: str) -> Batch:
+    """The batch, on a device."""
     segments, facts, flags, roles, left, values = (part.to(device) for part in batch)
     return segments, facts, flags, roles, left, values
 
@@ -94,7 +95,7 @@ def _score(network: ListNetwork, held_out: Batch | None, device: str) -> float |
     """Mean nats a held-out list takes."""
     if held_out is None:
         return None
-    return round(float(batch_loss(network, _moved(held_out, device)).mean()), 3)
+    return round(float(batch_loss(network, moved(held_out, device)).mean()), 3)
 
 
 def write_checkpoint(

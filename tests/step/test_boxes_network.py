@@ -18,8 +18,9 @@ from chord_usd.lists.pieces import PIECES
 from chord_usd.training.boxes_data import elements_of, slots_of
 from chord_usd.training.boxes_network import NOISE_STEPS, BoxNetwork, Surroundings
 from chord_usd.training.boxes_sampler import load_boxes
-from chord_usd.training.boxes_trainer import BoxTraining, denoising_losses, train_boxes
+from chord_usd.training.boxes_trainer import denoising_losses, train_boxes
 from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+from chord_usd.training.lists_trainer import ListTraining
 
 EXAMPLES = held_out(4)
 
@@ -28,7 +29,7 @@ EXAMPLES = held_out(4)
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of a few steps, gone on with once."""
     folder = tmp_path_factory.mktemp("boxes") / "run"
-    config = BoxTraining(minutes=0.05, batch=8, warmup_steps=1)
+    config = ListTraining(minutes=0.05, batch=8, warmup_steps=1)
     batches, held = partial(endless_batches, [], 8, pool=50), batch_of(EXAMPLES[:8])
     first, again = (train_boxes(config, folder, batches, held) for _ in range(2))
     assert again["steps"] > first["steps"]
