@@ -23,7 +23,7 @@ from chord_usd.data.drawn.fills import draw_floors, draw_walls
 from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry, build
 from chord_usd.data.drawn.page_looks import Look, random_look
-from chord_usd.data.drawn.stairs import draw_stairs
+from chord_usd.data.drawn.stairs import Flight, draw_stairs, with_stairs
 from chord_usd.data.drawn.styled_plans import without_seams
 from chord_usd.data.drawn.surroundings import (
     draw_neighbours,
@@ -54,6 +54,7 @@ class _Placed:
     """A storey and where its own origin lies on the sheet."""
 
     house: Masonry
+    flights: tuple[Flight, ...]
     origin_m: FloatArray
 
 
@@ -66,7 +67,8 @@ def draw_page(seed: int, look: Look | None = None, flats: Sequence[Plan] = ()) -
     houses = []
     for _ in range(count):
         plan = flats[int(rng.integers(len(flats)))] if flats else random_plan(rng)
-        houses.append(build(furnish(plan, rng, "homes"), look, rng))
+        house = build(furnish(plan, rng, "homes"), look, rng)
+        houses.append(with_stairs(house, look, rng))
     placed, size_m = _laid_out(houses, look, rng)
     side = rng.uniform(*_PX) * (1.2 if count > 1 else 1.0)
     canvas = Canvas(size_m, side / float(size_m.max()), look.paper_rgb)
@@ -84,7 +86,7 @@ def draw_page(seed: int, look: Look | None = None, flats: Sequence[Plan] = ()) -
 
 
 def _laid_out(
-    houses: list[Masonry], look: Look, rng: np.random.Generator
+    houses: list[tuple[Masonry, tuple[Flight, ...]]], look: Look, rng: np.random.Generator
 ) -> tuple[list[_Placed], FloatArray]:
     """Storeys side by side or one above the other, and the size of the sheet, metres."""
     margins = rng.uniform(0.3, 2.0, 4)
@@ -95,12 +97,12 @@ def _laid_out(
     is_row = rng.random() < 0.65
     cursor, placed = margins[:2].copy(), []
     far = np.zeros(2)
-    for house in houses:
+    for house, flights in houses:
         low = np.array(house.house.bounds[:2])
         size = np.array(house.house.bounds[2:]) - low
         shift = rng.uniform(0, 0.6, 2) * (not is_row, is_row)
         origin = cursor + shift - low
-        placed.append(_Placed(house, origin))
+        placed.append(_Placed(house, flights, origin))
         far = np.maximum(far, origin + low + size)
         cursor[0 if is_row else 1] = far[0 if is_row else 1] + rng.uniform(0.4, 2.5)
     return placed, far + margins[2:]
@@ -118,7 +120,7 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
     house = one.house
     canvas.origin_m = one.origin_m
     draw_floors(canvas, house, look, rng)
-    flights = draw_stairs(canvas, house, look, rng)
+    flights = draw_stairs(canvas, one.flights, look, rng)
     clear = tuple(
         item for item in house.items if not footprint_polygon(item.box).intersects(flights)
     )

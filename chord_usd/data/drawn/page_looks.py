@@ -77,7 +77,7 @@ class Look:
     """Kitchens and bathrooms are drawn, nothing that one moves in with."""
     has_shadows: bool = False
     stairs: float = 0.3
-    """Share of corridors and stores that hold a flight."""
+    """How likely the house has stairs."""
     names: float = 0.9
     """Share of rooms that are named."""
     sizes: float = 0.5
@@ -132,7 +132,7 @@ def _common(rng: np.random.Generator, kind: str) -> Look:
         pieces_kept=float(rng.uniform(0.6, 1.0)),
         piece_rgb=ink if rng.random() < 0.6 else _grey(rng, 60, 190),
         only_fixtures=bool(rng.random() < 0.3),
-        stairs=float(rng.choice([0.1, 0.4])),
+        stairs=float(rng.choice([0.2, 0.7])),
         names=float(rng.choice([0.0, 0.7, 0.95, 1.0], p=[0.1, 0.15, 0.35, 0.4])),
         sizes=float(rng.choice([0.0, 0.5, 1.0], p=[0.35, 0.25, 0.4])),
         letters_m=float(rng.uniform(0.14, 0.36)),
@@ -213,7 +213,7 @@ def _cad(rng: np.random.Generator, base: Look) -> dict[str, Any]:
         "inner_dimensions": float(rng.choice([0.0, 0.2, 0.6])),
         "surroundings": float(rng.choice([0.2, 0.7])),
         "pieces": str(rng.choice(["lines", "lines", "lines", "none"])),
-        "stairs": 0.4, **strokes,
+        "stairs": 0.6, **strokes,
     }  # fmt: skip
 
 
