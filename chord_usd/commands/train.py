@@ -11,25 +11,30 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.commands import train_lists
 from chord_usd.commands.common import (
     Outcome,
     Parser,
     UsageError,
     Verbs,
     add_group,
-    add_output,
-    add_seed,
     add_verb,
     positive,
     stopwatch,
     whole_number,
 )
-from chord_usd.commands.paths import output_run
+from chord_usd.commands.train_options import (
+    add_flats,
+    add_houses,
+    add_loop_options,
+    add_processor_time,
+    add_training_options,
+    device_of,
+)
 
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
     from chord_usd.training.detector_data import Sample
-    from chord_usd.training.lists_trainer import ListTraining, Task
     from chord_usd.training.stream import BatchStream
     from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
 
@@ -38,26 +43,27 @@ def add(verbs: Verbs) -> None:
     """Adds the verbs."""
     group = add_group(verbs, "train", "train the networks; a run in the same folder is resumed")
     layout = add_verb(group, "plan2layout", run_plan2layout, "train the layout model")
-    _add_training_options(layout, minutes=60.0, batch=None)
+    add_training_options(layout, minutes=60.0, batch=None)
     layout.add_argument(
         "--preset", default="default", metavar="NAME",
         help="default, large, paper, small or small-pure (default)",
     )  # fmt: skip
-    _add_processor_time(layout)
-    _add_flats(layout)
-    _add_loop_options(layout)
+    add_processor_time(layout)
+    add_houses(layout)
+    add_flats(layout)
+    add_loop_options(layout)
     _add_guidance(layout)
     table = add_verb(group, "table", run_table, "train the model of what stands on tables")
-    _add_training_options(table, minutes=40.0, batch=None)
-    _add_loop_options(table)
+    add_training_options(table, minutes=40.0, batch=None)
+    add_loop_options(table)
     for verb, what, run in (
         ("text2plan", "from words", run_text2plan),
         ("outline2plan", "in open plans", run_outline2plan),
     ):
         floors = add_verb(group, verb, run, f"train the model that plans floors {what}")
-        _add_training_options(floors, minutes=60.0, batch=None)
-        _add_flats(floors)
-        _add_loop_options(floors)
+        add_training_options(floors, minutes=60.0, batch=None)
+        add_flats(floors)
+        add_loop_options(floors)
         if verb == "text2plan":
             floors.add_argument(
                 "--text-encoder",
@@ -69,8 +75,8 @@ def add(verbs: Verbs) -> None:
     bubbles = add_verb(
         group, "bubbles", run_bubbles, "train the model that sketches where rooms go"
     )
-    _add_training_options(bubbles, minutes=30.0, batch=None)
-    _add_flats(bubbles)
+    add_training_options(bubbles, minutes=30.0, batch=None)
+    add_flats(bubbles)
     bubbles.add_argument(
         "--houses",
         type=whole_number(1, 10_000_000),
@@ -78,31 +84,13 @@ def add(verbs: Verbs) -> None:
         metavar="N",
         help="procedural houses to learn from (40000)",
     )
-    lists = add_verb(
-        group, "lists", run_lists, "train the model that writes down what is in a room or on a top"
-    )
-    _add_training_options(lists, minutes=60.0, batch=None)
-    lists.add_argument(
-        "--of",
-        choices=("pieces", "things"),
-        default="pieces",
-        help="pieces of a room, or things on tables, desks and worktops (pieces)",
-    )
-    _add_flats(lists)
-    _add_start(lists)
-    _add_processor_time(lists)
-    boxes = add_verb(
-        group, "boxes", run_boxes, "train a diffusion of boxes, the baseline beside the lists"
-    )
-    _add_training_options(boxes, minutes=60.0, batch=None)
-    _add_flats(boxes)
-    _add_processor_time(boxes)
+    train_lists.add(group)
     reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
-    _add_training_options(reader, minutes=60.0, batch=None)
-    _add_flats(reader)
-    _add_loop_options(reader)
+    add_training_options(reader, minutes=60.0, batch=None)
+    add_flats(reader)
+    add_loop_options(reader)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
-    _add_training_options(detector, minutes=15.0, batch=16)
+    add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
         "--kind",
         choices=("items", "rooms"),
@@ -131,30 +119,6 @@ def add(verbs: Verbs) -> None:
     )
 
 
-def _add_flats(parser: Parser) -> None:
-    parser.add_argument(
-        "--flats", type=Path, metavar="JSONL", help="real floor plans to learn from beside our own"
-    )
-
-
-def _add_loop_options(parser: Parser) -> None:
-    """Options of whatever the one training loop trains."""
-    parser.add_argument(
-        "--workers",
-        type=whole_number(0, 4096),
-        default=1,
-        metavar="N",
-        help="processes that draw (1)",
-    )
-    _add_start(parser)
-
-
-def _add_start(parser: Parser) -> None:
-    parser.add_argument(
-        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
-    )
-
-
 def _add_guidance(parser: Parser) -> None:
     parser.add_argument(
         "--teacher", type=Path, metavar="DIR", help="checkpoint to learn from, guided by --guide"
@@ -168,36 +132,6 @@ def _add_guidance(parser: Parser) -> None:
         default=2.0,
         metavar="W",
         help="how far: 1 is the teacher as it is (2)",
-    )
-
-
-def _device(options: argparse.Namespace) -> str:
-    from chord_usd.layout.device import choose_device
-
-    return choose_device(options.device)
-
-
-def _add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
-    add_output(parser, "folder of the run; the checkpoint comes to lie in it", output_run)
-    parser.add_argument(
-        "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
-    )
-    parser.add_argument(
-        "--batch",
-        type=whole_number(1, 65_536),
-        default=batch,
-        metavar="N",
-        help=f"({batch or 'the preset decides'})",
-    )
-    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu, cuda or cuda:1 (cpu)")
-    add_seed(parser)
-
-
-def _add_processor_time(parser: Parser) -> None:
-    parser.add_argument(
-        "--processor-time",
-        action="store_true",
-        help="minutes of this process's processor time, not of the clock: for comparisons",
     )
 
 
@@ -216,9 +150,8 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
     trainer = _layout_trainer(options, PRESETS[options.preset])
     real = read_flats(options.flats, part="train") if options.flats else []
     flats = furnishable(real)
-    stream = LayoutStream(
-        StreamConfig(seed=options.seed), flats, trainer.network.config, trainer.config.batch
-    )
+    drawing = StreamConfig(seed=options.seed, procedural=options.houses)
+    stream = LayoutStream(drawing, flats, trainer.network.config, trainer.config.batch)
     facts = {"real_plans": len(flats), "real_plans_left_out": len(real) - len(flats)}
     return _trained(options, trainer, stream, facts)
 
@@ -314,7 +247,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
         minutes=options.minutes,
         batch=options.batch or base.batch,
         seed=options.seed,
-        device=_device(options),
+        device=device_of(options),
     )
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
@@ -330,72 +263,13 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
-def run_lists(options: argparse.Namespace) -> Outcome:
-    """Runs train lists."""
-    from chord_usd.training.lists_trainer import train_lists
-
-    config = _list_training(options)
-    task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
-    with stopwatch(options).step("train") as progress:
-        facts = train_lists(config, options.output, task, progress, options.start)
-    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
-
-
-def _pieces(options: argparse.Namespace, batch: int) -> Task:
-    """To write down what is in a room."""
-    from chord_usd.data.flats import read_flats
-    from chord_usd.lists.pieces import PIECES
-    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
-    from chord_usd.training.lists_trainer import Task
-
-    flats = read_flats(options.flats, part="train") if options.flats else []
-    return Task(PIECES, partial(endless_batches, flats, batch), batch_of(held_out(50)))
-
-
-def run_boxes(options: argparse.Namespace) -> Outcome:
-    """Runs train boxes."""
-    from chord_usd.training.boxes_trainer import train_boxes
-
-    config = _list_training(options)
-    task = _pieces(options, config.batch)
-    with stopwatch(options).step("train") as progress:
-        facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
-    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
-
-
-def _list_training(options: argparse.Namespace) -> ListTraining:
-    """How lists, and boxes beside them, are trained."""
-    from chord_usd.training.lists_trainer import ListTraining
-
-    base = ListTraining()
-    return replace(
-        base,
-        minutes=options.minutes,
-        batch=options.batch or base.batch,
-        seed=options.seed,
-        device=options.device,
-        processor_time=options.processor_time,
-    )
-
-
-def _things(batch: int) -> Task:
-    """To write down what stands on a supporting piece."""
-    from chord_usd.lists.things import THINGS
-    from chord_usd.training.lists_trainer import Task
-    from chord_usd.training.things_data import batch_of, endless_batches, held_out
-
-    return Task(THINGS, partial(endless_batches, batch), batch_of(held_out(500)))
-
-
 def run_reader(options: argparse.Namespace) -> Outcome:
     """Runs train reader."""
     from chord_usd.data.flats import read_flats
     from chord_usd.training.reader_data import held_out
     from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
-    device = _device(options)
+    device = device_of(options)
     base = ReaderTraining() if device == "cpu" else ON_GPU
     config = replace(
         base,
@@ -424,7 +298,7 @@ def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConf
         batch=options.batch or base.batch,
         workers=options.workers,
         seed=options.seed,
-        device=_device(options),
+        device=device_of(options),
         processor_time=getattr(options, "processor_time", False),
     )
 
@@ -462,7 +336,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
         minutes=options.minutes,
         batch=options.batch,
         seed=options.seed,
-        device=_device(options),
+        device=device_of(options),
         start=options.start,
     )
     resumed = (options.output / WEIGHTS_FILE).exists()
@@ -471,7 +345,7 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     if options.generated:
         begin_run(options.output)
         with watch.step("generate") as progress:
-            model = load_model(Settings(device=_device(options)))
+            model = load_model(Settings(device=device_of(options)))
             folder = options.output / "generated"
             generated = generated_samples(model, options.generated, folder, progress)
     with watch.step("train") as progress:

@@ -6,6 +6,8 @@ import hashlib
 from collections.abc import Iterable
 from typing import Literal
 
+import numpy as np
+
 Part = Literal["train", "test"]
 
 TEST_SEED = 10**9
@@ -20,6 +22,17 @@ TEST_SHARE = 0.2
 def is_test_seed(seed: int) -> bool:
     """Whether a procedural house of this seed is held out."""
     return TEST_SEED <= seed < TEST_SEED + TEST_HOUSES
+
+
+def training_seed(rng: np.random.Generator, houses: int | None = None) -> int:
+    """Seed of a procedural house that may be trained on.
+
+    houses: of the first so many alone; None for more than any run sees.
+    """
+    while True:
+        seed = int(rng.integers(houses or 2**40))
+        if not is_test_seed(seed):
+            return seed
 
 
 def part_of(plan_id: str) -> Part:

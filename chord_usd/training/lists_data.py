@@ -11,7 +11,7 @@ from torch import Tensor
 
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.data.splits import TEST_SEED, is_test_seed
+from chord_usd.data.splits import TEST_SEED, training_seed
 from chord_usd.lists import pieces
 from chord_usd.lists.vocabulary import SEGMENT_FIELDS, Floats, Ints, Sequences, sequence_of
 from chord_usd.scene.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
@@ -61,19 +61,20 @@ def examples_of(
 
 
 def endless_houses(
-    flats: Sequence[Plan], rng: np.random.Generator
+    flats: Sequence[Plan], rng: np.random.Generator, procedural: int | None = None
 ) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
-    """Furnished houses that may be trained on, and whose they imitate."""
+    """Furnished houses that may be trained on, and whose they imitate.
+
+    procedural: how many different ones; None for no two alike.
+    """
     while True:
-        teacher = pieces.TEACHERS[int(rng.random() >= HOMES_SHARE)]
         if flats and rng.random() < FLAT_SHARE:
-            plan = flats[int(rng.integers(len(flats)))]
-            yield furnish(plan, rng, teacher), teacher
-            continue
-        seed = int(rng.integers(2**40))
-        if not is_test_seed(seed):
-            own = np.random.default_rng(seed)
-            yield furnish(random_plan(own), own, teacher), teacher
+            plan, own = flats[int(rng.integers(len(flats)))], rng
+        else:
+            own = np.random.default_rng(training_seed(rng, procedural))
+            plan = random_plan(own)
+        teacher = pieces.TEACHERS[int(own.random() >= HOMES_SHARE)]
+        yield furnish(plan, own, teacher), teacher
 
 
 def held_out(count: int) -> list[Example]:
@@ -87,11 +88,14 @@ def held_out(count: int) -> list[Example]:
 
 
 def endless_batches(
-    flats: Sequence[Plan], batch: int, seed: int, pool: int = POOL
+    flats: Sequence[Plan], batch: int, seed: int, pool: int = POOL, procedural: int | None = None
 ) -> Iterator[Batch]:
-    """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch."""
+    """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch.
+
+    procedural: as of endless_houses.
+    """
     rng = np.random.default_rng(seed)
-    houses = endless_houses(flats, rng)
+    houses = endless_houses(flats, rng, procedural)
     rooms: list[Example] = []
     while len(rooms) < min(pool, 20 * batch):
         rooms += examples_of(*next(houses), rng)

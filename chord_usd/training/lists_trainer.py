@@ -41,6 +41,8 @@ class ListTraining(RunConfig):
     cooldown_share: float = 0.5
     weight_decay: float = 0.02
     ema_decay: float = 0.999
+    houses: int | None = None
+    """How many different procedural ones there are; None for no two alike."""
 
 
 def train_lists(

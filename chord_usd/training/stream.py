@@ -14,7 +14,7 @@ from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 from chord_usd.data.augment import random_pose
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
-from chord_usd.data.splits import TEST_SEED, is_test_seed
+from chord_usd.data.splits import TEST_SEED, training_seed
 from chord_usd.data.tabletops import random_tabletop
 from chord_usd.layout.config import LayoutConfig
 from chord_usd.layout.draft import Draft
@@ -50,6 +50,8 @@ class StreamConfig(SeededConfig):
     """Chance that rooms are shaded by kind; else the model must guess it."""
     margin_px: tuple[int, int] = (4, 28)
     """Free border of the canvas, which varies the scale."""
+    procedural: int | None = None
+    """How many different procedural houses; None for no two alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,10 +190,7 @@ class LayoutStream(BatchStream):
         if self.real_plans and rng.random() < self.config.real_share:
             plan = self.real_plans[int(rng.integers(len(self.real_plans)))]
             return furnish(plan, rng)
-        seed = int(rng.integers(2**40))
-        while is_test_seed(seed):
-            seed = int(rng.integers(2**40))
-        house_rng = np.random.default_rng(seed)
+        house_rng = np.random.default_rng(training_seed(rng, self.config.procedural))
         return furnish(random_plan(house_rng), house_rng)
 
 
@@ -216,10 +215,7 @@ class TableStream(BatchStream):
 
     def draw(self, rng: np.random.Generator) -> Drawn:
         """A laid supporting piece."""
-        seed = int(rng.integers(2**40))
-        while is_test_seed(seed):
-            seed = int(rng.integers(2**40))
-        return _drawn_table(seed)
+        return _drawn_table(training_seed(rng))
 
     def held_out(self, count: int) -> list[Drawn]:
         """Test tabletops."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from chord_usd.lists.top_lists import load_lister
 from chord_usd.lists.vocabulary import NOTHING
 from chord_usd.runtime.networks import load_network
 from chord_usd.scene.types import Box
-from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+from chord_usd.training.lists_data import batch_of, endless_batches, endless_houses, held_out
 from chord_usd.training.lists_network import Drawing, ListNetwork
 from chord_usd.training.lists_trainer import (
     ListTraining,
@@ -139,6 +140,19 @@ def test_batches_depend_on_the_seed_alone() -> None:
     assert all(map(torch.equal, some(1), some(1)))
     pairs = zip(some(1), some(2), strict=True)
     assert not all(a.shape == b.shape and torch.equal(a, b) for a, b in pairs)
+
+
+def test_few_houses_come_again_and_again() -> None:
+    rng = np.random.default_rng(0)
+    houses = [house for house, _ in islice(endless_houses([], rng, 3), 12)]
+    assert len({tuple(item.box.center_m for item in house.items) for house in houses}) == 3
+
+
+def test_things_have_no_number_of_houses(capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["train", "lists", "--of", "things", "-o", "never/", "--houses", "3"]
+    assert main(command) == 2
+    assert capsys.readouterr().err.startswith("error: --houses")
+    assert not Path("never").exists()
 
 
 def test_lists_alone_are_scored(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -135,6 +135,13 @@ def test_the_stream_is_seeded_and_workers_differ():
     assert not np.array_equal(first_labels(1), first_labels(2))
 
 
+def test_few_houses_come_again_and_again():
+    stream = LayoutStream(StreamConfig(seed=0, procedural=2), [], TINY, 1)
+    rng = np.random.default_rng(0)
+    houses = [stream._furnished_house(rng) for _ in range(8)]
+    assert len({tuple(item.box.center_m for item in house.items) for house in houses}) == 2
+
+
 def test_learning_rate_warms_up_and_cools_down(tmp_path):
     trainer = LayoutTrainer(TINY, replace(QUICK, minutes=10.0, warmup_steps=10), tmp_path)
     trainer.step = 4

@@ -1,6 +1,8 @@
 """What is held out stays held out."""
 
-from chord_usd.data.splits import TEST_SEED, is_test_seed, part_of, split_hash
+import numpy as np
+
+from chord_usd.data.splits import TEST_SEED, is_test_seed, part_of, split_hash, training_seed
 
 
 def test_the_hash_names_the_set_not_the_order():
@@ -17,6 +19,12 @@ def test_about_a_fifth_of_real_plans_is_held_out():
 def test_procedural_test_houses_are_a_seed_range():
     assert is_test_seed(TEST_SEED)
     assert not is_test_seed(TEST_SEED - 1)
+
+
+def test_seeds_to_train_on_are_of_few_houses_where_few_are_asked_for():
+    rng = np.random.default_rng(0)
+    assert {training_seed(rng, 5) for _ in range(100)} == set(range(5))
+    assert len({training_seed(rng) for _ in range(100)}) == 100
 
 
 def test_a_file_named_after_a_plan_belongs_where_the_plan_belongs():

@@ -1,0 +1,114 @@
+"""train lists, train boxes: what is in a room, as a list and as boxes denoised."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from chord_usd.commands.common import (
+    Outcome,
+    UsageError,
+    Verbs,
+    add_verb,
+    stopwatch,
+)
+from chord_usd.commands.train_options import (
+    add_flats,
+    add_houses,
+    add_processor_time,
+    add_start,
+    add_training_options,
+)
+
+if TYPE_CHECKING:
+    from chord_usd.training.lists_trainer import ListTraining, Task
+
+
+def add(group: Verbs) -> None:
+    """Adds the verbs to those of train."""
+    lists = add_verb(
+        group, "lists", run_lists, "train the model that writes down what is in a room or on a top"
+    )
+    add_training_options(lists, minutes=60.0, batch=None)
+    lists.add_argument(
+        "--of",
+        choices=("pieces", "things"),
+        default="pieces",
+        help="pieces of a room, or things on tables, desks and worktops (pieces)",
+    )
+    add_flats(lists)
+    add_start(lists)
+    add_processor_time(lists)
+    add_houses(lists)
+    boxes = add_verb(
+        group, "boxes", run_boxes, "train a diffusion of boxes, the baseline beside the lists"
+    )
+    add_training_options(boxes, minutes=60.0, batch=None)
+    add_flats(boxes)
+    add_processor_time(boxes)
+    add_houses(boxes)
+
+
+def run_lists(options: argparse.Namespace) -> Outcome:
+    """Runs train lists."""
+    from chord_usd.training.lists_trainer import train_lists
+
+    if options.of == "things" and options.houses:
+        raise UsageError("things stand in no houses", where="--houses", expected="--of pieces")
+    config = _list_training(options)
+    task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
+    with stopwatch(options).step("train") as progress:
+        facts = train_lists(config, options.output, task, progress, options.start)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+
+
+def run_boxes(options: argparse.Namespace) -> Outcome:
+    """Runs train boxes."""
+    from chord_usd.training.boxes_trainer import train_boxes
+
+    config = _list_training(options)
+    task = _pieces(options, config.batch)
+    with stopwatch(options).step("train") as progress:
+        facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+
+
+def _list_training(options: argparse.Namespace) -> ListTraining:
+    """How lists, and boxes beside them, are trained."""
+    from chord_usd.training.lists_trainer import ListTraining
+
+    base = ListTraining()
+    return replace(
+        base,
+        minutes=options.minutes,
+        batch=options.batch or base.batch,
+        seed=options.seed,
+        device=options.device,
+        processor_time=options.processor_time,
+        houses=options.houses,
+    )
+
+
+def _pieces(options: argparse.Namespace, batch: int) -> Task:
+    """To write down what is in a room."""
+    from chord_usd.data.flats import read_flats
+    from chord_usd.lists.pieces import PIECES
+    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.lists_trainer import Task
+
+    flats = read_flats(options.flats, part="train") if options.flats else []
+    batches = partial(endless_batches, flats, batch, procedural=options.houses)
+    return Task(PIECES, batches, batch_of(held_out(50)))
+
+
+def _things(batch: int) -> Task:
+    """To write down what stands on a supporting piece."""
+    from chord_usd.lists.things import THINGS
+    from chord_usd.training.lists_trainer import Task
+    from chord_usd.training.things_data import batch_of, endless_batches, held_out
+
+    return Task(THINGS, partial(endless_batches, batch), batch_of(held_out(500)))

@@ -1,0 +1,84 @@
+"""Options that several verbs of train have."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.commands.common import (
+    Parser,
+    add_output,
+    add_seed,
+    positive,
+    whole_number,
+)
+from chord_usd.commands.paths import output_run
+
+
+def add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
+    """Where the run lies, how long it goes on, in what batches, on what, and its seed."""
+    add_output(parser, "folder of the run; the checkpoint comes to lie in it", output_run)
+    parser.add_argument(
+        "--minutes", type=positive, default=minutes, metavar="N", help=f"budget ({minutes:g})"
+    )
+    parser.add_argument(
+        "--batch",
+        type=whole_number(1, 65_536),
+        default=batch,
+        metavar="N",
+        help=f"({batch or 'the preset decides'})",
+    )
+    parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu, cuda or cuda:1 (cpu)")
+    add_seed(parser)
+
+
+def add_processor_time(parser: Parser) -> None:
+    """Whose minutes count."""
+    parser.add_argument(
+        "--processor-time",
+        action="store_true",
+        help="minutes of this process's processor time, not of the clock: for comparisons",
+    )
+
+
+def add_flats(parser: Parser) -> None:
+    """Real plans."""
+    parser.add_argument(
+        "--flats", type=Path, metavar="JSONL", help="real floor plans to learn from beside our own"
+    )
+
+
+def add_houses(parser: Parser) -> None:
+    """How many different houses there are."""
+    parser.add_argument(
+        "--houses",
+        type=whole_number(1, 10_000_000),
+        metavar="N",
+        help="learn from N procedural houses, again and again, in new poses (no two alike)",
+    )
+
+
+def add_loop_options(parser: Parser) -> None:
+    """Options of whatever the one training loop trains."""
+    parser.add_argument(
+        "--workers",
+        type=whole_number(0, 4096),
+        default=1,
+        metavar="N",
+        help="processes that draw (1)",
+    )
+    add_start(parser)
+
+
+def add_start(parser: Parser) -> None:
+    """Whose weights a run begins with."""
+    parser.add_argument(
+        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
+    )
+
+
+def device_of(options: argparse.Namespace) -> str:
+    """The device that is asked for. Raises what choose_device does where it is not there."""
+    from chord_usd.layout.device import choose_device
+
+    return choose_device(options.device)
