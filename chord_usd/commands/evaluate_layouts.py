@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
@@ -34,7 +35,7 @@ from chord_usd.commands.evaluate_options import (
 from chord_usd.runtime.progress import Stopwatch
 
 if TYPE_CHECKING:
-    from chord_usd.evaluation.cases import Cases
+    from chord_usd.evaluation.cases import Case, Cases
     from chord_usd.evaluation.layouts import Furnished, Sampling
     from chord_usd.evaluation.realism import Encoder, Realism
 
@@ -73,6 +74,7 @@ def add(group: Verbs) -> None:
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.evaluation import layout_report, layouts
+    from chord_usd.evaluation.cases import Case
 
     if options.boxes and not options.unpainted:
         raise UsageError("boxes are not painted over", where="--boxes", expected="--unpainted N")
@@ -82,6 +84,8 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("plans"):
         cases = _cases(options)
         warnings += cases.warnings
+        # What is to be scored is no standard for itself.
+        bare = [Case(one.id, one.plan) if options.source else one for one in cases.cases]
     sampling = sampling_of(options)
     before = process_time()
     furnished, made_by, sampling = _furnished(options, cases, sampling, watch, warnings)
@@ -91,7 +95,7 @@ def run(options: argparse.Namespace) -> Outcome:
     found: dict[str, Realism] = {}
     if encoder:
         with watch.step("realism"):
-            found = _realism(furnished, cases, sampling, encoder, warnings)
+            found = _realism(furnished, bare, sampling, encoder, warnings)
     own = {"processor_seconds_per_house": round(seconds, 3), "seconds": watch.seconds}
     data = {**layout_report.as_data(scores, found), **own}
     markdown = layout_report.as_markdown(scores, found)
@@ -137,15 +141,15 @@ def _furnished(
 
 def _realism(
     furnished: list[Furnished],
-    cases: Cases,
+    cases: Sequence[Case],
     sampling: Sampling,
     encoder: Encoder,
     warnings: list[str],
 ) -> dict[str, Realism]:
-    """Against what the furnisher draws: in the same plans for the floor, in others for both."""
+    """Against what cases are furnished with: the same for the floor, others for both."""
     from chord_usd.evaluation.realism import LEAST_PICTURES, realism_by_part, reference_layouts
 
-    real, others = reference_layouts(cases.cases, sampling)
+    real, others = reference_layouts(cases, sampling)
     if len(real) < LEAST_PICTURES:
         warnings.append(f"no FID and KID: they take at least {LEAST_PICTURES} pictures a set")
     return realism_by_part(furnished[: len(real)], real, others, encoder, sampling)

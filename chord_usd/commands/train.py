@@ -25,11 +25,13 @@ from chord_usd.commands.common import (
 )
 from chord_usd.commands.train_options import (
     add_flats,
+    add_furnished,
     add_houses,
     add_loop_options,
     add_processor_time,
     add_training_options,
     device_of,
+    furnished_of,
 )
 
 if TYPE_CHECKING:
@@ -50,6 +52,7 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     add_processor_time(layout)
     add_houses(layout)
+    add_furnished(layout)
     add_flats(layout)
     add_loop_options(layout)
     _add_guidance(layout)
@@ -147,12 +150,17 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
             where="--preset",
             expected=f"one of {', '.join(PRESETS)}",
         )
+    furnished = furnished_of(options)
     trainer = _layout_trainer(options, PRESETS[options.preset])
     real = read_flats(options.flats, part="train") if options.flats else []
     flats = furnishable(real)
     drawing = StreamConfig(seed=options.seed, procedural=options.houses)
-    stream = LayoutStream(drawing, flats, trainer.network.config, trainer.config.batch)
-    facts = {"real_plans": len(flats), "real_plans_left_out": len(real) - len(flats)}
+    stream = LayoutStream(drawing, flats, trainer.network.config, trainer.config.batch, furnished)
+    facts = {
+        "real_plans": len(flats),
+        "real_plans_left_out": len(real) - len(flats),
+        "furnished": len(furnished),
+    }
     return _trained(options, trainer, stream, facts)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -16,14 +17,20 @@ from chord_usd.commands.common import (
 )
 from chord_usd.commands.train_options import (
     add_flats,
+    add_furnished,
     add_houses,
     add_processor_time,
     add_start,
     add_training_options,
+    furnished_of,
 )
 
 if TYPE_CHECKING:
+    from chord_usd.scene.types import SceneGraph
     from chord_usd.training.lists_trainer import ListTraining, Task
+
+_MOST_UNSEEN = 500
+"""Held-out rooms that a card's score is of."""
 
 
 def add(group: Verbs) -> None:
@@ -42,6 +49,7 @@ def add(group: Verbs) -> None:
     add_start(lists)
     add_processor_time(lists)
     add_houses(lists)
+    add_furnished(lists)
     boxes = add_verb(
         group, "boxes", run_boxes, "train a diffusion of boxes, the baseline beside the lists"
     )
@@ -49,16 +57,21 @@ def add(group: Verbs) -> None:
     add_flats(boxes)
     add_processor_time(boxes)
     add_houses(boxes)
+    add_furnished(boxes)
 
 
 def run_lists(options: argparse.Namespace) -> Outcome:
     """Runs train lists."""
     from chord_usd.training.lists_trainer import train_lists
 
-    if options.of == "things" and options.houses:
-        raise UsageError("things stand in no houses", where="--houses", expected="--of pieces")
-    config = _list_training(options)
-    task = _things(config.batch) if options.of == "things" else _pieces(options, config.batch)
+    if options.of == "things" and (options.houses or options.furnished):
+        raise UsageError(
+            "things stand in no houses", where="--houses, --furnished", expected="--of pieces"
+        )
+    own = furnished_of(options)
+    config = _list_training(options, len(own))
+    is_of_things = options.of == "things"
+    task = _things(config.batch) if is_of_things else _pieces(options, config.batch, own)
     with stopwatch(options).step("train") as progress:
         facts = train_lists(config, options.output, task, progress, options.start)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
@@ -69,15 +82,16 @@ def run_boxes(options: argparse.Namespace) -> Outcome:
     """Runs train boxes."""
     from chord_usd.training.boxes_trainer import train_boxes
 
-    config = _list_training(options)
-    task = _pieces(options, config.batch)
+    own = furnished_of(options)
+    config = _list_training(options, len(own))
+    task = _pieces(options, config.batch, own)
     with stopwatch(options).step("train") as progress:
         facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
 
 
-def _list_training(options: argparse.Namespace) -> ListTraining:
+def _list_training(options: argparse.Namespace, furnished: int) -> ListTraining:
     """How lists, and boxes beside them, are trained."""
     from chord_usd.training.lists_trainer import ListTraining
 
@@ -90,19 +104,21 @@ def _list_training(options: argparse.Namespace) -> ListTraining:
         device=options.device,
         processor_time=options.processor_time,
         houses=options.houses,
+        furnished=furnished,
     )
 
 
-def _pieces(options: argparse.Namespace, batch: int) -> Task:
+def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) -> Task:
     """To write down what is in a room."""
     from chord_usd.data.flats import read_flats
     from chord_usd.lists.pieces import PIECES
-    from chord_usd.training.lists_data import batch_of, endless_batches, held_out
+    from chord_usd.training.lists_data import batch_of, endless_batches, examples_in, held_out
     from chord_usd.training.lists_trainer import Task
 
     flats = read_flats(options.flats, part="train") if options.flats else []
-    batches = partial(endless_batches, flats, batch, procedural=options.houses)
-    return Task(PIECES, batches, batch_of(held_out(50)))
+    batches = partial(endless_batches, flats, batch, procedural=options.houses, furnished=own)
+    unseen = examples_in(furnished_of(options, "test")) if own else held_out(50)
+    return Task(PIECES, batches, batch_of(unseen[:_MOST_UNSEEN]))
 
 
 def _things(batch: int) -> Task:

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import (
     Parser,
+    UsageError,
     add_output,
     add_seed,
     positive,
     whole_number,
 )
 from chord_usd.commands.paths import output_run
+from chord_usd.errors import SceneError
+
+if TYPE_CHECKING:
+    from chord_usd.evaluation.cases import Split
+    from chord_usd.scene.types import SceneGraph
 
 
 def add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
@@ -56,6 +63,44 @@ def add_houses(parser: Parser) -> None:
         metavar="N",
         help="learn from N procedural houses, again and again, in new poses (no two alike)",
     )
+
+
+def add_furnished(parser: Parser) -> None:
+    """Whose houses."""
+    parser.add_argument(
+        "--furnished",
+        type=Path,
+        metavar="DIR",
+        help="learn from the training share of a folder of furnished CHOrD JSON, not from our own",
+    )
+
+
+def furnished_of(options: argparse.Namespace, split: Split = "train") -> list[SceneGraph]:
+    """The furnished houses of a split in the folder that is asked for; none where none is.
+
+    Raises UsageError where other houses are asked for beside them or the folder is none, and
+    SceneError where nothing in it is furnished.
+    """
+    from chord_usd.evaluation.cases import folder_cases
+
+    folder: Path | None = options.furnished
+    if folder is None:
+        return []
+    if options.flats or options.houses:
+        raise UsageError(
+            "takes the place of our own houses",
+            where="--furnished",
+            expected="neither --flats nor --houses beside it",
+        )
+    if not folder.is_dir():
+        raise UsageError("no such folder", where=str(folder), try_="check the path")
+    cases = folder_cases(folder, split).cases
+    found = [case.furnished for case in cases if case.furnished]
+    if not found:
+        raise SceneError(
+            f"nothing of split {split!r} is furnished", where=str(folder), expected="CHOrD JSON"
+        )
+    return found
 
 
 def add_loop_options(parser: Parser) -> None:

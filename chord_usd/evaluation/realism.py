@@ -127,18 +127,19 @@ def realism(generated: FloatArray, real: FloatArray, others: FloatArray) -> Real
 def reference_layouts(
     cases: Sequence[Case], sampling: Sampling
 ) -> tuple[list[Furnished], list[Furnished]]:
-    """What the furnisher draws in the plans of these cases, and in other plans of their kind.
+    """What these cases are furnished with, and others of their kind.
+
+    Those that nobody has furnished are by our furnisher.
 
     There are no further real plans: where cases are not procedural, the first list is of their
     first half and the second of the rest.
     """
-    bare = [Case(case.id, case.plan) for case in cases]
     if all(case.id.startswith("procedural/") for case in cases):
-        others = list(procedural_cases("test", len(bare), start=_OTHER_PLANS).cases)
+        others: Sequence[Case] = procedural_cases("test", len(cases), start=_OTHER_PLANS).cases
     else:
-        half = len(bare) // 2
-        bare, others = bare[:half], bare[half:]
-    return list(drawn(bare, sampling)), list(drawn(others, sampling))
+        half = len(cases) // 2
+        cases, others = cases[:half], cases[half:]
+    return list(drawn(cases, sampling)), list(drawn(others, sampling))
 
 
 def realism_by_part(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,12 +61,17 @@ def examples_of(
 
 
 def endless_houses(
-    flats: Sequence[Plan], rng: np.random.Generator, procedural: int | None = None
+    flats: Sequence[Plan],
+    rng: np.random.Generator,
+    procedural: int | None = None,
+    furnished: Sequence[SceneGraph] = (),
 ) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
     """Furnished houses that may be trained on, and whose they imitate.
 
-    procedural: how many different ones; None for no two alike.
+    procedural: how many different ones; None for no two alike. furnished: in place of all others.
     """
+    while furnished:
+        yield furnished[int(rng.integers(len(furnished)))], "homes"
     while True:
         if flats and rng.random() < FLAT_SHARE:
             plan, own = flats[int(rng.integers(len(flats)))], rng
@@ -79,23 +84,30 @@ def endless_houses(
 
 def held_out(count: int) -> list[Example]:
     """The rooms of the first test houses, as homes."""
+    owns = [np.random.default_rng(TEST_SEED + index) for index in range(count)]
+    return examples_in([furnish(random_plan(own), own) for own in owns])
+
+
+def examples_in(houses: Iterable[SceneGraph]) -> list[Example]:
+    """The rooms of these houses, as homes; always the same."""
     rng = np.random.default_rng(0)
-    found: list[Example] = []
-    for index in range(count):
-        own = np.random.default_rng(TEST_SEED + index)
-        found += examples_of(furnish(random_plan(own), own), "homes", rng)
-    return found
+    return [example for house in houses for example in examples_of(house, "homes", rng)]
 
 
 def endless_batches(
-    flats: Sequence[Plan], batch: int, seed: int, pool: int = POOL, procedural: int | None = None
+    flats: Sequence[Plan],
+    batch: int,
+    seed: int,
+    pool: int = POOL,
+    procedural: int | None = None,
+    furnished: Sequence[SceneGraph] = (),
 ) -> Iterator[Batch]:
     """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch.
 
-    procedural: as of endless_houses.
+    procedural, furnished: as of endless_houses.
     """
     rng = np.random.default_rng(seed)
-    houses = endless_houses(flats, rng, procedural)
+    houses = endless_houses(flats, rng, procedural, furnished)
     rooms: list[Example] = []
     while len(rooms) < min(pool, 20 * batch):
         rooms += examples_of(*next(houses), rng)

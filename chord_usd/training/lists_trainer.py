@@ -43,6 +43,8 @@ class ListTraining(RunConfig):
     ema_decay: float = 0.999
     houses: int | None = None
     """How many different procedural ones there are; None for no two alike."""
+    furnished: int = 0
+    """How many of somebody else's there are in place of ours."""
 
 
 def train_lists(

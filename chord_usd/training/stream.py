@@ -152,7 +152,7 @@ def _draft_sample(draft: Draft, window: Window) -> dict[str, np.ndarray]:
 
 
 class LayoutStream(BatchStream):
-    """Furnished houses, procedural and on real floor plans."""
+    """Furnished houses, procedural and on real floor plans, or somebody else's in place of them."""
 
     def __init__(
         self,
@@ -160,10 +160,12 @@ class LayoutStream(BatchStream):
         real_plans: Sequence[Plan],
         network: LayoutConfig,
         batch: int,
+        furnished: Sequence[SceneGraph] = (),
     ) -> None:
         super().__init__(network, batch)
         self.config: StreamConfig = config
         self.real_plans = real_plans
+        self.furnished = furnished
 
     def draw(self, rng: np.random.Generator) -> Drawn:
         """A house in a random pose, shaded by chance."""
@@ -187,6 +189,8 @@ class LayoutStream(BatchStream):
         return drawn
 
     def _furnished_house(self, rng: np.random.Generator) -> SceneGraph:
+        if self.furnished:
+            return self.furnished[int(rng.integers(len(self.furnished)))]
         if self.real_plans and rng.random() < self.config.real_share:
             plan = self.real_plans[int(rng.integers(len(self.real_plans)))]
             return furnish(plan, rng)

@@ -151,7 +151,7 @@ def test_few_houses_come_again_and_again() -> None:
 def test_things_have_no_number_of_houses(capsys: pytest.CaptureFixture[str]) -> None:
     command = ["train", "lists", "--of", "things", "-o", "never/", "--houses", "3"]
     assert main(command) == 2
-    assert capsys.readouterr().err.startswith("error: --houses")
+    assert capsys.readouterr().err.startswith("error: --houses, --furnished")
     assert not Path("never").exists()
 
 
