@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.context import ForkServerContext
 
 import cv2
 import numpy as np
@@ -216,11 +218,18 @@ def page_loader(stream: PageStream, workers: int, *, pinned: bool = False) -> Da
         num_workers=workers,
         prefetch_factor=4 if workers else None,
         worker_init_fn=_single_thread if workers else None,
-        # OpenCV's threads, where this process has used it, do not live on in a fork.
-        multiprocessing_context="forkserver" if workers else None,
+        multiprocessing_context=_fork_server() if workers else None,
         pin_memory=pinned,
         persistent_workers=bool(workers),
     )
+
+
+def _fork_server() -> ForkServerContext:
+    """What forks workers: OpenCV's threads, where this process has used it, do not live on in a
+    fork of it. With torch imported beforehand; else workers import it one after the other."""
+    context = get_context("forkserver")
+    context.set_forkserver_preload([__name__])
+    return context
 
 
 def _single_thread(_worker: int) -> None:
