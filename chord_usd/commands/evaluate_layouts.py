@@ -21,6 +21,7 @@ from chord_usd.commands.evaluate_options import (
     add_checkpoint,
     add_drawer,
     add_fid,
+    add_inception,
     add_plans,
     add_report,
     add_sampling,
@@ -36,8 +37,9 @@ from chord_usd.runtime.progress import Stopwatch
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Case, Cases
+    from chord_usd.evaluation.encoders import Encoder
     from chord_usd.evaluation.layouts import Furnished, Sampling
-    from chord_usd.evaluation.realism import Encoder, Realism
+    from chord_usd.evaluation.realism import Realism
 
 
 def add(group: Verbs) -> None:
@@ -68,6 +70,7 @@ def add(group: Verbs) -> None:
         help="score the furnished houses of a folder of CHOrD JSON instead",
     )  # fmt: skip
     add_fid(parser)
+    add_inception(parser)
     add_report(parser)
 
 

@@ -23,8 +23,8 @@ from chord_usd.commands.paths import output_file
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Cases
+    from chord_usd.evaluation.encoders import Encoder
     from chord_usd.evaluation.layouts import Sampling
-    from chord_usd.evaluation.realism import Encoder
     from chord_usd.layout.sample import LayoutModel
     from chord_usd.lists.list_sampler import Drawer, ListDrawer
 
@@ -103,16 +103,29 @@ def add_fid(parser: Parser) -> None:
     )  # fmt: skip
 
 
+def add_inception(parser: Parser) -> None:
+    """Option --inception, beside --fid."""
+    parser.add_argument(
+        "--inception", type=Path, metavar="FILE",
+        help="FID and KID by Inception v3 instead: a state dict of torchvision's inception_v3",
+    )  # fmt: skip
+
+
 def load_encoder(options: argparse.Namespace, warnings: list[str]) -> Encoder | None:
     """The encoder behind FID and KID. Without its weights these are left out, and told; where
     they were asked for, that is an error."""
     from chord_usd.errors import MissingExtraError
-    from chord_usd.evaluation.realism import Encoder
+    from chord_usd.evaluation.encoders import InceptionEncoder, LiteEncoder
 
+    weights: Path | None = getattr(options, "inception", None)
+    if weights:
+        if options.fid is False:
+            raise UsageError("is for FID", where="--inception", expected="no --no-fid")
+        return InceptionEncoder(existing_file(weights))
     if options.fid is False:
         return None
     try:
-        return Encoder()
+        return LiteEncoder()
     except MissingExtraError as error:
         if options.fid:
             raise

@@ -117,7 +117,9 @@ def _realism_table(realism: dict[str, Realism]) -> str:
         ]
         for part, one in realism.items()
     ]  # fmt: skip
-    head = ["part", "FID-EffLite0", "floor", "over floor", "KID-EffLite0", "floor", "pictures each"]
+    (encoder,) = {one.encoder for one in realism.values()}
+    fid, kid = f"FID-{encoder}", f"KID-{encoder}"
+    head = ["part", fid, "floor", "over floor", kid, "floor", "pictures each"]
     return markdown_table(head, rows)
 
 

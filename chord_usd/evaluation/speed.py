@@ -10,8 +10,9 @@ from typing import Any
 
 from chord_usd.data.splits import split_hash
 from chord_usd.evaluation.cases import Case
+from chord_usd.evaluation.encoders import Encoder
 from chord_usd.evaluation.layouts import Furnished, Sampling, sampled, score_layouts
-from chord_usd.evaluation.realism import Encoder, Realism, realism, reference_layouts
+from chord_usd.evaluation.realism import Realism, realism, reference_layouts
 from chord_usd.evaluation.report import figure_png, markdown_table, new_figure, score_text
 from chord_usd.layout.sample import LayoutModel
 from chord_usd.metrics.scores import Score

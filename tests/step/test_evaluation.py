@@ -167,6 +167,8 @@ class TestDistances:
 class MeanColour:
     """An encoder by which a picture is its mean colour."""
 
+    name = "MeanColour"
+
     def features(self, pictures):
         return np.array([rgb.mean(axis=(0, 1)) for rgb in pictures]).reshape(-1, 3)
 
