@@ -131,6 +131,7 @@ class House:
         quality: Quality = "draft",
         lighting: str = "",
         sky: str = "",
+        roof: str = "",
         seed: int = 0,
         device: str = "auto",
         progress: ProgressStyle = "none",
@@ -140,7 +141,8 @@ class House:
         view: a camera (Isometric, Top, or a room's) or a room as people call it ("living",
         "bedroom 2"). size: width and height in pixels, (640, 360) for drafts, else (1280, 720).
         samples: paths a pixel, at most, 1 to 65536; 8, 128 or 1024 by the quality. lighting: day,
-        evening or night. sky: a name or an HDRI's file, in place of the stage's. device: auto, cpu,
+        evening or night. sky: a name or an HDRI's file, in place of the stage's. roof:
+        one that the house was generated with. device: auto, cpu,
         gpu or a backend such as cuda. Raises RenderError, StageError.
         """
         from PIL import Image
@@ -154,8 +156,8 @@ class House:
             )
         options = RenderOptions(
             cameras=(self._camera(view),), resolution_px=size or usual_px(quality),
-            quality=QUALITIES[quality], samples=samples, lighting=lighting, sky=sky, seed=seed,
-            device=device,
+            quality=QUALITIES[quality], samples=samples, lighting=lighting, sky=sky, roof=roof,
+            seed=seed, device=device,
         )  # fmt: skip
         with (
             tempfile.TemporaryDirectory(prefix="chord-usd-") as folder,
@@ -324,6 +326,7 @@ def generate(
     seed: int = 0,
     style: str = "mixed",
     sky: str = "",
+    roof: Literal["none", "flat", "gable", "hip"] = "none",
     articulation: Literal["fixed", "jointed"] = "fixed",
     furniture: str = "",
     rooms: str = "",
@@ -340,16 +343,17 @@ def generate(
     """Furnish a floor plan: what `chord-usd generate` does. Takes about a minute on two cores.
 
     plan: picture, PDF, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON. output: the stage, .usda, .usd,
-    .usdc or .usdz; None for a temporary folder that lives as long as the House. seed: 0 to
-    2**31 - 1; same seed, same house. style: modern, scandinavian, classic, industrial, japanese, or
-    mixed, one of them by the seed. sky: morning, noon, overcast, evening, night or an HDRI's file;
-    "" for noon. articulation: jointed where doors and drawers of furniture open. furniture: what
-    rooms shall hold, "Bedroom 1: double bed, desk; Bathroom: no bathtub". rooms: what rooms are,
-    "3: bedroom, 5: bathroom". dressing: curtains, lamps, rugs, pictures. tabletop: objects on
-    tables. m_per_px: scale of a picture, metres per pixel, 1e-4 to 10; None measures it. part:
-    which plan of a sheet, from 1. steps: of the sampler, 1 to 1000. texture_px: side of floors' and
-    walls' textures, 256 to 4096. asset_folders: of further meshes. device: auto, cpu or cuda.
-    progress: how it is told on stderr (none, bar, lines, json).
+    .usdc or .usdz; None for a temporary folder that lives as long as the House. seed: 0 to 2**31 -
+    1; same seed, same house. style: modern, scandinavian, classic, industrial, japanese, or mixed,
+    one of them by the seed. sky: morning, noon, overcast, evening, night or an HDRI's file; "" for
+    noon. roof: what the variant set `roof` offers beside none. articulation: jointed where doors
+    and drawers of furniture open. furniture: what rooms shall hold, "Bedroom 1: double bed, desk;
+    Bathroom: no bathtub". rooms: what rooms are, "3: bedroom, 5: bathroom". dressing: curtains,
+    lamps, rugs, pictures. tabletop: objects on tables. m_per_px: scale of a picture, metres per
+    pixel, 1e-4 to 10; None measures it. part: which plan of a sheet, from 1. steps: of the sampler,
+    1 to 1000. texture_px: side of floors' and walls' textures, 256 to 4096. asset_folders: of
+    further meshes. device: auto, cpu or cuda. progress: how it is told on stderr (none, bar, lines,
+    json).
 
     What a user should know of the plan is a warning. Raises ChordError (PlanError for a file that
     is no plan, OutputError for a target that cannot be written), and nothing is written.
@@ -360,7 +364,7 @@ def generate(
     from chord_usd.plan.corrections import read_rooms
 
     settings = pipeline.Settings(
-        seed=seed, style=style, sky=sky, articulation=articulation, dressing=dressing,
+        seed=seed, style=style, sky=sky, roof=roof, articulation=articulation, dressing=dressing,
         tabletop=tabletop, m_per_px=m_per_px, part=part, steps=steps, texture_px=texture_px,
         asset_folders=_folders(asset_folders), device=device,
         furniture=read_furniture(furniture) if furniture else (),

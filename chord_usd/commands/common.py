@@ -15,6 +15,7 @@ from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.scene.articulation import FIXED, JOINTED
 from chord_usd.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
+from chord_usd.scene.roof_forms import NO_ROOF, ROOF_FORMS
 from chord_usd.scene.styles import MIXED, STYLES, style_named
 
 if TYPE_CHECKING:
@@ -158,6 +159,15 @@ def add_sky(parser: Options) -> None:
     parser.add_argument(
         "--sky", default="", metavar="NAME",
         help="morning, noon, overcast, evening or night, or an HDRI of yours, .hdr or .exr (noon)",
+    )  # fmt: skip
+
+
+def add_roof(parser: Options) -> None:
+    """The option --roof."""
+    parser.add_argument(
+        "--roof", choices=ROOF_FORMS, default=NO_ROOF,
+        help="a roof that the house can wear: choice of its variant set `roof`, which is left at "
+        "none (none)",
     )  # fmt: skip
 
 

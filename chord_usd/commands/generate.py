@@ -19,6 +19,7 @@ from chord_usd.commands.common import (
     add_output,
     add_part,
     add_redraws,
+    add_roof,
     add_rooms,
     add_seed,
     add_sky,
@@ -77,6 +78,7 @@ def add(verbs: Verbs) -> None:
     )
     add_dressing(parser)
     add_sky(parser)
+    add_roof(parser)
     add_assets(parser)
     add_device(parser)
     parser.add_argument(
@@ -112,6 +114,7 @@ def run(options: argparse.Namespace) -> Outcome:
     settings = Settings(
         seed=options.seed,
         sky=options.sky,
+        roof=options.roof,
         steps=options.steps,
         m_per_px=options.scale,
         part=options.part,

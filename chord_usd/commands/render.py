@@ -64,6 +64,10 @@ def add_what(parser: Parser) -> None:
         "--frames", type=whole_number(1, 10_000), default=36, metavar="N",
         help="views of a turntable (36)",
     )  # fmt: skip
+    group.add_argument(
+        "--roof", default="", metavar="NAME",
+        help="gable, hip, flat or none: a roof that the stage has (the one it has selected)",
+    )  # fmt: skip
     add_look(group)
 
 
@@ -160,6 +164,7 @@ def render_options(options: argparse.Namespace) -> RenderOptions:
         walkthrough=options.walkthrough,
         turntable=options.turntable,
         frames=options.frames,
+        roof=options.roof,
         seed=options.seed,
         engine=options.engine,
         device=options.device,
@@ -181,6 +186,7 @@ def words_of(options: argparse.Namespace) -> list[str]:
         "--device": options.device,
         "--lighting": options.lighting,
         "--sky": options.sky,
+        "--roof": options.roof,
         "--walkthrough": options.walkthrough or None,
         "--turntable": options.turntable,
         "--frames": options.frames if options.turntable else None,

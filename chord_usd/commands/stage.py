@@ -12,6 +12,7 @@ from chord_usd.commands.common import (
     add_articulation,
     add_assets,
     add_output,
+    add_roof,
     add_seed,
     add_sky,
     add_style,
@@ -34,6 +35,7 @@ def add(verbs: Verbs) -> None:
     add_articulation(parser)
     add_arrange(parser)
     add_sky(parser)
+    add_roof(parser)
     add_assets(parser)
 
 
@@ -45,6 +47,7 @@ def run(options: argparse.Namespace) -> Outcome:
     settings = Settings(
         seed=options.seed,
         sky=options.sky,
+        roof=options.roof,
         asset_folders=tuple(options.assets),
         arrange=not options.no_arrange,
         style=options.style or "",

@@ -69,6 +69,8 @@ class RenderOptions:
     """Choice of the stage's variant set `lighting`; empty for the one it has selected."""
     sky: str = ""
     """Name of a sky (scene.skies) or an HDRI's file, in place of the stage's; empty for that."""
+    roof: str = ""
+    """Choice of the stage's variant set `roof`; empty for the one it has selected."""
 
     def __post_init__(self) -> None:
         """Raises RenderError for a combination that cannot be rendered."""
@@ -99,6 +101,7 @@ class RenderOptions:
             "stage_sha256": stage_hash,
             "lighting": self.lighting,
             "sky": self.sky,
+            **({"roof": self.roof} if self.roof else {}),
             "width_px": self.resolution_px[0],
             "height_px": self.resolution_px[1],
             "passes": [name for name in PASSES if name in self.passes],

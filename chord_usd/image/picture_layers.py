@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,17 +16,17 @@ from chord_usd.scene.skies import Sky, dome_turn_deg, sky_named
 if TYPE_CHECKING:
     from pxr import Sdf
 
-VARIANT_SET = "lighting"
-"""On the default prim."""
+LIGHTING, ROOF = "lighting", "roof"
+"""Variant sets of the default prim."""
 
 _KEPT = ("defaultPrim", "upAxis", "metersPerUnit", "renderSettingsPrimPath")
 """Metadata that a stage takes from its topmost layer alone."""
 
 
 @contextmanager
-def lit_stage(path: Path, lighting: str, sky: str = "") -> Iterator[Path]:
-    """Yield a stage with this choice of its variant set `lighting` and under this sky; "" for both
-    yields the stage itself.
+def lit_stage(path: Path, lighting: str, sky: str = "", roof: str = "") -> Iterator[Path]:
+    """Yield a stage with these choices of its variant sets `lighting` and `roof` and under this
+    sky; "" for all yields the stage itself.
 
     sky: as scene.skies.sky_named takes it; where lighting is "", it is that of the sky's time. It
     is a layer over the stage, thrown away afterwards. Raises StageError for a stage that cannot be
@@ -34,17 +34,19 @@ def lit_stage(path: Path, lighting: str, sky: str = "") -> Iterator[Path]:
     """
     from pxr import Sdf
 
-    if not lighting and not sky:
+    if not lighting and not sky and not roof:
         yield path
         return
     wanted = sky_named(sky) if sky else None
     if wanted is not None:
         require_picture(wanted)
     lighting = lighting or (wanted.time if wanted else "")
-    house = _check(path, lighting)
+    chosen = {name: one for name, one in ((LIGHTING, lighting), (ROOF, roof)) if one}
+    house = _check(path, chosen)
     with layer_over(path) as (layer, file):
         prim = Sdf.PrimSpec(layer, house, Sdf.SpecifierOver)
-        prim.variantSelections[VARIANT_SET] = lighting
+        for name, one in chosen.items():
+            prim.variantSelections[name] = one
         if wanted is not None:
             _hang_sky(prim, wanted, _sun_yaw_deg(path), file.parent)
         layer.Save()
@@ -119,15 +121,18 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
         yield layer, file
 
 
-def _check(path: Path, lighting: str) -> str:
-    """Name of the prim with the variant set."""
+def _check(path: Path, chosen: Mapping[str, str]) -> str:
+    """Name of the prim with the variant sets."""
     stage = open_stage(path, load=False)
     house = stage.GetDefaultPrim()
-    choices = house.GetVariantSet(VARIANT_SET).GetVariantNames() if house else []
-    if lighting not in choices:
-        raise RenderError(
-            f"has no lighting '{lighting}'",
-            where=str(path),
-            expected=f"one of {', '.join(choices)}" if choices else "a stage with such variants",
-        )
+    for name, one in chosen.items():
+        choices = house.GetVariantSet(name).GetVariantNames() if house else []
+        if one not in choices:
+            some = f"one of {', '.join(choices)}" if choices else ""
+            raise RenderError(
+                f"has no {name} '{one}'",
+                where=str(path),
+                expected=some or "a stage with such variants",
+                try_=f"generate PLAN --roof {one}" if name == ROOF and not choices else "",
+            )
     return str(house.GetName())

@@ -69,7 +69,7 @@ def render_stage(
     in it, for a missing device and for a failure inside Blender, OutputError for a folder that
     cannot be written or a full disk.
     """
-    with lit_stage(stage, options.lighting, options.sky) as lit:
+    with lit_stage(stage, options.lighting, options.sky, options.roof) as lit:
         views = read_views(lit)
         cameras = _chosen(stage, lit, views, options)
         run = _Run(stage, lit, folder, views, options)

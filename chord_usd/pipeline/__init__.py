@@ -29,6 +29,7 @@ from chord_usd.pipeline.settings import Settings
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.progress import Progress, Stopwatch
+from chord_usd.scene.roof_forms import NO_ROOF
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import (
     LayoutImage,
@@ -115,6 +116,7 @@ def generate(
     with watch.step("plan"):
         plan = read_plan(plan_file, settings)
         refuse_shut(plan, plan_file)
+        refuse_roof(plan, settings)
         plan_image = draw_plan(plan)
         asked = asked_of(plan, settings)
     style = style_named(settings.style or MIXED, settings.seed)
@@ -278,6 +280,14 @@ def require(settings: Settings) -> None:
         require_lists(settings)
 
 
+def refuse_roof(plan: Plan, settings: Settings) -> None:
+    """Raises PlanError for a roof that does not fit over a plan."""
+    if settings.roof != NO_ROOF:
+        from chord_usd.stage.roof import refuse_odd_roof
+
+        refuse_odd_roof(plan, settings.roof)
+
+
 def require_lists(settings: Settings) -> None:
     """Raises ChordError where there are no lists that could hold what is wished for."""
     from chord_usd.layout.description import read_description
@@ -395,7 +405,7 @@ def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> Stag
     looks = style_looks(style, settings.seed, settings.texture_px)
     return author_stage(
         graph, stage_path, seed=settings.seed, looks=looks, style=style.name, sky=settings.sky,
-        articulation=settings.articulation,
+        articulation=settings.articulation, roof=settings.roof,
     )  # fmt: skip
 
 

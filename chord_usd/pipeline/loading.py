@@ -125,7 +125,7 @@ def _deciding(settings: Settings) -> Settings:
     return replace(
         settings, seed=own.seed, sky=own.sky, steps=own.steps, m_per_px=own.m_per_px,
         part=own.part, style=own.style, articulation=own.articulation, dressing=own.dressing,
-        redraws=own.redraws, furniture=own.furniture, rooms=own.rooms,
+        redraws=own.redraws, roof=own.roof, furniture=own.furniture, rooms=own.rooms,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from chord_usd.errors import ChordError
 from chord_usd.scene.articulation import FIXED, JOINTED
 from chord_usd.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
+from chord_usd.scene.roof_forms import NO_ROOF, ROOF_FORMS, RoofForm
 from chord_usd.scene.styles import MIXED, style_named
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ class Settings:
     """Side of the textures of floors and walls, 256 to 4096; furniture has half of it."""
     sky: str = ""
     """Name of a sky or an HDRI's file; "" for the sky of the time of day."""
+    roof: RoofForm = NO_ROOF
+    """What the house can wear over its top storey (scene.roof_forms)."""
     articulation: str = FIXED
     """`jointed` where doors and drawers of furniture open (scene.articulation)."""
     lists: bool = True
@@ -76,7 +79,11 @@ class Settings:
         real = isinstance(scale, int | float)
         if scale is not None and not (real and least_m <= scale <= most_m):
             raise _odd("m_per_px", self.m_per_px, f"{least_m:g} to {most_m:g} metres per pixel")
-        for name, offered in (("device", DEVICES), ("articulation", (FIXED, JOINTED))):
+        for name, offered in (
+            ("device", DEVICES),
+            ("articulation", (FIXED, JOINTED)),
+            ("roof", ROOF_FORMS),
+        ):
             if getattr(self, name) not in offered:
                 raise _odd(name, getattr(self, name), f"one of {', '.join(offered)}")
         if self.style not in ("", MIXED):

@@ -14,6 +14,7 @@ from chord_usd.pipeline import (
     furnish,
     load_usd,
     read_plan,
+    refuse_roof,
     refuse_shut,
     sampling,
 )
@@ -96,6 +97,7 @@ def generate_storeys(
         own_files = [files[min(one.index, len(files) - 1)] for one in building.storeys]
         for storey, file in zip(building.storeys, own_files, strict=True):
             refuse_shut(storey.plan, file)
+        refuse_roof(building.storeys[-1].plan, settings)
         images = [draw_plan(storey.plan) for storey in building.storeys]
         asked = _asked(building, settings)
     style = style_named(settings.style or MIXED, settings.seed)
@@ -149,5 +151,5 @@ def _write(
     looks = style_looks(style_named(style, settings.seed), settings.seed, settings.texture_px)
     return author_levels(
         levels, stage_path, seed=settings.seed, looks=looks, style=style, sky=settings.sky,
-        articulation=settings.articulation,
+        articulation=settings.articulation, roof=settings.roof,
     )  # fmt: skip

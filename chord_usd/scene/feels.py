@@ -51,6 +51,6 @@ FEEL_OF_LOOK: dict[str, Feel] = {
 FEEL_OF_SURFACE: dict[str, Feel] = {
     "PlainFloor": WOOD, "PlainWall": _PLASTER, "Ceiling": _PLASTER, "Facade": _PLASTER,
     "WallTop": _PLASTER, "Trim": _PAINTED, "WindowFrame": _PAINTED, "EntranceDoor": _PAINTED,
-    "Placeholder": _PAINTED, "Metal": METAL, "Glass": GLASS,
+    "RoofTiles": _TILES, "Placeholder": _PAINTED, "Metal": METAL, "Glass": GLASS,
 }  # fmt: skip
 """By name of what has no look; the first two also of looks that say no family."""

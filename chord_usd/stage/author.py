@@ -21,6 +21,7 @@ from chord_usd.runtime.files import deliver, destination
 from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.articulation import FIXED
 from chord_usd.scene.looks import LookSource
+from chord_usd.scene.roof_forms import NO_ROOF, RoofForm
 from chord_usd.scene.skies import Sky, sky_named
 from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
@@ -56,6 +57,7 @@ from chord_usd.stage.prims import (
     place,
     relate,
 )
+from chord_usd.stage.roof import raise_roof
 from chord_usd.stage.shared_looks import share_looks
 from chord_usd.stage.shell import draw_shell
 from chord_usd.stage.stage_levels import SHAFT, Level, one_level, room_specs
@@ -80,6 +82,7 @@ def author_stage(
     style: str = "",
     sky: str = "",
     articulation: str = FIXED,
+    roof: RoofForm = NO_ROOF,
 ) -> StageFile:
     """Write a house as a USD stage, with everything it points to beside it.
 
@@ -87,19 +90,20 @@ def author_stage(
     folder share the latter two. `.usdz` packs all of it into one file. Same graph, same seed: same
     bytes. Nothing is left behind on failure.
 
-    looks: where those of walls and floors come from; without, surfaces are plain. style: name of
-    a style; by default that of the graph, and where that has none, one by the seed. sky: name of
-    one (scene.skies), or an HDRI's file. articulation: whether doors and drawers of furniture open
-    (scene.articulation).
+    looks: where those of walls and floors come from; without, surfaces are plain. style: name of a
+    style; by default that of the graph, and where that has none, one by the seed. sky: name of one
+    (scene.skies), or an HDRI's file. articulation: whether doors and drawers of furniture open
+    (scene.articulation). roof: what its variant set `roof` offers beside none (stage.roof).
 
-    Raises ChordError for an unknown sky, SceneError for a graph without rooms or with an unknown
-    category, AssetError for a missing mesh, OutputError for a target that cannot be written.
+    Raises ChordError for an unknown sky, PlanError for a roof that does not fit, SceneError for a
+    graph without rooms or with an unknown category, AssetError for a missing mesh, OutputError for
+    a target that cannot be written.
     """
     _refuse_odd_suffix(path)
     style = style or graph.style or MIXED
     return author_levels(
         [one_level(graph)], path, seed=seed, looks=looks, style=style, sky=sky,
-        articulation=articulation,
+        articulation=articulation, roof=roof,
     )  # fmt: skip
 
 
@@ -112,12 +116,13 @@ def author_levels(
     style: str = MIXED,
     sky: str = "",
     articulation: str = FIXED,
+    roof: RoofForm = NO_ROOF,
 ) -> StageFile:
     """Write the storeys of a house as one stage; everything else is as author_stage has it."""
     path = Path(path)
     _refuse_odd_suffix(path)
     named = style_named(style, seed)
-    house = _House(tuple(levels), seed, looks, named, sky_named(sky), articulation)
+    house = _House(tuple(levels), seed, looks, named, sky_named(sky), articulation, roof)
     require_picture(house.sky)
     with deliver() as delivery:
         target = delivery.place(path)
@@ -152,6 +157,7 @@ class _House:
     style: HomeStyle
     sky: Sky
     articulation: str
+    roof: RoofForm
 
     @property
     def rooms(self) -> list[NamedRoom]:
@@ -191,6 +197,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
     set_cameras(layer, house.levels)
     _set_render(layer, house.rooms)
     _hint_house(layer, extents, house.levels)
+    raise_roof(layer, house.levels, house.roof, architecture, finish)
     layer.Save()
     return _hash([target, *sorted(architecture.iterdir())])
 

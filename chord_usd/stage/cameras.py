@@ -26,6 +26,7 @@ TENTHS_PER_M = 10.0
 
 TOP_CAMERA = "Top"
 ISOMETRIC_CAMERA = "Isometric"
+OUTSIDE_CAMERA = "Outside"
 
 _CLEAR_M = 0.1
 """A camera moves when a piece that is in its way comes nearer than this."""
@@ -41,6 +42,7 @@ _LARGE_M = 0.4
 """Smaller dressing hides nothing."""
 
 _TOP_LENS_MM = 50.0
+_OUTSIDE_LENS_MM = 28.0
 _MARGIN = 1.06
 
 _ELEVATION_DEG = math.degrees(math.asin(math.tan(math.radians(30.0))))
@@ -171,6 +173,28 @@ def _set_isometric(layer: Sdf.Layer, level: Level) -> None:
     attribute(camera, "horizontalAperture", Types.Float, width_m * TENTHS_PER_M)
     attribute(camera, "verticalAperture", Types.Float, height_m * TENTHS_PER_M)
     note(camera, cut_m=level.elevation_m + _CUT_AT_M)
+
+
+def set_outside(layer: Sdf.Layer, bounds_m: FloatArray, yaw_deg: float, highest_m: float) -> None:
+    """Write /House/Cameras/Outside, a level view of all within the bounds, (2, 3).
+
+    yaw_deg: direction in which it stands, counter-clockwise from +x. highest_m: it stands lower.
+    """
+    (low, high), tangents = bounds_m, np.array(SENSOR_MM) / 2 / _OUTSIDE_LENS_MM
+    middle = (low + high) / 2
+    middle[2] = min(middle[2], highest_m)
+    corners = np.array(
+        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
+    towards, beside = rotation_2d(yaw_deg).T
+    nearer = (corners - middle)[:, :2] @ towards
+    aside = np.abs((corners - middle)[:, :2] @ beside) / tangents[0]
+    above = np.abs((corners - middle)[:, 2]) / tangents[1]
+    reach_m = float((nearer + _MARGIN * np.maximum(aside, above)).max())
+    x, y = middle[:2] + towards * reach_m
+    turn = Gf.Vec3f(90.0, 0.0, yaw_deg + 90.0)
+    camera = _camera(layer, OUTSIDE_CAMERA, Gf.Vec3d(float(x), float(y), float(middle[2])), turn)
+    _set_lens(camera, _OUTSIDE_LENS_MM, 0.0, NEAR_M)
 
 
 def _facing_deg(rooms: Sequence[NamedRoom]) -> float:

@@ -8,7 +8,6 @@ the doors and windows named after it; the facade and the tops of the walls are t
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,6 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.scene.feels import FEEL_OF_SURFACE
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.scene.trim import CASING_M
 from chord_usd.scene.tunnels import Tunnel
@@ -28,39 +26,21 @@ from chord_usd.stage.door_leaves import LeafKind, leaf_parts
 from chord_usd.stage.mesh import Face, flat, mesh_of, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
 from chord_usd.stage.opening_parts import (
-    PointM,
     fixed_parts,
-    leaf_box,
     leaves_of,
     railing_guard,
     railing_parts,
     sashes_in,
     side_of,
 )
-from chord_usd.stage.opening_shapes import Leaf, Part
-from chord_usd.stage.physics import (
-    DOOR_KG_PER_M2,
-    DOOR_OPENS_DEG,
-    SASH_KG_PER_M2,
-    define_colliders,
-    hang_leaf,
-    write_collider,
-    write_feel,
-)
+from chord_usd.stage.opening_shapes import Part
 from chord_usd.stage.prims import (
-    bind,
-    define,
-    define_class,
-    hint_extent,
-    identify,
-    inherit,
     label,
-    new_layer,
     note,
     note_size,
     place,
-    write_mesh,
 )
+from chord_usd.stage.shell_layers import FLOOR, Frame, ShellComponent, refer
 from chord_usd.stage.slabs import slab_faces
 from chord_usd.stage.stage_levels import Level, is_shaft, note_stair
 from chord_usd.stage.stair_parts import (
@@ -71,7 +51,7 @@ from chord_usd.stage.stair_parts import (
     stair_boxes,
     stair_parts,
 )
-from chord_usd.stage.surfaces import Fitout, write_surface
+from chord_usd.stage.surfaces import Fitout
 from chord_usd.stage.walls import (
     WallLine,
     Walls,
@@ -80,7 +60,6 @@ from chord_usd.stage.walls import (
     wall_boxes,
     wall_faces,
 )
-from chord_usd.stage.window_parts import Sash
 
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
@@ -90,8 +69,6 @@ _SLAB_M = 0.2
 
 _TILED = ("bathroom", "balcony")
 """Kinds of rooms without skirting boards."""
-
-_FLOOR = "_Floor"
 
 _GLASS_DOOR_FROM_M = 1.5
 """Outer doors this wide are glass doors, whatever they lead to."""
@@ -121,7 +98,7 @@ def draw_shell(
 
 def floor_material(room: NamedRoom) -> str:
     """Name of the room's floor material; unique in the house, since Blender merges by name."""
-    return f"{room.name}{_FLOOR}"
+    return f"{room.name}{FLOOR}"
 
 
 def wall_material(room: NamedRoom) -> str:
@@ -129,107 +106,11 @@ def wall_material(room: NamedRoom) -> str:
     return f"{room.name}_Wall"
 
 
-class _Component:
-    """A payload layer being written: meshes under Geometry, materials under Materials."""
-
-    def __init__(self, path: Path, name: str, fitout: Fitout) -> None:
-        self.fitout = fitout
-        self.file = f"./{path.parent.name}/{path.name}"
-        """The layer's path as the house writes it."""
-        self.extents_m: list[FloatArray] = []
-        """(2, 3) world bounds of each mesh."""
-        self._layer = new_layer(path, name)
-        self._root = Sdf.Path.absoluteRootPath.AppendChild(name)
-        define(self._layer, self._root, "Xform", kind="component")
-        define(self._layer, self._root.AppendChild("Geometry"), "Scope")
-        define(self._layer, self._root.AppendChild("Materials"), "Scope")
-
-    def group(self, name: str) -> Sdf.PrimSpec:
-        """An Xform under Geometry."""
-        return define(self._layer, self._root.AppendPath(f"Geometry/{name}"), "Xform")
-
-    def mesh(
-        self, name: str, faces: Sequence[Face], material: str, frame: _Frame | None = None
-    ) -> Sdf.PrimSpec:
-        """A mesh under Geometry that wears a material of this component.
-
-        frame: where the groups above it stand, if it is not drawn in the world.
-        """
-        mesh = mesh_of(faces)
-        prim = write_mesh(self._layer, self._root.AppendPath(f"Geometry/{name}"), mesh)
-        bind(prim, self._material(material))
-        points = frame.in_world(mesh.points_m) if frame else mesh.points_m
-        self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
-        return prim
-
-    def block(self, boxes: Sequence[tuple[Box, str]]) -> None:
-        """Colliders of what is drawn as sheets, each with what it feels like."""
-        scope = define_colliders(self._layer, self._root.AppendChild("Colliders"))
-        for index, (box, material) in enumerate(boxes):
-            path = scope.path.AppendChild(f"Box_{index}")
-            write_collider(self._layer, path, box, self._material(material))
-
-    def guard(self, parent: Sdf.PrimSpec, box: Box, material: str) -> None:
-        """The collider of a part that is drawn in bars."""
-        path = parent.path.AppendChild("Collider")
-        write_collider(self._layer, path, box, self._material(material))
-
-    def hang(
-        self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf | Sash, side: int, material: str
-    ) -> None:
-        """Let a leaf swing towards +y of its opening where side is 1, towards -y where it is -1."""
-        turn_deg = DOOR_OPENS_DEG * (-side if drawn.hung_right else side)
-        limits_deg = (min(turn_deg, 0.0), max(turn_deg, 0.0))
-        own = self._material(material)
-        if isinstance(drawn, Sash):
-            box, kg_per_m2 = drawn.box, SASH_KG_PER_M2
-        else:
-            box, kg_per_m2 = leaf_box(drawn), DOOR_KG_PER_M2
-        hang_leaf(self._layer, leaf, hinge_m, box, limits_deg, own, kg_per_m2)
-
-    def _material(self, name: str) -> Sdf.Path:
-        path = self._root.AppendPath(f"Materials/{name}")
-        if not self._layer.GetPrimAtPath(path):
-            if name in self.fitout.surfaces:
-                write_surface(self._layer, path, self.fitout.surfaces[name])
-            else:  # the room's variant sets say what it looks like
-                plain = "PlainFloor" if name.endswith(_FLOOR) else "PlainWall"
-                write_feel(define(self._layer, path, "Material"), FEEL_OF_SURFACE[plain])
-        return path
-
-    def reserve(self, material: str) -> None:
-        """A material that the room's variants write, though nothing here wears it."""
-        self._material(material)
-
-    def save(self) -> None:
-        """Write the layer's file."""
-        self._layer.Save()
-
-
-@dataclass(frozen=True, eq=False)
-class _Frame:
-    """Where an opening, or a leaf in it, stands in the world."""
-
-    yaw_deg: float
-    origin_m: tuple[float, float, float]
-
-    def in_world(self, points_m: FloatArray) -> FloatArray:
-        """(N, 3) points of this frame in the world."""
-        turned = points_m.copy()
-        turned[:, :2] = points_m[:, :2] @ rotation_2d(self.yaw_deg).T
-        return turned + np.array(self.origin_m)
-
-    def inner(self, origin_m: tuple[float, float, float]) -> _Frame:
-        """A frame of the same yaw with its origin at this point of the frame."""
-        x, y, z = self.in_world(np.array([origin_m]))[0]
-        return _Frame(self.yaw_deg, (float(x), float(y), float(z)))
-
-
 def _draw_room(
     layer: Sdf.Layer, room: NamedRoom, level: Level, folder: Path, fitout: Fitout
 ) -> FloatArray:
     walls, rooms = level.walls, level.rooms
-    component = _Component(folder / f"{room.name}.usdc", "Architecture", fitout)
+    component = ShellComponent(folder / f"{room.name}.usdc", "Architecture", fitout)
     floor = walls.floors_m[room.index]
     lines = walls.lines_of(room.index)
     _draw_floor_and_ceiling(component, room, floor, level)
@@ -255,11 +136,11 @@ def _draw_room(
     steps = [box for own in level.rising.get(room.room.id, ()) for box in stair_boxes(own.built)]
     component.block([*((box, floor_material(room)) for box in (*slabs, *steps)), *walled])
     component.save()
-    return _refer(layer, f"{room.path}/Architecture", component)
+    return refer(layer, f"{room.path}/Architecture", component)
 
 
 def _draw_floor_and_ceiling(
-    component: _Component, room: NamedRoom, floor: Polygon, level: Level
+    component: ShellComponent, room: NamedRoom, floor: Polygon, level: Level
 ) -> None:
     if room.room.id not in level.ways:
         sheet = component.mesh("Floor", flat(floor, 0.0, up=True), floor_material(room))
@@ -269,7 +150,7 @@ def _draw_floor_and_ceiling(
         label(ceiling, "category", "ceiling")
 
 
-def _draw_stairs(component: _Component, room: NamedRoom, level: Level) -> None:
+def _draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> None:
     """The stairs up from a room, and the railings around the hole that one comes up through."""
     solid = level.walls.solid_m
     for index, own in enumerate(level.rising.get(room.room.id, ())):
@@ -288,12 +169,12 @@ def _draw_stairs(component: _Component, room: NamedRoom, level: Level) -> None:
             _draw_guard(component, f"Guard_{number}", line, 0.0)
 
 
-def _draw_guard(component: _Component, name: str, line: FloatArray, low_m: float) -> None:
+def _draw_guard(component: ShellComponent, name: str, line: FloatArray, low_m: float) -> None:
     part, collider = guard_part(line)
     group = component.group(name)
     place(group, at_m=(0.0, 0.0, low_m))
     label(group, "category", "railing")
-    component.mesh(f"{name}/{part.name}", part.faces, part.surface, _Frame(0.0, (0.0, 0.0, low_m)))
+    component.mesh(f"{name}/{part.name}", part.faces, part.surface, Frame(0.0, (0.0, 0.0, low_m)))
     component.guard(group, collider, part.surface)
 
 
@@ -317,7 +198,7 @@ def _slab(floor: Polygon) -> Box:
 
 
 def _draw_opening(
-    component: _Component,
+    component: ShellComponent,
     named: NamedOpening,
     room: NamedRoom,
     walls: Walls,
@@ -326,7 +207,7 @@ def _draw_opening(
     opening = named.opening
     tunnel = walls.tunnels.get(opening.id)
     sill_m = tunnel.low_m if tunnel else opening.box.center_m[2]
-    frame = _Frame(opening.box.yaw_deg, (*opening.box.center_m[:2], sill_m))
+    frame = Frame(opening.box.yaw_deg, (*opening.box.center_m[:2], sill_m))
     group = component.group(named.name)
     place(group, at_m=frame.origin_m, yaw_deg=frame.yaw_deg)
     label(group, "category", opening.kind)
@@ -366,10 +247,10 @@ def _around(faces: Sequence[Face]) -> Box:
     return Box((x, y, float(low[2])), (length, depth, height), 0.0)
 
 
-def _draw_railing(component: _Component, name: str, tunnel: Tunnel, room: NamedRoom) -> None:
+def _draw_railing(component: ShellComponent, name: str, tunnel: Tunnel, room: NamedRoom) -> None:
     """A gap in a balcony's wall, with a railing on the kerb."""
     opening = tunnel.opening
-    frame = _Frame(opening.box.yaw_deg, (*opening.box.center_m[:2], tunnel.low_m))
+    frame = Frame(opening.box.yaw_deg, (*opening.box.center_m[:2], tunnel.low_m))
     group = component.group(name)
     place(group, at_m=frame.origin_m, yaw_deg=frame.yaw_deg)
     label(group, "category", "railing")
@@ -396,7 +277,7 @@ def opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:
 
 
 def _draw_part(
-    component: _Component, parent: str, part: Part, room: NamedRoom, frame: _Frame
+    component: ShellComponent, parent: str, part: Part, room: NamedRoom, frame: Frame
 ) -> None:
     looks = {"Wall": wall_material(room), "Floor": floor_material(room)}
     material = looks.get(part.surface, part.surface)
@@ -452,7 +333,7 @@ def _draw_exterior(
 ) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
     walls, name = level.walls, level.group or "Exterior"
-    component = _Component(folder / f"{name}.usdc", name, fitout)
+    component = ShellComponent(folder / f"{name}.usdc", name, fitout)
     facade = wall_faces(walls.lines_of(None))
     if facade:
         component.mesh("Facade", facade, "Facade")
@@ -464,20 +345,8 @@ def _draw_exterior(
             component.mesh("SlabHole", inside, "Ceiling")
     component.save()
     if not level.group:
-        return _refer(layer, "/House/Exterior", component)
+        return refer(layer, "/House/Exterior", component)
     path = f"/House/Exterior/{name}"
-    extent = _refer(layer, path, component)
+    extent = refer(layer, path, component)
     place(layer.GetPrimAtPath(path), at_m=(0.0, 0.0, level.elevation_m))
-    return extent
-
-
-def _refer(layer: Sdf.Layer, path: str, component: _Component) -> FloatArray:
-    """The component's interface in the house: kind, bounds, payload. Returns the bounds."""
-    prim = define(layer, path, "Xform", kind="component")
-    identify(prim, prim.name, component.file)
-    inherit(prim, define_class(layer, prim.name))
-    prim.payloadList.prependedItems.append(Sdf.Payload(component.file))
-    extents = np.array(component.extents_m)
-    extent = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
-    hint_extent(prim, extent)
     return extent

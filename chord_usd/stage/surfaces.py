@@ -34,6 +34,7 @@ PLAIN_SURFACES: dict[str, Surface] = {
     "Glass": Surface((24, 28, 27), 0.0, opacity=0.08),  # a pale one would be a veil in the sun
     "Facade": Surface((222, 217, 208), 0.9),
     "WallTop": Surface((58, 58, 60), 0.9),
+    "RoofTiles": Surface((124, 72, 56), 0.8),
     "PlainFloor": Surface((182, 152, 118), 0.5),
     "PlainWall": Surface((236, 233, 226), 0.85),
     "Placeholder": Surface((178, 178, 182), 0.6),

@@ -17,6 +17,9 @@ SUN_IMPORT = 4.0
 CEILING = "Ceiling"
 """Names of ceilings start so."""
 
+ROOF = "Roof"
+"""Name of the prim above the roof's meshes."""
+
 _LEFT_OUT = "left_out"
 """Property of what an open roof hides."""
 
@@ -121,16 +124,22 @@ def aim(camera: Any, view: StageCamera) -> None:
 
 
 def open_roof(scene: Any, is_open: bool) -> None:
-    """Let the camera see through ceilings, what hangs from them, and sky, or not.
+    """Let the camera see through roof and ceilings, what hangs from them, and sky, or not.
 
     Ceilings go on casting shadows: so the rooms keep the light they have inside.
     """
     for thing in bpy.data.objects:
-        if thing.type == "MESH" and thing.name.startswith(CEILING):
+        if thing.type == "MESH" and (thing.name.startswith(CEILING) or _is_of_roof(thing)):
             thing.visible_camera = not is_open
         if thing.type != "LIGHT" and _hangs_high(thing):
             _leave_out(thing, is_open)
     scene.render.film_transparent = is_open
+
+
+def _is_of_roof(thing: Any) -> bool:
+    """Whether it is a mesh of /House/Roof: all of them are in a group Geometry."""
+    above = thing.parent and thing.parent.parent
+    return above is not None and above.name.split(".")[0] == ROOF
 
 
 def _leave_out(thing: Any, is_out: bool) -> None:

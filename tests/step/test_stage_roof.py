@@ -1,0 +1,74 @@
+"""The variant set `roof`: off until it is chosen, then whole and valid, with its own bounds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdGeom
+
+from chord_usd.data.storey_houses import random_storeys
+from chord_usd.errors import RenderError
+from chord_usd.image.picture_layers import lit_stage
+from chord_usd.scene.roof_planes import OVERHANG_M
+from chord_usd.scene.storeys import stack
+from chord_usd.stage.author import author_levels
+from chord_usd.stage.check import check_stage
+from chord_usd.stage.stage_levels import levels_of
+
+
+def written(folder: Path, roof: str, storeys: int) -> Path:
+    made = stack(random_storeys(np.random.default_rng(1), 2)[:storeys])
+    path = folder / f"{roof}_{storeys}.usda"
+    graphs = [storey.plan.scene() for storey in made.storeys]
+    author_levels(levels_of(made, graphs), path, roof=roof)  # type: ignore[arg-type]
+    return path
+
+
+def bounds(stage: Usd.Stage) -> np.ndarray:
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"], useExtentsHint=True)
+    box = cache.ComputeWorldBound(stage.GetPrimAtPath("/House")).ComputeAlignedRange()
+    return np.array([box.GetMin(), box.GetMax()])
+
+
+@pytest.mark.parametrize("storeys", [1, 2])
+@pytest.mark.parametrize("roof", ["flat", "gable", "hip"])
+def test_a_roof_is_off_until_it_is_chosen(roof: str, storeys: int, tmp_path: Path) -> None:
+    house = written(tmp_path, roof, storeys)
+    bare = Usd.Stage.Open(str(house))
+    assert not bare.GetPrimAtPath("/House/Roof")
+    assert np.allclose(
+        bounds(bare), bounds(Usd.Stage.Open(str(written(tmp_path, "none", storeys))))
+    )
+    assert not check_stage(house).errors
+    with lit_stage(house, "", roof=roof) as chosen:
+        assert Usd.Stage.Open(str(chosen)).GetPrimAtPath("/House/Roof/Geometry/Roof")
+    before = bounds(bare)
+    bare.GetPrimAtPath("/House").GetVariantSet("roof").SetVariantSelection(roof)
+    bare.Save()
+    assert not check_stage(house).errors
+    roofed = Usd.Stage.Open(bare.GetRootLayer(), Usd.Stage.LoadNone)
+    hinted = bounds(roofed)
+    assert not list(roofed.GetPrimAtPath("/House/Roof").GetChildren())
+    roofed.Load()
+    points = [
+        UsdGeom.Mesh(mesh).GetPointsAttr().Get()
+        for mesh in Usd.PrimRange(roofed.GetPrimAtPath("/House/Roof"))
+        if mesh.IsA(UsdGeom.Mesh)
+    ]
+    meshes = np.vstack(points)
+    assert np.allclose(meshes.max(axis=0), hinted[1], atol=1e-3)
+    reach = 0.25 if roof == "flat" else OVERHANG_M
+    assert np.allclose((meshes.min(axis=0) - before[0])[:2], -reach, atol=0.05)  # sills stand out
+    assert hinted[1][2] > before[1][2] + (0.2 if roof == "flat" else 1.5)
+
+
+def test_without_a_roof_nothing_of_it_is_written(tmp_path: Path) -> None:
+    house = written(tmp_path, "none", 1)
+    assert "roof" not in house.read_text().lower()
+    with (
+        pytest.raises(RenderError, match=r"has no roof 'hip'.*generate PLAN --roof hip"),
+        lit_stage(house, "", roof="hip"),
+    ):
+        raise AssertionError
