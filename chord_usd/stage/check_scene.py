@@ -43,6 +43,9 @@ CATEGORY = "chord:category"
 SIZE = "chord:size_m"
 """Attributes of the prims of items and openings."""
 
+POLYGON = "chord:polygon_m"
+"""Attribute of the prims of rooms: (N, 2) as they were planned."""
+
 OOD_NOTE = "chord:ood"
 """Attribute of the prims of items that the layout model was asked about."""
 
@@ -75,6 +78,8 @@ class StageScene:
     """Up from this storey."""
     by_stairs: frozenset[str] = frozenset()
     """Ids of openings that are where one steps onto stairs or off."""
+    shafts: tuple[Room, ...] = ()
+    """What stairs take up, as it was noted: a hole has no mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +125,7 @@ def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
         ceilings=_meshed(reader.ceilings),
         stairs=tuple(reader.stairs),
         by_stairs=frozenset(reader.by_stairs),
+        shafts=tuple(reader.shafts),
         graph=SceneGraph(
             tuple(reader.rooms),
             tuple(reader.openings),
@@ -145,6 +151,7 @@ class _Reader:
         self.ceilings: list[Body] = []
         self.stairs: list[StageStair] = []
         self.by_stairs: list[str] = []
+        self.shafts: list[Room] = []
         self.rooms: list[Room] = []
         self.openings: list[Opening] = []
         self.items: list[Item] = []
@@ -189,6 +196,9 @@ class _Reader:
         polygon = _outline(floors)
         if polygon is not None and not shaft:
             self.rooms.append(Room(path, _room_kind(prim), polygon, name=prim.GetName()))
+        elif shaft and prim.HasAttribute(POLYGON):
+            noted = frozen_array(np.array(prim.GetAttribute(POLYGON).Get(), dtype=np.float64))
+            self.shafts.append(Room(path, _room_kind(prim), noted, name=prim.GetName()))
         for group, things in ((FURNITURE, self.items), (DRESSING, self.dressing)):
             for part in _children(prim, group):
                 item = self._read_item(part, path, carrier=None)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,6 +21,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import polygonize, unary_union
 
 from chord_usd.errors import PlanError
+from chord_usd.plan.vector.dxf_storeys import by_storey, stairs_of
 from chord_usd.plan.vector.shapes import FARTHEST, Label, OpeningShape, RoomShape, VectorDrawing
 from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.fonts import fonts_kept
@@ -79,13 +80,11 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
     flat = list(_flattened(document.modelspace(), 0))
     try:
         m_per_unit = _units(document, flat)
-        sorter = _Sorter(m_per_unit)
-        for entity in flat:
-            sorter.add(entity)
+        drawings = [_drawing_of(name, own, m_per_unit) for name, own in by_storey(flat)]
     except ValueError as error:
         raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
-    drawing = sorter.drawing()
-    if not drawing.rooms and not drawing.walls:
+    drawings = [drawing for drawing in drawings if drawing.rooms or drawing.walls]
+    if not drawings:
         layers = sorted({e.dxf.layer for e in flat if e.dxf.hasattr("layer")})[:8]
         speaking = [e for e in flat if _means(e) in ("wall", "room")]
         if speaking:
@@ -100,7 +99,25 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
             f"has no layer that speaks of walls or rooms (it has {', '.join(layers) or 'none'})",
             where=str(path), expected=_EXPECTED, try_="rename the walls' layer to WALLS",
         )  # fmt: skip
-    return [drawing]
+    return drawings
+
+
+def _drawing_of(name: str, entities: Sequence[Any], m_per_unit: float) -> VectorDrawing:
+    floor = 0.0
+    if name:
+        outlines = [one for one in entities if one.dxftype() == "LWPOLYLINE"]
+        heights = [one.dxf.elevation for one in outlines if _means(one) in ("wall", "room")]
+        floor = float(min(heights, default=0.0))
+        _refuse_odd(entities[0], [floor])
+        for one in outlines:
+            one.dxf.elevation -= floor
+    sorter = _Sorter(m_per_unit)
+    for entity in entities:
+        sorter.add(entity)
+    drawing = sorter.drawing()
+    if not name:
+        return drawing
+    return replace(drawing, name=name, elevation=floor, stairs=stairs_of(entities, _points))
 
 
 def _open(path: Path) -> Any:

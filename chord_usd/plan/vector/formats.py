@@ -139,7 +139,9 @@ def _with_stairs(plan: Plan, shapes: Sequence[StairShape], m_per_unit: float, ab
     stairs, told = [], []
     for number, shape in enumerate(shapes, start=1):
         area = affinity.scale(shape.area, m_per_unit, m_per_unit, origin=(0, 0))
-        stair = placed_stair(replace(shape, area=area), f"stair{number}", plan, above)
+        ends = shape.ends and (shape.ends[0] * m_per_unit, shape.ends[1] * m_per_unit)
+        scaled = replace(shape, area=area, ends=ends)
+        stair = placed_stair(scaled, f"stair{number}", plan, above)
         if stair is None:
             told.append(
                 f"stair {number} of the file is left out: none to rule joins two rooms there"

@@ -127,7 +127,8 @@ def _stair(element: Any, meshes: dict[int, FloatArray | None]) -> StairShape | N
                  for z in (low, high))  # fmt: skip
     rise = float(np.hypot(*(top - foot)))
     area = max(shadow, key=lambda part: part.area)
-    return StairShape(area, (top - foot) / rise if rise > _LEAST_RUN_M else None)
+    up = (top - foot) / rise if rise > _LEAST_RUN_M else None
+    return StairShape(area, up, (foot, top))
 
 
 def _triangles(element: Any) -> FloatArray | None:

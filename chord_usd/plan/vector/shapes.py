@@ -50,6 +50,8 @@ class StairShape:
     area: Polygon
     up: FloatArray | None = None
     """(2,) unit vector from its lowest steps to its highest; None where the file does not say."""
+    ends: tuple[FloatArray, FloatArray] | None = None
+    """(2,) middles of its lowest and its highest steps, where the file tells them."""
 
 
 @dataclass(frozen=True, eq=False)

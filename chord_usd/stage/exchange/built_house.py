@@ -9,20 +9,36 @@ from functools import cached_property
 from pathlib import Path
 
 from pxr import Usd
+from shapely.geometry import Point, Polygon
 
 from chord_usd.errors import StageError
-from chord_usd.runtime.stages import open_stage, reading
-from chord_usd.scene.geometry import Floors, extent_m, rooms_beside, to_own
+from chord_usd.runtime.stages import open_stage, reading, storey_prims
+from chord_usd.scene.geometry import Floors, extent_m, room_polygon, rooms_beside, to_own
 from chord_usd.scene.limits import LARGEST_HOUSE_M
 from chord_usd.scene.room_names import room_kind
-from chord_usd.scene.types import Item, Opening, Plan, Room, SceneGraph
-from chord_usd.stage.check_contact import Body
-from chord_usd.stage.check_scene import read_scene
+from chord_usd.scene.types import FloatArray, Item, Opening, Plan, Room, SceneGraph
+from chord_usd.stage.check_contact import Body, Solid
+from chord_usd.stage.check_scene import StageScene, StageStair, read_scene, read_storeys
+from chord_usd.stage.exchange.whole_rooms import whole_rooms
 from chord_usd.stage.names import ROOM_LABELS, printable, room_title, spoken
 from chord_usd.stage.opening_parts import side_of, span_of
 from chord_usd.stage.opening_shapes import Span
 from chord_usd.stage.shell import opens_to
 from chord_usd.stage.walls import Tunnel, Walls, build_walls
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltStairs:
+    """Stairs as they stand, in the frame of the storey that they start on."""
+
+    id: str
+    form: str
+    rooms: tuple[str, str]
+    """Ids of the rooms where they start, and where they end."""
+    walk_m: FloatArray
+    """(N, 3) the line that one walks up."""
+    solids: tuple[Solid, ...]
+    """Steps and landings, handrails, railings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +54,15 @@ class House:
     """What people call each room, by its id: names from the plan, else its kind and number."""
     owners: dict[str, str]
     """Id of the room that each opening's frame belongs to, by the opening's id."""
+    storey: str = ""
+    """Name of its group where it is a storey of a house of several: Storey_0."""
+    storey_title: str = ""
+    elevation_m: float = 0.0
+    """Of its floor; everything else is in the storey's own frame."""
+    stairs: tuple[BuiltStairs, ...] = ()
+    """Up from this storey."""
+    wells: tuple[Polygon, ...] = ()
+    """Parts of its rooms that stairs stand on or come up through."""
 
     @property
     def plan(self) -> Plan:
@@ -92,31 +117,74 @@ def read_built(path: Path) -> House:
 
 
 def house_of(stage: Usd.Stage) -> House:
-    """Read a house. Raises StageError where the stage holds none."""
-    scene = read_scene(stage)
-    if not scene.graph.rooms:
+    """Read a house of one storey. Raises StageError where the stage holds none."""
+    read_scene(stage)
+    return houses_of(stage)[0]
+
+
+def houses_of(stage: Usd.Stage) -> list[House]:
+    """Read the storeys of a house, the lowest first. Raises StageError where there is none."""
+    scenes, groups = read_storeys(stage), storey_prims(stage)
+    where = stage.GetRootLayer().realPath
+    if not all(scene.graph.rooms for scene in scenes):
         raise StageError(
-            "holds no rooms that can be read",
-            where=stage.GetRootLayer().realPath,
+            "holds no rooms that can be read", where=where,
             expected="a house that chord-usd wrote",
-        )
-    if extent_m(scene.graph.rooms) > LARGEST_HOUSE_M:
+        )  # fmt: skip
+    if max(extent_m(scene.graph.rooms) for scene in scenes) > LARGEST_HOUSE_M:
         raise StageError(
-            f"is more than {LARGEST_HOUSE_M:g} m wide",
-            where=stage.GetRootLayer().realPath,
+            f"is more than {LARGEST_HOUSE_M:g} m wide", where=where,
             expected="a house, in metres",
-        )
+        )  # fmt: skip
+    if not groups:
+        return [_storey(stage, scenes[0])]
+    houses = [_storey(stage, scene) for scene in scenes]
+    found = []
+    for index, (house, scene, group) in enumerate(zip(houses, scenes, groups, strict=True)):
+        above = houses[index + 1] if index + 1 < len(houses) else None
+        stairs = [_stairs(stage, one, house, above) for one in scene.stairs] if above else []
+        title = printable(group.GetDisplayName()) or group.GetName()
+        found.append(
+            replace(
+                house, storey=group.GetName(), storey_title=title, stairs=tuple(stairs),
+                elevation_m=scene.elevation_m, wells=tuple(map(room_polygon, scene.shafts)),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _stairs(stage: Usd.Stage, one: StageStair, below: House, above: House) -> BuiltStairs:
+    prim = stage.GetPrimAtPath(one.body.path)
+    room = one.body.path.split("/Architecture/")[0].rsplit("/", 1)[-1]
+    ends = [_room_at(house, one.walk_m[at, :2]) for house, at in ((below, 0), (above, -1))]
+    form = prim.GetAttribute("chord:form").Get() if prim.HasAttribute("chord:form") else ""
+    return BuiltStairs(
+        f"{room}_{prim.GetName()}", str(form), (ends[0], ends[1]), one.walk_m, one.body.solids
+    )
+
+
+def _room_at(house: House, at_m: FloatArray) -> str:
+    place = Point(at_m)
+    return min(house.plan.rooms, key=lambda room: room_polygon(room).distance(place)).id
+
+
+def _storey(stage: Usd.Stage, scene: StageScene) -> House:
+    scene, inside = whole_rooms(scene)
     names = {room.id: room.name for room in scene.graph.rooms}
+    names |= {part: names[whole] for part, whole in inside.items()}
     shown = {
-        name: printable(stage.GetPrimAtPath(path).GetDisplayName()) for path, name in names.items()
+        name: printable(stage.GetPrimAtPath(path).GetDisplayName())
+        for path, name in names.items()
+        if path not in inside
     }
     rooms = tuple(replace(room, id=room.name) for room in scene.graph.rooms)
     floors = Floors(rooms)
     openings, owners = [], {}
     for one in scene.graph.openings:
-        room_path = one.id.rsplit("/Architecture/", 1)[0]
+        room_path, _, own_name = one.id.partition("/Architecture/")
         owner = names.get(room_path, rooms[0].id)
-        own_id = f"{owner}_{one.id.rsplit('/', 1)[-1]}"
+        frame = room_path.rsplit("/", 1)[-1]
+        own_id = f"{frame}_{own_name.rsplit('/', 1)[-1]}"
         owners[own_id] = owner
         openings.append(replace(one, id=own_id, room_ids=rooms_beside(one.box, floors)))
     graph = replace(

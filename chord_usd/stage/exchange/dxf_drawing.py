@@ -23,7 +23,7 @@ from chord_usd.scene.geometry import footprint, polygons_of, room_polygon, to_wo
 from chord_usd.scene.palette import CATEGORIES, Level
 from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M, FloatArray, Room
-from chord_usd.stage.exchange.built_house import House, house_of, span_in_plan
+from chord_usd.stage.exchange.built_house import BuiltStairs, House, houses_of, span_in_plan
 from chord_usd.stage.exchange.placed_pieces import Piece, pieces_of
 from chord_usd.stage.names import identifier
 from chord_usd.stage.opening_parts import leaves_of, railing_guard
@@ -33,6 +33,9 @@ _LAYERS = {
     "ROOMS": 92, "FURNITURE": 33, "FURNITURE-DRESSING": 53, "DIMENSIONS": 1,
 }  # fmt: skip
 """Colours by AutoCAD's index."""
+
+_STAIRS = {"STAIRS": 40}
+"""What storeys have, too."""
 
 _METRES = 6
 _GRID_M = 1e-4
@@ -45,23 +48,49 @@ _LEAST_PART = 0.02
 
 def write_dxf(stage: Usd.Stage, target: Path) -> None:
     """Write the house on a stage as a .dxf file. Raises StageError, MissingExtraError."""
-    house = house_of(stage)
-    with _drawing() as document:
-        sheet = _Sheet(document, house)
-        sheet.draw_walls()
-        for tunnel in house.walls.tunnels.values():
-            sheet.draw_opening(tunnel)
-        for room in house.plan.rooms:
-            sheet.draw_room(room)
-        for piece in pieces_of(stage, house):
-            sheet.draw_piece(piece)
-        sheet.draw_dimensions()
+    houses = houses_of(stage)
+    blocks: dict[str, str] = {}
+    with _drawing([house.storey for house in houses]) as document:
+        for house in houses:
+            before = len(document.modelspace())
+            _draw(_Sheet(document, house, blocks), pieces_of(stage, house))
+            if house.storey:
+                _lift(document.modelspace()[before:], house)
         document.saveas(target)
 
 
+def _draw(sheet: _Sheet, pieces: Iterable[Piece]) -> None:
+    sheet.draw_walls()
+    for tunnel in sheet.house.walls.tunnels.values():
+        sheet.draw_opening(tunnel)
+    for room in sheet.house.plan.rooms:
+        sheet.draw_room(room)
+    for stair in sheet.house.stairs:
+        sheet.draw_stair(stair)
+    for piece in pieces:
+        sheet.draw_piece(piece)
+    sheet.draw_dimensions()
+
+
+def _lift(entities: Iterable[Any], house: House) -> None:
+    """Put what is drawn of a storey on its layers, and to its height."""
+    for entity in entities:
+        entity.dxf.layer = storey_layer(house.storey, entity.dxf.layer)
+        if entity.dxftype() != "DIMENSION":
+            entity.translate(0.0, 0.0, house.elevation_m)
+
+
+def storey_layer(storey: str, layer: str) -> str:
+    """Name of a layer of a storey; plan/vector/dxf.py reads storeys by it."""
+    return f"{storey}-{layer}"
+
+
 @contextmanager
-def _drawing() -> Iterator[Any]:
-    """An empty drawing; whatever is saved in the block has no time and no random number in it."""
+def _drawing(storeys: Sequence[str]) -> Iterator[Any]:
+    """An empty drawing; whatever is saved in the block has no time and no random number in it.
+
+    storeys: names of those that have layers of their own; "" for none.
+    """
     with needed_for("writing DXF"), fonts_kept():
         import ezdxf
     before = ezdxf.options.write_fixed_meta_data_for_testing
@@ -70,9 +99,12 @@ def _drawing() -> Iterator[Any]:
         document = ezdxf.new("R2010", setup=["linetypes", "dimstyles"])
         document.header["$INSUNITS"] = _METRES
         document.header["$MEASUREMENT"] = 1
-        for name, colour in _LAYERS.items():
-            document.layers.add(name, color=colour)
-        document.layers.get("PASSAGES").dxf.linetype = "DASHED"
+        for storey in storeys:
+            for name, colour in (_LAYERS | _STAIRS if storey else _LAYERS).items():
+                own = storey_layer(storey, name) if storey else name
+                layer = document.layers.add(own, color=colour)
+                if name == "PASSAGES":
+                    layer.dxf.linetype = "DASHED"
         yield document
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = before
@@ -81,14 +113,14 @@ def _drawing() -> Iterator[Any]:
 class _Sheet:
     """The drawing in model space."""
 
-    def __init__(self, document: Any, house: House) -> None:
-        self._document, self._space, self._house = document, document.modelspace(), house
-        self._blocks: dict[str, str] = {}
-        """Names by model."""
+    def __init__(self, document: Any, house: House, blocks: dict[str, str]) -> None:
+        """blocks: names by model; filled."""
+        self._document, self._space, self.house = document, document.modelspace(), house
+        self._blocks = blocks
 
     def draw_walls(self) -> None:
         """Outlines of what a cut through windows and doors leaves, filled; and railings."""
-        walls = self._house.walls
+        walls = self.house.walls
         cut = unary_union([tunnel.area_m for tunnel in walls.cuts()])
         left = shapely.difference(walls.solid_m, cut, grid_size=_GRID_M)
         for part in polygons_of(left):
@@ -123,7 +155,7 @@ class _Sheet:
     def _draw_door(self, tunnel: Tunnel, height_m: float) -> None:
         """Leaves as wide as the hole, so that arcs end at its jambs."""
         opening, span = tunnel.opening, span_in_plan(tunnel)
-        opens = self._house.opens_to(opening)
+        opens = self.house.opens_to(opening)
         width = span.right - span.left
         leaves = [(span.left, width, 1.0)]
         if len(leaves_of(tunnel)) > 1:
@@ -144,7 +176,7 @@ class _Sheet:
         """Its outline, with its name and area in it."""
         floor = room_polygon(room)
         self._outline(room.polygon_m, "ROOMS")
-        name = _escaped(self._house.title(room))
+        name = _escaped(self.house.title(room))
         west, south, east, north = floor.bounds
         height = min(_TEXT_M, (east - west) / (0.8 * max(len(name), 7)), (north - south) / 4)
         place = floor.representative_point()
@@ -153,6 +185,23 @@ class _Sheet:
             dxfattribs={"layer": "ROOMS", "char_height": max(height, _SHORTEST_TEXT_M)},
         )
         words.set_location((place.x, place.y), attachment_point=5)
+
+    def draw_stair(self, stair: BuiltStairs) -> None:
+        """An outline of each step at its height, and the line that one walks up."""
+        for solid in stair.solids:
+            if not solid.path.endswith("/Steps"):
+                continue
+            triangles = solid.mesh.vertices[solid.mesh.faces]
+            level = np.ptp(triangles[:, :, 2], axis=1) < _GRID_M
+            heights = triangles[:, 0, 2].round(3)
+            upward = _double_area(triangles) > _GRID_M
+            for height_m in np.unique(heights[level & upward]):
+                own = triangles[level & upward & (heights == height_m)][:, :, :2]
+                step = shapely.union_all(shapely.polygons(own), grid_size=_GRID_M)
+                for part in polygons_of(step):
+                    self._outline(list(part.exterior.coords)[:-1], "STAIRS", float(height_m))
+        walk = np.round(stair.walk_m[:, :2], 5).tolist()
+        self._space.add_lwpolyline(walk, dxfattribs={"layer": "STAIRS"})
 
     def draw_piece(self, piece: Piece) -> None:
         """A copy of its model's block."""
@@ -192,7 +241,7 @@ class _Sheet:
 
     def draw_dimensions(self) -> None:
         """How wide and how deep the house is, over all."""
-        west, south, east, north = box(*self._house.walls.solid_m.bounds).bounds
+        west, south, east, north = box(*self.house.walls.solid_m.bounds).bounds
         off = _DIMENSIONS_OFF_M
         for base, start, end, angle in (
             ((west, south - off), (west, south), (east, south), 0.0),
@@ -212,6 +261,12 @@ class _Sheet:
         self._space.add_lwpolyline(points.tolist(), close=True, dxfattribs={
             "layer": layer, "elevation": low_m, "thickness": height_m
         })  # fmt: skip
+
+
+def _double_area(triangles: FloatArray) -> FloatArray:
+    """(M,) seen from above; negative from below."""
+    (ax, ay), (bx, by) = ((triangles[:, at, :2] - triangles[:, 0, :2]).T for at in (1, 2))
+    return np.asarray(ax * by - ay * bx)
 
 
 def _escaped(name: str) -> str:

@@ -41,6 +41,8 @@ class IfcBuilder:
         self._compress = ifcopenshell.guid.compress
         self._house = uuid.uuid5(uuid.NAMESPACE_URL, f"chord-usd/{digest}")
         self.file = ifcopenshell.file(schema="IFC4")
+        self.within = ""
+        """What keys begin with: the storey, in a house of several."""
         self._directions: dict[tuple[float, ...], Entity] = {}
         self._styles: dict[tuple[float, ...], Entity] = {}
         self.origin = self._axes((0.0, 0.0, 0.0))
@@ -60,7 +62,7 @@ class IfcBuilder:
 
     def rooted(self, kind: str, key: str, name: str = "", **values: Any) -> Entity:
         """An entity with an identifier, the same for the same key of the same house."""
-        own = self._compress(uuid.uuid5(self._house, f"{kind}/{key}").hex)
+        own = self._compress(uuid.uuid5(self._house, f"{kind}/{self.within}{key}").hex)
         return self.add(kind, GlobalId=own, Name=label(name) or None, **values)
 
     def relate(self, kind: str, key: str, **values: Any) -> None:

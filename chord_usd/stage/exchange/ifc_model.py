@@ -6,6 +6,7 @@ ceiling is where spaces end.
 
 from __future__ import annotations
 
+import hashlib
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,10 +18,11 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
+from chord_usd.scene.storeys import CEILING_TO_FLOOR_M
 from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.exchange.built_house import House, house_of, span_in_plan
+from chord_usd.stage.exchange.built_house import House, houses_of, span_in_plan
 from chord_usd.stage.exchange.ifc_builder import Entity, IfcBuilder, label
 from chord_usd.stage.exchange.ifc_furniture import add_furniture
 from chord_usd.stage.exchange.wall_pieces import WallPiece, wall_pieces
@@ -31,50 +33,75 @@ _SLAB_M = 0.2
 _FRAME_M = 0.05
 """Width and depth of the frames of doors and windows."""
 
+_STAIRS = {
+    "straight": "STRAIGHT_RUN_STAIR", "L": "QUARTER_TURN_STAIR", "U": "HALF_TURN_STAIR",
+}  # fmt: skip
+"""IFC's words for the forms of stairs."""
+
 
 def write_ifc(stage: Usd.Stage, target: Path) -> None:
     """Write the house on a stage as an .ifc file. Raises StageError, MissingExtraError."""
-    house = house_of(stage)
-    building = _Building(house, IfcBuilder(house.digest))
-    building.add_spaces()
-    building.add_walls()
-    building.add_slab()
-    for room_id, elements in add_furniture(stage, house, building.builder, building.storey).items():
-        building.contain(elements, building.spaces.get(room_id))
-    building.finish()
-    building.builder.write(target)
+    houses = houses_of(stage)
+    builder = IfcBuilder(_digest(houses))
+    building = _open_building(builder)
+    for house in houses:
+        builder.within = f"{house.storey}/" if house.storey else ""
+        storey = _Storey(house, builder, building)
+        storey.add_spaces()
+        storey.add_walls()
+        storey.add_slab()
+        storey.add_stairs()
+        for room_id, elements in add_furniture(stage, house, builder, storey.storey).items():
+            storey.contain(elements, storey.spaces.get(room_id))
+        storey.finish()
+    builder.write(target)
 
 
-class _Building:
-    """Project, site, building and storey, and what is added to them."""
+def _digest(houses: Sequence[House]) -> str:
+    if len(houses) == 1:
+        return houses[0].digest
+    return hashlib.sha256(" ".join(house.digest for house in houses).encode()).hexdigest()
 
-    def __init__(self, house: House, builder: IfcBuilder) -> None:
+
+def _open_building(b: IfcBuilder) -> Entity:
+    """Project, site and building; returns the building."""
+    units = b.add("IfcUnitAssignment", Units=[
+        b.add("IfcSIUnit", UnitType=kind, Name=name)
+        for kind, name in (
+            ("LENGTHUNIT", "METRE"), ("AREAUNIT", "SQUARE_METRE"),
+            ("VOLUMEUNIT", "CUBIC_METRE"), ("PLANEANGLEUNIT", "RADIAN"),
+        )
+    ])  # fmt: skip
+    parent = b.rooted(
+        "IfcProject", "", "House", UnitsInContext=units, RepresentationContexts=[b.context]
+    )
+    place = None
+    for kind, name in (("IfcSite", "Site"), ("IfcBuilding", "House")):
+        place = b.place(place)
+        parent = _part_of(b, parent, kind, name, place)
+    return parent
+
+
+def _part_of(b: IfcBuilder, parent: Entity, kind: str, name: str, place: Entity) -> Entity:
+    made = b.rooted(kind, "", name, ObjectPlacement=place, CompositionType="ELEMENT")
+    b.relate("IfcRelAggregates", kind, RelatingObject=parent, RelatedObjects=[made])
+    return made
+
+
+class _Storey:
+    """A storey, and what is added to it."""
+
+    def __init__(self, house: House, builder: IfcBuilder, building: Entity) -> None:
         self.house, self.builder = house, builder
         self.spaces: dict[str, Entity] = {}
         """By id of the room."""
         self._in_storey: list[Entity] = []
         self._of_type: dict[tuple[object, ...], list[Entity]] = defaultdict(list)
-        b = builder
-        units = b.add("IfcUnitAssignment", Units=[
-            b.add("IfcSIUnit", UnitType=kind, Name=name)
-            for kind, name in (
-                ("LENGTHUNIT", "METRE"), ("AREAUNIT", "SQUARE_METRE"),
-                ("VOLUMEUNIT", "CUBIC_METRE"), ("PLANEANGLEUNIT", "RADIAN"),
-            )
-        ])  # fmt: skip
-        project = b.rooted(
-            "IfcProject", "", "House", UnitsInContext=units, RepresentationContexts=[b.context]
-        )
-        parent, place = project, None
-        for kind, name in (
-            ("IfcSite", "Site"), ("IfcBuilding", "House"), ("IfcBuildingStorey", "Ground floor"),
-        ):  # fmt: skip
-            place = b.place(place)
-            made = b.rooted(kind, "", name, ObjectPlacement=place, CompositionType="ELEMENT")
-            b.relate("IfcRelAggregates", kind, RelatingObject=parent, RelatedObjects=[made])
-            parent = made
-        parent.Elevation = 0.0
-        self.storey, self._place = parent, place
+        at_m = (0.0, 0.0, house.elevation_m)
+        self._place = builder.place(building.ObjectPlacement, at_m)
+        name = label(house.storey_title) or "Ground floor"
+        self.storey = _part_of(builder, building, "IfcBuildingStorey", name, self._place)
+        self.storey.Elevation = house.elevation_m
 
     def add_spaces(self) -> None:
         """A space for each room, up to its ceiling."""
@@ -132,12 +159,42 @@ class _Building:
         return made
 
     def add_slab(self) -> None:
-        """What rooms and walls stand on."""
+        """What rooms and walls stand on, with the holes that stairs come up through."""
         walls = self.house.walls
         whole = unary_union([walls.solid_m, *walls.floors_m]).buffer(1e-3, join_style="mitre")
-        parts = [Polygon(part.exterior) for part in polygons_of(whole)]
-        bodies = [self.builder.extrusion(part, -_SLAB_M, 0.0) for part in parts]
-        self._element("IfcSlab", "Floor", bodies, PredefinedType="BASESLAB")
+        parts: list[Polygon] = [Polygon(part.exterior) for part in polygons_of(whole)]
+        thick_m, kind = _SLAB_M, "BASESLAB"
+        if self.house.elevation_m > 0.0:
+            thick_m, kind = CEILING_TO_FLOOR_M, "FLOOR"
+            free = unary_union(parts).difference(unary_union(self.house.wells))
+            parts = polygons_of(shapely.set_precision(free, 1e-4))
+        bodies = [self.builder.extrusion(part, -thick_m, 0.0) for part in parts]
+        self._element("IfcSlab", "Floor", bodies, PredefinedType=kind)
+
+    def add_stairs(self) -> None:
+        """Stairs up, each of its steps and what one holds on to, as meshes."""
+        b = self.builder
+        for stair in self.house.stairs:
+            made = b.rooted(
+                "IfcStair", stair.id, stair.id,
+                PredefinedType=_STAIRS.get(stair.form, "NOTDEFINED"),
+                ObjectPlacement=b.place(self._place),
+            )  # fmt: skip
+            parts = []
+            for number, solid in enumerate(stair.solids):
+                kind = "IfcStairFlight" if solid.path.endswith("/Steps") else "IfcRailing"
+                mesh = b.triangles(solid.mesh.vertices, solid.mesh.faces, None)
+                key = f"{stair.id}_{number}"
+                parts.append(
+                    b.rooted(
+                        kind, key, solid.path.rsplit("/", 1)[-1],
+                        ObjectPlacement=b.place(made.ObjectPlacement),
+                        Representation=b.shape([mesh], "Tessellation"),
+                    )
+                )  # fmt: skip
+            b.relate("IfcRelAggregates", stair.id, RelatingObject=made, RelatedObjects=parts)
+            b.describe(made, stair.id, {"Category": "stairs", "Rooms": ", ".join(stair.rooms)})
+            self._in_storey.append(made)
 
     def _add_railing(self, name: str, tunnel: Tunnel) -> None:
         b, guard = self.builder, railing_guard(tunnel)

@@ -78,6 +78,8 @@ class Grid:
         for piece in wall_pieces(house.walls):
             wall = shapely.difference(piece.area_m, doorways, grid_size=1e-4)
             self._occupy(wall)
+        for well in house.wells:  # steps below, a hole above
+            self._occupy(well)
         for shadow in obstacles(house, stage):
             self._occupy(shadow)
 

@@ -97,6 +97,7 @@ def _is_fixed(category: str) -> bool:
 
 def _piece(prim: Usd.Prim, item: Item, house: House, transforms: UsdGeom.XformCache) -> Piece:
     matrix = np.array(transforms.GetLocalToWorldTransform(prim)).T
+    matrix[2, 3] -= house.elevation_m
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     turn = matrix[:3, :3] / np.maximum(scale, 1e-9)
     path = str(prim.GetPath())

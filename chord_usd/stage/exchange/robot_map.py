@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,12 @@ import numpy as np
 import scipy.ndimage
 import shapely
 from pxr import Usd
+from shapely.geometry.base import BaseGeometry
 
 from chord_usd.metrics.walk import entrance
 from chord_usd.scene.geometry import footprint_polygon, room_polygon, seams
-from chord_usd.scene.types import BoolArray, Room
-from chord_usd.stage.exchange.built_house import House, house_of
+from chord_usd.scene.types import BoolArray, FloatArray, Room
+from chord_usd.stage.exchange.built_house import House, houses_of
 from chord_usd.stage.exchange.occupancy import FREE, RESOLUTION_M, Grid, Window
 
 ROBOT_RADIUS_M = 0.25
@@ -34,11 +35,22 @@ _WAYS = 16
 
 
 def write_map(stage: Usd.Stage, folder: Path) -> None:
-    """Write map.yaml, map.pgm, rooms.json and spawns.json. Raises StageError."""
-    house = house_of(stage)
-    grid = Grid.around(house)
-    grid.fill(house, stage)
-    reach = _Reach.of(grid, house)
+    """Write map.yaml, map.pgm, rooms.json and spawns.json; of a house of storeys, these in a folder
+    for each, and house.json, which says how stairs join them. Raises StageError."""
+    houses = houses_of(stage)
+    grids = [Grid.around(house) for house in houses]
+    for grid, house in zip(grids, houses, strict=True):
+        grid.fill(house, stage)
+    reaches = _reaches(grids, houses)
+    for grid, house, reach in zip(grids, houses, reaches, strict=True):
+        own = folder / house.storey.lower() if house.storey else folder
+        own.mkdir(exist_ok=True)
+        _write_storey(own, house, grid, reach)
+    if len(houses) > 1:
+        _write(folder / "house.json", _house(houses, reaches))
+
+
+def _write_storey(folder: Path, house: House, grid: Grid, reach: _Reach) -> None:
     header = f"P5\n{grid.image.shape[1]} {grid.image.shape[0]}\n255\n"
     (folder / "map.pgm").write_bytes(header.encode() + grid.image.tobytes())
     west, south = grid.origin_m
@@ -66,18 +78,6 @@ class _Reach:
     rooms: dict[str, tuple[Window, BoolArray]]
     """Cells of each room, by id."""
 
-    @classmethod
-    def of(cls, grid: Grid, house: House) -> _Reach:
-        """From the grid alone, as a planner would see it."""
-        free = (grid.image == FREE).astype(np.uint8)
-        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        # To the corner of the nearest cell that is not free.
-        clear = (distance - math.sqrt(0.5)) * RESOLUTION_M >= ROBOT_RADIUS_M
-        parts, count = scipy.ndimage.label(clear)
-        joined = parts == _entered(parts, grid, house) if count else np.zeros_like(clear)
-        rooms = {room.id: grid.cells_in(room_polygon(room)) for room in house.plan.rooms}
-        return cls(clear, joined, rooms)
-
     def able(self, room_id: str) -> tuple[Window, BoolArray, bool]:
         """Where in a room a robot can be, and whether the entrance leads there."""
         window, own = self.rooms[room_id]
@@ -86,18 +86,102 @@ class _Reach:
         return window, joined if is_joined else own & self.clear[window], is_joined
 
 
-def _entered(parts: np.ndarray, grid: Grid, house: House) -> int:
-    """Number of the part that one enters by; without an entrance that of the largest."""
-    door = entrance(house.graph)
+def _reaches(grids: Sequence[Grid], houses: Sequence[House]) -> list[_Reach]:
+    """From the grids alone, as a planner would see them, and over the stairs."""
+    clear, parts = [], []
+    for grid in grids:
+        free = (grid.image == FREE).astype(np.uint8)
+        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        # To the corner of the nearest cell that is not free.
+        clear.append((distance - math.sqrt(0.5)) * RESOLUTION_M >= ROBOT_RADIUS_M)
+        parts.append(scipy.ndimage.label(clear[-1])[0])
+    reached = _reached(parts, grids, houses)
+    return [
+        _Reach(
+            free, np.isin(own, sorted(of)),
+            {room.id: grid.cells_in(room_polygon(room)) for room in house.plan.rooms},
+        )
+        for free, own, of, grid, house in zip(clear, parts, reached, grids, houses, strict=True)
+    ]  # fmt: skip
+
+
+def _reached(
+    parts: Sequence[np.ndarray], grids: Sequence[Grid], houses: Sequence[House]
+) -> list[set[int]]:
+    """Numbers of the parts of each storey that one gets to, by the entrance and the stairs; without
+    an entrance from the largest part of the lowest."""
+    reached: list[set[int]] = [set() for _ in parts]
+    doors = [entrance(house.graph) for house in houses]
+    first = next((index for index, door in enumerate(doors) if door is not None), 0)
+    door = doors[first]
     if door is None:
-        return int(np.argmax(np.bincount(parts.ravel())[1:])) + 1
+        sizes = np.bincount(parts[first].ravel())[1:]
+        reached[first] |= {int(np.argmax(sizes)) + 1} if len(sizes) else set()
+    else:
+        reached[first] |= _part_at(footprint_polygon(door.box), parts[first], grids[first])
+    ways: list[tuple[int, set[int], set[int]]] = []
+    for low, house in enumerate(houses[:-1]):
+        for stair in house.stairs:
+            foot = _part_at(shapely.Point(stair.walk_m[0, :2]), parts[low], grids[low])
+            top = _part_at(shapely.Point(stair.walk_m[-1, :2]), parts[low + 1], grids[low + 1])
+            ways.append((low, foot, top))
+    for _ in houses:
+        for low, foot, top in ways:
+            if foot & reached[low]:
+                reached[low + 1] |= top
+            if top & reached[low + 1]:
+                reached[low] |= foot
+    return reached
+
+
+def _part_at(place: BaseGeometry, parts: np.ndarray, grid: Grid) -> set[int]:
+    """Number of the part nearest to a place, where there is any."""
     rows, columns = np.nonzero(parts)
+    if not len(rows):
+        return set()
     middles = shapely.points(*grid.at_m(rows, columns))
-    nearest = int(np.argmin(shapely.distance(footprint_polygon(door.box), middles)))
-    return int(parts[rows[nearest], columns[nearest]])
+    nearest = int(np.argmin(shapely.distance(place, middles)))
+    return {int(parts[rows[nearest], columns[nearest]])}
 
 
 # Rooms and doors ----------------------------------------------------------------------------------
+
+
+def _house(houses: Sequence[House], reaches: Sequence[_Reach]) -> dict[str, Any]:
+    """Storeys, and stairs as edges between their rooms."""
+    stairs = [
+        {
+            "id": stair.id, "form": stair.form, "storeys": [low, low + 1],
+            "rooms": list(stair.rooms),
+            "foot": _pose(stair.walk_m[0], stair.walk_m[1]),
+            "top": _pose(stair.walk_m[-1], 2 * stair.walk_m[-1] - stair.walk_m[-2]),
+            "rise": round(float(stair.walk_m[-1, 2]), 4),
+            "length": round(float(np.linalg.norm(np.diff(stair.walk_m, axis=0), axis=1).sum()), 4),
+        }
+        for low, house in enumerate(houses) for stair in house.stairs
+    ]  # fmt: skip
+    return {
+        "frame": "map",
+        "units": "metres, radians",
+        "storeys": [
+            {
+                "folder": house.storey.lower(), "name": house.storey_title,
+                "elevation": round(house.elevation_m, 4),
+                "rooms": [room.id for room in house.plan.rooms],
+                "reachable": bool(reach.joined.any()),
+            }
+            for house, reach in zip(houses, reaches, strict=True)
+        ],
+        "stairs": stairs,
+    }  # fmt: skip
+
+
+def _pose(at_m: FloatArray, ahead_m: FloatArray) -> dict[str, float]:
+    """Where one stands at an end of a stair, and the way one goes up there."""
+    x, y, _ = at_m.tolist()
+    along = ahead_m - at_m
+    yaw_deg = float(np.degrees(np.arctan2(along[1], along[0])))
+    return {"x": round(x, 4), "y": round(y, 4), "yaw": _radians(yaw_deg)}
 
 
 def _rooms(house: House, reach: _Reach) -> dict[str, Any]:

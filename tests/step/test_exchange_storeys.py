@@ -1,0 +1,69 @@
+"""Houses of storeys as IFC, DXF and maps: read again they are the same plans and stairs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from chord_usd.data.storey_houses import random_storeys
+from chord_usd.plan.read import read_storey_plans
+from chord_usd.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.scene.storeys import STOREY_M, stack
+from chord_usd.stage.author import author_levels
+from chord_usd.stage.export import export_stage
+from chord_usd.stage.stage_levels import levels_of
+from tests.plan_alike import likeness
+
+
+def staged(seed: int, storeys: int, folder: Path) -> tuple[tuple[StoreyPlan, ...], Path]:
+    given = random_storeys(np.random.default_rng(seed), storeys)
+    made = stack(given)
+    graphs = [storey.plan.scene() for storey in made.storeys]
+    path = folder / "house.usda"
+    author_levels(levels_of(made, graphs), path)
+    return given, path
+
+
+@pytest.mark.parametrize("package", ["ifc", "dxf"])
+@pytest.mark.parametrize(("seed", "storeys"), [(0, 3), (1, 2), (2, 2), (5, 2)])
+def test_storeys_and_stairs_come_back(
+    package: str, seed: int, storeys: int, tmp_path: Path
+) -> None:
+    given, house = staged(seed, storeys, tmp_path)
+    target = tmp_path / f"house.{package}"
+    export_stage(house, target, package)
+    found = read_storey_plans(target, None)
+    assert len(found) == storeys
+    for one, wanted in zip(found, given, strict=True):
+        assert likeness(one.plan, wanted.plan).holds(0.01), likeness(one.plan, wanted.plan)
+        ups, wanted_ups = (
+            [stair for stair in stairs_of(plan, "") if stair.leads == "up"]
+            for plan in (one.plan, wanted.plan)
+        )
+        for up, known in zip(ups, wanted_ups, strict=True):
+            assert (up.form, up.turn) == (known.form, known.turn)
+            assert np.allclose(up.box.center_m[:2], known.box.center_m[:2], atol=0.05)
+            assert np.cos(np.radians(up.box.yaw_deg - known.box.yaw_deg)) > 0.99
+
+
+def test_maps_of_storeys_are_joined_by_stairs(tmp_path: Path) -> None:
+    given, house = staged(1, 2, tmp_path)
+    export_stage(house, tmp_path / "maps", "ros")
+    told = json.loads((tmp_path / "maps" / "house.json").read_text())
+    assert [storey["elevation"] for storey in told["storeys"]] == [0.0, STOREY_M]
+    for storey, wanted in zip(told["storeys"], given, strict=True):
+        folder = tmp_path / "maps" / storey["folder"]
+        rooms = json.loads((folder / "rooms.json").read_text())["rooms"]
+        assert [room["id"] for room in rooms] == storey["rooms"]
+        assert len(rooms) == len(wanted.plan.rooms)
+        assert all(room["reachable"] for room in rooms)
+        assert {file.name for file in folder.iterdir()} == {
+            "map.pgm", "map.yaml", "rooms.json", "spawns.json"
+        }  # fmt: skip
+    (stair,) = told["stairs"]
+    for at, room in enumerate(stair["rooms"]):
+        assert room in told["storeys"][stair["storeys"][at]]["rooms"]
+    assert stair["rise"] == pytest.approx(STOREY_M)
