@@ -33,6 +33,7 @@ from chord_usd.runtime.progress import PROGRESS_STYLES, ProgressStyle, Stopwatch
 if TYPE_CHECKING:
     from PIL import Image
 
+    from chord_usd.pipeline.settings import Settings
     from chord_usd.runtime.targets import FolderMode
     from chord_usd.scene.types import Item, RoomKind
     from chord_usd.stage.check import Report
@@ -75,6 +76,8 @@ class Room:
     pieces: tuple[Piece, ...]
     dressing: tuple[Piece, ...]
     """What hangs, lies and stands in it besides."""
+    storey: str = ""
+    """Title of its storey, in a house of several."""
 
 
 class House:
@@ -90,7 +93,7 @@ class House:
         """Of the stage; what it points to lies beside it."""
         self._folder = folder
         self._written: tuple[int, int] | None = None
-        self._read: tuple[tuple[int, int], BuiltHouse] | None = None
+        self._read: tuple[tuple[int, int], list[BuiltHouse]] | None = None
 
     def __repr__(self) -> str:
         return f"House({str(self.path)!r})"
@@ -103,17 +106,18 @@ class House:
 
     @property
     def rooms(self) -> tuple[Room, ...]:
-        """The rooms as they stand now, in the order of the plan. Raises StageError."""
-        return tuple(_rooms(self._seen()))
+        """The rooms as they stand now, in the order of the plan, the lowest
+        storey first. Raises StageError."""
+        return tuple(room for storey in self._seen() for room in _rooms(storey))
 
     def preview(self) -> Image.Image:
         """The house from above, labelled, north (+y) up: RGB, the longer side 1200 pixels, drawn in
-        a second without Blender. Raises StageError."""
+        a second without Blender; storeys side by side. Raises StageError."""
         from PIL import Image
 
-        from chord_usd.image.preview import preview_rgb
+        from chord_usd.image.preview import storeys_rgb
 
-        return Image.fromarray(preview_rgb(self._seen().told))
+        return Image.fromarray(storeys_rgb([storey.told for storey in self._seen()]))
 
     def check(self) -> Report:
         """What `chord-usd check` measures: `report.holds` is the certificate, `report.collisions`
@@ -261,16 +265,16 @@ class House:
         saved._written = _state(saved.path) if self._is_as_written() else None
         return saved
 
-    def _seen(self) -> BuiltHouse:
-        """The house as its stage has it; read again once that has changed."""
+    def _seen(self) -> list[BuiltHouse]:
+        """The storeys as the stage has them, the lowest first; read again once it has changed."""
         from chord_usd.runtime.stages import open_known, open_stage, reading
-        from chord_usd.stage.exchange.built_house import house_of
+        from chord_usd.stage.exchange.built_house import houses_of
 
         state = _state(self.path)
         if self._read is None or state is None or self._read[0] != state:
             with reading(self.path):
                 opened = open_known if self._is_as_written() else open_stage
-                house = house_of(opened(self.path))
+                house = houses_of(opened(self.path))
             if state is None:
                 return house
             self._read = state, house
@@ -286,8 +290,11 @@ class House:
 
         from chord_usd.lists.wishes import rooms_meant
 
-        seen = self._seen()
-        rooms = {room.id: replace(room, name=seen.titles[room.id]) for room in seen.graph.rooms}
+        rooms = {
+            room.id: replace(room, name=storey.titles[room.id])
+            for storey in self._seen()
+            for room in storey.graph.rooms
+        }
         found = rooms_meant(said, rooms, str(self.path))
         if len(found) > 1:
             raise ChordError(
@@ -320,7 +327,7 @@ class House:
 
 
 def generate(
-    plan: FilePath,
+    plan: FilePath | Sequence[FilePath],
     output: FilePath | None = None,
     *,
     seed: int = 0,
@@ -342,7 +349,8 @@ def generate(
 ) -> House:
     """Furnish a floor plan: what `chord-usd generate` does. Takes about a minute on two cores.
 
-    plan: picture, PDF, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON. output: the stage, .usda, .usd,
+    plan: picture, PDF, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON; several are the storeys of a
+    house, the lowest first. output: the stage, .usda, .usd,
     .usdc or .usdz; None for a temporary folder that lives as long as the House. seed: 0 to 2**31 -
     1; same seed, same house. style: modern, scandinavian, classic, industrial, japanese, or mixed,
     one of them by the seed. sky: morning, noon, overcast, evening, night or an HDRI's file; "" for
@@ -371,16 +379,38 @@ def generate(
         rooms=read_rooms(rooms) if rooms else (),
     )  # fmt: skip
     pipeline.require(settings)
-    refuse_odd_file(Path(plan))
+    plans = [Path(plan)] if isinstance(plan, str | PathLike) else [Path(one) for one in plan]
+    for one in plans:
+        refuse_odd_file(one)
     folder = _Folder() if output is None else None
     house = House(folder.path / "house.usda" if folder else output or "", folder)
-    check_named([Named("plan", Path(plan), Path), Named("output", house.path, output_file)])
+    named = [Named("plan", one, Path) for one in plans]
+    check_named([*named, Named("output", house.path, output_file)])
     with deliver() as delivery:
         target = delivery.place(house.path)
-        made = pipeline.generate(Path(plan), target, settings, _watch(progress))
-    _warn(made.plan.extra.get("warnings", ()))
+        _warn(_generated(plans, target, settings, _watch(progress)))
     house._written = _state(house.path)
     return house
+
+
+def _generated(
+    plans: Sequence[Path], target: Path, settings: Settings, watch: Stopwatch
+) -> Sequence[str]:
+    """Write a house of one storey or more; returns what a user should know. Raises ChordError."""
+    from chord_usd import pipeline
+    from chord_usd.pipeline.whole_house import generate_storeys, read_storeys, storeys_in
+
+    if not plans:
+        raise ChordError("no plan was given", where="plan", expected="a file, or several")
+    if len(plans) == 1 and not storeys_in(plans[0]):
+        made = pipeline.generate(plans[0], target, settings, watch)
+        return tuple(made.plan.extra.get("warnings", ()))
+    if settings.rooms:
+        raise ChordError("is for one plan, and there are several storeys", where="rooms")
+    house = generate_storeys(read_storeys(plans, settings), plans, target, settings, watch)
+    extras = [storey.plan.extra for storey in house.building.storeys]
+    told = [str(one) for extra in extras for one in extra.get("warnings", ())]
+    return (*house.building.warnings, *told)
 
 
 def open(path: FilePath) -> House:
@@ -407,17 +437,20 @@ def _rooms(house: BuiltHouse) -> Iterator[Room]:
     for room in house.graph.rooms:
         yield Room(
             room.id, room.kind, house.titles[room.id], float(room_polygon(room).area),
-            tuple(map(_piece, house.graph.items_of(room.id))),
-            tuple(map(_piece, house.graph.dressing_of(room.id))),
+            tuple(_piece(item, house) for item in house.graph.items_of(room.id)),
+            tuple(_piece(item, house) for item in house.graph.dressing_of(room.id)),
+            house.storey_title,
         )  # fmt: skip
 
 
-def _piece(item: Item) -> Piece:
+def _piece(item: Item, house: BuiltHouse) -> Piece:
     # Of /House/Rooms/Bedroom_0/Furniture/Desk_0/Desk, where a desk carries things, Desk_0.
-    name = item.id.rsplit("/Items/", 1)[-1] if "/Items/" in item.id else item.id.split("/")[5]
-    carries = tuple(map(_piece, item.children))
-    box = item.box
-    return Piece(name, item.category, box.size_m, box.center_m, box.yaw_deg, carries)
+    at = 6 if house.storey else 5
+    name = item.id.rsplit("/Items/", 1)[-1] if "/Items/" in item.id else item.id.split("/")[at]
+    carries = tuple(_piece(child, house) for child in item.children)
+    x, y, z = item.box.center_m
+    middle = (x, y, z + house.elevation_m)
+    return Piece(name, item.category, item.box.size_m, middle, item.box.yaw_deg, carries)
 
 
 def _watch(progress: ProgressStyle) -> Stopwatch:

@@ -32,10 +32,11 @@ def run(options: argparse.Namespace) -> Outcome:
     with stopwatch(options).step("describe"), deliver() as delivery:
         contents = describe_stage(existing_file(options.stage))
         if options.preview:
-            from chord_usd.image.preview import draw_preview
+            from chord_usd.image.preview import draw_storeys
             from chord_usd.stage.exchange.built_house import read_built
 
-            draw_preview(read_built(options.stage).told, delivery.place(options.preview))
+            told = [house.told for house in read_built(options.stage)]
+            draw_storeys(told, delivery.place(options.preview))
     lines = [f"{options.stage}: {len(contents.rooms)} rooms{_told(contents.looks)}"]
     for room in contents.rooms:
         lines += _room_lines(room)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from chord_usd.runtime.progress import Stopwatch
     from chord_usd.scene.json_stairs import StoreyPlan
 
-_OF_ONE_PLAN = ("rooms", "layout_out", "graph_out", "preview", "keep")
+_OF_ONE_PLAN = ("rooms", "layout_out")
 """Options that are about one plan."""
 
 
@@ -53,8 +53,19 @@ def run_storeys(
 
     with deliver() as delivery:
         stage = delivery.place(options.output)
-        view = delivery.place(options.view) if options.view else None
+        view, preview, graph_out = (
+            delivery.place(path) if path else None
+            for path in (options.view, options.preview, options.graph_out)
+        )
         house = generate_storeys(given, options.plan, stage, settings, watch)
+        if preview:
+            from chord_usd.image.preview import draw_storeys
+
+            draw_storeys([one.graph for one in house.furnished], preview)
+        if graph_out:
+            _write_graphs(house, graph_out)
+        if options.keep:
+            _write_kept(house, delivery.place_folder(options.keep))
         if view:
             from chord_usd.stage.gltf import write_view
 
@@ -63,6 +74,32 @@ def run_storeys(
         report = None if options.no_check else _checked(stage, watch)
     data = _summary(house, options.output, watch.seconds, report)
     return Outcome(_text(data), data, warnings=data["warnings"])
+
+
+def _write_graphs(house: StoreyHouse, path: Path) -> None:
+    """All storeys as CHOrD JSON, each with its name and furniture."""
+    from chord_usd.runtime.files import write_atomic
+    from chord_usd.scene.chord_json import json_text, scene_to_json
+    from chord_usd.scene.json_stairs import STOREYS
+
+    rows = [
+        {"name": storey.name, **scene_to_json(made.graph)}
+        for storey, made in zip(house.building.storeys, house.furnished, strict=True)
+    ]
+    write_atomic(path, json_text({STOREYS: rows}))
+
+
+def _write_kept(house: StoreyHouse, folder: Path) -> None:
+    """What every step made of each storey, in a folder of its own."""
+    from chord_usd.commands.kept import write_kept
+    from chord_usd.pipeline import House
+
+    for storey, image, made in zip(
+        house.building.storeys, house.plan_images, house.furnished, strict=True
+    ):
+        own = folder / f"storey_{storey.index}"
+        own.mkdir()
+        write_kept(House(storey.plan, image, made.layout, made.graph, house.stage, made.first), own)
 
 
 def _checked(stage: Path, watch: Stopwatch) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -75,9 +75,26 @@ def draw_preview(graph: SceneGraph, path: Path) -> None:
     North (+y) is up. An item too small for its name carries a number, explained at the side.
     Raises OutputError when the file cannot be written.
     """
-    picture = io.BytesIO()
-    Image.fromarray(preview_rgb(graph)).save(picture, format="PNG")
-    write_atomic(path, picture.getvalue())
+    draw_storeys([graph], path)
+
+
+def draw_storeys(graphs: Sequence[SceneGraph], path: Path) -> None:
+    """Write a PNG of storeys side by side, the first to the left. Raises as draw_preview."""
+    png = io.BytesIO()
+    Image.fromarray(storeys_rgb(graphs)).save(png, format="PNG")
+    write_atomic(path, png.getvalue())
+
+
+def storeys_rgb(graphs: Sequence[SceneGraph]) -> np.ndarray:
+    """The picture that draw_storeys writes: (H, W, 3) uint8."""
+    pictures = [preview_rgb(graph) for graph in graphs]
+    height = max(picture.shape[0] for picture in pictures)
+    sheet = np.full((height, sum(one.shape[1] for one in pictures), 3), PAPER, dtype=np.uint8)
+    left = 0
+    for picture in pictures:
+        sheet[: picture.shape[0], left : left + picture.shape[1]] = picture
+        left += picture.shape[1]
+    return sheet
 
 
 def preview_rgb(graph: SceneGraph) -> np.ndarray:

@@ -95,7 +95,9 @@ def regenerate(
         from chord_usd.lists.wishes import asked_in
         from chord_usd.stage.refurnish import read_edited_house, read_house, require_furniture
 
-        house = read_edited_house(edits, source) if edits else read_house(source)
+        house = (
+            read_edited_house(edits, source, room_name) if edits else read_house(source, room_name)
+        )
         room = house.room(room_name, source)
         require_furniture(source, room_name)
         kept = house.kept(room_name, [*keep, *house.locked_in(room_name)], source)

@@ -81,8 +81,13 @@ def _large(dressing: Iterable[Item]) -> list[Item]:
     return [item for item in _standing(dressing) if max(item.box.size_m) > _LARGE_M]
 
 
-def clear_camera(layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequence[Item]) -> None:
-    """Find a room's camera another place where new furniture or dressing stands in its way."""
+def clear_camera(
+    layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequence[Item], floor_m: float = 0.0
+) -> None:
+    """Find a room's camera another place where new furniture or dressing stands in its way.
+
+    floor_m: height of the room's storey.
+    """
     camera = layer.GetPrimAtPath(f"/House/Cameras/{room_name}")
     if not camera or "xformOp:translate" not in camera.attributes:
         return
@@ -96,7 +101,7 @@ def clear_camera(layer: Sdf.Layer, room_name: str, floor: Polygon, items: Sequen
     )
     standing = _standing(items)
     if _is_in_way(view, standing):
-        _write_view(layer, room_name, choose_view(floor, standing))
+        _write_view(layer, room_name, choose_view(floor, standing), floor_m)
 
 
 def _standing(items: Iterable[Item]) -> list[Item]:

@@ -23,6 +23,7 @@ from chord_usd.errors import StageError
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
 from chord_usd.runtime.stages import (
+    ELEVATION,
     files_of,
     open_layer,
     open_stage,
@@ -37,13 +38,15 @@ from chord_usd.stage.attribution import write_attribution
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.cameras import clear_camera
 from chord_usd.stage.check_rules import NODE_ID
-from chord_usd.stage.check_scene import CATEGORY, read_scene
-from chord_usd.stage.furniture import DRESSING, place_dressing, place_furniture
+from chord_usd.stage.check_scene import CATEGORY
+from chord_usd.stage.furniture import DRESSING, FURNITURE, place_dressing, place_furniture
 from chord_usd.stage.lighting import MOODS, forget, shine, variants_of
 from chord_usd.stage.lights import hang_lamps
 from chord_usd.stage.names import NamedRoom, name_items, printable, room_title
 from chord_usd.stage.packages import Packages, is_copy
 from chord_usd.stage.prims import Types, attribute
+from chord_usd.stage.stage_levels import ROOMS, STOREY, room_spec
+from chord_usd.stage.storey_rooms import storey_of
 from chord_usd.stage.variants import Wardrobe
 
 SEED = "chord:seed"
@@ -79,11 +82,13 @@ class StagedHouse:
     """What people call each room, by the name of its prim."""
     locked: frozenset[str] = frozenset()
     """Ids of the pieces that nothing may change."""
+    storey: str = ""
+    """Name of the group of its rooms, in a house of several storeys: all here is of this one."""
 
     def kept(self, room_name: str, names: Sequence[str], where: Path) -> dict[str, str]:
         """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
         they rest on. Raises StageError."""
-        room = f"/House/Rooms/{room_name}/"
+        room = f"{self._room_path(room_name)}/"
         own = {p.split("/")[-1]: i for p, i in self.item_ids.items() if p.startswith(room)}
         for name in names:
             if name not in own:
@@ -104,9 +109,12 @@ class StagedHouse:
                 item_id = carriers.get(item_id)
         return found
 
+    def _room_path(self, name: str) -> str:
+        return "/".join(filter(None, (ROOMS, self.storey, name)))
+
     def locked_in(self, room_name: str) -> list[str]:
         """Names of prims of a room's pieces that nothing may change."""
-        room = f"/House/Rooms/{room_name}/"
+        room = f"{self._room_path(room_name)}/"
         own = (path for path, item_id in self.item_ids.items() if item_id in self.locked)
         return [path.split("/")[-1] for path in own if path.startswith(room)]
 
@@ -123,13 +131,16 @@ class StagedHouse:
         return self.graph.plan.room(self.room_ids[name])
 
 
-def read_house(path: Path) -> StagedHouse:
-    """Read rooms, openings and items of a stage. Raises StageError."""
+def read_house(path: Path, room_name: str = "") -> StagedHouse:
+    """Read rooms, openings and items of a stage. Raises StageError.
+
+    room_name: of a room whose storey is read, of a house of several.
+    """
     with reading(path):
-        return _house_of(open_stage(path), path)
+        return _house_of(open_stage(path), path, room_name)
 
 
-def read_edited_house(edits: Path, source: Path) -> StagedHouse:
+def read_edited_house(edits: Path, source: Path, room_name: str = "") -> StagedHouse:
     """The house at source as it is seen with a layer over it. Raises StageError, also where the
     layer points to files that are neither beside it nor beside the house."""
     outside = files_of(edits).outside([edits.absolute().parent, source.absolute().parent])
@@ -139,11 +150,11 @@ def read_edited_house(edits: Path, source: Path) -> StagedHouse:
             where=str(edits),
             expected=f"a layer over {source.name} whose files lie beside it",
         )
-    return read_house(edits)
+    return read_house(edits, room_name)
 
 
-def _house_of(stage: Usd.Stage, path: Path) -> StagedHouse:
-    graph = read_scene(stage).graph
+def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
+    graph, storey = storey_of(stage, path, room_name)
     if not graph.rooms:
         raise StageError(
             "holds no rooms that can be read",
@@ -181,7 +192,7 @@ def _house_of(stage: Usd.Stage, path: Path) -> StagedHouse:
     assets = {item_id: asset for item_id, asset in worn.items() if asset}
     graph = _with_noted_ids(graph, noted)
     return StagedHouse(
-        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked
+        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked, storey
     )
 
 
@@ -208,13 +219,16 @@ def _asset_of(prim: Usd.Prim) -> Asset | None:
 
 def _placed(path: str) -> str:
     """Path of a piece, or of the group around it: /House/Rooms/Study_0/Furniture/Desk_0."""
-    return "/".join(path.split("/")[:6])
+    names = path.split("/")
+    at = next((at for at, name in enumerate(names) if name in (FURNITURE, DRESSING)), 4)
+    return "/".join(names[: at + 2])
 
 
 def require_furniture(path: Path, room_name: str) -> None:
     """Raises StageError where a room's furniture is in another layer, which is not written."""
     layer = open_layer(path)  # what it holds lives as long as it does
-    if not layer.GetPrimAtPath(f"/House/Rooms/{room_name}/Furniture"):
+    room = room_spec(layer, room_name)
+    if not room or FURNITURE not in room.nameChildren:
         raise StageError(
             f"the furniture of {room_name!r} is not in this layer",
             where=str(path),
@@ -409,14 +423,16 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
     finals: the folders that hold what it points to.
     """
     layer = open_layer(path)
-    furniture = layer.GetPrimAtPath(f"/House/Rooms/{new.room_name}/Furniture")
-    dressing = furniture.nameParent.nameChildren.get(DRESSING)
+    room = room_spec(layer, new.room_name)
+    assert room, "refurnish looks for it"
+    furniture, dressing = (room.nameChildren.get(name) for name in (FURNITURE, DRESSING))
     for group in (furniture, dressing):
         for name in list(group.nameChildren.keys()) if group else ():
             if name not in new.kept:
                 del group.nameChildren[name]
     items, hung = (name_items(things, taken=new.kept) for things in (new.items, new.dressing))
-    named = NamedRoom(0, new.room_name, new.room, items, (), hung)
+    group = room.nameParent.name if room.nameParent.name.startswith(STOREY) else ""
+    named = NamedRoom(0, new.room_name, new.room, items, (), hung, group)
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
         style = style_named(new.style, new.home_seed) if new.style else None
         home = style.agreed(new.home_seed) if style else None
@@ -427,17 +443,20 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
         place_furniture(layer, named, packages, Path(scratch), wardrobe)
         if dressing or hung:
             place_dressing(layer, named, packages, Path(scratch), wardrobe)
-    _light_lamps(layer, new.room_name, finals)
+    _light_lamps(layer, room.path, finals)
     if new.made.checkpoint_hash:  # nothing else was drawn
         _note_making(furniture, new.made)
-    clear_camera(layer, new.room_name, room_polygon(new.room), [*new.items, *new.dressing])
+    noted = room.nameParent.attributes.get(ELEVATION)
+    floor_m = float(noted.default) if noted else 0.0
+    standing = [*new.items, *new.dressing]
+    clear_camera(layer, new.room_name, room_polygon(new.room), standing, floor_m)
     layer.Save()
     return layer
 
 
-def _light_lamps(layer: Sdf.Layer, room_name: str, folders: Sequence[Path]) -> None:
+def _light_lamps(layer: Sdf.Layer, room: Sdf.Path, folders: Sequence[Path]) -> None:
     """Let the lamps that the room has now shine, and no others."""
-    house, scope = (layer.GetPrimAtPath(p) for p in ("/House", f"/House/Rooms/{room_name}/Lights"))
+    house, scope = (layer.GetPrimAtPath(p) for p in ("/House", room.AppendChild("Lights")))
     variants = variants_of(house)
     if not scope or not variants:
         return
@@ -445,7 +464,7 @@ def _light_lamps(layer: Sdf.Layer, room_name: str, folders: Sequence[Path]) -> N
     forget(house, gone)
     for path in gone:
         del scope.nameChildren[path.name]
-    lamps = hang_lamps(layer, f"/House/Rooms/{room_name}", folders)
+    lamps = hang_lamps(layer, str(room), folders)
     for time, variant in variants.items():
         shine(variant, lamps, MOODS[time])
 

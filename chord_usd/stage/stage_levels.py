@@ -97,6 +97,12 @@ def room_specs(layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
             yield child
 
 
+def room_spec(layer: Sdf.Layer, name: str) -> Sdf.PrimSpec | None:
+    """The room of a house in its own layer, on whatever storey; None where it is not there."""
+    rooms = room_specs(layer) if layer.GetPrimAtPath(ROOMS) else ()
+    return next((room for room in rooms if room.name == name), None)
+
+
 def is_shaft(level: Level, room: NamedRoom) -> bool:
     """Whether a room has no ceiling or no floor, since a stair goes through it."""
     return is_cell(room.room) and (room.room.id in level.rising or room.room.id in level.ways)

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pxr import Usd
 
 from chord_usd.data.storey_houses import random_storeys
 from chord_usd.plan.read import read_storey_plans
 from chord_usd.scene.json_stairs import StoreyPlan, stairs_of
 from chord_usd.scene.storeys import STOREY_M, stack
 from chord_usd.stage.author import author_levels
+from chord_usd.stage.exchange.built_house import houses_of
 from chord_usd.stage.export import export_stage
 from chord_usd.stage.stage_levels import levels_of
 from tests.plan_alike import likeness
@@ -67,3 +69,25 @@ def test_maps_of_storeys_are_joined_by_stairs(tmp_path: Path) -> None:
     for at, room in enumerate(stair["rooms"]):
         assert room in told["storeys"][stair["storeys"][at]]["rooms"]
     assert stair["rise"] == pytest.approx(STOREY_M)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_stairs_can_be_stood_on_in_mujoco(seed: int, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    _, house = staged(seed, 2, tmp_path)
+    export_stage(house, tmp_path / "model", "mujoco")
+    (stair,) = houses_of(Usd.Stage.Open(str(house)))[0].stairs
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model" / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(stair.walk_m[:, :2], axis=0).T))])
+    height, met = 0.0, np.zeros(1, dtype=np.int32)
+    felt = np.array([0, 0, 0, 1, 0, 0], dtype=np.uint8)  # group 3: what is felt, not seen
+    for along in np.arange(0.0, gone[-1], 0.04):
+        place = [np.interp(along, gone, stair.walk_m[:, axis]) for axis in (0, 1)]
+        eye = np.array([*place, height + 1.9])
+        fallen = mujoco.mj_ray(model, data, eye, np.array([0.0, 0.0, -1.0]), felt, 1, -1, met)
+        foot = eye[2] - fallen
+        assert -0.01 < foot - height < 0.21
+        height = foot
+    assert height == pytest.approx(STOREY_M, abs=0.01)

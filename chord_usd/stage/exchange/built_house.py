@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 from pxr import Usd
 from shapely.geometry import Point, Polygon
 
@@ -79,6 +80,10 @@ class House:
         """The graph as it is drawn and written: rooms as people call them, and what stands on an
         item in that item's own frame, where the stage has it in the world."""
         rooms = tuple(replace(room, name=self.titles[room.id]) for room in self.graph.rooms)
+        rooms += tuple(
+            Room(f"stairs{number}", "corridor", np.asarray(well.exterior.coords)[:-1], "Stairs")
+            for number, well in enumerate(self.wells)
+        )
         return replace(self.graph, rooms=rooms, items=tuple(map(_carrying, self.graph.items)))
 
     @cached_property
@@ -110,10 +115,10 @@ class House:
         return opens_to(tunnel, self.walls, side_of(indoors, tunnel))
 
 
-def read_built(path: Path) -> House:
-    """The house at path. Raises StageError."""
+def read_built(path: Path) -> list[House]:
+    """The storeys of the house at path, the lowest first. Raises StageError."""
     with reading(path):
-        return house_of(open_stage(path))
+        return houses_of(open_stage(path))
 
 
 def house_of(stage: Usd.Stage) -> House:

@@ -1,0 +1,34 @@
+"""One storey of a house that is read back from its stage, with the rooms that are on it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from difflib import get_close_matches
+from pathlib import Path
+
+from pxr import Usd
+
+from chord_usd.errors import StageError
+from chord_usd.runtime.stages import room_prims, storey_prims
+from chord_usd.scene.stair_cells import CELL
+from chord_usd.scene.types import SceneGraph
+from chord_usd.stage.check_scene import read_scene, read_storeys
+
+
+def storey_of(stage: Usd.Stage, path: Path, room_name: str) -> tuple[SceneGraph, str]:
+    """The storey that a room is on, its stairs as rooms of their own, and the name of its group; ""
+    in a house of one storey. Raises StageError."""
+    groups = storey_prims(stage)
+    if not groups or not room_name:
+        return read_scene(stage).graph, ""
+    for scene, group in zip(read_storeys(stage), groups, strict=True):
+        if any(room.name == room_name for room in scene.graph.rooms):
+            shafts = (replace(one, extra={CELL: True}) for one in scene.shafts)
+            rooms = (*scene.graph.rooms, *shafts)
+            return replace(scene.graph, rooms=rooms), group.GetName()
+    names = [room.GetName() for room in room_prims(stage)]
+    near = get_close_matches(room_name, names, n=1)
+    raise StageError(
+        f"has no room {room_name!r} that is furnished", where=str(path),
+        expected=f"one of {', '.join(names)}", try_=f"--room {near[0]}" if near else "",
+    )  # fmt: skip
