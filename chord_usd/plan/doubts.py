@@ -111,24 +111,19 @@ class NamedRooms:
     """Ids of rooms in which the names or sizes of several are printed."""
     homeless: tuple[str, ...]
     """Names within the house's bounds that stand in none of its rooms."""
-    contradictions: int
-    """How many names speak against the plan: those beyond one in crowded rooms, and those in no
-    room."""
 
 
 def named_rooms(plan: Plan, texts: Sequence[Text], frame: PixelFrame) -> NamedRooms:
     """texts: of the picture that lies in frame."""
     kinds = {id(text): room_kind(text.text) for text in texts}
     names = [text for text in texts if kinds[id(text)] != "unknown"]
-    crowded, right = [], 0
+    crowded = []
     for room in plan.rooms:
         own = texts_in(room, texts, frame)
         said = [kinds[id(text)] for text in own if kinds[id(text)] != "unknown"]
         if _is_several([text.text for text in own], said):
             crowded.append(room.id)
-        right += min(len(said), 1) if room.id in crowded else len(said)
-    homeless = tuple(_in_no_room(plan, names, frame))
-    return NamedRooms(tuple(crowded), homeless, len(names) - right + len(crowded))
+    return NamedRooms(tuple(crowded), tuple(_in_no_room(plan, names, frame)))
 
 
 def doubts(plan: Plan, regions: Regions, named: NamedRooms, frame: PixelFrame) -> list[str]:

@@ -1,40 +1,40 @@
-"""Any other drawing -> Plan: what a network sees on the page, and what its strokes enclose.
+"""Any other drawing -> Plan, by what a network sees on the page.
 
 The network says of each pixel what is built there, and finds rooms among furniture, dimension lines
-and pages of text (seen.py). Strokes are exact where walls are drawn plainly (classical/). What is
-printed gives rooms their kinds, and the scale, and contradicts the worse of two readings.
+and pages of text (seen.py). What is printed gives rooms their kinds, and the scale.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Protocol
+from typing import Any
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.metrics.fidelity import room_iou
-from chord_usd.plan.classical.reading import read_strokes
 from chord_usd.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
 from chord_usd.plan.labels import label_rooms
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import parts_of
 from chord_usd.plan.placement import DRAWING, WARNINGS, placement
 from chord_usd.plan.printed import STATED, Estimate, estimates
-from chord_usd.plan.regions import Outline, Regions, kinds_seen
+from chord_usd.plan.regions import Outline, kinds_seen, stair_outlines
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
-from chord_usd.plan.seen import Reader, read_seen
+from chord_usd.plan.seen import Reader, SeenReading, read_seen
 from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.plan.storey_titles import titled
 from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_areas import scale_by_rooms
+from chord_usd.scene.stair_places import DRAWN_STAIRS
 from chord_usd.scene.types import (
     OPEN,
     SURROUNDS,
@@ -42,16 +42,12 @@ from chord_usd.scene.types import (
     BoolArray,
     ByteArray,
     FloatArray,
-    Opening,
     PixelFrame,
     Plan,
     Room,
     frozen_array,
 )
-from chord_usd.scene.units import m_from_px
-
-_SAME_ROOMS = 0.85
-"""Two readings whose rooms overlap so far, on average, see the same rooms."""
+from chord_usd.scene.units import cm_from_m, m_from_px
 
 _OPEN_M = 1.2
 """Wider than a door."""
@@ -67,34 +63,6 @@ _SHOWS = "the sheet shows "
 
 _MOST_PLANS = 12
 """Of one sheet."""
-
-
-class Reading(Protocol):
-    """What one way to read makes of a page."""
-
-    @property
-    def regions(self) -> Regions: ...
-    @property
-    def outlines(self) -> Sequence[Outline]: ...
-    @property
-    def frame(self) -> PixelFrame: ...
-    @property
-    def doors_m_per_px(self) -> float | None: ...
-
-    def of(self, rooms: Sequence[int]) -> Reading:
-        """Of these rooms alone, by index."""
-        ...
-
-    def again(self, m_per_px: float) -> Reading:
-        """At another scale, which changes what is large enough for a room."""
-        ...
-
-    def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
-        """The openings in the walls of rooms."""
-        ...
-
-
-_Way = Callable[[], Reading | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,11 +86,11 @@ def read_drawing(
 
     m_per_px: of the picture as given; without it printed measures, doors (0.8 m) or else the walls
     (0.24 m) give the scale. part: which plan of a sheet with several, the largest being 1. reader:
-    whoever sees what is built, alone; by default the network of the checkpoint, beside the strokes.
+    whoever sees what is built; by default the network of the checkpoint.
     Raises CheckpointError, and PlanError where no closed room is found, or what was found cannot be
     a house.
     """
-    return _read_part(_page(rgb, m_per_px, part, known, reader), with_strokes=reader is None).plan
+    return _read_part(_page(rgb, m_per_px, part, known, reader)).plan
 
 
 def read_sheet(
@@ -185,23 +153,6 @@ def _page(
     return _Page(sheet, segments, texts, m_per_px, part, known.stated_m_per_px)
 
 
-def _read_part(page: _Page, *, with_strokes: bool = True) -> _Found:
-    """One plan of a sheet, by the network and by its strokes. Raises PlanError."""
-    ways: list[_Way] = [lambda: read_seen(page.segments, page.given)]
-    if with_strokes:
-        light = on_white(page.sheet.rgb)
-        ways.append(lambda: read_strokes(light, page.texts_px, page.given))
-    found, refusals = [], []
-    for way in ways:
-        try:
-            found.append(_finished(way(), page))
-        except PlanError as error:
-            refusals.append(error)
-    if not found:
-        raise refusals[0]
-    return found[0] if len(found) == 1 else _better(*found)
-
-
 @dataclass(frozen=True, eq=False)
 class _Page:
     """A sheet, and what is known of it."""
@@ -224,18 +175,12 @@ class _Page:
         """(H, W) what is drawn."""
         return ink_of(on_white(self.sheet.rgb))
 
-    @property
-    def texts_px(self) -> list[FloatArray]:
-        """(4, 2) corners of each line of text."""
-        return [text.corners_px for text in self.texts]
-
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """A plan, and how many things on the page contradict it."""
+    """A plan of a sheet."""
 
     plan: Plan
-    contradictions: int
     bounds_px: FloatArray
     """(2, 2) lowest and highest corner on the working picture."""
 
@@ -244,36 +189,9 @@ class NoSuchPartError(PlanError):
     """A sheet shows fewer plans than were asked for."""
 
 
-def _better(seen: _Found, strokes: _Found) -> _Found:
-    """Where network and strokes see the same rooms, the strokes, which are exact.
-
-    Where they do not, the strokes if less of the page contradicts them and they see no more rooms:
-    whatever is drawn in a room, they take for walls. It is said.
-    """
-    if room_iou(strokes.plan, _at_scale_of(seen.plan, strokes.plan)) > _SAME_ROOMS:
-        return strokes
-    taken, other = seen, strokes
-    is_simpler = len(strokes.plan.rooms) <= len(seen.plan.rooms)
-    if is_simpler and strokes.contradictions < seen.contradictions:
-        taken, other = strokes, seen
-    count, others = len(taken.plan.rooms), len(other.plan.rooms)
-    shown = "rooms of other outlines" if count == others else f"{others}"
-    told = f"{count} rooms were found; read in another way, it shows {shown}: look at --overlay"
-    warnings = [*taken.plan.extra.get(WARNINGS, ()), told]
-    plan = replace(taken.plan, extra={**taken.plan.extra, WARNINGS: warnings})
-    return replace(taken, plan=plan)
-
-
-def _at_scale_of(plan: Plan, other: Plan) -> Plan:
-    """A plan of the same picture in the metres of another."""
-    share = other.extra[DRAWING]["mPerPx"] / plan.extra[DRAWING]["mPerPx"]
-    rooms = (replace(r, polygon_m=frozen_array(r.polygon_m * share)) for r in plan.rooms)
-    return Plan(tuple(rooms), ())
-
-
-def _finished(whole: Reading | None, page: _Page) -> _Found:
-    """A reading with its scale, names and doubts. Raises PlanError."""
-    reading, told = _take_part(whole, page.part)
+def _read_part(page: _Page) -> _Found:
+    """One plan of a sheet, with its scale, names and doubts. Raises PlanError."""
+    reading, told = _take_part(read_seen(page.segments, page.given), page.part)
     scale = _scale(reading, page)
     if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) > _REREAD:
         reading, told = _take_part(reading.again(scale.m_per_px), page.part)
@@ -287,11 +205,13 @@ def _finished(whole: Reading | None, page: _Page) -> _Found:
     rooms = named_rooms(plan, page.texts, frame)
     told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
-    extra = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
+    stairs = _stairs(plan, page, frame)
+    extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
+    extra |= {DRAWN_STAIRS: stairs} if stairs else {}
     plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
     corners = np.concatenate([outline.polygon_px for outline in reading.outlines])
     bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
-    return _Found(plan, rooms.contradictions, bounds)
+    return _Found(plan, bounds)
 
 
 def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
@@ -317,9 +237,9 @@ def _no_room() -> PlanError:
     )
 
 
-def _take_part(reading: Reading | None, part: int) -> tuple[Reading, list[str]]:
+def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]:
     """One plan of the sheet, and what to say if there are more. Raises PlanError."""
-    if reading is None or not reading.outlines:
+    if not reading.outlines:
         raise _no_room()
     parts = parts_of([outline.polygon_px for outline in reading.outlines], reading.regions)
     if part > len(parts):
@@ -334,7 +254,7 @@ def _take_part(reading: Reading | None, part: int) -> tuple[Reading, list[str]]:
     return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
 
 
-def _scale(reading: Reading, page: _Page) -> Scale:
+def _scale(reading: SeenReading, page: _Page) -> Scale:
     polygons = [outline.polygon_px for outline in reading.outlines]
     printed = estimates(page.texts, polygons, page.ink)
     if page.stated_m_per_px:
@@ -345,7 +265,7 @@ def _scale(reading: Reading, page: _Page) -> Scale:
     return choose_scale(printed, reading.doors_m_per_px, walls, page.given, rooms)
 
 
-def _plan(reading: Reading, page: _Page, frame: PixelFrame) -> Plan:
+def _plan(reading: SeenReading, page: _Page, frame: PixelFrame) -> Plan:
     """Rooms with what they are for, and the openings in their walls."""
     areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
     rooms = _labelled_rooms(reading, page, frame, areas_m2)
@@ -353,8 +273,19 @@ def _plan(reading: Reading, page: _Page, frame: PixelFrame) -> Plan:
     return Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
 
 
+def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:
+    """The stairs seen in the plan's rooms: corners, centimetres."""
+    house = shapely.union_all([room_polygon(room) for room in plan.rooms])
+    outlines = [m_from_px(o, frame) for o in stair_outlines(page.segments, frame.m_per_px)]
+    return [
+        [[round(cm_from_m(at), 1) for at in corner] for corner in outline]
+        for outline in outlines
+        if Polygon(outline).intersection(house).area > 0.5 * Polygon(outline).area
+    ]
+
+
 def _labelled_rooms(
-    reading: Reading, page: _Page, frame: PixelFrame, areas_m2: Sequence[float] = ()
+    reading: SeenReading, page: _Page, frame: PixelFrame, areas_m2: Sequence[float] = ()
 ) -> tuple[Room, ...]:
     """Rooms with what they are for. areas_m2: of each, where they are known."""
     outlined = [

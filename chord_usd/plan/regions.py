@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 import numpy.typing as npt
+from shapely.geometry import Polygon
 
 from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
 from chord_usd.raster.page_labels import (
@@ -32,10 +33,17 @@ _NECK = 1.5
 people walk through has jambs, and is seen as an opening."""
 
 _NOISE = 0.35
-"""By how many thicknesses the rim of a wall strays, beside half a pixel."""
+"""By how many thicknesses the rim of a wall strays, beside half a pixel..."""
+_GRAINS = 2.5
+"""...and by how many of the pixels that were looked at: openings in thin walls bulge so far."""
 
 _MOST_CORNERS = 300
 """An outline with more has a torn rim."""
+
+_TORN_M = 0.2
+"""Parts of a flight that are no farther apart are one."""
+_LEAST_FLIGHT_M = (0.6, 1.2)
+"""Sides of what is a flight of stairs to another storey, and not some steps."""
 
 _STAIRWELL = 0.5
 """A room with stairs on so much of its floor is there for them."""
@@ -121,7 +129,7 @@ def _parted(floor: BoolArray, clear: BoolArray, neck_px: float) -> Labels:
 
 def room_outlines(regions: Regions, segments: Segments, m_per_px: float) -> list[Outline]:
     """Outlines of the regions that are large enough for rooms."""
-    noise_px = 0.5 + _NOISE * regions.thickness_px
+    noise_px = 0.5 + max(_NOISE * regions.thickness_px, _GRAINS * segments.grain_px)
     labels = regions.labels
     return [
         _outline(np.asarray(labels == label), segments, noise_px)
@@ -173,12 +181,26 @@ def surrounded_px2(mask: BoolArray) -> float:
     return float(cv2.drawContours(whole, outer, -1, (1,), cv2.FILLED).sum() - mask.sum())
 
 
+def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
+    """(N, 2) corners of each flight of stairs, the least rectangles that hold them."""
+    seen = (segments.most_likely == STAIRS).astype(np.uint8)
+    torn = max(1, round(_TORN_M / m_per_px))
+    closed = cv2.morphologyEx(seen, cv2.MORPH_CLOSE, np.ones((torn, torn), np.uint8))
+    found = []
+    for outline in cv2.findContours(closed, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)[0]:
+        around = cv2.minAreaRect(outline)
+        if min(around[1]) * m_per_px >= _LEAST_FLIGHT_M[0] and (
+            max(around[1]) * m_per_px >= _LEAST_FLIGHT_M[1]
+        ):
+            found.append(np.asarray(cv2.boxPoints(around), np.float64) + 0.5)
+    return found
+
+
 def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:
     """The outline of a room, with no more corners than rooms have: torn rims are smoothed."""
     polygon = polygon_from_mask(mask, noise_px)
-    while len(polygon) > _MOST_CORNERS:
-        noise_px *= 2.0
-        polygon = polygon_from_mask(mask, noise_px)
+    if len(polygon) > _MOST_CORNERS:
+        polygon = np.array(Polygon(polygon).simplify(noise_px).exterior.coords)[:-1]
     return polygon
 
 

@@ -88,6 +88,8 @@ class Segments:
     """(7, H, W) chances of page_labels.BUILT_NAMES; they add up to one."""
     kinds: Chances
     """(9, H, W) of KIND_NAMES: what a floor is of."""
+    grain_px: float = 1.0
+    """Pixels of the picture for one of those that were looked at."""
 
     @cached_property
     def most_likely(self) -> ByteArray:
@@ -122,11 +124,12 @@ class PageReader:
         solid = np.isin(total[:_BUILT, rows, columns].argmax(axis=0), SOLID)
         low, high = (side / max(part.shape[:2]) for side in _HOUSE_PX)
         share = min(max(_WALL_PX / max(usual_thickness_px(solid), 0.5), low), high, _ENLARGED)
-        if abs(math.log(share / first)) > _OTHER_LOOK:
+        is_closer = abs(math.log(share / first)) > _OTHER_LOOK
+        if is_closer:
             window = total[:, rows, columns]
             window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
         own = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
-        return Segments(own[:_BUILT], own[_BUILT:])
+        return Segments(own[:_BUILT], own[_BUILT:], 1.0 / (share if is_closer else first))
 
     def _seen(self, rgb: ByteArray, share: float) -> Chances:
         """(channels, H, W) of a picture, looked at with so many pixels for one of its own."""

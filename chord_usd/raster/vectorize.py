@@ -26,6 +26,8 @@ _SLACK_PX = 0.02
 """A crack counts as crossed this far beyond half a pixel: drawings round, too."""
 
 _HAIR_PX = 0.01
+_LEAST_NOISE_PX = 0.5
+"""Borders that stray less are followed pixel by pixel."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,11 @@ def polygon_from_mask(mask: BoolArray | ByteArray, noise_px: float = 0.0) -> Flo
     edges = _fit_edges(_Cracks(outline, noise_px))
     corners = _corners(outline, edges)
     is_block = np.ptp(outline, axis=0).prod() == region.sum()
-    if is_block or not _is_outline(corners, outline, noise_px):
+    is_outline = _is_outline(corners, outline, noise_px)
+    if not is_outline and noise_px > _LEAST_NOISE_PX:
+        # Long edges across a torn border; shorter ones follow it.
+        return polygon_from_mask(mask, noise_px / 2)
+    if is_block or not is_outline:
         # A rectangle, of however few pixels, or lines that meet where no corner is: keep to corners
         # on the pixel grid.
         corners = _grid_corners(outline).astype(np.float64)

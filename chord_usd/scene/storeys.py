@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+from shapely.geometry import Polygon
+
 from chord_usd.errors import PlanError
 from chord_usd.scene.json_stairs import StoreyPlan, stairs_of
 from chord_usd.scene.limits import MOST_STOREYS
@@ -12,6 +15,7 @@ from chord_usd.scene.pose import Pose, posed
 from chord_usd.scene.registration import Registration, register
 from chord_usd.scene.stair_cells import Cell, with_cell
 from chord_usd.scene.stair_forms import BuiltStair, Stair, build_stair
+from chord_usd.scene.stair_places import drawn_stairs, grown_stair, seen_on_both
 from chord_usd.scene.types import ROOM_HEIGHT_M, Item, Opening, Plan, Room, SceneGraph
 
 CEILING_TO_FLOOR_M = 0.3
@@ -83,6 +87,9 @@ def stack(given: Sequence[StoreyPlan]) -> Building:
     for low in range(len(plans) - 1):
         found = list(_climbs(stairs[low], stairs[low + 1]))
         if not found:
+            found, why = _from_drawings(given, registered, low, (plans[low], plans[low + 1]))
+            warnings += why
+        if not found:
             warnings.append(f"no stair joins {_title(given, low)} and {_title(given, low + 1)}")
         for stair in found:
             try:
@@ -152,6 +159,35 @@ def _climbs(below: Sequence[Stair], above: Sequence[Stair]) -> list[Stair]:
 def _apart_m(one: Stair, other: Stair) -> float:
     (x, y, _), (u, v, _) = one.box.center_m, other.box.center_m
     return float(((x - u) ** 2 + (y - v) ** 2) ** 0.5)
+
+
+def _from_drawings(
+    given: Sequence[StoreyPlan],
+    registered: Sequence[Registration | None],
+    low: int,
+    plans: tuple[Plan, Plan],
+) -> tuple[list[Stair], list[str]]:
+    """The first stair to rule where the pictures of two storeys show one, and what is in its way
+    where there is none."""
+    shown = []
+    for index in (low, low + 1):
+        found = registered[index]
+        shown.append(drawn_stairs(given[index].plan, found.shift_m if found else (0.0, 0.0)))
+    areas = sorted(seen_on_both(*shown), key=lambda area: -area.area)
+    for number, area in enumerate(areas, start=1):
+        stair = grown_stair(area, f"stair{number}", *plans, STOREY_M)
+        if stair is not None:
+            return [stair], []
+    return [], [
+        f"the stair drawn on {_title(given, low)} ({_sides(area)} m) leaves no room for one to rule"
+        for area in areas[:1]
+    ]
+
+
+def _sides(area: Polygon) -> str:
+    corners = np.asarray(area.minimum_rotated_rectangle.exterior.coords)[:3]
+    short, long = sorted(np.hypot(*np.diff(corners, axis=0).T).tolist())
+    return f"{short:.1f} by {long:.1f}"
 
 
 def _prefixed_cell(cell: Cell, index: int) -> Cell:

@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from shapely import affinity
 from shapely.ops import unary_union
 
 from chord_usd.data.storey_houses import random_storeys
@@ -17,6 +18,7 @@ from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, storeys_to_json
 from chord_usd.scene.pose import Pose, posed
 from chord_usd.scene.stair_cells import is_cell
+from chord_usd.scene.stair_places import DRAWN_STAIRS
 from chord_usd.scene.storeys import Building, stack
 from chord_usd.scene.types import Plan
 
@@ -80,6 +82,31 @@ def test_without_stairs_storeys_are_laid_on_each_other_by_their_outer_walls(seed
     assert np.allclose(found.shift_m, (-2.0, -5.0), atol=0.05)
     assert found.residual_m < 0.02
     assert "no stair joins" in made.warnings[0]
+
+
+@pytest.mark.parametrize("share", [1.0, 0.85])
+@pytest.mark.parametrize("seed", range(HOUSES))
+def test_stairs_seen_on_pictures_join_storeys_as_those_that_are_given(
+    seed: int, share: float
+) -> None:
+    """share: of a stair's length that the lower picture shows; its top is cut off, as drawn."""
+    made, drawn = building(seed), [one for one in house(seed) if one.plan.extra.get(STAIRS)]
+    pictures = []
+    for index, one in enumerate(drawn):
+        areas = [c.built.area_m for c in made.climbs if c.storey in (index, index - 1)]
+        shift = made.storeys[index].registration
+        dx, dy = shift.shift_m if shift else (0.0, 0.0)
+        seen = [affinity.translate(area, -dx, -dy) for area in areas]
+        seen = [affinity.scale(area, share, share) for area in seen]
+        corners = [np.array(area.minimum_rotated_rectangle.exterior.coords)[:-1] for area in seen]
+        noted = [(points * 100).tolist() for points in corners]
+        pictures.append(replace(one, plan=replace(one.plan, extra={DRAWN_STAIRS: noted})))
+    again = stack(pictures)
+    assert len(again.climbs) == len(made.climbs), again.warnings
+    for given, found in zip(made.climbs, again.climbs, strict=True):
+        assert found.built.area_m.intersection(given.built.area_m).area > 0.5 * (
+            given.built.area_m.area
+        )
 
 
 def test_json_gives_the_same_storeys_back() -> None:

@@ -33,6 +33,8 @@ from chord_usd.scene.types import (
 
 _DEEPEST_M = 1.0
 """Twice as far as any wall reaches from its middle."""
+_OVERLAP_M2 = 1e-4
+"""Of a hole with a chimney breast, that comes of rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,7 @@ def build(scene: SceneGraph, look: Look, rng: np.random.Generator) -> Masonry:
     masses = _masses(scene, look, rng)
     walls = house.difference(floors.difference(masses))
     core = house.buffer(-(look.outer_wall_m + 1e-3), join_style="mitre")
+    before_walls = masses.intersection(floors)
     gaps: list[Gap] = []
     for opening in scene.openings:
         shifts = look.corner_doors if opening.kind == "door" else 0.0
@@ -97,7 +100,9 @@ def build(scene: SceneGraph, look: Look, rng: np.random.Generator) -> Masonry:
         # Where another opening is already, a door stays in its place.
         for moved in dict.fromkeys((shift, 0.0)):
             gap = _gap(opening, moved, walls, rng)
-            if gap is not None and not any(gap.shape.intersects(g.shape) for g in gaps):
+            if gap is None or gap.shape.intersection(before_walls).area > _OVERLAP_M2:
+                continue
+            if not any(gap.shape.intersects(other.shape) for other in gaps):
                 gaps.append(gap)
                 break
     holes = shapely.union_all([gap.shape.buffer(1e-4, join_style="mitre") for gap in gaps])

@@ -10,8 +10,8 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from chord_usd.plan.vector.shapes import StairShape
 from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.stair_places import StairShape
 
 _STOREY = re.compile(r"(Storey_\d{1,2})-")
 _STEPS = "-STAIRS"

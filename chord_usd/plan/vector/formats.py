@@ -13,10 +13,11 @@ from chord_usd.errors import PlanError
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.scale_choice import SCALE
 from chord_usd.plan.vector.assemble import assemble
-from chord_usd.plan.vector.shapes import StairShape, VectorDrawing, refuse_absurd
-from chord_usd.plan.vector.stair_places import placed_stair
+from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
 from chord_usd.runtime.confined import confined
 from chord_usd.scene.json_stairs import STAIRS, stair_to_json
+from chord_usd.scene.stair_places import StairShape, placed_stair
+from chord_usd.scene.storeys import STOREY_M
 from chord_usd.scene.types import Plan
 
 Reader = Callable[[Path], list[VectorDrawing]]
@@ -141,7 +142,7 @@ def _with_stairs(plan: Plan, shapes: Sequence[StairShape], m_per_unit: float, ab
         area = affinity.scale(shape.area, m_per_unit, m_per_unit, origin=(0, 0))
         ends = shape.ends and (shape.ends[0] * m_per_unit, shape.ends[1] * m_per_unit)
         scaled = replace(shape, area=area, ends=ends)
-        stair = placed_stair(scaled, f"stair{number}", plan, above)
+        stair = placed_stair(scaled, f"stair{number}", plan, above, STOREY_M)
         if stair is None:
             told.append(
                 f"stair {number} of the file is left out: none to rule joins two rooms there"

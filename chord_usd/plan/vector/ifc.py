@@ -14,9 +14,10 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, StairShape, VectorDrawing
+from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
 from chord_usd.runtime.extras import needed_for
 from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.stair_places import StairShape
 from chord_usd.scene.types import FloatArray, OpeningKind
 
 _LARGEST_BYTES = 512 * 2**20

@@ -11,6 +11,7 @@ from shapely import get_coordinates
 from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
+from chord_usd.scene.stair_places import StairShape
 from chord_usd.scene.types import FloatArray, OpeningKind
 
 MOST_SHAPES = 20_000
@@ -41,17 +42,6 @@ class OpeningShape:
     """Across the wall; None takes that of the wall it lies in."""
     base: float | None = None
     height: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class StairShape:
-    """A stair up from a storey, seen from above."""
-
-    area: Polygon
-    up: FloatArray | None = None
-    """(2,) unit vector from its lowest steps to its highest; None where the file does not say."""
-    ends: tuple[FloatArray, FloatArray] | None = None
-    """(2,) middles of its lowest and its highest steps, where the file tells them."""
 
 
 @dataclass(frozen=True, eq=False)

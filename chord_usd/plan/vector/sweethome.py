@@ -18,11 +18,11 @@ from chord_usd.plan.vector.shapes import (
     MOST_SHAPES,
     OpeningShape,
     RoomShape,
-    StairShape,
     VectorDrawing,
     too_many_shapes,
 )
 from chord_usd.runtime.archives import Archive
+from chord_usd.scene.stair_places import StairShape
 from chord_usd.scene.types import FloatArray, OpeningKind
 from chord_usd.scene.units import m_from_cm
 

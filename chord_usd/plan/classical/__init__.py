@@ -1,1 +1,0 @@
-"""Reading of clean drawings by their strokes: exact to a pixel where walls are plainly drawn."""
