@@ -32,6 +32,7 @@ from chord_usd.commands.train_options import (
     add_training_options,
     device_of,
     furnished_of,
+    unseen_of,
 )
 
 if TYPE_CHECKING:
@@ -155,7 +156,8 @@ def run_plan2layout(options: argparse.Namespace) -> Outcome:
     real = read_flats(options.flats, part="train") if options.flats else []
     flats = furnishable(real)
     drawing = StreamConfig(seed=options.seed, procedural=options.houses)
-    stream = LayoutStream(drawing, flats, trainer.network.config, trainer.config.batch, furnished)
+    shape = trainer.network.config, trainer.config.batch
+    stream = LayoutStream(drawing, flats, *shape, furnished, unseen_of(options))
     facts = {
         "real_plans": len(flats),
         "real_plans_left_out": len(real) - len(flats),

@@ -23,6 +23,7 @@ from chord_usd.commands.train_options import (
     add_start,
     add_training_options,
     furnished_of,
+    unseen_of,
 )
 
 if TYPE_CHECKING:
@@ -117,8 +118,8 @@ def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) 
 
     flats = read_flats(options.flats, part="train") if options.flats else []
     batches = partial(endless_batches, flats, batch, procedural=options.houses, furnished=own)
-    unseen = examples_in(furnished_of(options, "test")) if own else held_out(50)
-    return Task(PIECES, batches, batch_of(unseen[:_MOST_UNSEEN]))
+    unseen = examples_in(unseen_of(options)) if own else held_out(50)
+    return Task(PIECES, batches, batch_of(unseen[:_MOST_UNSEEN]) if unseen else None)
 
 
 def _things(batch: int) -> Task:

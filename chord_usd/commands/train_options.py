@@ -75,6 +75,14 @@ def add_furnished(parser: Parser) -> None:
     )
 
 
+def unseen_of(options: argparse.Namespace) -> list[SceneGraph]:
+    """The furnished houses of the folder that are held out; none where it is too small for any."""
+    try:
+        return furnished_of(options, "test")
+    except SceneError:
+        return []
+
+
 def furnished_of(options: argparse.Namespace, split: Split = "train") -> list[SceneGraph]:
     """The furnished houses of a split in the folder that is asked for; none where none is.
 

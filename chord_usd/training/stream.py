@@ -161,11 +161,13 @@ class LayoutStream(BatchStream):
         network: LayoutConfig,
         batch: int,
         furnished: Sequence[SceneGraph] = (),
+        unseen: Sequence[SceneGraph] = (),
     ) -> None:
+        """unseen: of the furnished ones, those that are held out."""
         super().__init__(network, batch)
         self.config: StreamConfig = config
         self.real_plans = real_plans
-        self.furnished = furnished
+        self.furnished, self.unseen = furnished, unseen
 
     def draw(self, rng: np.random.Generator) -> Drawn:
         """A house in a random pose, shaded by chance."""
@@ -180,9 +182,9 @@ class LayoutStream(BatchStream):
     def held_out(self, count: int) -> list[Drawn]:
         """Test houses, every other one shaded."""
         drawn = []
-        for index in range(count):
+        for index in range(min(count, len(self.unseen)) if self.unseen else count):
             rng = np.random.default_rng(TEST_SEED + index)
-            house = furnish(random_plan(rng), rng)
+            house = self.unseen[index] if self.unseen else furnish(random_plan(rng), rng)
             image = canvas.draw_plan(house.plan, shade=index % 2 == 0)
             draft = rough_draft(house, image.frame, rng) if self.network.draft else None
             drawn.append(replace(_drawn_house(house, image), draft=draft))

@@ -38,8 +38,10 @@ def test_streams_hold_nothing_else(furnished_house: SceneGraph) -> None:
     rng = np.random.default_rng(0)
     own = endless_houses([], rng, furnished=[furnished_house])
     assert [next(own)[0] for _ in range(3)] == [furnished_house] * 3
-    stream = LayoutStream(StreamConfig(), [], PRESETS["small"], 1, [furnished_house])
+    houses = [furnished_house], [replace(furnished_house, items=())]
+    stream = LayoutStream(StreamConfig(), [], PRESETS["small"], 1, *houses)
     assert stream._furnished_house(rng) is furnished_house
+    assert [int(one.labels.max()) for one in stream.held_out(4)] == [0], "what sheets are of"
 
 
 @pytest.mark.parametrize("verb", ["lists", "boxes"])
@@ -49,6 +51,16 @@ def test_a_run_learns_from_a_folder(
     command = ["train", verb, "--furnished", str(houses), "-o", str(tmp_path / "run")]
     assert main([*command, "--minutes", "0.01", "--batch", "2", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["furnished"] == len(TRAINED)
+
+
+def test_a_folder_may_be_too_small_to_hold_anything_out(
+    houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in set(NAMES) - set(TRAINED):
+        (houses / f"{name}.json").unlink()
+    command = ["train", "lists", "--furnished", str(houses), "-o", str(tmp_path / "run")]
+    assert main([*command, "--minutes", "0.01", "--batch", "2", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["held_out_nats"] is None
 
 
 @pytest.mark.parametrize("verb", ["plan2layout", "lists", "boxes"])
