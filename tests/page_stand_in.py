@@ -72,11 +72,17 @@ class StandIn:
         elif options.verb == "generate":
             if "impossible" in (options.furniture or ""):
                 raise ChordError("finds no place")
-            seed = json.loads(root.joinpath(*options.plan).read_text()).get("seed", "")
+            plans = [json.loads(root.joinpath(plan).read_text()) for plan in options.plan]
+            seed = " ".join(plan.get("seed", "") for plan in plans)
             stage = f"#usda 1.0\n# {seed}"
             root.joinpath(options.output).write_text(stage)
             root.joinpath(options.view).write_bytes(as_glb(stage))
             data = {"style": "modern", "certificate": None}
+            if len(plans) > 1:
+                data["storeys"] = [
+                    {"name": f"Storey {at}", "elevation_m": 3.0 * at, "shift_m": [0.0, 0.0]}
+                    for at in range(len(plans))
+                ]
         elif options.verb == "regenerate":
             old = root.joinpath(options.stage).read_text()
             stage = f"{old}\n# {options.room} {options.keep}"

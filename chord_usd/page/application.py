@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from importlib.util import find_spec
@@ -41,6 +42,7 @@ from chord_usd.page.uploads import (
     shown_name,
 )
 from chord_usd.runtime.warm_calls import WarmVerbs
+from chord_usd.scene.limits import PARTS
 from chord_usd.scene.skies import SKIES
 from chord_usd.scene.styles import MIXED, STYLES
 
@@ -175,10 +177,20 @@ class _Page:
         return _json({"houses": self._houses.listed()})
 
     async def new_house(self, request: Request) -> Response:
-        """A plan as the body, called ?name=; or {"text": ...}. Read at once, as a job."""
+        """A plan as the body, called ?name=; or {"text": ...}; or {"below": house, "part": N}, the
+        part of that house's file that is the storey above. Read at once, as a job.
+
+        ?below=: the house whose next storey a plan is.
+        """
         refuse_full_disk(self._houses.root)
+        below = request.query_params.get("below", "")
+        if below:
+            self._houses.folder(below)
         if request.headers.get("content-type", "").startswith("application/json"):
-            text = (await _body(request)).get("text")
+            body = await _body(request)
+            if "below" in body:
+                return self._storey(str(body["below"]), body.get("part"))
+            text = body.get("text")
             if not isinstance(text, str) or not text.strip() or len(text) > LONGEST_TEXT:
                 raise ChordError("a text is needed", expected=f"1 to {LONGEST_TEXT} characters")
             record = self._houses.new(text, text=" ".join(text.split()))
@@ -193,7 +205,24 @@ class _Page:
             except BaseException:
                 self._houses.delete(record["id"])
                 raise
+        if below:
+            self._houses.put_above(below, record["id"])
         job = self._jobs.submit(record["id"], "read", {})
+        return _json({**self._shown(record["id"]), "job": job.id}, 201)
+
+    def _storey(self, below: str, part: object) -> Response:
+        """Another part of the file of a house, as the storey above it."""
+        source = self._houses.get(self._houses.ground_of(below))
+        if not source["source"] or not isinstance(part, int) or not 1 <= part <= PARTS[1]:
+            raise ChordError("that is no part of a file", expected=f"1 to {PARTS[1]}, of a plan")
+        suffix = Path(source["source"]).suffix
+        record = self._houses.new(f"{source['name']} {part}", suffix)
+        folder = self._houses.folder
+        shutil.copyfile(
+            folder(source["id"]) / source["source"], folder(record["id"]) / record["source"]
+        )
+        self._houses.put_above(below, record["id"])
+        job = self._jobs.submit(record["id"], "read", {"part": part})
         return _json({**self._shown(record["id"]), "job": job.id}, 201)
 
     async def house(self, request: Request) -> Response:
@@ -323,7 +352,12 @@ class _Page:
 
     def _shown(self, house: str) -> Record:
         record = self._houses.get(house)
-        return {**record, "jobs": [self._told(job) for job in self._jobs.of(house)[-20:]]}
+        storeys = [
+            {"id": one, "name": self._houses.get(one)["name"]}
+            for one in self._houses.storeys(house)
+        ]
+        jobs = [self._told(job) for job in self._jobs.of(house)[-20:]]
+        return {**record, "storeys": storeys, "jobs": jobs}
 
 
 def three_module() -> Path:

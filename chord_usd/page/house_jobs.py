@@ -49,7 +49,7 @@ MOST_MODELS = 9
 CAN_SAY = find_spec("chord_usd.commands.edit") is not None
 """Whether houses can be changed by sentences here."""
 
-_ROOM = re.compile(r"/House/Rooms/\w+")
+_ROOM = re.compile(r"/House/Rooms/(?:Storey_\d+/)?(?!Storey_\d+$)\w+")
 
 
 class HouseJobs:
@@ -119,16 +119,18 @@ class HouseJobs:
         if not self._houses.get(job.house)["plan"]:
             await self._read(job)
         plan = int(self._houses.get(job.house)["plan"])
+        storeys = [(job.house, plan), *self._houses.plans_above(job.house)]
         with self._version(job) as (number, folder):
-            words = ["generate", self._houses.word(self._houses.plan_path(job.house, plan))]
-            words += ["--no-check"]
+            plans = [self._houses.word(self._houses.plan_path(*one)) for one in storeys]
+            words = ["generate", *plans, "--no-check"]
             words += [f"--output={self._houses.word(folder / 'house' / STAGE)}"]
             for name in ("seed", "style", "sky", "furniture"):
                 words += _option(name, given.get(name))
             answer = await self._call(job, [*words, self._view_word(folder)])
             rooms = _rooms_in(folder / VIEW)
             label = f"seed {given.get('seed') or 0}, {answer.data.get('style') or 'house'}"
-            self._keep(job, number, label, plan, 0, rooms, _told(answer.data))
+            told = _told(answer.data) | _levels(storeys, answer.data)
+            self._keep(job, number, label, plan, 0, rooms, told)
         self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
@@ -150,7 +152,8 @@ class HouseJobs:
             rooms = _rooms_in(folder / VIEW)
             label = f"{given['room']} anew, seed {answer.data.get('seed')}"
             plan = self._houses.get(job.house)["plan"]
-            self._keep(job, number, label, plan, given["version"], rooms, _told(answer.data))
+            told = _told(answer.data) | self._same_levels(job)
+            self._keep(job, number, label, plan, given["version"], rooms, told)
         return {"version": number, **answer.data}
 
     async def _say(self, job: Job) -> dict[str, Any]:
@@ -169,7 +172,8 @@ class HouseJobs:
             carry_edits(before, folder / "house", touched=answer.data["taken_over"])
             plan = self._houses.get(job.house)["plan"]
             label, rooms = str(given["sentence"])[:80], _rooms_in(view)
-            self._keep(job, number, label, plan, given["version"], rooms, {"certificate": None})
+            told = {"certificate": None, **self._same_levels(job)}
+            self._keep(job, number, label, plan, given["version"], rooms, told)
         self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
@@ -179,6 +183,13 @@ class HouseJobs:
         """List a version with its house. of: the version that it was made from, 0 for none."""
         version = {"number": number, "label": label, "plan": plan, "of": of, "rooms": rooms}
         self._houses.add_version(job.house, {**version, **told})
+
+    def _same_levels(self, job: Job) -> Record:
+        """The storeys of the version that another one is made of."""
+        for version in self._houses.get(job.house)["versions"]:
+            if version["number"] == job.given["version"] and "storeys" in version:
+                return {"storeys": version["storeys"]}
+        return {}
 
     def _view_word(self, folder: Path) -> str:
         return f"--view={self._houses.word(folder / VIEW)}"
@@ -339,10 +350,23 @@ def _told(data: dict[str, Any]) -> Record:
     }
 
 
+def _levels(storeys: Sequence[tuple[str, int]], data: dict[str, Any]) -> Record:
+    """The storeys of a house of several: whose plan each is, and where it lies."""
+    told = data.get("storeys", ())
+    if len(storeys) < 2 or len(told) != len(storeys):
+        return {}
+    kept = ("name", "elevation_m", "shift_m")
+    rows = [
+        {"house": house, "plan": plan, **{key: one[key] for key in kept}}
+        for (house, plan), one in zip(storeys, told, strict=True)
+    ]
+    return {"storeys": rows}
+
+
 def _rooms_in(view: Path) -> list[str]:
     """Names of the rooms of a GLB: of the nodes whose path is a room's."""
     with view.open("rb") as file:
         head = file.read(20)
         document = json.loads(file.read(int.from_bytes(head[12:16], "little")))
     paths = (node.get("extras", {}).get("path", "") for node in document.get("nodes", ()))
-    return [path.split("/")[3] for path in paths if _ROOM.fullmatch(path)]
+    return [path.rsplit("/", 1)[-1] for path in paths if _ROOM.fullmatch(path)]

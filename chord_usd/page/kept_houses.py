@@ -22,6 +22,7 @@ from typing import Any
 from chord_usd.errors import ChordError
 from chord_usd.page.uploads import shown_name
 from chord_usd.runtime.files import write_atomic
+from chord_usd.scene.limits import MOST_STOREYS
 
 MOST_HOUSES = 500
 STAGE = "house.usda"
@@ -49,10 +50,11 @@ class KeptHouses:
         self.root = root
 
     def listed(self) -> list[Record]:
-        """All houses, the latest first: id, name, when they were made, how many versions."""
+        """All houses, the latest first: id, name, when they were made, how many versions. Storeys
+        above others are none by themselves."""
         records = sorted(self._all(), key=lambda record: record["made"], reverse=True)
         kept = ("id", "name", "made", "shown")
-        return [{key: record[key] for key in kept} for record in records]
+        return [{key: record[key] for key in kept} for record in records if not record.get("below")]
 
     def new(self, name: str, suffix: str = "", text: str = "") -> Record:
         """A house of a plan file that is still to be written, or of a text."""
@@ -89,8 +91,43 @@ class KeptHouses:
         self._write(record)
         return record
 
+    def put_above(self, below: str, house: str) -> None:
+        """Make a house the top storey of another. Raises NotThereError, ChordError."""
+        ground = self.ground_of(below)
+        above = self.storeys(ground)[1:]
+        if len(above) + 2 > MOST_STOREYS:
+            raise ChordError(f"a house has {MOST_STOREYS} storeys at most")
+        self.update(ground, lambda kept: kept.update(above=[*above, house]))
+        self.update(house, lambda kept: kept.update(below=ground))
+
+    def ground_of(self, house: str) -> str:
+        """The lowest storey of the house that a storey is of."""
+        return str(self.get(house).get("below") or house)
+
+    def storeys(self, house: str) -> list[str]:
+        """All storeys of a house, the lowest first; itself where it has one."""
+        ground = self.ground_of(house)
+        above = self.get(ground).get("above", ())
+        return [ground, *(one for one in above if self.folder_of(one).is_dir())]
+
+    def plans_above(self, house: str) -> list[tuple[str, int]]:
+        """The current plans of the storeys above a house. Raises ChordError where none is."""
+        found = []
+        for one in self.storeys(house)[1:]:
+            record = self.get(one)
+            if not record["plan"]:
+                raise ChordError(
+                    f"the plan of the storey {record['name']!r} could not be read",
+                    try_="delete that storey, or another file",
+                )
+            found.append((one, int(record["plan"])))
+        return found
+
     def delete(self, house: str) -> None:
-        """Remove a house and all that was made of it."""
+        """Remove a house and all that was made of it, the storeys above it too."""
+        if self.ground_of(house) == house:
+            for one in self.storeys(house)[1:]:
+                self.delete(one)
         folder = self.folder(house)
         (folder / _FILE).unlink(missing_ok=True)  # first: it is gone even if the rest fails
         shutil.rmtree(folder, ignore_errors=True)

@@ -22,7 +22,9 @@ from chord_usd.runtime.files import write_atomic
 SCHEMA = 2
 MOST_EDITS = 5000
 
-_PIECE = re.compile(r"/House/Rooms/(\w+)/(?:Furniture|Dressing)/\w+(?:/\w+){0,8}")
+_PIECE = re.compile(
+    r"/House/Rooms/(?:Storey_\d{1,2}/)?(\w+)/(?:Furniture|Dressing)/\w+(?:/\w+){0,8}"
+)
 _MARK, _END = "string chord_edits = '''", "'''"
 _HEAD = """#usda 1.0
 (
@@ -103,7 +105,8 @@ def carry_edits(before: Path, after: Path, *, room: str = "", touched: Iterable[
     def stays(path: str) -> bool:
         if path in done:
             return False
-        return path.split("/")[3:4] != [room] or _is_of(path, kept)
+        found = _PIECE.fullmatch(path)
+        return not found or found[1] != room or _is_of(path, kept)
 
     for kind in ("pieces", "looks"):
         edits[kind] = {path: what for path, what in edits[kind].items() if stays(path)}

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 if not shutil.which("chromium"):
@@ -23,9 +24,11 @@ import uvicorn
 from playwright.sync_api import Locator, Page, expect, sync_playwright
 from pxr import Usd
 
+from chord_usd.data.storey_houses import random_storeys
 from chord_usd.page.application import make_application
 from chord_usd.runtime.verb_calls import Answer, Told
 from chord_usd.runtime.warm_calls import WarmVerbs
+from chord_usd.scene.chord_json import write_plan
 
 PLAN = Path(__file__).parents[2] / "examples" / "studio.png"
 QUICK = ("--steps=1", "--redraws=0", "--no-tabletop", "--no-dressing")
@@ -193,3 +196,26 @@ def opens(packed: Path) -> None:
     (room, *_) = stage.GetPrimAtPath("/House/Rooms").GetChildren()
     pieces = room.GetChild("Furniture").GetChildren()
     assert any(piece.GetAttribute("xformOp:transform").HasAuthoredValue() for piece in pieces)
+
+
+def test_storeys_are_read_furnished_and_hidden(page: Page, address: str, tmp_path: Path) -> None:
+    files = []
+    for index, storey in enumerate(random_storeys(np.random.default_rng(1), 2)):
+        files.append(tmp_path / f"plan {index}.json")
+        write_plan(storey.plan, files[-1])
+    page.goto(address)
+    page.locator("#file").set_input_files(files)
+    expect(page.locator("#storeys select")).to_have_value(re.compile("[0-9a-f]{12}"))
+    page.locator("#storeys select").select_option(index=1)
+    expect(page.locator("#title")).to_have_text("plan 1")
+    page.locator("#storeys select").select_option(index=0)
+    page.get_by_role("tab", name="House").click()
+    expect(page.locator("canvas")).to_have_attribute("data-ready", "1")
+    seen = {}
+    for index in (0, 1):
+        page.locator("#storey").select_option(index=index)
+        page.wait_for_timeout(500)
+        seen[index] = page.locator("canvas").screenshot()
+    assert seen[0] != seen[1]
+    page.get_by_role("button", name="Walk").click()
+    expect(page.locator("#pad")).to_be_visible()

@@ -415,3 +415,35 @@ def test_a_port_in_use_is_an_error(
         process, _ = server("--port", str(other.getsockname()[1]))
         assert process.wait(10) == 2
         assert "Try: --port 0" in process.stderr.read()  # type: ignore[union-attr]
+
+
+def test_plans_of_one_house_are_its_storeys(page: TestClient, verbs: StandIn) -> None:
+    ground = dropped(page)
+    until_over(page, ground)
+    sent = page.post(f"/api/houses?below={ground}&name=first.png", content=PNG)
+    first = sent.json()["id"]
+    second = page.post("/api/houses", json={"below": first, "part": 2}).json()["id"]
+    until_over(page, second)
+    assert "--part=2" in verbs.lines[-1]
+    for house in (ground, first, second):
+        storeys = page.get(f"/api/houses/{house}").json()["storeys"]
+        assert [one["id"] for one in storeys] == [ground, first, second]
+    assert [one["id"] for one in page.get("/api/houses").json()["houses"]] == [ground]
+    ask(page, ground, "furnish")
+    shown = until_over(page, ground, 3)
+    plans = [word for word in verbs.lines[-2] if word.endswith(".json")]
+    assert [word.split("/")[1] for word in plans] == [ground, first, second]
+    (version,) = shown["versions"]
+    assert [one["elevation_m"] for one in version["storeys"]] == [0.0, 3.0, 6.0]
+    page.delete(f"/api/houses/{ground}")
+    assert page.get(f"/api/houses/{second}").status_code == 404
+
+
+def test_odd_storeys_are_refused(page: TestClient) -> None:
+    house = dropped(page)
+    until_over(page, house)
+    assert page.post("/api/houses?below=nowhere&name=a.png", content=PNG).status_code == 404
+    for part in (0, "2", None, 10**9):
+        sent = page.post("/api/houses", json={"below": house, "part": part})
+        assert sent.status_code == 400
+        assert "part of a file" in sent.json()["error"]

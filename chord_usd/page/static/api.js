@@ -7,7 +7,8 @@ export async function ask(method, path, body) {
   try {
     answer = await fetch(path, {
       method,
-      headers: body === undefined || raw ? {} : { "content-type": "application/json" },
+      // Else a plan.json would be taken for something said.
+      headers: body === undefined ? {} : { "content-type": raw ? "application/octet-stream" : "application/json" },
       body: body === undefined ? undefined : raw ? body : JSON.stringify(body),
     });
   } catch {

@@ -18,20 +18,23 @@ export function batched(scene) {
   const groups = new Map();
   const rooms = [];
   const cameras = [];
-  const walk = (node, owner, room) => {
+  const walk = (node, owner, place) => {
     if (node.isLight) return;
     if (node.isCamera) cameras.push(node.name);
     const { path, kind } = node.userData;
+    const storey = /^Storey_(\d+)$/.exec(nameOf(node));
+    if (storey) place = { ...place, storey: Number(storey[1]) };
     if (kind && path) {
       rooms.push({ name: node.userData.room, kind, path, node });
-      room = node.userData.room;
+      place = { ...place, room: node.userData.room, path };
     }
-    const mine = pieceOf(node, owner, room);
+    const mine = pieceOf(node, owner, place);
+    if (mine && mine !== owner) mine.storey = place.storey;
     if (mine && mine !== owner) pieces.set(mine.path, mine);
     if (node.isMesh && mine) sort(groups, node, mine);
-    for (const child of node.children) walk(child, mine ?? owner, room);
+    for (const child of node.children) walk(child, mine ?? owner, place);
   };
-  walk(scene, null, "");
+  walk(scene, null, { room: "", path: "", storey: 0 });
   const batches = [...groups.values()].map(batchOf);
   const box = new THREE.Box3();
   for (const batch of batches) box.union(batch.geometryBox);
@@ -39,10 +42,10 @@ export function batched(scene) {
 }
 
 /** The piece that a node begins, or that it is part of. */
-function pieceOf(node, owner, room) {
+function pieceOf(node, owner, { room, path: within }) {
   const group = node.parent ? nameOf(node.parent) : "";
   if (GROUPS.includes(group) && room) {
-    const above = owner?.group === "Items" || owner?.group === "Furniture" ? owner.path : `/House/Rooms/${room}`;
+    const above = owner?.group === "Items" || owner?.group === "Furniture" ? owner.path : within;
     // What carries things is a group, with the model itself beside them.
     const model = node.userData.path ? node : node.children.find((one) => one.userData.path) ?? node;
     const said = model.userData;

@@ -11,7 +11,7 @@ const SLACK_M = 0.025;
 const FLAT_M = 0.03;
 
 export class Collisions {
-  /** house: as batched() has it; floors: polygons [[x, y]] in metres; isGone: of a piece. */
+  /** house: as batched() has it; floors: polygons [[x, y]] in metres, of a piece; isGone: of a piece. */
   constructor(house, floors, isGone) {
     Object.assign(this, { house, floors, isGone, cells: new Map() });
   }
@@ -48,7 +48,7 @@ export class Collisions {
   isOnFloor(piece) {
     const corners = this.footprint(piece, SLACK_M).map((corner) => [corner.x, -corner.z]);
     const middle = [0, 1].map((axis) => corners.reduce((sum, corner) => sum + corner[axis] / 4, 0));
-    const floor = this.floors.find((one) => isInside(one, middle));
+    const floor = this.floors(piece).find((one) => isInside(one, middle));
     // Of a room with a corner that juts in, that corner must not be within the piece.
     return Boolean(floor) && corners.every((corner) => isInside(floor, corner)) && !floor.some((corner) => isInside(corners, corner));
   }

@@ -18,8 +18,9 @@ function dropArea(app) {
     type: "file",
     accept: app.choices.suffixes.join(),
     hidden: true,
+    multiple: true,
     id: "file",
-    onchange: () => picker.files[0] && upload(picker.files[0]),
+    onchange: () => picker.files.length && upload([...picker.files]),
   });
   const area = el(
     "section",
@@ -28,7 +29,7 @@ function dropArea(app) {
     button("Choose a file", () => picker.click(), { class: "first" }),
     picker,
     check("Furnish it at once", isAtOnce, (isChecked) => { isAtOnce = isChecked; }),
-    el("p", { class: "quiet" }, "A picture, scan, photo, PDF, SVG, DXF, IFC, Sweet Home 3D or plan.json"),
+    el("p", { class: "quiet" }, "A picture, scan, photo, PDF, SVG, DXF, IFC, Sweet Home 3D or plan.json; several are the storeys of one house, the lowest first"),
   );
   const over = (event) => {
     event.preventDefault();
@@ -38,19 +39,27 @@ function dropArea(app) {
   area.addEventListener("dragleave", over);
   area.addEventListener("drop", (event) => {
     over(event);
-    const [file] = event.dataTransfer.files;
-    if (file) upload(file);
+    const files = [...event.dataTransfer.files];
+    if (files.length) upload(files);
   });
   return area;
 }
 
-async function upload(file) {
+async function upload([file, ...above]) {
   complain();
   try {
-    await begin(await ask("POST", `/api/houses?name=${encodeURIComponent(file.name)}`, file));
+    const house = await ask("POST", `/api/houses?name=${encodeURIComponent(file.name)}`, file);
+    for (const one of above) await addStorey(house.id, one);
+    await begin(house);
   } catch (error) {
     complain(error);
   }
+}
+
+/** A plan as the next storey of a house; a number: that part of the house's own file. */
+export async function addStorey(below, plan) {
+  if (typeof plan === "number") return post("/api/houses", { below, part: plan });
+  return ask("POST", `/api/houses?below=${below}&name=${encodeURIComponent(plan.name)}`, plan);
 }
 
 async function begin(house) {

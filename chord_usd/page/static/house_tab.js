@@ -15,6 +15,9 @@ const TURN_DEG = 15;
 const HIGHEST_M = 3;
 const WORDS = (text) => text.replaceAll("_", " ");
 
+/** Polygons of a storey's plan where the storey lies in the house. */
+const shifted = (polygons, { shift_m: [x, y] }) => polygons.map((one) => one.map((point) => [point[0] + x, point[1] + y]));
+
 export async function houseTab(app) {
   const tab = new HouseTab(app);
   app.left = () => tab.end();
@@ -41,9 +44,16 @@ class HouseTab {
     const { house } = this.app;
     const version = this.version.number;
     this.view = new SceneView(this.canvas, { picked: (piece) => this.choose(piece), held: (piece) => this.hold(piece) });
-    const address = `/api/houses/${house.id}/plan?number=${this.version.plan}`;
-    [this.house, { plan: this.plan }] = await Promise.all([this.view.load(file(house.id, version, "view", "view.glb")), get(address)]);
-    this.collisions = new Collisions(this.house, roomFloors(this.plan), (piece) => this.edits.isGone(piece));
+    const known = this.version.storeys ?? [{ house: house.id, plan: this.version.plan, name: "", elevation_m: 0, shift_m: [0, 0] }];
+    const [loaded, ...plans] = await Promise.all([
+      this.view.load(file(house.id, version, "view", "view.glb")),
+      ...known.map((one) => get(`/api/houses/${one.house}/plan?number=${one.plan}`)),
+    ]);
+    this.house = loaded;
+    this.storeys = known.map((one, at) => ({ ...one, plan: plans[at].plan }));
+    this.top = this.storeys.length - 1;
+    const floors = this.storeys.map((one) => shifted(roomFloors(one.plan), one));
+    this.collisions = new Collisions(this.house, (piece) => floors[piece.storey] ?? floors[0], (piece) => this.edits.isGone(piece));
     this.swaps = new Swaps(this);
     this.edits = new Edits(`/api/houses/${house.id}/versions/${version}/edits`, this.house, {
       changed: () => this.refresh(),
@@ -81,20 +91,48 @@ class HouseTab {
 
   tools() {
     const cut = el("input", { type: "range", min: 0.3, max: HIGHEST_M, step: "any", value: HIGHEST_M, "aria-label": "Cut the house at a height" });
-    cut.addEventListener("input", () => this.view.cutAt(Number(cut.value) >= HIGHEST_M ? 100 : Number(cut.value)));
+    this.cutHouse = () => this.view.cutAt(Number(cut.value) >= HIGHEST_M ? 100 : this.storeys[this.top].elevation_m + Number(cut.value));
+    cut.addEventListener("input", this.cutHouse);
     this.walkButton = button("Walk", () => this.walk(), { "aria-pressed": false });
     const ceilings = check("Ceilings", false, (isShown) => this.hideCeilings(!isShown));
     this.ceilings = ceilings.querySelector("input");
     return el("div", { class: "tools", role: "toolbar", "aria-label": "View" },
       button("All", () => this.walk(false)), this.walkButton,
-      el("label", { class: "check" }, "Cut", cut), ceilings);
+      el("label", { class: "check" }, "Cut", cut), ceilings, ...this.storeyChoice());
+  }
+
+  /** Up to which storey the house is shown. */
+  storeyChoice() {
+    if (this.storeys.length < 2) return [];
+    const last = this.storeys.length - 1;
+    const names = this.storeys.map((one, at) => [at, at === last ? "All storeys" : `Up to: ${one.name}`]);
+    const list = choice(names.reverse(), this.top, (at) => {
+      this.top = Number(at);
+      this.cutHouse();
+      if (this.view.walker) this.walk(true).catch(complain);
+      else this.hideCeilings(!this.ceilings.checked);
+    });
+    list.id = "storey";
+    list.setAttribute("aria-label", "Show the house up to a storey");
+    return [list];
+  }
+
+  hideStoreys() {
+    for (const piece of this.house.pieces.values()) {
+      const isShown = piece.storey <= this.top && !this.edits.isGone(piece);
+      for (const { batch, id } of piece.parts) batch.setVisibleAt(id, isShown);
+    }
   }
 
   hideCeilings(isHidden) {
+    if (this.storeys.length > 1) this.hideStoreys();
     for (const piece of this.house.pieces.values()) {
-      if (piece.category === "ceiling") show(this.house.pieces, piece, !isHidden);
+      if (piece.storey > this.top) continue;
+      // Below another storey the ceiling is under that one's floor.
+      const isShown = !isHidden || piece.storey < this.top;
+      if (piece.category === "ceiling") show(this.house.pieces, piece, isShown);
       // Lamps that hang from nothing look odd from above.
-      if (piece.category === "ceiling_lamp" && !this.edits.isGone(piece)) show(this.house.pieces, piece, !isHidden);
+      if (piece.category === "ceiling_lamp" && !this.edits.isGone(piece)) show(this.house.pieces, piece, isShown);
     }
     this.areCeilingsHidden = isHidden;
     this.view.draw();
@@ -109,10 +147,11 @@ class HouseTab {
       return;
     }
     this.hideCeilings(false);
-    const floors = floorsOf(this.plan);
+    const storey = this.storeys[this.top];
+    const floors = shifted(floorsOf(storey.plan), storey);
     const [points] = floors;
     const start = [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
-    this.view.walk(floors, start);
+    this.view.walk(floors, start, storey.elevation_m);
     this.pad = this.walkPad();
     this.area.append(this.pad);
     this.canvas.focus();
@@ -169,7 +208,7 @@ class HouseTab {
     undo.disabled = !this.edits.done.length;
     this.side.replaceChildren(
       el("div", { class: "row" }, undo, el("span", { class: "quiet" }, this.version.label)),
-      ...(this.app.choices.canSay ? [this.sentenceForm()] : []),
+      ...(this.app.choices.canSay && this.storeys.length === 1 ? [this.sentenceForm()] : []),
       this.chosen ? this.pieceForm(this.chosen) : el("p", { class: "quiet" }, "Click a piece to change it; then drag it."),
       this.roomForm(),
       ...this.lists(),
@@ -227,7 +266,7 @@ class HouseTab {
       el("div", { class: "row" }, field("With", wish), field("Without", without)),
       button("Furnish this room again", async () => {
         await this.edits.save();
-        const keep = this.edits.state.locked.filter((path) => path.startsWith(`/House/Rooms/${this.room}/`)).map((path) => path.split("/")[5]);
+        const keep = this.edits.state.locked.filter((path) => path.includes(`/${this.room}/`)).map((path) => /\/(?:Furniture|Dressing)\/(\w+)/.exec(path)[1]);
         await this.app.start("refurnish", { version: this.version.number, room: this.room, with: wish.value, without: without.value, keep });
       }));
   }

@@ -1,6 +1,7 @@
 // The reading over the picture: what is doubted, how to put it right, and "Furnish".
-import { ask, get } from "./api.js";
+import { ask, get, job } from "./api.js";
 import { button, choice, complain, el, field } from "./dom.js";
+import { addStorey } from "./home.js";
 import { PlanDrawing } from "./plan_drawing.js";
 import * as model from "./plan_model.js";
 
@@ -47,7 +48,7 @@ class PlanTab {
     const { house } = this.app;
     if (!house.plan) {
       this.area.replaceChildren(el("div", { class: "wait" }, this.waiting(house)));
-      this.side.replaceChildren(this.furnishForm());
+      this.side.replaceChildren(...this.storeyForm(), this.furnishForm());
       return;
     }
     const { number, plan } = await get(`/api/houses/${house.id}/plan`);
@@ -216,7 +217,26 @@ class PlanTab {
     if (this.drawing.tool) return [el("p", {}, HINTS[this.drawing.tool])];
     const chosen = this.choice ? [this.choiceForm()] : [];
     const divide = model.roomsOf(this.plan).length === 1 ? [this.divideForm()] : [];
-    return [...chosen, ...divide, this.furnishForm(), this.doubts(), this.roomList()];
+    return [...this.storeyForm(), ...chosen, ...divide, this.furnishForm(), this.doubts(), this.roomList()];
+  }
+
+  /** Which storey's plan is seen, and a further one above. */
+  storeyForm() {
+    const { house } = this.app;
+    const storeys = house.storeys ?? [];
+    const go = (id) => { location.hash = `#/${id}/plan`; };
+    const rows = storeys.length > 1
+      ? [el("div", { id: "storeys" }, field("Storey", choice(storeys.map(({ id, name }, at) => [id, `${at + 1}: ${name}`]), house.id, go)))]
+      : [];
+    const ground = storeys[0]?.id ?? house.id;
+    const picker = el("input", {
+      type: "file", hidden: true, accept: this.app.choices.suffixes.join(), "aria-label": "Plan of the storey above",
+      onchange: () => picker.files[0] && addStorey(ground, picker.files[0]).then(({ id }) => go(id)).catch(complain),
+    });
+    const part = el("input", { type: "number", min: 1, max: 1000, value: storeys.length + 1, "aria-label": "Which plan of the file" });
+    const own = house.source ? [part, button("Part of this file", async () => go((await addStorey(ground, Number(part.value))).id))] : [];
+    return [...rows, el("details", {}, el("summary", {}, "Add the storey above"),
+      el("div", { class: "row" }, button("A file", () => picker.click()), picker, ...own))];
   }
 
   /** Outer walls without rooms: what may be drawn by hand, or in a picture. */
@@ -350,7 +370,14 @@ class PlanTab {
       field("Wishes", text),
       button(again ? "Furnish again" : "Furnish", async () => {
         await this.save();
-        await this.app.start("furnish", { ...wishes, seed: Number(wishes.seed) || 0 });
+        const given = { ...wishes, seed: Number(wishes.seed) || 0 };
+        const ground = this.app.house.storeys?.[0]?.id ?? this.app.house.id;
+        if (ground === this.app.house.id) {
+          await this.app.start("furnish", given);
+          return;
+        }
+        await job(ground, "furnish", given);
+        location.hash = `#/${ground}/plan`;
       }, { class: "first", id: "furnish" }),
     );
   }

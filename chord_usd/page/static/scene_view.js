@@ -97,10 +97,10 @@ export class SceneView {
   }
 
   /** Walk: floors and openings, in metres, are where one can stand. */
-  walk(floors, start) {
+  walk(floors, start, floor = 0) {
     this.controls.enabled = false;
     this.setView(WALK_DEG);
-    this.walker = new Walker(this.camera, this.canvas, floors, start, EYE_M, () => this.draw());
+    this.walker = new Walker(this.camera, this.canvas, floors, start, floor + EYE_M, () => this.draw());
     this.draw();
   }
 
