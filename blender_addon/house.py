@@ -11,7 +11,17 @@ from mathutils import Matrix as WorldMatrix
 
 from .core.edits import Changes, Matrix, moves, placements_of_house, told, understood
 from .core.revisions import revision
-from .core.tree import CAMERAS, is_ceiling, is_light, is_piece, is_placed, piece_of, room_of
+from .core.tree import (
+    CAMERAS,
+    is_ceiling,
+    is_light,
+    is_piece,
+    is_placed,
+    piece_of,
+    room_of,
+    room_path,
+    storeys,
+)
 from .properties import PART_KEY, chosen_room, fields
 
 LOCKED_KEY = "chord_usd_locked"
@@ -65,6 +75,11 @@ def pieces_of(context: bpy.types.Context, room: str) -> Objects:
     """Furniture and dressing of a room by USD path, in the order of their names."""
     found = own_objects(context)
     return {path: found[path] for path in sorted(found) if is_piece(path) and room_of(path) == room}
+
+
+def chosen_path(context: bpy.types.Context) -> str:
+    """USD path of the chosen room."""
+    return room_path(own_objects(context), chosen_room(context))
 
 
 def carriers(objects: Objects) -> dict[str, str]:
@@ -187,14 +202,18 @@ def light_of(objects: Objects, room: str) -> float:
 
 
 def show_rooms(context: bpy.types.Context) -> None:
-    """Show the chosen room alone, or all of them, as the field says."""
+    """Show the chosen room alone, or all of them up to a storey, as the fields say."""
     own = fields(context)
     chosen = chosen_room(context) if own.solo else ""
     parts = {CAMERAS, *(room.name for room in own.rooms)}
+    levels = storeys(own_objects(context))
+    above = set(levels[own.storey :]) if own.storey else set()
     for layer in _layers(context.view_layer.layer_collection):
         part = layer.collection.get(PART_KEY)
         if part in parts:
             layer.hide_viewport = bool(chosen) and part != chosen
+        elif part in levels:
+            layer.hide_viewport = part in above
 
 
 def show_ceilings(context: bpy.types.Context) -> None:

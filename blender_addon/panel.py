@@ -9,8 +9,8 @@ import bpy
 from .core import report, swaps
 from .core.program import EDITS_IN_WORDS, WISHES_FROM, WITHOUT_DRESSING
 from .core.state import OFFERED_BY, panel_state, wrapped
-from .core.tree import is_dressing, piece_of
-from .house import LOCKED_KEY, Objects, arranged, own_objects, pieces_of
+from .core.tree import is_dressing, piece_of, storeys
+from .house import LOCKED_KEY, Objects, arranged, chosen_path, own_objects, pieces_of
 from .jobs import unsaved_folder
 from .preferences import preferences
 from .previews import icon
@@ -100,10 +100,12 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
         row = layout.row()
         row.prop(own, "solo")
         row.prop(own, "hide_ceilings")
+        if storeys(line.path for line in own.objects):
+            layout.prop(own, "storey")
         layout.prop(own.rooms[own.room_index], "light", slider=True)
         looks = _when_idle(layout.column())
         for look in report.looks(parsed(own.contents)):
-            if look.path in ("/House", f"/House/Rooms/{chosen_room(context)}"):
+            if look.path in ("/House", chosen_path(context)):
                 _draw_look(looks, look)
         looks.operator("chord.shuffle_looks", icon="FILE_REFRESH")
         row = layout.row(align=True)

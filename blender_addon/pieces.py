@@ -21,6 +21,7 @@ from .house import (
     LOCKED_KEY,
     SIZE_KEY,
     Objects,
+    chosen_path,
     component,
     house_placements,
     objects_at,
@@ -32,7 +33,7 @@ from .house import (
 )
 from .jobs import JobOperator, rebuild, save_changes
 from .previews import pictures_folder
-from .properties import chosen_room, fields, parsed
+from .properties import fields, parsed
 from .session import Finish
 
 ON_TOP_M = 0.02
@@ -190,7 +191,7 @@ class ChordShuffleLooks(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the choices, and brings the house in again."""
-        room = f"/House/Rooms/{chosen_room(context)}"
+        room = chosen_path(context)
         seen = save_changes(context)
         after = seen.changes
         for look in report.looks(parsed(fields(context).contents)):
@@ -209,7 +210,7 @@ class ChordFrameRoom(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Selects, and frames where there is a 3-D view."""
-        found = objects_at(context, [f"/House/Rooms/{chosen_room(context)}"])
+        found = objects_at(context, [chosen_path(context)])
         if not found:
             self.report({"ERROR"}, "The room is not in this scene any more.")
             return {"CANCELLED"}

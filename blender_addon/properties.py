@@ -174,6 +174,13 @@ class ChordScene(bpy.types.PropertyGroup):
     solo: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Solo", description="Show the chosen room alone", update=_show_solo
     )
+    storey: bpy.props.IntProperty(  # type: ignore[valid-type]
+        name="Up to storey",
+        description="Hide the storeys above this one, counted from the lowest; 0: show all",
+        min=0,
+        max=12,
+        update=_show_solo,
+    )
     swap_path: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     """The piece that models are offered for."""
     swap_models: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]

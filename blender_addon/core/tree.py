@@ -21,6 +21,11 @@ ROOMS, FURNITURE, DRESSING, ARCHITECTURE, LIGHTS, CAMERAS, ITEMS = (
 )
 
 
+EXTERIOR = "Exterior"
+_STOREY = re.compile(r"Storey_\d+$")
+"""Groups of the rooms of a storey, and what is outside of it."""
+
+
 @dataclass
 class Branch:
     """A collection to make, with the objects and collections in it."""
@@ -71,6 +76,7 @@ def _own_name(parts: list[str]) -> str:
 
 
 def _with_room(parts: list[str]) -> str:
+    parts, _ = _without_storey(parts)
     owner = parts[2:3] if parts[1:2] == [ROOMS] and len(parts) > 3 else parts[1:2]
     return " ".join([*owner, parts[-1]])
 
@@ -100,6 +106,8 @@ def collection_tree(paths: Mapping[str, str]) -> Branch:
 def _place(house: Branch, parts: list[str]) -> Branch:
     if len(parts) > 1 and parts[1] == CAMERAS:
         return house.branch(CAMERAS)
+    parts, storey = _without_storey(parts)
+    house = house.branch(storey) if storey else house
     if len(parts) > 2 and parts[1] == ROOMS:
         room = house.branch(parts[2])
         if len(parts) > 3 and parts[3] in (FURNITURE, DRESSING, ARCHITECTURE, LIGHTS):
@@ -116,7 +124,7 @@ def room_names(paths: Iterable[str]) -> list[str]:
 
 def is_piece(path: str) -> bool:
     """Whether this is furniture or dressing of a room: what is moved and removed as a whole."""
-    return is_placed(path) and path.count("/") == 5
+    return is_placed(path) and len(_parts(path)) == 5
 
 
 def is_placed(path: str) -> bool:
@@ -136,19 +144,52 @@ def is_light(path: str) -> bool:
 
 def room_of(path: str) -> str:
     """The room that something is in; empty for what is in none."""
-    parts = path.split("/")[1:]
+    parts = _parts(path)
     return parts[2] if len(parts) > 2 and parts[1] == ROOMS else ""
+
+
+def room_path(paths: Iterable[str], room: str) -> str:
+    """The path of a room, by that of anything in it; empty where it is not there."""
+    for path in paths:
+        if room_of(path) == room:
+            return path[: path.index(f"/{room}") + len(room) + 1]
+    return ""
+
+
+def storey_of(path: str) -> str:
+    """The storey that something is on; empty in a house of one."""
+    return _without_storey(path.split("/")[1:])[1]
+
+
+def storeys(paths: Iterable[str]) -> list[str]:
+    """The storeys of a house, the lowest first."""
+    found = {storey_of(path) for path in paths} - {""}
+    return sorted(found, key=lambda name: int(name.rpartition("_")[2]))
 
 
 def piece_of(path: str) -> str:
     """The path of the piece that this is a part of, or stands on; empty where there is none."""
-    return "/".join(path.split("/")[:6]) if is_placed(path) else ""
+    if not is_placed(path):
+        return ""
+    return "/".join(path.split("/")[: 7 if storey_of(path) else 6])
 
 
 def _group_of(path: str) -> str:
     """The group of its room that something is in, such as Furniture; empty where it is in none."""
-    parts = path.split("/")[1:]
+    parts = _parts(path)
     return parts[3] if len(parts) > 4 and parts[1] == ROOMS else ""
+
+
+def _parts(path: str) -> list[str]:
+    """Names along a path as in a house of one storey."""
+    return _without_storey(path.split("/")[1:])[0]
+
+
+def _without_storey(parts: list[str]) -> tuple[list[str], str]:
+    """The names along a path without that of its storey, and that name; empty for none."""
+    if len(parts) > 2 and parts[1] in (ROOMS, EXTERIOR) and _STOREY.match(parts[2]):
+        return [*parts[:2], *parts[3:]], parts[2]
+    return parts, ""
 
 
 def is_ceiling(path: str) -> bool:

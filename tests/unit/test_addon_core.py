@@ -24,7 +24,9 @@ from blender_addon.core.tree import (
     piece_of,
     room_names,
     room_of,
+    room_path,
     shown_names,
+    storeys,
     usd_paths,
 )
 
@@ -322,6 +324,25 @@ def test_collections_mirror_the_stage() -> None:
     assert desk.name == "Bedroom_1 Desk_0"
     assert desk.objects == ["Desk_0", "Items", "Laptop_0"]
     assert "Bedroom_0.001" in house.branches["Cameras"].objects
+
+
+def test_a_storey_is_a_collection_around_its_rooms() -> None:
+    upstairs = "/House/Rooms/Storey_1/Bedroom_1"
+    paths = {
+        "a": "/House/Rooms/Storey_0/Bedroom_0/Furniture/Bed_0",
+        "b": f"{upstairs}/Furniture/Desk_0/Items/Laptop_0",
+        "c": "/House/Exterior/Storey_1/Geometry/Facade",
+        "d": f"{upstairs}/Lights/AreaLight",
+    }
+    assert room_names(paths.values()) == ["Bedroom_0", "Bedroom_1"]
+    assert [is_piece(path) for path in paths.values()] == [True, False, False, False]
+    assert piece_of(paths["b"]) == f"{upstairs}/Furniture/Desk_0"
+    assert room_path(paths.values(), "Bedroom_1") == upstairs
+    assert storeys(paths.values()) == ["Storey_0", "Storey_1"]
+    house = collection_tree(paths)
+    assert list(house.branches) == ["Storey_0", "Storey_1"]
+    assert list(house.branches["Storey_1"].branches) == ["Bedroom_1"]
+    assert house.branches["Storey_1"].objects == ["c"]
 
 
 def test_findings_are_readable_and_lead_to_the_culprits() -> None:
