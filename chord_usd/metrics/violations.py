@@ -17,6 +17,7 @@ from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.metrics.complete import ESSENTIALS, UNDERSIZED, Homely, homely_rooms
 from chord_usd.metrics.overlap import Overlap, scene_overlap
 from chord_usd.metrics.rooms import out_of_room
+from chord_usd.metrics.walk import ways_shut
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import Item, Room, SceneGraph
 
@@ -116,7 +117,7 @@ def room_faults(
     """How much is wrong in each of these rooms, by WEIGHTS; 0 is good.
 
     Per piece: a total would favour short lists. Then essentials that are missing, but for those of
-    excluded categories, by room id.
+    excluded categories, by room id, and doors that one does not get to from others of the room.
 
     unpainted: whether what stands before openings is missing, since the painter may not paint it.
     """
@@ -138,6 +139,8 @@ def room_faults(
             faults[room.id] += WEIGHTS[one.kind] * one.amount / max(1, pieces[room.id])
         elif not _is_excluded(one.other, room, excluded or {}):
             faults[room.id] += WEIGHTS["missing"]
+    for room in rooms:
+        faults[room.id] += WEIGHTS["before an opening"] * ways_shut(graph, room)
     return [round(fault, 4) for fault in faults.values()]
 
 

@@ -16,7 +16,7 @@ from chord_usd.metrics.clear_floor import rooms_beside
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.scene.palette import CATEGORIES, Mount
-from chord_usd.scene.types import WALL_THICKNESS_M, Item, Opening, RoomKind, SceneGraph
+from chord_usd.scene.types import WALL_THICKNESS_M, Item, Opening, Room, RoomKind, SceneGraph
 
 WALKER_RADIUS_M = 0.2
 HEAD_ROOM_M = 1.8
@@ -121,6 +121,27 @@ def walk(graph: SceneGraph) -> Walk:
         unreachable=tuple(unreachable_rooms(graph, free, _start(graph, parts))),
         rooms=len(graph.rooms),
     )
+
+
+def ways_shut(graph: SceneGraph, room: Room) -> int:
+    """How many doors and passages of a room its pieces part from most of the others in it."""
+    ways = tuple(one for one in graph.openings if one.kind != "window" and room.id in one.room_ids)
+    items = tuple(item for item in graph.items if item.room_id == room.id)
+    own = replace(graph, rooms=(room,), openings=ways, items=items, dressing=())
+    if len(ways) < 2 or not (shut := _parted(own)):
+        return 0
+    return max(0, shut - _parted(replace(own, items=())))
+
+
+def _parted(room: SceneGraph) -> int:
+    """Ways of a single room beyond those that hang together."""
+    doorways = [footprint_polygon(way.box) for way in room.openings]
+    near_m = WALKER_RADIUS_M + 2 * SEAM_M
+    joined = [
+        sum(part.distance(doorway) <= near_m for doorway in doorways)
+        for part in walkable_parts(free_floor(room))
+    ]
+    return len(doorways) - max(joined, default=0)
 
 
 def walkable_parts(free: shapely.Geometry) -> list[shapely.Polygon]:

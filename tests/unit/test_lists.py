@@ -22,9 +22,10 @@ from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics import score_scene
 from chord_usd.metrics.complete import homely_rooms
 from chord_usd.metrics.violations import room_faults
+from chord_usd.metrics.walk import ways_shut
 from chord_usd.scene.palette import HOUSE_CATEGORIES
 from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.types import Room, SceneGraph, frozen_array
+from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 
 SEEDS = st.integers(0, 100_000)
 
@@ -199,3 +200,15 @@ def test_faults_of_a_furnished_house_are_none_and_grow_with_what_is_wrong() -> N
     spoilt = replace(graph, items=(aside, *graph.items[1:]))
     index = [room.id for room in graph.rooms].index(first.room_id)
     assert room_faults(spoilt, graph.rooms)[index] > 0.0
+
+
+def test_pieces_that_part_the_doors_of_a_room_are_a_fault() -> None:
+    hall = Room("hall", "corridor", np.array([[0, 0], [6, 0], [6, 1.3], [0, 1.3]], np.float64))
+    doors = tuple(
+        Opening(f"door{x}", "door", Box((x, 0.0, 0.0), (0.8, 0.24, 2.0), 0.0), ("hall",))
+        for x in (0.6, 5.4)
+    )
+    across = Item("table", "table", Box((3.0, 0.65, 0.0), (0.5, 1.25, 0.7), 0.0), "hall", "")
+    along = replace(across, box=Box((3.0, 1.1, 0.0), (0.9, 0.3, 0.7), 0.0))
+    for item, shut in ((across, 1), (along, 0)):
+        assert ways_shut(SceneGraph((hall,), doors, (item,)), hall) == shut
