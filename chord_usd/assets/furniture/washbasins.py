@@ -194,7 +194,7 @@ def _felt_vessel(bowl: Solid) -> tuple[Solid, ...]:
 def vessel_unit(
     size_m: Size, *, form: FrontForm = "slatted", kind: VesselKind = "round", wall_tap: bool = False
 ) -> tuple[Part, ...]:
-    """A bowl on a counter over doors, a tall tap beside it or one out of a plate behind it."""
+    """A bowl on a counter over doors, a tall tap behind it or one out of an upright plate."""
     length, width, height = size_m
     rise, top = 0.12, 0.03
     counter = height - rise
@@ -208,7 +208,8 @@ def vessel_unit(
     x = 0.0 if length < 0.85 else length * 0.14
     bowl = _vessel(kind, radius, rise).moved(x, -0.035, counter - 0.0005)
     if wall_tap:
-        tap = plate_tap(rise + 0.1, rise + 0.2).moved(x, width / 2 - 0.0005, counter - 0.001)
+        # Clear of the board of a window that it stands beside.
+        tap = plate_tap(rise + 0.1, rise + 0.2).moved(x, width / 2 - 0.04, counter - 0.001)
     else:
         tap = tall_basin_tap(rise + 0.13, bowed=form != "handleless")
         tap = tap.turned("z", 0.0).moved(x, width / 2 - 0.045, counter - 0.001)
