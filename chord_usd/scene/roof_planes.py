@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 from shapely.affinity import rotate
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
@@ -215,9 +215,8 @@ def _areas(part: Polygon, eaves: Sequence[_Eave]) -> list[BaseGeometry]:
         for other in range(len(eaves)):
             if other != index and not area.is_empty:
                 nearer = _nearer(part, eaves[other], own, first=other < index)
-                area = (
-                    area if nearer is None else shapely.difference(area, nearer, grid_size=_FINE_M)
-                )
+                if nearer is not None:
+                    area = _solid(shapely.difference(area, nearer, grid_size=_FINE_M))
         kept = [piece for piece in polygons_of(area) if piece.area > _LEAST_M2]
         found.append(shapely.union_all(kept, grid_size=_FINE_M))
     return found
@@ -281,7 +280,12 @@ def _part_within(part: Polygon, limits: Sequence[_Linear]) -> BaseGeometry:
     area = shapely.MultiPoint(ring).convex_hull
     if area.area < _LEAST_M2:
         return Polygon()
-    return shapely.intersection(area, part, grid_size=_FINE_M)
+    return _solid(shapely.intersection(area, part, grid_size=_FINE_M))
+
+
+def _solid(shape: BaseGeometry) -> BaseGeometry:
+    """Without the lines and points where areas touch: overlays take none that are mixed."""
+    return MultiPolygon(polygons_of(shape))
 
 
 def _end_in_gables(eaves: Sequence[_Eave], areas: list[BaseGeometry]) -> None:

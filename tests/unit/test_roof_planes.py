@@ -9,8 +9,11 @@ from shapely.affinity import rotate
 from shapely.geometry import Polygon, box
 from shapely.geometry.base import BaseGeometry
 
+from chord_usd.data.houses import random_plan
 from chord_usd.errors import PlanError
 from chord_usd.scene.roof_planes import OVERHANG_M, RoofPlane, roof_planes
+from chord_usd.stage.slabs import covered as covered_by
+from chord_usd.stage.walls import build_walls
 
 
 def outline(seed: int) -> BaseGeometry:
@@ -53,6 +56,15 @@ def test_planes_of_a_hip_roof_meet_at_one_height_and_begin_at_one(seed: int) -> 
             assert np.allclose(other.heights_m(corners[met]), heights[met], atol=1e-4)
         on_rim = shapely.distance(rim, shapely.points(corners)) < 1e-5
         assert np.allclose(heights[on_rim], plane.foot_m, atol=1e-4)
+
+
+@pytest.mark.parametrize("seed", [90016, 90085])
+def test_outer_walls_that_touch_at_a_corner_get_a_roof(seed: int) -> None:
+    """What is left of a plane is an area and a line, which overlays do not take."""
+    walls = build_walls(random_plan(np.random.default_rng(seed)))
+    shape = covered_by(walls)
+    whole = covered(roof_planes(shape, "hip"))
+    assert shape.difference(whole.buffer(1e-5)).area < 1e-3
 
 
 def test_a_gable_roof_has_a_ridge_from_end_to_end() -> None:
