@@ -28,7 +28,8 @@ export function batched(scene) {
       rooms.push({ name: node.userData.room, kind, path, node });
       place = { ...place, room: node.userData.room, path };
     }
-    const mine = pieceOf(node, owner, place);
+    // What has no name of its own is the storey's, and is hidden with it.
+    const mine = pieceOf(node, storey ? null : owner, place);
     if (mine && mine !== owner) mine.storey = place.storey;
     if (mine && mine !== owner) pieces.set(mine.path, mine);
     if (node.isMesh && mine) sort(groups, node, mine);
