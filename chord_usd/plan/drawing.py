@@ -292,8 +292,7 @@ def _labelled_rooms(
         Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
         for o in reading.outlines
     ]
-    polygons = [outline.polygon_px for outline in reading.outlines]
-    return label_rooms(outlined, page.texts, frame, kinds_seen(polygons, page.segments, areas_m2))
+    return label_rooms(outlined, page.texts, frame, kinds_seen(reading.outlines, areas_m2))
 
 
 def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:

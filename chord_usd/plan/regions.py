@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -80,6 +80,10 @@ class Outline:
     """How much of its rim lies at the outside with nothing between."""
     surrounded_px2: float = 0.0
     """What walls within it take up: a shaft, or the well of a staircase."""
+    kinds: FloatArray = field(default_factory=lambda: np.zeros(len(KIND_NAMES)))
+    """Chances of KIND_NAMES by what is drawn in it."""
+    stairs: float = 0.0
+    """Share of its floor that stairs take up."""
 
 
 def find_regions(segments: Segments) -> Regions:
@@ -171,7 +175,10 @@ def _outline(mask: BoolArray, segments: Segments, noise_px: float) -> Outline:
     sure = float(min(floor.mean(), segments.barrier[rim].mean()))
     beside = (cv2.dilate(mask.astype(np.uint8), _BLOCK) > 0) & ~mask
     open_px = float((segments.most_likely[beside] == OUTSIDE).sum())
-    return Outline(_polygon(mask, noise_px), round(sure, 2), open_px, surrounded_px2(mask))
+    return Outline(
+        _polygon(mask, noise_px), round(sure, 2), open_px, surrounded_px2(mask),
+        segments.kinds[:, mask].mean(axis=1), float(segments.built[STAIRS][mask].mean()),
+    )  # fmt: skip
 
 
 def surrounded_px2(mask: BoolArray) -> float:
@@ -205,21 +212,18 @@ def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:
 
 
 def kinds_seen(
-    polygons_px: Sequence[FloatArray], segments: Segments, areas_m2: Sequence[float] = ()
+    outlines: Sequence[Outline], areas_m2: Sequence[float] = ()
 ) -> list[tuple[RoomKind, float]]:
     """What rooms are for by what is drawn in them and, where areas are known, by how large they
     are, and how sure that is; unknown where it is not."""
     found: list[tuple[RoomKind, float]] = []
-    for index, polygon in enumerate(polygons_px):
-        mask = np.zeros(segments.kinds.shape[1:], np.uint8)
-        cv2.fillPoly(mask, [np.rint(polygon - 0.5).astype(np.int32)], (1.0,))
-        inside = mask > 0
-        chances = segments.kinds[:, inside].mean(axis=1)
+    for index, outline in enumerate(outlines):
+        chances = outline.kinds
         if areas_m2:
             chances = chances * [plausibility(kind, areas_m2[index]) for kind in KIND_NAMES]
         best = int(chances.argmax())
         kind: RoomKind = KIND_NAMES[best] if chances[best] >= _SURE_KIND else "unknown"
-        if segments.built[STAIRS][inside].mean() > _STAIRWELL:
+        if outline.stairs > _STAIRWELL:
             kind = "corridor"
         found.append((kind, round(float(chances[best]), 2)))
     return found
