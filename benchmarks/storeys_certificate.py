@@ -2,9 +2,9 @@
 
     python benchmarks/storeys_certificate.py [--houses N] [--first SEED] [--records FILE]
 
-Each house is furnished and checked. Every tenth is made by `chord-usd generate`, too, once whole and
-once its ground floor alone; seconds are those of the processor, loading included. With --records a
-measurement goes on where it stopped.
+Each house is furnished and checked. Every tenth is made by `chord-usd generate`, too, once whole
+and once its ground floor alone; seconds are those of the processor, loading included. With
+--records a measurement goes on where it stopped.
 """
 
 from __future__ import annotations
