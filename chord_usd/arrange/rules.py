@@ -25,7 +25,6 @@ from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
 from chord_usd.arrange.walls_kept import cut_at_walls
-from chord_usd.arrange.ways_opened import open_ways
 from chord_usd.graph.fit import is_built_in
 from chord_usd.graph.flush import parted
 from chord_usd.scene.oriented_rect import Footprint
@@ -150,7 +149,6 @@ RULES: tuple[Rule, ...] = (
     Rule("panels on their walls", "meshed", hang_on_walls),
     Rule("off casings and sills", "meshed", clear_trim),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),
-    Rule("ways to rooms opened", "meshed", open_ways),
     Rule(ASKEW, "meshed", leave_askew),
 )
 """In the order in which they are applied."""

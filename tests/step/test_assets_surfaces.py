@@ -67,7 +67,7 @@ def test_texture_coordinates_are_metres_along_the_grain() -> None:
 
 def test_a_slanting_leg_has_its_grain_along_it_and_boards_do_not_repeat() -> None:
     leg = cylinder(0.02, 0.7).turned("y", 15.0)
-    assert np.ptp(corner_uvs_m(leg, "Leg")[:, 0]) == pytest.approx(0.7, abs=0.02)
+    assert np.ptp(corner_uvs_m(leg, "Leg")[:, 0]) == pytest.approx(0.7, abs=0.03)
     board = block((1.0, 0.2, 0.02))
     both = corner_uvs_m(board + board.moved(y=0.3), "Boards").reshape(2, -1, 2)
     assert not np.allclose(both[0], both[1], atol=0.01)
