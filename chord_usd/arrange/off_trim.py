@@ -27,6 +27,8 @@ _GAP_M = 0.001
 
 _MOST_CUT = 0.05
 """Of a side, where a piece has no room to move: as much as meshes are stretched (graph.fit)."""
+_MOST_CUT_ON_WALL = 0.1
+"""Of panels, which are made in any width."""
 
 
 def clear_trim(work: Arrangement) -> SceneGraph:
@@ -77,7 +79,7 @@ def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
         front = front_direction(item.box.yaw_deg)
         moves = [move for move in moves if abs(front @ move) < _GAP_M]
     moves.sort(key=lambda move: float(np.hypot(*move)))
-    for box in (*(_moved(item.box, move) for move in moves), *_cuts(item.box, moves)):
+    for box in (*(_moved(item.box, move) for move in moves), *_cuts(item, moves)):
         if free.has(box) and not _is_in(box, trim):
             return replace(item, box=box)
     return item
@@ -88,11 +90,13 @@ def _moved(box: Box, move: FloatArray) -> Box:
     return replace(box, center_m=(x_m + float(move[0]), y_m + float(move[1]), z_m))
 
 
-def _cuts(box: Box, moves: Sequence[FloatArray]) -> Iterator[Box]:
-    """The box without what sticks out of it when it is moved so, at most _MOST_CUT of a side."""
+def _cuts(item: Item, moves: Sequence[FloatArray]) -> Iterator[Box]:
+    """The box without what sticks out of it when it is moved so, as far as it may be cut."""
+    box = item.box
+    most = _MOST_CUT_ON_WALL if category(item.category).mount is Mount.WALL else _MOST_CUT
     for move in moves:
         cut = np.abs(rotation_2d(box.yaw_deg).T @ move)
-        if np.all(cut <= _MOST_CUT * np.array(box.size_m[:2])):
+        if np.all(cut <= most * np.array(box.size_m[:2])):
             length_m, width_m = np.array(box.size_m[:2]) - cut
             size_m = (float(length_m), float(width_m), box.size_m[2])
             yield replace(_moved(box, move / 2), size_m=size_m)

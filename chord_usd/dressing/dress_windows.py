@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import nearest_length, stretched, within
+from chord_usd.dressing.taken_space import TakenSpace
 from chord_usd.dressing.wall_faces import Hole, WallFace
 from chord_usd.scene.trim import BOARD_FROM_M, BOARD_M, HANDLE_M
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box
@@ -178,10 +179,22 @@ def _pair(
         size_m = (length, asset.size_m[1], height)
         box = face.box(middle, rail.center_m[2] - height, size_m, v_m)
         ignoring = ("rug",) if is_door else _WALL
-        if frame.fits(box, ignoring):
+        if frame.fits(box, ignoring) and not _on_other_boards(frame, face).hits(box):
             found.append((asset, box))
     is_whole = len(found) == 2 or (len(found) == 1 and not drawn and hole.width_m < 1.3)
     return found if is_whole else []
+
+
+def _on_other_boards(frame: RoomFrame, face: WallFace) -> TakenSpace:
+    """The boards of windows in other walls: two windows may meet in a corner."""
+    taken = TakenSpace()
+    thick_m, proud_m = BOARD_M
+    for other in frame.faces:
+        for hole in other.holes if other is not face else ():
+            if hole.opening.kind == "window" and hole.low_m >= BOARD_FROM_M:
+                size_m = (hole.width_m + 2 * proud_m, proud_m, 2 * thick_m)
+                taken.add(other.box(hole.middle_m, hole.low_m - thick_m, size_m), "pane")
+    return taken
 
 
 def face_depth(box: Box) -> float:
