@@ -14,7 +14,6 @@ import shapely
 
 from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.metrics.clear_floor import sides_of
-from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.scene.geometry import footprint_polygon, front_direction, to_own
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.places import FreePlaces
@@ -24,6 +23,9 @@ from chord_usd.scene.units import rotation_2d
 
 _GAP_M = 0.001
 """Left between a piece and a casing."""
+
+_TOUCH_M2 = 2e-5
+"""Casings are as thin as a finger: a corner of a piece that is in one counts."""
 
 _MOST_CUT = 0.05
 """Of a side, where a piece has no room to move: as much as meshes are stretched (graph.fit)."""
@@ -63,7 +65,7 @@ def _is_in(box: Box, trim: Sequence[Box]) -> bool:
     return any(
         box.center_m[2] < one.top_m
         and box.top_m > one.center_m[2]
-        and shape.intersection(footprint_polygon(one)).area > MIN_OVERLAP_M2
+        and shape.intersection(footprint_polygon(one)).area > _TOUCH_M2
         for one in trim
     )
 
