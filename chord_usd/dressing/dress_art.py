@@ -11,6 +11,7 @@ from chord_usd.dressing.dress_bathrooms import back_face
 from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import within
 from chord_usd.dressing.wall_faces import WallFace
+from chord_usd.metrics.walk import PASSED_BY_M
 from chord_usd.scene.types import Asset, Box, Item
 
 EYE_M = 1.53
@@ -27,9 +28,6 @@ _GAP_M = 0.06
 
 _MARGIN_M = 0.12
 """Beside a picture on a bare wall."""
-
-_IN_WAY_M = 0.12
-"""What stands out farther from a wall is in the way of who walks along it."""
 
 _BARE_FROM_M = 0.75
 """Narrower stretches of wall stay bare."""
@@ -283,12 +281,21 @@ def _on_bare_wall(
     ]
     for _, face, middle in sorted(spans, key=lambda one: round(one[0], 3)):
         box = face.box(middle, base_m, asset.size_m)
-        if asset.size_m[1] > _IN_WAY_M and not frame.walkways.stay_with(box):
-            continue
-        item = frame.put_where_free(asset, box)
+        item = _put_beside_ways(frame, asset, box)
         if item is not None:
             return item
     return None
+
+
+def _put_beside_ways(frame: RoomFrame, asset: Asset, box: Box) -> Item | None:
+    """On the wall, where one still gets by."""
+    is_in_way = asset.size_m[1] > PASSED_BY_M
+    if is_in_way and not frame.walkways.stay_with(box):
+        return None
+    item = frame.put_where_free(asset, box)
+    if item is not None and is_in_way:
+        frame.walkways.take(box)
+    return item
 
 
 def _tall_mirror(frame: RoomFrame) -> None:
@@ -340,7 +347,7 @@ def _wall_lamps(frame: RoomFrame) -> None:
             for low, high in face.free_spans(frame.taken, 1.4, 2.2, 0.25):
                 is_dry = frame.kind == "corridor" or not face.is_outer
                 box = face.box((low + high) / 2, 1.75, asset.size_m)
-                if high - low > 1.0 and is_dry and frame.put_where_free(asset, box):
+                if high - low > 1.0 and is_dry and _put_beside_ways(frame, asset, box):
                     return
 
 
