@@ -208,11 +208,11 @@ def vessel_unit(
     x = 0.0 if length < 0.85 else length * 0.14
     bowl = _vessel(kind, radius, rise).moved(x, -0.035, counter - 0.0005)
     if wall_tap:
-        # Clear of the board of a window that it stands beside.
+        # Taps stand clear of the board of a window beside them.
         tap = plate_tap(rise + 0.1, rise + 0.2).moved(x, width / 2 - 0.04, counter - 0.001)
     else:
         tap = tall_basin_tap(rise + 0.13, bowed=form != "handleless")
-        tap = tap.turned("z", 0.0).moved(x, width / 2 - 0.045, counter - 0.001)
+        tap = tap.turned("z", 0.0).moved(x, width / 2 - 0.066, counter - 0.001)
     foot = block((length * 0.88, width - 0.12, base + 0.002)).moved(y=0.05)
     drain = _drain(x, -0.035, counter + 0.0125)
     return (
