@@ -32,6 +32,7 @@ from chord_usd.commands.train_options import (
     add_training_options,
     device_of,
     furnished_of,
+    run_of,
     unseen_of,
 )
 
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
     from chord_usd.training.detector_data import Sample
     from chord_usd.training.stream import BatchStream
-    from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
+    from chord_usd.training.trainer import LayoutTrainer
 
 
 def add(verbs: Verbs) -> None:
@@ -173,7 +174,7 @@ def _layout_trainer(options: argparse.Namespace, network: LayoutConfig) -> Layou
 
     if not options.teacher and not options.guide:
         base = PAPER_TRAINING if options.preset == "paper" else TrainingConfig()
-        return LayoutTrainer(network, _training(options, base), options.output)
+        return LayoutTrainer(network, run_of(options, base), options.output)
     if not options.teacher or not options.guide or network.state == "rgb":
         raise UsageError(
             "no guided teacher",
@@ -182,7 +183,7 @@ def _layout_trainer(options: argparse.Namespace, network: LayoutConfig) -> Layou
         )
     return GuidedTrainer(
         network,
-        _training(options, GUIDED_TRAINING),
+        run_of(options, GUIDED_TRAINING),
         options.output,
         options.teacher,
         options.guide,
@@ -196,7 +197,7 @@ def run_table(options: argparse.Namespace) -> Outcome:
     from chord_usd.training.stream import TableStream, TableStreamConfig
     from chord_usd.training.trainer import TABLE_TRAINING, LayoutTrainer
 
-    config = _training(options, TABLE_TRAINING)
+    config = run_of(options, TABLE_TRAINING)
     trainer = LayoutTrainer(TABLE, config, options.output)
     stream = TableStream(TableStreamConfig(options.seed), TABLE, config.batch)
     return _trained(options, trainer, stream, {})
@@ -234,7 +235,7 @@ def _run_floors(
     from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
     from chord_usd.training.trainer import FLOOR_TRAINING, LayoutTrainer
 
-    config = _training(options, FLOOR_TRAINING)
+    config = run_of(options, FLOOR_TRAINING)
     real = read_flats(options.flats, part="train") if options.flats else []
     trainer = LayoutTrainer(network, config, options.output)
     drawing = FloorStreamConfig(options.seed, condition)
@@ -251,14 +252,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
     from chord_usd.training.sketch_data import held_out, procedural, sketched
     from chord_usd.training.sketch_trainer import SketchTraining, train_sketches
 
-    base = SketchTraining()
-    config = replace(
-        base,
-        minutes=options.minutes,
-        batch=options.batch or base.batch,
-        seed=options.seed,
-        device=device_of(options),
-    )
+    config = run_of(options, SketchTraining())
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
     with watch.step("draw") as progress:
@@ -279,16 +273,8 @@ def run_reader(options: argparse.Namespace) -> Outcome:
     from chord_usd.training.reader_data import held_out
     from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
-    device = device_of(options)
-    base = ReaderTraining() if device == "cpu" else ON_GPU
-    config = replace(
-        base,
-        minutes=options.minutes,
-        batch=options.batch or base.batch,
-        workers=options.workers,
-        seed=options.seed,
-        device=device,
-    )
+    on_cpu = device_of(options) == "cpu"
+    config = run_of(options, ReaderTraining() if on_cpu else ON_GPU)
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
     with watch.step("draw"):
@@ -299,18 +285,6 @@ def run_reader(options: argparse.Namespace) -> Outcome:
         )
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
-
-
-def _training(options: argparse.Namespace, base: TrainingConfig) -> TrainingConfig:
-    return replace(
-        base,
-        minutes=options.minutes,
-        batch=options.batch or base.batch,
-        workers=options.workers,
-        seed=options.seed,
-        device=device_of(options),
-        processor_time=getattr(options, "processor_time", False),
-    )
 
 
 def _trained(

@@ -23,6 +23,7 @@ from chord_usd.commands.train_options import (
     add_start,
     add_training_options,
     furnished_of,
+    run_of,
     unseen_of,
 )
 
@@ -96,17 +97,7 @@ def _list_training(options: argparse.Namespace, furnished: int) -> ListTraining:
     """How lists, and boxes beside them, are trained."""
     from chord_usd.training.lists_trainer import ListTraining
 
-    base = ListTraining()
-    return replace(
-        base,
-        minutes=options.minutes,
-        batch=options.batch or base.batch,
-        seed=options.seed,
-        device=options.device,
-        processor_time=options.processor_time,
-        houses=options.houses,
-        furnished=furnished,
-    )
+    return replace(run_of(options, ListTraining()), houses=options.houses, furnished=furnished)
 
 
 def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) -> Task:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from chord_usd.commands.common import (
     Parser,
@@ -20,6 +21,10 @@ from chord_usd.errors import SceneError
 if TYPE_CHECKING:
     from chord_usd.evaluation.cases import Split
     from chord_usd.scene.types import SceneGraph
+    from chord_usd.training.loop import RunConfig
+    from chord_usd.training.trainer import TrainingConfig
+
+ConfigT = TypeVar("ConfigT", bound="RunConfig | TrainingConfig")
 
 
 def add_training_options(parser: Parser, *, minutes: float, batch: int | None) -> None:
@@ -135,3 +140,11 @@ def device_of(options: argparse.Namespace) -> str:
     from chord_usd.layout.device import choose_device
 
     return choose_device(options.device)
+
+
+def run_of(options: argparse.Namespace, base: ConfigT) -> ConfigT:
+    """The settings of a run, as far as the options of its verb have them."""
+    names = ("minutes", "seed", "workers", "processor_time")
+    told = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    batch = options.batch or base.batch
+    return replace(base, **told, batch=batch, device=device_of(options))

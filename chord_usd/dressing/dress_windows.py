@@ -8,7 +8,7 @@ from chord_usd.dressing.room_frame import RoomFrame
 from chord_usd.dressing.stock import nearest_length, stretched, within
 from chord_usd.dressing.taken_space import TakenSpace
 from chord_usd.dressing.wall_faces import Hole, WallFace
-from chord_usd.scene.trim import BOARD_FROM_M, BOARD_M, HANDLE_M
+from chord_usd.scene.trim import BOARD_FROM_M, BOARD_M, HANDLE_M, boards
 from chord_usd.scene.types import ROOM_HEIGHT_M, Asset, Box
 
 CURTAINED = ("living", "dining", "bedroom", "study", "unknown")
@@ -160,6 +160,7 @@ def _pair(
     hole, face = place.hole, place.face
     rail_from, rail_to, _, _ = face.span_of(rail)
     is_door = hole.opening.kind == "door"
+    other_boards = _on_other_boards(frame, face)
     found = []
     for is_left in (True, False):
         if drawn:
@@ -179,7 +180,7 @@ def _pair(
         size_m = (length, asset.size_m[1], height)
         box = face.box(middle, rail.center_m[2] - height, size_m, v_m)
         ignoring = ("rug",) if is_door else _WALL
-        if frame.fits(box, ignoring) and not _on_other_boards(frame, face).hits(box):
+        if frame.fits(box, ignoring) and not other_boards.hits(box):
             found.append((asset, box))
     is_whole = len(found) == 2 or (len(found) == 1 and not drawn and hole.width_m < 1.3)
     return found if is_whole else []
@@ -188,12 +189,10 @@ def _pair(
 def _on_other_boards(frame: RoomFrame, face: WallFace) -> TakenSpace:
     """The boards of windows in other walls: two windows may meet in a corner."""
     taken = TakenSpace()
-    thick_m, proud_m = BOARD_M
     for other in frame.faces:
         for hole in other.holes if other is not face else ():
-            if hole.opening.kind == "window" and hole.low_m >= BOARD_FROM_M:
-                size_m = (hole.width_m + 2 * proud_m, proud_m, 2 * thick_m)
-                taken.add(other.box(hole.middle_m, hole.low_m - thick_m, size_m), "pane")
+            for board in boards(hole.opening, frame.room):
+                taken.add(board, "pane")
     return taken
 
 

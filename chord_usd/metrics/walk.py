@@ -126,11 +126,12 @@ def walk(graph: SceneGraph) -> Walk:
 def ways_shut(graph: SceneGraph, room: Room) -> int:
     """How many doors and passages of a room its pieces part from most of the others in it."""
     ways = tuple(one for one in graph.openings if one.kind != "window" and room.id in one.room_ids)
+    if len(ways) < 2:
+        return 0
     items = tuple(item for item in graph.items if item.room_id == room.id)
     own = replace(graph, rooms=(room,), openings=ways, items=items, dressing=())
-    if len(ways) < 2 or not (shut := _parted(own)):
-        return 0
-    return max(0, shut - _parted(replace(own, items=())))
+    shut = _parted(own)
+    return max(0, shut - _parted(replace(own, items=()))) if shut else 0
 
 
 def _parted(room: SceneGraph) -> int:

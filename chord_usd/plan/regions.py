@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -76,13 +76,13 @@ class Outline:
     """(N, 2) corners."""
     confidence: float
     """How sure it is that this is a room, [0, 1]: by its floor and its rim."""
-    open_px: float = 0.0
+    open_px: float
     """How much of its rim lies at the outside with nothing between."""
-    surrounded_px2: float = 0.0
+    surrounded_px2: float
     """What walls within it take up: a shaft, or the well of a staircase."""
-    kinds: FloatArray = field(default_factory=lambda: np.zeros(len(KIND_NAMES)))
+    kinds: FloatArray
     """Chances of KIND_NAMES by what is drawn in it."""
-    stairs: float = 0.0
+    stairs: float
     """Share of its floor that stairs take up."""
 
 

@@ -53,14 +53,13 @@ def polygon_from_mask(mask: BoolArray | ByteArray, noise_px: float = 0.0) -> Flo
     x, y, width, height = cv2.boundingRect(whole)
     region = largest_region(whole[y : y + height, x : x + width] != 0)
     outline = _crack_outline(region)
-    edges = _fit_edges(_Cracks(outline, noise_px))
-    corners = _corners(outline, edges)
-    is_block = np.ptp(outline, axis=0).prod() == region.sum()
-    is_outline = _is_outline(corners, outline, noise_px)
-    if not is_outline and noise_px > _LEAST_NOISE_PX:
+    corners = _corners(outline, _fit_edges(_Cracks(outline, noise_px)))
+    while not (fits := _is_outline(corners, outline, noise_px)) and noise_px > _LEAST_NOISE_PX:
         # Long edges across a torn border; shorter ones follow it.
-        return polygon_from_mask(mask, noise_px / 2)
-    if is_block or not is_outline:
+        noise_px /= 2
+        corners = _corners(outline, _fit_edges(_Cracks(outline, noise_px)))
+    is_block = np.ptp(outline, axis=0).prod() == region.sum()
+    if is_block or not fits:
         # A rectangle, of however few pixels, or lines that meet where no corner is: keep to corners
         # on the pixel grid.
         corners = _grid_corners(outline).astype(np.float64)
