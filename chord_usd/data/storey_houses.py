@@ -22,7 +22,7 @@ from chord_usd.data.floorplans.sketch import HALF_WALL, STEP_M, Bounds, Sketch, 
 from chord_usd.data.houses import plan_of
 from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, stair_to_json
 from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.stair_forms import Stair, StairForm, Turn
+from chord_usd.scene.stair_elements import Stair, StairForm, Turn
 from chord_usd.scene.storeys import storey_title
 from chord_usd.scene.types import Box, Plan, RoomKind
 

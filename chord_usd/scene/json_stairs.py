@@ -1,9 +1,10 @@
 """Stairs and storeys in CHOrD JSON.
 
-A plan may hold `stairs`: boxes as those of furniture, with `form` (straight, L, U), `turn` (left,
-right) and `leads` (up, down). A house of storeys is `{"storeys": [...]}`, one plan each, the lowest
-first, with an optional `name` and `shift` ([x, y], centimetres: where its origin lies in the
-ground floor's). Plans without `shift` are registered by what they show.
+A plan may hold `stairs`: boxes as those of furniture, with `form` (straight, L, U, winder_L,
+winder_U), `turn` (left, right) and `leads` (up, down). A house of storeys is
+`{"storeys": [...]}`, one plan each, the lowest first, with an optional `name` and `shift` ([x, y],
+centimetres: where its origin lies in the ground floor's). Plans without `shift` are registered by
+what they show.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from chord_usd.errors import PlanError
 from chord_usd.scene.chord_json import box_to_json, plan_from_json, plan_to_json, read_box
 from chord_usd.scene.json_elements import Element
 from chord_usd.scene.limits import MOST_STAIRS, MOST_STOREYS
-from chord_usd.scene.stair_forms import Leads, Stair, StairForm, Turn
+from chord_usd.scene.stair_elements import Leads, Stair, StairForm, Turn
 from chord_usd.scene.types import Plan
 from chord_usd.scene.units import cm_from_m, m_from_cm
 

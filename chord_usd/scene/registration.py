@@ -15,7 +15,7 @@ from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import polygons_of, room_polygon
-from chord_usd.scene.stair_forms import Stair
+from chord_usd.scene.stair_elements import Stair
 from chord_usd.scene.types import WALL_THICKNESS_M, Plan
 from chord_usd.scene.units import wrap_deg
 

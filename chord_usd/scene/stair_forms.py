@@ -1,36 +1,33 @@
-"""Stairs: straight, with one turn (L) or two (U); how their steps lie, to rule.
-
-A stair is an oriented box seen from above, its front (-y) where one steps on. Numpy and shapely
-only. Rules: every rise 16 to 20 cm, all alike; going 24 to 30 cm; flights 80 cm wide or more.
-"""
+"""How the steps of a stair lie, to rule: straight, with a turn of a quarter (L) or a half (U)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from shapely.geometry import LineString, Polygon, box
+from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.scene.geometry import to_world
-from chord_usd.scene.types import Box, FloatArray
-
-StairForm = Literal["straight", "L", "U"]
-Turn = Literal["left", "right"]
-Leads = Literal["up", "down"]
-
-RISE_M = (0.16, 0.20)
-GOING_M = (0.24, 0.30)
-HEADROOM_M = 2.0
-LEAST_WIDTH_M = 0.8
-"""Of a flight, from side to side."""
-
-WELL_M = 0.1
-"""Between the two flights of a U."""
+from chord_usd.scene.geometry import polygons_of, to_world
+from chord_usd.scene.stair_elements import (
+    CEILING_TO_FLOOR_M,
+    GOING_M,
+    HEADROOM_M,
+    LEAST_WIDTH_M,
+    RISE_M,
+    WELL_M,
+    Flight,
+    Stair,
+    StairForm,
+    Tread,
+)
+from chord_usd.scene.stair_winders import half_winders, quarter_winders
+from chord_usd.scene.types import FloatArray
 
 _L_WIDTH_M = 0.95
 """Of the flights of an L, whose box does not tell it; less where the box is narrower."""
@@ -38,54 +35,14 @@ _L_WIDTH_M = 0.95
 _BEYOND_M = 0.35
 """How far the line that one walks begins before the first step and ends after the last."""
 
+_CLEAR_M = 0.03
+"""The floor above ends so far before the first step over which one needs it open."""
+
+_STEP_M = 0.1
+"""Thickness of a step that lies within the floor above."""
+
 _STRIDE_M = 0.63
 """Twice the rise and the going, of the stair that is easiest to walk (Blondel)."""
-
-
-@dataclass(frozen=True)
-class Stair:
-    """A stair on the plan of a storey."""
-
-    id: str
-    form: StairForm
-    box: Box
-    """What it takes up; the front faces where one steps on below. Its height is not looked at."""
-    turn: Turn = "right"
-    """Which way one turns going up an L or U."""
-    leads: Leads = "up"
-    """To the storey above, or to the one below."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tread:
-    """What one steps on: a step or a landing."""
-
-    area_m: Polygon
-    """In the stair's own frame, seen from above."""
-    top_m: float
-    """Over the lower floor."""
-    is_landing: bool = False
-
-
-@dataclass(frozen=True)
-class Flight:
-    """A straight run of steps, in the stair's own frame."""
-
-    start_m: tuple[float, float]
-    """Middle of the edge of its first step."""
-    ahead: tuple[int, int]
-    """Direction in which it rises: (0, 1), (0, -1), (1, 0) or (-1, 0)."""
-    length_m: float
-    width_m: float
-    low_m: float
-    high_m: float
-    """Heights of the floors or landings that it joins."""
-
-    @property
-    def end_m(self) -> tuple[float, float]:
-        """Middle of the edge where it meets what it leads to."""
-        (x, y), (ux, uy) = self.start_m, self.ahead
-        return x + ux * self.length_m, y + uy * self.length_m
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,14 +57,56 @@ class BuiltStair:
     treads: tuple[Tread, ...]
     """From below."""
     flights: tuple[Flight, ...]
+    turn_m: tuple[tuple[float, float], ...] = ()
+    """The line one walks from one flight to the next, in the stair's own frame."""
 
     @property
     def area_m(self) -> Polygon:
         """What it takes up, in the world; an L leaves a part of its box free."""
+        return self._in_world(self._own_area)
+
+    @property
+    def hole_m(self) -> Polygon:
+        """Where the floor above must be open, in the world: all but the lower steps of the first
+        flight, over which one stands upright below the ceiling."""
+        low = [
+            tread.area_m for tread in self.treads
+            if tread.edges_m is None and tread.top_m <= self.ceiling_m - HEADROOM_M + 1e-6
+        ]  # fmt: skip
+        area = self._own_area
+        open_m = area.difference(unary_union([one.buffer(1e-6) for one in low]))
+        return self._in_world(open_m.buffer(_CLEAR_M, join_style="mitre").intersection(area))
+
+    @property
+    def under_m(self) -> Polygon:
+        """What it takes up of the lower storey: the last step may lie within the floor above."""
+        within = [t.area_m for t in self.treads if t.top_m >= self.ceiling_m + _STEP_M - 1e-6]
+        return self._in_world(self._own_area.difference(unary_union(within).buffer(1e-6)))
+
+    @property
+    def ceiling_m(self) -> float:
+        """Its height over the lower floor."""
+        return self.height_m - CEILING_TO_FLOOR_M
+
+    @property
+    def _own_area(self) -> Polygon:
         own = unary_union([tread.area_m.buffer(1e-6) for tread in self.treads])
         if self.stair.form == "U":
-            own = own.envelope
-        return Polygon(to_world(self.stair.box, np.asarray(own.exterior.coords)[:-1]).round(4))
+            return own.envelope
+        if self.stair.form == "winder_U":
+            first, last = self.flights
+            x, half = first.end_m[0], first.width_m / 2
+            aside = 1.0 if last.start_m[0] > x else -1.0
+            well = sorted((x + aside * half, last.start_m[0] - aside * half))
+            front = max(first.start_m[1], last.end_m[1])
+            own = own.union(box(well[0], front, well[1], self.stair.box.size_m[1] / 2 - 1e-6))
+        return Polygon(own.exterior)
+
+    def _in_world(self, own: BaseGeometry) -> Polygon:
+        """Its largest part, to a tenth of a millimetre."""
+        part = max(polygons_of(own), key=lambda one: one.area)
+        tidy = part.simplify(1e-5)
+        return Polygon(to_world(self.stair.box, np.asarray(tidy.exterior.coords)[:-1]).round(4))
 
     @property
     def departure_m(self) -> LineString:
@@ -123,7 +122,7 @@ class BuiltStair:
     def walk_m(self) -> FloatArray:
         """(N, 3) the line one walks, in the world, heights over the lower floor; from an arm's
         length before the first step to as far beyond the last."""
-        points = list(_walking_line(self.flights))
+        points = list(_walking_line(self.flights, self.turn_m))
         places = to_world(self.stair.box, [point[:2] for point in points])
         return np.column_stack([places, [point[2] for point in points]])
 
@@ -147,7 +146,7 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
         raise PlanError(
             f"a {stair.form} stair of {width_m:.2f} by {depth_m:.2f} m cannot rise {height_m:.2f} m"
             + (f": its steps would be {max(one.going_m for one in layouts) * 100:.0f} cm deep"
-               if layouts else ": its flights would be too narrow"),
+               if layouts else ": its flights would be too narrow, or its turn too short"),
             where=stair.id,
             expected=f"rises of {RISE_M[0] * 100:.0f} to {RISE_M[1] * 100:.0f} cm, goings of "
             f"{GOING_M[0] * 100:.0f} to {GOING_M[1] * 100:.0f} cm, flights of "
@@ -155,17 +154,32 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
         )  # fmt: skip
     best = min(fitting, key=lambda one: (_strain(one, height_m), one.risers))
     rise_m = height_m / best.risers
-    flights, landings = best.drawn(rise_m)
-    treads = sorted([*_steps(flights, rise_m), *landings], key=lambda tread: tread.top_m)
+    flights, others, turn = best.drawn(rise_m)
+    treads = sorted([*_steps(flights, rise_m), *others], key=lambda tread: tread.top_m)
     if stair.turn == "left":
         flights = tuple(map(_mirrored_flight, flights))
         treads = [_mirrored(tread) for tread in treads]
-    return BuiltStair(stair, height_m, rise_m, best.going_m, tuple(treads), flights)
+        turn = [(-x, y) for x, y in turn]
+    return BuiltStair(stair, height_m, rise_m, best.going_m, tuple(treads), flights, tuple(turn))
+
+
+class _Division(Protocol):
+    """One way to divide a stair that turns right, if at all, into steps."""
+
+    @property
+    def risers(self) -> int: ...
+    @property
+    def going_m(self) -> float: ...
+    def drawn(
+        self, rise_m: float
+    ) -> tuple[tuple[Flight, ...], list[Tread], list[tuple[float, float]]]:
+        """Flights, what one steps on between them, and how one walks there."""
+        ...
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """One way to divide a stair that turns right, if at all, into steps."""
+    """A division with a landing, if with a turn."""
 
     form: StairForm
     width_m: float
@@ -177,15 +191,17 @@ class _Layout:
     flight_m: float
     """Width of a flight."""
 
-    def drawn(self, rise_m: float) -> tuple[tuple[Flight, ...], list[Tread]]:
-        """Flights and landings. The last step always ends at the edge of the box."""
+    def drawn(
+        self, rise_m: float
+    ) -> tuple[tuple[Flight, ...], list[Tread], list[tuple[float, float]]]:
+        """Flights, landings and the way over them. The last step ends at the edge of the box."""
         half_x, half_y = self.width_m / 2, self.depth_m / 2
         wide, last = self.flight_m, self.risers - self.first
         top_m, middle_m = self.risers * rise_m, self.first * rise_m
         if self.form == "straight":
             length = (self.risers - 1) * self.going_m
             start = (0.0, half_y - length)
-            return (Flight(start, (0, 1), length, wide, 0.0, top_m),), []
+            return (Flight(start, (0, 1), length, wide, 0.0, top_m),), [], []
         left = -half_x + wide / 2
         first_m, last_m = (self.first - 1) * self.going_m, (last - 1) * self.going_m
         if self.form == "U":
@@ -194,13 +210,16 @@ class _Layout:
                 Flight((left, -half_y), (0, 1), first_m, wide, 0.0, middle_m),
                 Flight((-left, -half_y + last_m), (0, -1), last_m, wide, middle_m, top_m),
             )
-            return flights, [Tread(landing, middle_m, is_landing=True)]
+            y = -half_y + first_m + wide / 2
+            turn = [(left, y), (-left, y)]
+            return flights, [Tread(landing, middle_m, is_landing=True)], turn
         landing = box(-half_x, half_y - wide, half_x - last_m, half_y)
         flights = (
             Flight((left, half_y - wide - first_m), (0, 1), first_m, wide, 0.0, middle_m),
             Flight((half_x - last_m, half_y - wide / 2), (1, 0), last_m, wide, middle_m, top_m),
         )
-        return flights, [Tread(landing, middle_m, is_landing=True)]
+        turn = [(left, half_y - wide / 2)]
+        return flights, [Tread(landing, middle_m, is_landing=True)], turn
 
 
 def _straight(width_m: float, depth_m: float, risers: int) -> Iterator[_Layout]:
@@ -227,10 +246,12 @@ def _l(width_m: float, depth_m: float, risers: int) -> Iterator[_Layout]:
         yield _Layout("L", width_m, depth_m, risers, first, going_m, flight_m)
 
 
-_LAYOUTS = {"straight": _straight, "L": _l, "U": _u}
+_LAYOUTS: dict[StairForm, Callable[[float, float, int], Iterator[_Division]]] = {
+    "straight": _straight, "L": _l, "U": _u, "winder_L": quarter_winders, "winder_U": half_winders,
+}  # fmt: skip
 
 
-def _strain(layout: _Layout, height_m: float) -> float:
+def _strain(layout: _Division, height_m: float) -> float:
     return round(abs(2 * height_m / layout.risers + layout.going_m - _STRIDE_M), 4)
 
 
@@ -247,26 +268,32 @@ def _steps(flights: tuple[Flight, ...], rise_m: float) -> Iterator[Tread]:
             yield Tread(area, flight.low_m + (index + 1) * rise_m)
 
 
-def _walking_line(flights: tuple[Flight, ...]) -> Iterator[tuple[float, float, float]]:
+def _walking_line(
+    flights: tuple[Flight, ...], turn: tuple[tuple[float, float], ...]
+) -> Iterator[tuple[float, float, float]]:
     first, last = flights[0], flights[-1]
     (x, y), (ux, uy) = first.start_m, first.ahead
     yield x - ux * _BEYOND_M, y - uy * _BEYOND_M, 0.0
-    for flight, after in zip(flights, (*flights[1:], None), strict=True):
+    for flight in flights:
+        if flight is last and turn:
+            rises = np.linspace(first.high_m, last.low_m, len(turn) + 2)[1:-1].tolist()
+            yield from ((*point, height) for point, height in zip(turn, rises, strict=True))
         yield *flight.start_m, flight.low_m
         yield *flight.end_m, flight.high_m
-        if after is not None:
-            half = flight.width_m / 2
-            (x, y), (ux, uy) = flight.end_m, flight.ahead
-            yield x + ux * half, y + uy * half, flight.high_m
-            if after.ahead == (-ux, -uy):  # over the landing of a U
-                yield after.start_m[0] + ux * half, after.start_m[1] + uy * half, flight.high_m
     (x, y), (ux, uy) = last.end_m, last.ahead
     yield x + ux * _BEYOND_M, y + uy * _BEYOND_M, last.high_m
 
 
 def _mirrored(tread: Tread) -> Tread:
     ring = [(-x, y) for x, y in tread.area_m.exterior.coords][::-1]
-    return Tread(Polygon(ring), tread.top_m, tread.is_landing)
+    edges = tread.edges_m
+    if edges is not None:
+        edges = _mirrored_line(edges[0]), _mirrored_line(edges[1])
+    return replace(tread, area_m=Polygon(ring), edges_m=edges)
+
+
+def _mirrored_line(line: LineString) -> LineString:
+    return LineString([(-x, y) for x, y in line.coords])
 
 
 def _mirrored_flight(flight: Flight) -> Flight:

@@ -12,15 +12,8 @@ from shapely.geometry import Point, Polygon
 from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.stair_cells import with_cell
-from chord_usd.scene.stair_forms import (
-    LEAST_WIDTH_M,
-    WELL_M,
-    BuiltStair,
-    Stair,
-    StairForm,
-    Turn,
-    build_stair,
-)
+from chord_usd.scene.stair_elements import LEAST_WIDTH_M, WELL_M, Stair, StairForm, Turn
+from chord_usd.scene.stair_forms import BuiltStair, build_stair
 from chord_usd.scene.types import Box, FloatArray, Plan
 from chord_usd.scene.units import m_from_cm
 
@@ -41,6 +34,7 @@ _GROWN_M = (0.0, 0.3, 0.6, 0.9, 1.2)
 
 _LEAST_M: dict[StairForm, float] = {
     "straight": LEAST_WIDTH_M, "L": 2 * LEAST_WIDTH_M, "U": 2 * LEAST_WIDTH_M + WELL_M,
+    "winder_L": LEAST_WIDTH_M, "winder_U": 2 * LEAST_WIDTH_M + WELL_M,
 }  # fmt: skip
 """Widths of stairs."""
 _WIDENED_M = 0.3
@@ -59,6 +53,8 @@ class StairShape:
     """(2,) unit vector from its lowest steps to its highest; None where the file does not say."""
     ends: tuple[FloatArray, FloatArray] | None = None
     """(2,) middles of its lowest and its highest steps, where the file tells them."""
+    forms: tuple[StairForm, ...] = ()
+    """Those that the file speaks of; none where it does not say."""
 
 
 def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[Polygon]:
@@ -163,6 +159,8 @@ def _candidates(shape: StairShape, name: str) -> Iterator[Stair]:
     forms: tuple[StairForm, ...] = ("straight", "U", "L") if is_long else ("U", "L", "straight")
     if fills < 0.8 and not is_long:
         forms = ("L", "U", "straight")
+    winders: tuple[StairForm, ...] = ("winder_L", "winder_U")
+    forms = shape.forms + tuple(one for one in (*forms, *winders) if one not in shape.forms)
     for form, quarter in itertools.product(forms, range(4)):
         width, depth = (lengths if quarter % 2 == 0 else lengths[::-1]).tolist()
         box = Box((x, y, 0.0), (width, depth, 1.0), yaw + 90.0 * quarter)

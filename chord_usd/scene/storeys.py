@@ -14,12 +14,10 @@ from chord_usd.scene.limits import MOST_STOREYS
 from chord_usd.scene.pose import Pose, posed
 from chord_usd.scene.registration import Registration, register
 from chord_usd.scene.stair_cells import Cell, with_cell
-from chord_usd.scene.stair_forms import BuiltStair, Stair, build_stair
+from chord_usd.scene.stair_elements import CEILING_TO_FLOOR_M, Stair
+from chord_usd.scene.stair_forms import BuiltStair, build_stair
 from chord_usd.scene.stair_places import drawn_stairs, grown_stair, seen_on_both
 from chord_usd.scene.types import ROOM_HEIGHT_M, Item, Opening, Plan, Room, SceneGraph
-
-CEILING_TO_FLOOR_M = 0.3
-"""Thickness of what lies between two storeys."""
 
 STOREY_M = ROOM_HEIGHT_M + CEILING_TO_FLOOR_M
 """From floor to floor."""

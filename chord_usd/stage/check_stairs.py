@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from shapely.geometry import LineString
 
-from chord_usd.scene.stair_forms import HEADROOM_M, RISE_M
+from chord_usd.scene.stair_elements import HEADROOM_M, RISE_M
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.check_scene import StageScene, StageStair
 

@@ -16,7 +16,17 @@ from pxr import Gf, Sdf, Vt
 from chord_usd.scene.articulation import SETTLES_S
 from chord_usd.scene.feels import Feel
 from chord_usd.scene.types import Box, Item
-from chord_usd.stage.prims import Types, apply_schema, attribute, define, note, place, relate
+from chord_usd.stage.mesh import Mesh
+from chord_usd.stage.prims import (
+    Types,
+    apply_schema,
+    attribute,
+    define,
+    note,
+    place,
+    relate,
+    write_mesh,
+)
 
 GRAVITY_M_PER_S2 = 9.81
 
@@ -228,6 +238,15 @@ def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box, material: Sdf.Pat
     attribute(cube, "extent", Types.Float3Array, extent)
     x, y, z = box.center_m
     place(cube, at_m=(x, y, z + box.size_m[2] / 2), yaw_deg=box.yaw_deg, scale=box.size_m)
+
+
+def write_hull(layer: Sdf.Layer, path: Sdf.Path, mesh: Mesh, material: Sdf.Path) -> None:
+    """A mesh whose hull is not seen but felt like a material."""
+    prim = write_mesh(layer, path, mesh)
+    apply_schema(prim, "PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI")
+    attribute(prim, "physics:approximation", Types.Token, "convexHull", uniform=True)
+    relate(prim, "material:binding:physics", [material])
+    attribute(prim, "purpose", Types.Token, "guide", uniform=True)
 
 
 def give_body(prim: Sdf.PrimSpec, mass_kg: float) -> None:

@@ -49,6 +49,7 @@ from chord_usd.stage.stair_parts import (
     guard_part,
     open_landing_sides,
     stair_boxes,
+    stair_hulls,
     stair_parts,
 )
 from chord_usd.stage.surfaces import Fitout
@@ -133,8 +134,10 @@ def _draw_room(
         _draw_stairs(component, room, level)
     walled = [(box, wall_material(room)) for box in wall_boxes(lines)]
     slabs = [] if room.room.id in level.ways else _slabs(floor, level)
-    steps = [box for own in level.rising.get(room.room.id, ()) for box in stair_boxes(own.built)]
-    component.block([*((box, floor_material(room)) for box in (*slabs, *steps)), *walled])
+    rising = [own.built for own in level.rising.get(room.room.id, ())]
+    steps = [box for built in rising for box in stair_boxes(built)]
+    turns = [(hull, floor_material(room)) for built in rising for hull in stair_hulls(built)]
+    component.block([*((box, floor_material(room)) for box in (*slabs, *steps)), *walled], turns)
     component.save()
     return refer(layer, f"{room.path}/Architecture", component)
 

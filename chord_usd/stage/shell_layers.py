@@ -23,6 +23,7 @@ from chord_usd.stage.physics import (
     hang_leaf,
     write_collider,
     write_feel,
+    write_hull,
 )
 from chord_usd.stage.prims import (
     bind,
@@ -74,12 +75,18 @@ class ShellComponent:
         self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
         return prim
 
-    def block(self, boxes: Sequence[tuple[Box, str]]) -> None:
-        """Colliders of what is drawn as sheets, each with what it feels like."""
+    def block(
+        self, boxes: Sequence[tuple[Box, str]], hulls: Sequence[tuple[Sequence[Face], str]] = ()
+    ) -> None:
+        """Colliders of what is drawn as sheets, each with what it feels like; hulls of what is no
+        box."""
         scope = define_colliders(self._layer, self._root.AppendChild("Colliders"))
         for index, (box, material) in enumerate(boxes):
             path = scope.path.AppendChild(f"Box_{index}")
             write_collider(self._layer, path, box, self._material(material))
+        for index, (faces, material) in enumerate(hulls):
+            path = scope.path.AppendChild(f"Hull_{index}")
+            write_hull(self._layer, path, mesh_of(faces), self._material(material))
 
     def guard(self, parent: Sdf.PrimSpec, box: Box, material: str) -> None:
         """The collider of a part that is drawn in bars."""

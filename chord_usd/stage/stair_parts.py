@@ -12,11 +12,19 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from chord_usd.scene.geometry import to_world
-from chord_usd.scene.stair_forms import BuiltStair, Flight, Tread
+from chord_usd.scene.stair_elements import Flight, Tread
+from chord_usd.scene.stair_forms import BuiltStair
 from chord_usd.scene.types import Box, FloatArray
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
 from chord_usd.stage.railings import railing_faces
+from chord_usd.stage.winder_parts import (
+    newel_faces,
+    outer_rail,
+    tapered,
+    tread_faces,
+    tread_hull,
+)
 
 GUARD_M = 1.0
 """Height of a railing around a hole over the floor."""
@@ -42,6 +50,9 @@ _GUARD_FOOT_M = 0.07
 _GUARD_IN_M = 0.04
 """A railing stands this far over its hole, off the floor that one walks on."""
 
+_LEAST_FLIGHT_M = 0.01
+"""A shorter flight has no steps: one steps from the floor onto the turn, or off it."""
+
 _LEAST_GUARD_M = 0.12
 """A gap no wider needs no railing."""
 
@@ -60,27 +71,38 @@ def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
     """Steps and handrails of a stair. walls: where walls stand around it, seen from above."""
     steps: list[Face] = []
     rails: list[Face] = []
-    for flight in built.flights:
+    for flight in (one for one in built.flights if one.length_m > _LEAST_FLIGHT_M):
         steps += _in_storey(built, _flight_faces(built, flight))
         for side in (-1, 1):
             walled = _is_walled(built, flight, side, walls)
             rails += _in_storey(built, _rail_faces(built, flight, side, walled=walled))
+    for tread in tapered(built):
+        steps += _in_storey(built, tread_faces(tread, built.rise_m, _WAIST_M))
     for tread in built.treads:
         if tread.is_landing:
             steps += _in_storey(built, prism(tread.area_m, tread.top_m - _LANDING_M, tread.top_m))
+    if tapered(built):
+        turned = newel_faces(built, _FROM_SIDE_M, _RAIL_M)
+        turned += outer_rail(built, walls, _FROM_SIDE_M, _RAIL_M, _GRIP_M, _BAR_M)
+        rails += _in_storey(built, turned)
     return [StairPart("Steps", steps, "Floor"), StairPart("Handrail", rails, "Metal")]
 
 
 def stair_boxes(built: BuiltStair) -> list[Box]:
-    """What one steps on, as upright boxes in the storey's frame."""
+    """What one steps on, but for tapered treads, as upright boxes in the storey's frame."""
     found = []
-    for tread in built.treads:
+    for tread in (one for one in built.treads if one.edges_m is None):
         west, south, east, north = tread.area_m.bounds
         low = 0.0 if tread.top_m < 2 * built.rise_m - 1e-6 else tread.top_m - built.rise_m - 0.02
         x, y = to_world(built.stair.box, ((west + east) / 2, (south + north) / 2))
         size_m = (east - west, north - south, tread.top_m - low)
         found.append(Box((float(x), float(y), low), size_m, built.stair.box.yaw_deg))
     return found
+
+
+def stair_hulls(built: BuiltStair) -> list[Sequence[Face]]:
+    """Tapered treads, as solids whose hulls one steps on, in the storey's frame."""
+    return [_in_storey(built, tread_hull(built, tread)) for tread in tapered(built)]
 
 
 def guard_lines(hole: Polygon, walls: BaseGeometry, ways: Sequence[LineString]) -> list[FloatArray]:
@@ -164,7 +186,8 @@ def _flight_faces(built: BuiltStair, flight: Flight) -> list[Face]:
     for index in range(count):
         top = low + (index + 1) * rise
         profile += [(index * going, top), ((index + 1) * going, top)]
-    foot = low - (0.0 if low == 0.0 else _LANDING_M)
+    thick = _WAIST_M if tapered(built) else _LANDING_M
+    foot = low - (0.0 if low == 0.0 else thick)
     bend = float(np.clip((foot - low + _WAIST_M) * going / rise, 0.0, flight.length_m))
     profile += [(flight.length_m, low + count * rise - _WAIST_M), (bend, foot)]
     profile += [(0.0, foot)] if bend > 0.0 and foot < low else []

@@ -7,13 +7,18 @@ import itertools
 import numpy as np
 import pytest
 from shapely.geometry import LineString, Point, Polygon
+from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import footprint_polygon, to_world
-from chord_usd.scene.stair_forms import GOING_M, RISE_M, BuiltStair, Stair, build_stair
+from chord_usd.scene.stair_elements import GOING_M, RISE_M, Stair
+from chord_usd.scene.stair_forms import BuiltStair, build_stair
 from chord_usd.scene.types import Box
 
-SIZES = {"straight": (0.95, 4.0), "U": (2.0, 3.0), "L": (2.8, 3.0)}
+SIZES = {
+    "straight": (0.95, 4.0), "U": (2.0, 3.0), "L": (2.8, 3.0), "winder_L": (1.7, 3.0),
+    "winder_U": (1.75, 2.3),
+}  # fmt: skip
 CASES = list(itertools.product(SIZES, ("left", "right"), (0.0, 90.0, 37.0), (2.6, 3.0, 3.2)))
 
 
@@ -50,8 +55,38 @@ def test_walking_a_stair_is_even_steps_of_the_rule(case: tuple[str, str, float, 
 
 
 @pytest.mark.parametrize(
-    ("form", "size"), [("straight", (0.95, 2.5)), ("U", (1.5, 3.0)), ("L", (1.9, 1.9))]
-)
+    ("form", "size"),
+    [
+        ("straight", (0.95, 2.5)), ("U", (1.5, 3.0)), ("L", (1.9, 1.9)), ("winder_L", (0.7, 3.5)),
+        ("winder_L", (1.2, 2.6)), ("winder_U", (1.6, 2.5)), ("winder_U", (1.9, 1.4)),
+    ],
+)  # fmt: skip
 def test_a_box_too_small_is_refused(form: str, size: tuple[float, float]) -> None:
     with pytest.raises(PlanError, match="cannot rise"):
         build_stair(Stair("s", form, Box((0, 0, 0), (*size, 1.0), 0.0)), 3.0)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("size", [(1.0, 3.5), (1.7, 3.0), (2.4, 2.4), (3.2, 1.8)])
+@pytest.mark.parametrize("height_m", [2.7, 3.0])
+def test_the_going_of_a_winder_is_even_on_its_walking_line_and_5_cm_at_the_newel(
+    size: tuple[float, float], height_m: float
+) -> None:
+    for form, extra in (("winder_L", 0.0), ("winder_U", 0.75)):
+        box = Box((0.0, 0.0, 0.0), (size[0] + extra, size[1] + extra, 1.0), 0.0)
+        stair = build_stair(Stair("s", form, box), height_m)  # type: ignore[arg-type]
+        line = LineString(stair.walk_m[:, :2])
+        edges = [one.edges_m for one in stair.treads if one.edges_m]
+        for on, off in edges:
+            goings = [line.project(edge.intersection(line)) for edge in (on, off)]
+            assert goings[1] - goings[0] == pytest.approx(stair.going_m, abs=1e-3)
+            assert Point(on.coords[0]).distance(Point(off.coords[0])) >= 0.05 - 1e-6
+        areas = [tread.area_m for tread in stair.treads]
+        assert all(area.is_valid for area in areas)
+        assert unary_union(areas).area == pytest.approx(sum(area.area for area in areas))
+
+
+def test_a_winder_takes_less_room_than_a_landing() -> None:
+    box = Box((0.0, 0.0, 0.0), (1.75, 2.1, 1.0), 0.0)
+    assert build_stair(Stair("s", "winder_U", box), 3.0).going_m >= GOING_M[0]
+    with pytest.raises(PlanError, match="cannot rise"):
+        build_stair(Stair("s", "U", box), 3.0)

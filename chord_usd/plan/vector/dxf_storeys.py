@@ -11,12 +11,16 @@ from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.stair_elements import StairForm
 from chord_usd.scene.stair_places import StairShape
 
 _STOREY = re.compile(r"(Storey_\d{1,2})-")
 _STEPS = "-STAIRS"
 _TOUCH = 0.01
 """Steps that are no farther apart are of one stair; in units, which are metres."""
+
+_RECTANGULAR = 0.95
+"""Share of the least rectangle around it that a step fills, where it is not tapered."""
 
 
 def by_storey(flat: Sequence[Any]) -> list[tuple[str, list[Any]]]:
@@ -46,5 +50,11 @@ def stairs_of(
         ends = [np.array(area.centroid.coords[0]) for _, area in (own[0], own[-1])]
         rise = float(np.hypot(*(ends[1] - ends[0])))
         up = (ends[1] - ends[0]) / rise if rise > 0.0 else None
-        found.append(StairShape(part.buffer(-_TOUCH), up, (ends[0], ends[1])))
+        is_winder = any(_is_tapered(area) for _, area in own)
+        forms: tuple[StairForm, ...] = ("winder_L", "winder_U") if is_winder else ()
+        found.append(StairShape(part.buffer(-_TOUCH), up, (ends[0], ends[1]), forms))
     return found
+
+
+def _is_tapered(step: Polygon) -> bool:
+    return bool(step.area < _RECTANGULAR * step.minimum_rotated_rectangle.area)

@@ -17,6 +17,7 @@ from chord_usd.errors import PlanError
 from chord_usd.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
 from chord_usd.runtime.extras import needed_for
 from chord_usd.scene.geometry import polygons_of
+from chord_usd.scene.stair_elements import IFC_FORMS
 from chord_usd.scene.stair_places import StairShape
 from chord_usd.scene.types import FloatArray, OpeningKind
 
@@ -129,7 +130,9 @@ def _stair(element: Any, meshes: dict[int, FloatArray | None]) -> StairShape | N
     rise = float(np.hypot(*(top - foot)))
     area = max(shadow, key=lambda part: part.area)
     up = (top - foot) / rise if rise > _LEAST_RUN_M else None
-    return StairShape(area, up, (foot, top))
+    said = getattr(element, "PredefinedType", None) or getattr(element, "ShapeType", None)
+    forms = tuple(form for form, word in IFC_FORMS.items() if word == said)
+    return StairShape(area, up, (foot, top), forms)
 
 
 def _triangles(element: Any) -> FloatArray | None:

@@ -18,7 +18,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
-from chord_usd.scene.storeys import CEILING_TO_FLOOR_M
+from chord_usd.scene.stair_elements import CEILING_TO_FLOOR_M, IFC_FORMS
 from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M
 from chord_usd.scene.units import rotation_2d
@@ -33,10 +33,7 @@ _SLAB_M = 0.2
 _FRAME_M = 0.05
 """Width and depth of the frames of doors and windows."""
 
-_STAIRS = {
-    "straight": "STRAIGHT_RUN_STAIR", "L": "QUARTER_TURN_STAIR", "U": "HALF_TURN_STAIR",
-}  # fmt: skip
-"""IFC's words for the forms of stairs."""
+_STAIRS = {str(form): word for form, word in IFC_FORMS.items()}
 
 
 def write_ifc(stage: Usd.Stage, target: Path) -> None:
