@@ -19,12 +19,13 @@ from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
-from chord_usd.plan.labels import label_rooms
+from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
+from chord_usd.plan.labels import named_by_texts, numbered, seen_as, uses_named
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import parts_of
 from chord_usd.plan.placement import DRAWING, WARNINGS, placement
 from chord_usd.plan.printed import STATED, Estimate, estimates
-from chord_usd.plan.regions import Outline, kinds_seen, stair_outlines
+from chord_usd.plan.regions import Outline, is_stairwell, stair_outlines
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.seen import Reader, SeenReading, read_seen
 from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
@@ -45,6 +46,7 @@ from chord_usd.scene.types import (
     PixelFrame,
     Plan,
     Room,
+    RoomKind,
     frozen_array,
 )
 from chord_usd.scene.units import cm_from_m, m_from_px
@@ -101,7 +103,7 @@ def read_sheet(
 
     Without titles the largest is the lowest. Raises CheckpointError, and PlanError.
     """
-    page = _page(rgb, m_per_px, 1, known, None)
+    page = replace(_page(rgb, m_per_px, 1, known, None), is_home=False)
     found = list(_all_parts(page))
     if m_per_px is None and len(found) > 1:
         surest = max(found, key=lambda one: one.plan.extra[SCALE]["confidence"])
@@ -164,6 +166,8 @@ class _Page:
     m_per_px: float | None
     part: int
     stated_m_per_px: float | None
+    is_home: bool = True
+    """Whether the sheet's plan is all of a home, and no storey of one."""
 
     @property
     def given(self) -> float | None:
@@ -195,6 +199,7 @@ def _read_part(page: _Page) -> _Found:
     scale = _scale(reading, page)
     if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) > _REREAD:
         reading, told = _take_part(reading.again(scale.m_per_px), page.part)
+    page = replace(page, is_home=page.is_home and not told)
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
     plan = _plan(reading, page, frame)
@@ -204,6 +209,9 @@ def _read_part(page: _Page) -> _Found:
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     rooms = named_rooms(plan, page.texts, frame)
     told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
+    if page.is_home:
+        plan, missing = with_missing_rooms(plan)
+        told += missing
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     stairs = _stairs(plan, page, frame)
     extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
@@ -270,7 +278,8 @@ def _plan(reading: SeenReading, page: _Page, frame: PixelFrame) -> Plan:
     areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
     rooms = _labelled_rooms(reading, page, frame, areas_m2)
     openings = reading.placed([room.id for room in rooms], frame)
-    return Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+    plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+    return part_open_plans(plan, {r.id: uses_named(r, page.texts, frame) for r in rooms})
 
 
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:
@@ -292,7 +301,17 @@ def _labelled_rooms(
         Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
         for o in reading.outlines
     ]
-    return label_rooms(outlined, page.texts, frame, kinds_seen(reading.outlines, areas_m2))
+    named = named_by_texts(outlined, page.texts, frame)
+    chances = np.array([outline.kinds for outline in reading.outlines])
+    told: list[RoomKind] = [
+        "corridor" if room.kind == "unknown" and is_stairwell(outline) else room.kind
+        for room, outline in zip(named, reading.outlines, strict=True)
+    ]
+    seen = kinds_of_home(chances, areas_m2, told, page.is_home)
+    return numbered([
+        seen_as(room, kind if own == "unknown" else own, sure)
+        for room, own, (kind, sure) in zip(named, told, seen, strict=True)
+    ])  # fmt: skip
 
 
 def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -13,13 +12,11 @@ from shapely.geometry import Polygon
 from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
 from chord_usd.raster.page_labels import (
     FLOOR,
-    KIND_NAMES,
     OUTSIDE,
     STAIRS,
 )
 from chord_usd.raster.vectorize import polygon_from_mask
-from chord_usd.scene.room_areas import plausibility
-from chord_usd.scene.types import BoolArray, FloatArray, RoomKind
+from chord_usd.scene.types import BoolArray, FloatArray
 
 _SMALLEST_ROOM_M2 = 0.8
 _NARROWEST_ROOM_M = 0.6
@@ -47,9 +44,6 @@ _LEAST_FLIGHT_M = (0.6, 1.2)
 
 _STAIRWELL = 0.5
 """A room with stairs on so much of its floor is there for them."""
-
-_SURE_KIND = 0.5
-"""A room's kind is told from this chance on."""
 
 _BLOCK = np.ones((3, 3), np.uint8)
 
@@ -211,19 +205,6 @@ def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:
     return polygon
 
 
-def kinds_seen(
-    outlines: Sequence[Outline], areas_m2: Sequence[float] = ()
-) -> list[tuple[RoomKind, float]]:
-    """What rooms are for by what is drawn in them and, where areas are known, by how large they
-    are, and how sure that is; unknown where it is not."""
-    found: list[tuple[RoomKind, float]] = []
-    for index, outline in enumerate(outlines):
-        chances = outline.kinds
-        if areas_m2:
-            chances = chances * [plausibility(kind, areas_m2[index]) for kind in KIND_NAMES]
-        best = int(chances.argmax())
-        kind: RoomKind = KIND_NAMES[best] if chances[best] >= _SURE_KIND else "unknown"
-        if outline.stairs > _STAIRWELL:
-            kind = "corridor"
-        found.append((kind, round(float(chances[best]), 2)))
-    return found
+def is_stairwell(outline: Outline) -> bool:
+    """Whether a room is there for its stairs."""
+    return outline.stairs > _STAIRWELL

@@ -4,7 +4,7 @@ tells a bedroom from a cupboard."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -34,6 +34,15 @@ def plausibility(kind: RoomKind, area_m2: float) -> float:
     median, spread = _USUAL_M2[kind]
     off = abs(math.log(max(area_m2, 1e-3) / median)) / spread
     return math.exp(-0.5 * max(0.0, off - _USUAL) ** 2)
+
+
+def fit_of_area(kinds: Collection[RoomKind], area_m2: float) -> float:
+    """How likely rooms of these kinds are to be so large together, in nats below their usual size;
+    at most 0."""
+    usual = np.array([_USUAL_M2[kind] for kind in kinds])
+    median = float(usual[:, 0].sum())
+    spread = float(np.hypot.reduce(usual[:, 0] * usual[:, 1])) / median
+    return -0.5 * (math.log(max(area_m2, 1e-3) / median) / spread) ** 2
 
 
 def scale_by_rooms(

@@ -30,6 +30,15 @@ _OPEN_PLAN: frozenset[RoomKind] = frozenset({"living", "dining", "kitchen"})
 _ANNEXES: frozenset[RoomKind] = frozenset({"bathroom", "store", "balcony", "corridor"})
 """Named after the room that they belong to: "Bedroom closet"."""
 
+_OF_LETTER: dict[str, RoomKind] = {"l": "living", "d": "dining", "k": "kitchen"}
+_SEVERAL: dict[str, tuple[RoomKind, ...]] = {
+    "tupakeittio": ("living", "kitchen"), "wohnkuche": ("living", "kitchen"),
+    "livingdining": ("living", "dining"), "kitchendining": ("kitchen", "dining"),
+    "kitchendiner": ("kitchen", "dining"), "woonkeuken": ("kitchen", "dining"),
+    "keittiotupa": ("living", "kitchen"),
+}  # fmt: skip
+"""Words for more than one room, as scene.room_words.plain spells them."""
+
 _LONGEST_PHRASE = 4
 _LONGEST_NAME = 80
 _SHORTEST_COMPOUND, _SHORTEST_PART = 6, 3
@@ -53,28 +62,40 @@ def room_kind(name: str) -> RoomKind:
     Of several rooms in one name ("Kitchen / Dining Room") the leading one counts. What is not
     mostly made of known words has no kind, nor has what speaks of streets, firms or the sheet.
     """
-    return _kind(name) if len(name) <= _LONGEST_NAME else "unknown"
+    return next(iter(room_kinds(name)), "unknown")
+
+
+def room_kinds(name: str) -> tuple[RoomKind, ...]:
+    """All kinds that a room's name speaks of, the leading one first: a "Kitchen / Dining Room", an
+    LDK and a "Wohnküche" are two or three rooms on one floor. Empty where it names none."""
+    return _kinds(name) if len(name) <= _LONGEST_NAME else ()
 
 
 @lru_cache(4096)
-def _kind(name: str) -> RoomKind:
+def _kinds(name: str) -> tuple[RoomKind, ...]:
     folded = unicodedata.normalize("NFKC", _humps_parted(name)).casefold()
     # Japanese sheets: LDK, DK and K, with the area behind them.
     if match := re.match(r"[^a-z]*(s?ldk|ld|dk)(?![a-z])", folded):
-        return "living" if "l" in match[1] else "kitchen"
+        return _by_rank(_OF_LETTER[letter] for letter in match[1] if letter in _OF_LETTER)
     pieces = _pieces(folded)
     if any(piece.means == "not" for piece in pieces):
-        return "unknown"
+        return ()
     told = [piece for piece in pieces if piece.means not in ("page", "of", "and", "part")]
     letters = sum(piece.letters for piece in told)
     known = sum(piece.letters for piece in told if piece.means)
     if not letters or known / letters < _LEAST_KNOWN:
-        return "unknown"
-    found = [_kind_of_part(part) for part in _parts(pieces)]
-    kinds = {kind for kind in found if kind}
+        return ()
+    kinds = {kind for part in _parts(pieces) for kind in _kinds_of_part(part)}
     if not kinds and known == letters and not any(piece.means == "page" for piece in pieces):
         kinds = {cast(RoomKind, piece.means) for piece in pieces if piece.means in ROOM_KINDS}
-    return min(kinds, key=LEADING.index, default="unknown")
+    folded_words = set(re.split(r"[\W\d_]+", plain(folded)))
+    for word, several in _SEVERAL.items():
+        kinds |= set(several) if word in folded_words else set()
+    return _by_rank(kinds)
+
+
+def _by_rank(kinds: Iterable[RoomKind]) -> tuple[RoomKind, ...]:
+    return tuple(sorted(set(kinds), key=LEADING.index))
 
 
 @dataclass(frozen=True)
@@ -98,7 +119,7 @@ def _pieces(folded: str) -> list[_Piece]:
     return [*found, *_spaced(folded[end:])]
 
 
-def _kind_of_part(part: list[_Piece]) -> RoomKind | None:
+def _kinds_of_part(part: list[_Piece]) -> tuple[RoomKind, ...]:
     """What stands between separators: most languages say last what the room is."""
     kinds: list[RoomKind] = []
     for piece in part:
@@ -106,11 +127,9 @@ def _kind_of_part(part: list[_Piece]) -> RoomKind | None:
             break
         if piece.means in ROOM_KINDS and not piece.is_weak:
             kinds.append(cast(RoomKind, piece.means))
-    if not kinds:
-        return None
-    if kinds[-1] not in _ANNEXES and _OPEN_PLAN.issuperset(kinds):
-        return min(kinds, key=LEADING.index)
-    return kinds[-1]
+    if kinds and kinds[-1] not in _ANNEXES and _OPEN_PLAN.issuperset(kinds):
+        return _by_rank(kinds)
+    return tuple(kinds[-1:])
 
 
 def _parts(pieces: Iterable[_Piece]) -> list[list[_Piece]]:

@@ -189,8 +189,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
                 if room.room.id not in level.rising:  # those have no ceiling
                     lamps.append(hang_light(layer, room, level.walls))
                 lamps += hang_lamps(layer, room.path, (target.parent, final))
-                floor = level.walls.floors_m[room.index]
-                wear_looks(layer, room, floor, house.looks, materials, house.seed)
+            wear_looks(layer, level, house.looks, materials, house.seed)
     share_looks(layer, architecture)
     set_lighting(layer, lamps, house.levels[0].walls, architecture, house.sky)
     _order_prims(layer, house.rooms)

@@ -15,11 +15,13 @@ from shapely.geometry import Polygon
 
 from chord_usd.scene.feels import FEEL_OF_LOOK, FEEL_OF_SURFACE
 from chord_usd.scene.looks import LOOK_FILE, Look, LookSource
+from chord_usd.scene.types import RoomKind
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
 from chord_usd.stage.physics import write_feel
 from chord_usd.stage.prims import Types, add_variants, attribute, label, over
 from chord_usd.stage.shell import floor_material, wall_material
+from chord_usd.stage.stage_levels import Level
 from chord_usd.stage.surfaces import PLAIN_SURFACES, shade
 
 CHOICES = 3
@@ -27,10 +29,46 @@ CHOICES = 3
 
 Part = Literal["floor", "wall"]
 
+_ONE_FLOOR: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "dining", "study", "corridor")
+"""Kinds of rooms that are done alike where nothing parts them, the leading one first."""
+
 
 def wear_looks(
+    layer: Sdf.Layer, level: Level, looks: LookSource | None, materials: Packages, seed: int
+) -> None:
+    """Write the variant sets floorMaterial and wallMaterial of a storey's rooms.
+
+    Rooms of an open plan wear what the leading one does: floor and walls run on.
+    """
+    leading = _leading_rooms(level)
+    for room in level.rooms:
+        as_in = leading.get(room.room.id, room)
+        _wear_looks(layer, room, as_in, level.walls.floors_m[as_in.index], looks, materials, seed)
+
+
+def _leading_rooms(level: Level) -> dict[str, NamedRoom]:
+    """By id of each room that lies open to another, with no wall between, the leading one."""
+    rooms = {room.room.id: room for room in level.rooms if room.room.kind in _ONE_FLOOR}
+    group_of = {room_id: {room_id} for room_id in rooms}
+    for opening in level.graph.openings:
+        ids = [room_id for room_id in opening.room_ids if room_id in rooms]
+        if opening.kind == "passage" and opening.id not in level.walls.tunnels and len(ids) == 2:
+            joined = group_of[ids[0]] | group_of[ids[1]]
+            group_of.update(dict.fromkeys(joined, joined))
+    return {
+        room_id: min(
+            (rooms[other] for other in group),
+            key=lambda room: (_ONE_FLOOR.index(room.room.kind), room.index),
+        )
+        for room_id, group in group_of.items()
+        if len(group) > 1
+    }
+
+
+def _wear_looks(
     layer: Sdf.Layer,
     room: NamedRoom,
+    as_in: NamedRoom,
     floor: Polygon,
     looks: LookSource | None,
     materials: Packages,
@@ -38,7 +76,8 @@ def wear_looks(
 ) -> None:
     """Write the variant sets floorMaterial and wallMaterial of a room.
 
-    How they are laid depends on seed and the room's id alone. Without looks, surfaces are plain.
+    How they are laid depends on seed and one room's id and floor alone: its own, or of the room
+    as_in which it is done. Without looks, surfaces are plain.
     """
     prim = layer.GetPrimAtPath(room.path)
     parts: tuple[tuple[Part, str], ...] = (
@@ -47,8 +86,8 @@ def wear_looks(
     )
     for part, material in parts:
         plain = f"Plain{part.capitalize()}"
-        rng = _generator(seed, room.room.id, part)
-        choices = looks.choices(part, room.room, CHOICES) if looks else ()
+        rng = _generator(seed, as_in.room.id, part)
+        choices = looks.choices(part, as_in.room, CHOICES) if looks else ()
         variants = add_variants(
             prim, f"{part}Material", [look.name for look in choices] or ["Plain"]
         )

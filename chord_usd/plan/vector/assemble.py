@@ -14,7 +14,7 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.labels import label_rooms
+from chord_usd.plan.labels import named_by_texts, numbered
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.printed import estimates
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
@@ -163,7 +163,7 @@ def _rooms(drawing: VectorDrawing) -> tuple[Room, ...]:
     plain = [_room(name, floor) for name, floor in rooms]
     # Labels are points; a frame of one metre per pixel leaves them where they are.
     texts = _as_texts(drawing.labels, -1.0)
-    return label_rooms(plain, texts, PixelFrame(1.0, (0.0, 0.0), 0))
+    return numbered(named_by_texts(plain, texts, PixelFrame(1.0, (0.0, 0.0), 0)))
 
 
 def _holes(walls: BaseGeometry, openings: Sequence[OpeningShape]) -> list[Polygon]:
@@ -225,7 +225,7 @@ def _tidy(area: BaseGeometry, is_exact: bool) -> Polygon | None:
 
 
 def _room(name: str, floor: Polygon) -> Room:
-    # Ids and, from labels, kinds of nameless rooms are given by label_rooms.
+    # Ids and, from labels, kinds of nameless rooms are given by labels.numbered.
     return Room("", room_kind(name), frozen_array(floor.exterior.coords[:-1]), name)
 
 

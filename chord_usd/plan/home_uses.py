@@ -1,0 +1,106 @@
+"""What the rooms of a home are for, all together: no home is without a kitchen, a bath and a bed.
+
+A room whose drawing says little takes what the others leave to be done. What still has no place is
+given a part of the largest floor, as in a studio.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from chord_usd.plan.open_plans import Use, part_room
+from chord_usd.raster.page_labels import KIND_NAMES
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.room_areas import plausibility
+from chord_usd.scene.types import FloatArray, Plan, RoomKind
+
+SURE = 0.5
+"""A room's kind is told from this chance on."""
+
+_MISSED: dict[RoomKind, float] = {"bathroom": 4.0, "bedroom": 3.0, "living": 2.0, "kitchen": 1.1}
+"""Nats that a home without one costs; the most needed first."""
+
+_HOSTS: dict[RoomKind, tuple[RoomKind, ...]] = {
+    "kitchen": ("living", "dining", "bedroom"), "bedroom": ("living",),
+}  # fmt: skip
+"""Whose floor may be shared by what has no room, the first choice first."""
+_HOST_M2 = 14.0
+
+_LEAST_CHANCE = 1e-3
+
+
+def kinds_of_home(
+    chances: FloatArray, areas_m2: Sequence[float], told: Sequence[RoomKind], is_home: bool
+) -> list[tuple[RoomKind, float]]:
+    """Kinds of N rooms, and how sure each is; unknown where nothing tells.
+
+    chances: (N, K) of KIND_NAMES, by what is drawn in each. areas_m2: empty where not known. told:
+    by their names, "unknown" without one. is_home: whether all rooms of a home are there.
+    """
+    chances = np.array(chances, np.float64)
+    if len(areas_m2):
+        chances = chances * [[plausibility(kind, area) for kind in KIND_NAMES] for area in areas_m2]
+    nats = np.log(np.maximum(chances, _LEAST_CHANCE))
+    best = nats.argmax(axis=1)
+    sure = chances[np.arange(len(best)), best]
+    needed = _make_complete(best, nats, told) if is_home else set()
+    return [
+        (KIND_NAMES[kind] if sure[room] >= SURE or room in needed else "unknown",
+         round(float(chances[room, kind]), 2))
+        for room, kind in enumerate(best)
+    ]  # fmt: skip
+
+
+def _make_complete(
+    best: npt.NDArray[np.intp], nats: FloatArray, told: Sequence[RoomKind]
+) -> set[int]:
+    """Give what a home is missing to the nameless rooms that speak against it least, in place;
+    which rooms these are."""
+    own = np.arange(len(best))
+    needed: set[int] = set()
+    for need, cost in _MISSED.items():
+        if need in told:
+            continue
+        column = KIND_NAMES.index(need)
+        loss = np.array(nats[own, best] - nats[:, column])
+        loss[[kind != "unknown" or room in needed for room, kind in enumerate(told)]] = np.inf
+        if len(loss) and loss.min() < cost:
+            room = int(np.lexsort((-nats[:, column], loss))[0])
+            best[room] = column
+            needed.add(room)
+    return needed
+
+
+def part_open_plans(plan: Plan, uses: Mapping[str, Sequence[Use]]) -> Plan:
+    """The plan with rooms that several names are printed in parted into these. uses: by room id."""
+    for room_id, own in uses.items():
+        if len({use.kind for use in own}) > 1:
+            plan = part_room(plan, room_id, own)
+    return plan
+
+
+def with_missing_rooms(plan: Plan) -> tuple[Plan, list[str]]:
+    """The home with a kitchen and a bed on the floor of another room, where it has none; and what
+    to say of that."""
+    told = []
+    for need, hosts in _HOSTS.items():
+        kinds = [room.kind for room in plan.rooms]
+        if need in kinds or (need == "bedroom" and "study" in kinds):
+            continue
+        for host in hosts:
+            rooms = [room for room in plan.rooms if room.kind == host]
+            largest = max(rooms, key=lambda room: room_polygon(room).area, default=None)
+            if largest is None or room_polygon(largest).area < _HOST_M2:
+                continue
+            if host == need or (host == "bedroom" and len(rooms) > 1):
+                continue
+            parted = part_room(plan, largest.id, (Use(host), Use(need)))
+            if parted is not plan:
+                new = {room.id for room in parted.rooms} - {room.id for room in plan.rooms}
+                told.append(f"no {need} is drawn: a part of {largest.id} became {new.pop()}")
+                plan = parted
+                break
+    return plan, told
