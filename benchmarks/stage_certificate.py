@@ -53,8 +53,8 @@ def main() -> None:
     if options.release:
         files = [file for one in options.release for file in sorted(one.glob("house_*/house.json"))]
         reports = [json.loads(file.read_text())["told"] for file in files]
-        seeds = ", ".join(str(report["seed"]) for report in reports)
-        note = f"Houses of `chord-usd dataset release`, dressed; seeds {seeds}."
+        seeds = sorted(report["seed"] for report in reports)
+        note = f"Houses of `chord-usd dataset release`, dressed; seeds {seeds[0]} to {seeds[-1]}."
         sys.stdout.write(write_section("stages: certificate, of a release", rows_of(reports), note))
         return
     options.folder.mkdir(parents=True, exist_ok=True)

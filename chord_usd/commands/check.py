@@ -42,6 +42,8 @@ def _text(stage: Path, holds: bool, data: dict[str, Any]) -> str:
         f"POR {data['por']:.4f} and PIoU {data['piou']:.4f} over {data['pairs']} pairs"
     )
     lines.append(f"  rooms complete {data['complete']:.0%}, right {data['right']:.0%}")
+    if data["home_lacks"]:
+        lines.append(f"    the home has no {', no '.join(data['home_lacks'])}")
     lines += [f"    {one['path']} lacks {', '.join(one['pieces'])}" for one in data["missing"]]
     lines += [f"    {one['item']} is {one['fault']}" for one in data["misplaced"]]
     lines += _outliers(data["ood"])

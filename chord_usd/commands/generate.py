@@ -240,6 +240,8 @@ def _text(data: dict[str, Any]) -> str:
     total, check = sum(data["seconds"].values()), data["certificate"]
     holds = "holds" if check and check["holds"] else "does not hold: chord-usd check says why"
     told = f"certificate {holds}" if check else "not checked: chord-usd check does that"
+    if check and check["home_lacks"]:
+        told += f"; the home has no {', no '.join(check['home_lacks'])}"
     carried = data["tabletop"]["items"]
     small = f" and {carried} items on them" if carried else ""
     dressed = f", dressed with {data['dressing']} things" if data["dressing"] else ""

@@ -128,6 +128,22 @@ def homely_rooms(graph: SceneGraph) -> list[Homely]:
     ]
 
 
+HOME: dict[str, frozenset[str]] = {
+    "bed": frozenset(("bed",)),
+    "cooker": frozenset(("cooker_cabinet",)),
+    "sink": frozenset(("sink_cabinet",)),
+    "toilet": frozenset(("toilet",)),
+    "seat": SEATS,
+}
+"""What no home is without, in whichever room."""
+
+
+def home_lacks(items: Iterable[Item]) -> tuple[str, ...]:
+    """Names of what is nowhere in a home: every room of one without a kitchen can be complete."""
+    standing = {item.category for item in items if not is_undersized(item)}
+    return tuple(name for name, categories in HOME.items() if not standing & categories)
+
+
 def is_complete(rooms: Iterable[Homely]) -> bool:
     """Whether every judged room of a house is complete."""
     return all(room.complete for room in rooms if room.is_judged)

@@ -15,7 +15,7 @@ from pxr import Usd
 
 from chord_usd.metrics import SceneScores, score_scene
 from chord_usd.metrics.climb import Ascent, climb, without_openings
-from chord_usd.metrics.complete import Homely, Misplaced
+from chord_usd.metrics.complete import Homely, Misplaced, home_lacks
 from chord_usd.metrics.overlap import Overlap
 from chord_usd.metrics.walk import Walk
 from chord_usd.runtime.stages import open_known, open_layer, open_stage, reading
@@ -69,6 +69,8 @@ class Report:
     right: float
     """The same share, of rooms in which nothing stands wrongly, too."""
     missing: tuple[Missing, ...]
+    home_lacks: tuple[str, ...]
+    """What no home is without, such as a cooker, and is in none of its rooms."""
     misplaced: tuple[Misplaced, ...]
     objects: Objects
     dressing: Dressing
@@ -174,6 +176,7 @@ def _reported(stage: Usd.Stage) -> Report:
         pairs=overlap.pairs,
         ood=_outliers(whole.items),
         **_advice([room for own in scores for room in own.homely]),
+        home_lacks=home_lacks(whole.items),
         objects=count_objects(whole),
         dressing=measure_dressing(stage, storeys),
         stairs=tuple(f"{path} {told}" for path, told in faults.items()),

@@ -74,7 +74,7 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
     assert list(fields) == [
         "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
         "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs", "ood",
-        "complete", "right", "missing", "misplaced", "objects", "dressing", "stairs",
+        "complete", "right", "missing", "home_lacks", "misplaced", "objects", "dressing", "stairs",
         "holds",
     ]  # fmt: skip
     crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))

@@ -62,6 +62,7 @@ function faultsOf(told) {
     ...(told.unsupported ?? []).map(one("Floats")),
     ...(told.empty_rooms ?? []).map(one("Empty")),
     ...(told.missing ?? []).map(({ path, pieces }) => ({ text: `${leaf(path)} lacks ${pieces.join(", ").replaceAll("_", " ")}`, paths: [path] })),
+    ...(told.home_lacks ?? []).map((piece) => ({ text: `The home has no ${piece}`, paths: [] })),
     ...(told.misplaced ?? []).map(({ item, fault }) => ({ text: `${leaf(item)} is ${fault}`, paths: [item] })),
   ];
 }
