@@ -1,0 +1,145 @@
+"""Open plans: parts as large as their kinds, names where they were, every opening kept."""
+
+import numpy as np
+import pytest
+from shapely.geometry import Point
+from shapely.ops import unary_union
+
+from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
+from chord_usd.plan.open_plans import Use, part_room
+from chord_usd.raster.page_labels import KIND_NAMES
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.room_names import room_kind, room_kinds
+from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
+
+
+def room(name, kind, *corners):
+    return Room(name, kind, frozen_array(corners))
+
+
+def rectangle(name, kind, west, south, east, north):
+    return room(name, kind, (west, south), (east, south), (east, north), (west, north))
+
+
+def opening(name, kind, x, y, length, yaw_deg, *rooms):
+    return Opening(name, kind, Box((x, y, 0.0), (length, 0.24, 2.1), yaw_deg), rooms)
+
+
+LONG = Plan(
+    (
+        rectangle("living1", "living", 0, 0, 9, 4),
+        rectangle("bathroom1", "bathroom", 6.5, 4.24, 9, 6.5),
+    ),
+    (
+        opening("door1", "door", 8, 4.12, 0.8, 0, "living1", "bathroom1"),
+        opening("window1", "window", 2, -0.12, 2.0, 0, "living1"),
+        opening("window2", "window", 7.5, -0.12, 1.2, 0, "living1"),
+    ),
+)
+
+
+def parts_of(plan, parent):
+    ids = {other.id for other in LONG.rooms} - {parent}
+    return {one.id: room_polygon(one) for one in plan.rooms if one.id not in ids}
+
+
+@pytest.mark.parametrize("turned_deg", [0.0, 30.0])
+def test_names_end_up_in_rooms_of_their_own(turned_deg):
+    angle = np.radians(turned_deg)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    spots = {"living": (2.0, 2.0), "kitchen": (8.0, 1.5)}
+    uses = [Use(kind, (kind,), (tuple(np.array(at) @ turn),)) for kind, at in spots.items()]
+    whole = room("living1", "living", *(LONG.rooms[0].polygon_m @ turn))
+    plan = part_room(Plan((whole,), ()), "living1", uses)
+    floors = {one.kind: room_polygon(one) for one in plan.rooms}
+    assert set(floors) == {"living", "kitchen"}
+    for use in uses:
+        assert floors[use.kind].contains(Point(use.spots_m[0]))
+    assert unary_union([*floors.values()]).symmetric_difference(room_polygon(whole)).area < 1e-3
+    assert floors["living"].intersection(floors["kitchen"]).area < 1e-6
+    (border,) = plan.openings
+    assert border.kind == "passage"
+    assert set(border.room_ids) == {"living1", "kitchen1"}
+    assert border.box.size_m[0] == pytest.approx(4.0, abs=0.1)
+
+
+def test_openings_open_into_the_part_beside_them():
+    uses = [Use("living", ("Lounge",), ((2.0, 2.0),)), Use("kitchen", ("Kitchen",), ((8.0, 1.5),))]
+    plan = part_room(LONG, "living1", uses)
+    rooms_of = {one.id: one.room_ids for one in plan.openings}
+    assert rooms_of["window1"] == ("living1",)
+    assert rooms_of["window2"] == ("kitchen1",)
+    assert set(rooms_of["door1"]) == {"kitchen1", "bathroom1"}
+    assert len(rooms_of) == len(LONG.openings) + 1
+    for one in plan.openings[:3]:
+        middle = Point(one.box.center_m[:2])
+        assert room_polygon(plan.room(one.room_ids[0])).distance(middle) < 0.2
+
+
+def test_a_floor_without_room_for_two_stays_whole():
+    small = Plan((rectangle("living1", "living", 0, 0, 2.4, 2.2),), ())
+    uses = [Use("living", ("L",), ((0.6, 1.1),)), Use("dining", ("D",), ((1.8, 1.1),))]
+    assert part_room(small, "living1", uses) is small
+
+
+def test_three_uses_of_one_floor():
+    uses = {
+        "living1": [
+            Use("living", ("Living",), ((1.5, 2.0),)),
+            Use("dining", ("Dining",), ((5.0, 2.0),)),
+            Use("kitchen", ("Kitchen",), ((8.0, 1.5),)),
+        ]
+    }
+    plan = part_open_plans(LONG, uses)
+    assert sorted(one.kind for one in plan.rooms) == ["bathroom", "dining", "kitchen", "living"]
+    assert all(min(one.area / one.minimum_rotated_rectangle.area for one in parts.values()) > 0.8
+               for parts in [parts_of(plan, "living1")])  # fmt: skip
+
+
+def test_a_home_without_a_kitchen_gets_one_beside_the_bath():
+    plan, told = with_missing_rooms(LONG)
+    kinds = {one.kind: room_polygon(one) for one in plan.rooms}
+    assert "kitchen" in kinds
+    assert kinds["kitchen"].distance(kinds["bathroom"]) < 0.5
+    assert any("kitchen" in one for one in told)
+    again, nothing = with_missing_rooms(plan)
+    assert "kitchen" not in "".join(nothing)
+    assert len(again.rooms) >= len(plan.rooms)
+
+
+def chances(**rows):
+    table = np.full((len(rows), len(KIND_NAMES)), 0.01)
+    for row, likely in zip(table, rows.values(), strict=True):
+        for kind, chance in likely.items():
+            row[KIND_NAMES.index(kind)] = chance
+    return table
+
+
+def test_what_a_home_needs_goes_to_the_room_that_speaks_against_it_least():
+    seen = chances(
+        large={"living": 0.8}, plain={"bedroom": 0.4, "study": 0.45}, wet={"bathroom": 0.35}
+    )
+    areas = [20.0, 11.0, 4.0]
+    alone = kinds_of_home(seen, areas, ["unknown"] * 3, is_home=False)
+    assert [kind for kind, _ in alone] == ["living", "unknown", "unknown"]
+    home = kinds_of_home(seen, areas, ["unknown"] * 3, is_home=True)
+    assert [kind for kind, _ in home] == ["living", "bedroom", "bathroom"]
+    named = kinds_of_home(seen, areas, ["unknown", "unknown", "bathroom"], is_home=True)
+    assert named[1][0] == "bedroom"
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds"),
+    [
+        ("Kitchen / Dining Room", ("kitchen", "dining")),
+        ("LDK 12.5", ("living", "kitchen", "dining")),
+        ("TUPAKEITTIÖ+ALK", ("living", "kitchen")),
+        ("Wohnküche", ("living", "kitchen")),
+        ("sala-cozinha", ("living", "kitchen")),
+        ("Bedroom closet", ("store",)),
+        ("Main Street 12", ()),
+    ],
+)
+def test_all_that_a_name_speaks_of(name, kinds):
+    assert room_kinds(name)[: len(kinds)] == kinds
+    assert room_kind(name) == (kinds[0] if kinds else "unknown")
