@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+import shapely
 from shapely.geometry import Point
 from shapely.ops import unary_union
 
 from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
 from chord_usd.plan.open_plans import Use, part_room
+from chord_usd.plan.vector.assemble import assemble
+from chord_usd.plan.vector.shapes import Label, RoomShape, VectorDrawing
 from chord_usd.raster.page_labels import KIND_NAMES
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_names import room_kind, room_kinds
@@ -143,3 +146,13 @@ def test_what_a_home_needs_goes_to_the_room_that_speaks_against_it_least():
 def test_all_that_a_name_speaks_of(name, kinds):
     assert room_kinds(name)[: len(kinds)] == kinds
     assert room_kind(name) == (kinds[0] if kinds else "unknown")
+
+
+def test_walls_and_labels_of_a_vector_file_tell_as_much():
+    ring = shapely.box(-0.2, -0.2, 9.2, 4.2).difference(shapely.box(0, 0, 9, 4))
+    labels = [Label("Lounge", np.array((2.0, 2.0))), Label("Kitchen", np.array((8.0, 1.5)))]
+    plan = assemble(VectorDrawing(walls=[ring], labels=labels, m_per_unit=1.0), "a.dxf")
+    assert sorted(one.kind for one in plan.rooms) == ["kitchen", "living"]
+    authored = RoomShape(shapely.box(0, 0, 9, 4), "Lounge")
+    drawn = VectorDrawing([authored], [ring], labels=labels, m_per_unit=1.0)
+    assert [one.kind for one in assemble(drawn, "a.ifc").rooms] == ["living"]

@@ -14,7 +14,8 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.labels import named_by_texts, numbered
+from chord_usd.plan.home_uses import part_open_plans
+from chord_usd.plan.labels import named_by_texts, numbered, uses_named
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.printed import estimates
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
@@ -58,6 +59,10 @@ _BRIDGE = 0.2
 """An opening reaches across its wall by so many of its lengths when a gap has to be closed."""
 
 
+_AS_DRAWN = PixelFrame(1.0, (0.0, 0.0), 0)
+"""Labels are points; a frame of one metre per pixel leaves them where they are."""
+
+
 def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None) -> Plan:
     """The plan of one storey. where: the file, for messages. m_per_unit overrides the file's.
 
@@ -76,7 +81,15 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
     openings = _openings(scaled, rooms)
     told = [*drawing.notes, *scale.warnings()]
     extra = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
-    return Plan(rooms, openings, extra)
+    plan = Plan(rooms, openings, extra)
+    return plan if drawing.rooms else _parted(plan, scaled.labels)
+
+
+def _parted(plan: Plan, labels: Sequence[Label]) -> Plan:
+    """The plan whose rooms the walls alone told, with those of several labels parted."""
+    texts = _as_texts(labels, -1.0)
+    uses = {room.id: uses_named(room, texts, _AS_DRAWN) for room in plan.rooms}
+    return part_open_plans(plan, uses)
 
 
 def _refuse_niches(rooms: Sequence[Room], walls: Sequence[Polygon], where: str) -> None:
@@ -161,9 +174,7 @@ def _rooms(drawing: VectorDrawing) -> tuple[Room, ...]:
             taken = taken.union(floor.buffer(1e-6, join_style="mitre"))
     rooms.sort(key=lambda row: (-round(row[1].bounds[3], 2), row[1].bounds[0]))
     plain = [_room(name, floor) for name, floor in rooms]
-    # Labels are points; a frame of one metre per pixel leaves them where they are.
-    texts = _as_texts(drawing.labels, -1.0)
-    return numbered(named_by_texts(plain, texts, PixelFrame(1.0, (0.0, 0.0), 0)))
+    return numbered(named_by_texts(plain, _as_texts(drawing.labels, -1.0), _AS_DRAWN))
 
 
 def _holes(walls: BaseGeometry, openings: Sequence[OpeningShape]) -> list[Polygon]:
