@@ -10,7 +10,7 @@ import shapely
 
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon, to_own
 from chord_usd.scene.palette import CATEGORIES, Level, Mount
 from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
@@ -27,6 +27,13 @@ _BEFORE_WINDOWS = (Mount.WINDOW, Mount.BOARD, Mount.PIECE)
 
 PROBE_M = 0.1
 """How far beyond the wall's face one looks for the room on that side."""
+
+
+BORDER_M = 0.05
+"""A passage less deep goes through no wall: rooms lie open to each other all along it."""
+
+WAY_M = 0.7
+"""An open border is used by one way across it, which is at least so wide."""
 
 
 ClearFloor = tuple[Opening, shapely.Geometry]
@@ -107,9 +114,18 @@ def _open_floors(rooms: Sequence[Room]) -> dict[str, shapely.Geometry]:
     }
 
 
+def is_open_border(opening: Opening) -> bool:
+    """Whether no wall is to the left or right of a passage, but the same floor on both sides."""
+    return opening.kind == "passage" and opening.box.size_m[1] < BORDER_M
+
+
 def clearances(rooms: Sequence[Room], openings: Sequence[Opening]) -> Iterator[ClearFloor]:
-    """Each opening with the floor that stays free on each of its sides that is a room."""
+    """Each opening with the floor that stays free on each of its sides that is a room.
+
+    Open borders keep no floor free: one walks across anywhere (blocked_openings).
+    """
     floors = _open_floors(rooms)
+    openings = [opening for opening in openings if not is_open_border(opening)]
     beside = rooms_beside(openings, rooms)
     for opening, sides in zip(openings, beside, strict=True):
         for room, box in zip(sides, clearance_boxes(opening), strict=True):
@@ -143,7 +159,8 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
 
     The box is as wide as the opening and clearance_depth_m deep, clipped to the room it lies in.
     Items below the sill, above the lintel or underfoot do not block. Dressing counts as items do
-    (is_high_enough). One entry for each pair.
+    (is_high_enough). One entry for each pair. An open border is blocked, by all that stands in it,
+    where no way of WAY_M is left across it.
     """
     things = (*graph.items, *graph.dressing)
     if not things:
@@ -157,7 +174,34 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
             if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
                 found[Blocked(opening=opening.id, item=item.id)] = None
+    for border in filter(is_open_border, graph.openings):
+        near = sorted(tree.query(_across(border), predicate="intersects"))
+        own = [things[index] for index in near if is_high_enough(things[index], border)]
+        if own and not _has_way(border, own):
+            found.update((Blocked(border.id, item.id), None) for item in own)
     return list(found)
+
+
+def _across(border: Opening) -> shapely.Polygon:
+    """The floor on both sides of an open border that a way across it takes up."""
+    length, _, height = border.box.size_m
+    return footprint_polygon(replace(border.box, size_m=(length, WAY_M, height)))
+
+
+def _has_way(border: Opening, items: Sequence[Item]) -> bool:
+    strip = _across(border)
+    half = border.box.size_m[0] / 2
+    reach = -half
+    spans = []
+    for item in items:
+        part = footprint_polygon(item.box).intersection(strip)
+        along = to_own(border.box, shapely.get_coordinates(part))[:, 0]
+        spans.append((float(along.min()), float(along.max())))
+    for low, high in [*sorted(spans), (half, half)]:
+        if low - reach >= min(WAY_M, 2 * half):
+            return True
+        reach = max(reach, high)
+    return False
 
 
 class ClearFloors:

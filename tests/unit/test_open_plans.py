@@ -6,6 +6,7 @@ import shapely
 from shapely.geometry import Point
 from shapely.ops import unary_union
 
+from chord_usd.metrics.clear_floor import blocked_openings, clearances
 from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
 from chord_usd.plan.open_plans import Use, part_room
 from chord_usd.plan.vector.assemble import assemble
@@ -13,7 +14,7 @@ from chord_usd.plan.vector.shapes import Label, RoomShape, VectorDrawing
 from chord_usd.raster.page_labels import KIND_NAMES
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_names import room_kind, room_kinds
-from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
+from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 
 
 def room(name, kind, *corners):
@@ -156,3 +157,20 @@ def test_walls_and_labels_of_a_vector_file_tell_as_much():
     authored = RoomShape(shapely.box(0, 0, 9, 4), "Lounge")
     drawn = VectorDrawing([authored], [ring], labels=labels, m_per_unit=1.0)
     assert [one.kind for one in assemble(drawn, "a.ifc").rooms] == ["living"]
+
+
+@pytest.mark.parametrize(("lengths_m", "is_shut"), [((2.0, 1.0), False), ((2.0, 1.7), True)])
+def test_an_open_border_is_shut_where_no_way_is_left_across_it(lengths_m, is_shut):
+    rooms = (
+        rectangle("living1", "living", 0, 0, 5, 4),
+        rectangle("kitchen1", "kitchen", 5, 0, 8, 4),
+    )
+    border = Opening("passage1", "passage", Box((5, 2, 0), (4.0, 0.02, 2.3), 90), ("a", "b"))
+    south, north = lengths_m
+    items = tuple(
+        Item(f"sofa{index}", "sofa", Box((4.6, y, 0), (length, 0.7, 0.8), 90), "living1")
+        for index, (y, length) in enumerate([(south / 2, south), (4 - north / 2, north)])
+    )
+    graph = SceneGraph(rooms, (border,), items)
+    assert bool(blocked_openings(graph)) == is_shut
+    assert not list(clearances(rooms, (border,)))
