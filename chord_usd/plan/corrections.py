@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 from chord_usd.errors import ChordError
 from chord_usd.plan.labels import KIND_CONFIDENCE
-from chord_usd.scene.room_names import LEADING, room_kind
+from chord_usd.plan.open_plans import Use, can_share, part_room
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.room_names import LEADING, room_kind, room_kinds
 from chord_usd.scene.types import Plan, Room, RoomKind
 
 _WHERE = "--rooms"
@@ -25,6 +27,8 @@ class RoomSaid:
     kind: RoomKind
     name: str = ""
     """As the user calls it, where that says more than the kind."""
+    shared: tuple[RoomKind, ...] = ()
+    """All kinds, where its floor is to be parted into several: "living / kitchen"."""
 
 
 def read_rooms(text: str) -> tuple[RoomSaid, ...]:
@@ -41,14 +45,17 @@ def read_rooms(text: str) -> tuple[RoomSaid, ...]:
             raise _error(f"'{_shown(word)}' is no kind of room", f"one of {', '.join(LEADING)}")
         if which in said:
             raise _error(f"room {_shown(which)} is named twice", "each room once")
-        said[which] = RoomSaid(which, kind, "" if word.casefold() == kind else word)
+        several = tuple(one for one in room_kinds(word) if can_share(one))
+        own = "" if word.casefold() == kind else word
+        said[which] = RoomSaid(which, kind, own, several if len(several) > 1 else ())
     if not said:
         raise _error("is empty", "ROOM: KIND")
     return tuple(said.values())
 
 
 def with_rooms(plan: Plan, said: Sequence[RoomSaid]) -> Plan:
-    """The plan with rooms of the kinds that were said; ids stay. Raises ChordError."""
+    """The plan with rooms of the kinds that were said; ids stay. Raises ChordError, also where a
+    floor has no room for all that is to share it."""
     changed = dict(enumerate(plan.rooms))
     told: dict[int, str] = {}
     for one in said:
@@ -59,7 +66,23 @@ def with_rooms(plan: Plan, said: Sequence[RoomSaid]) -> Plan:
         room = plan.rooms[index]
         extra = {**room.extra, KIND_CONFIDENCE: 1.0}
         changed[index] = replace(room, kind=one.kind, name=one.name, extra=extra)
-    return replace(plan, rooms=tuple(changed.values()))
+    corrected = replace(plan, rooms=tuple(changed.values()))
+    for index, one in zip(told, said, strict=True):
+        if one.shared:
+            corrected = _parted(corrected, plan.rooms[index].id, one)
+    return corrected
+
+
+def _parted(plan: Plan, room_id: str, said: RoomSaid) -> Plan:
+    parted = part_room(plan, room_id, [Use(kind) for kind in said.shared])
+    if len(parted.rooms) - len(plan.rooms) != len(said.shared) - 1:
+        area_m2 = room_polygon(plan.room(room_id)).area
+        raise _error(
+            f"room {_shown(said.which)}, of {area_m2:.3g} m², has no room for "
+            f"{' and '.join(said.shared)}",
+            "a larger room, or fewer kinds",
+        )
+    return parted
 
 
 def _index(rooms: Sequence[Room], which: str) -> int:

@@ -22,6 +22,7 @@ from chord_usd.raster import lettering
 from chord_usd.raster.lettering import text_size, write_text
 from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import write_plan
+from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Plan
 
 PLAN = random_plan(np.random.default_rng(3), rooms=5)
@@ -136,3 +137,14 @@ def test_hebrew_runs_from_the_right_and_its_numbers_do_not() -> None:
     assert lettering._from_left("חדר 12 (3.5)") == "(3.5) 12 רדח"
     assert lettering._from_left("Room חדר 2") == "Room רדח 2"
     assert lettering._from_left("Küche 2 (12 m²)") == "Küche 2 (12 m²)"
+
+
+def test_a_floor_is_parted_by_what_it_is_said_to_be():
+    largest = max(PLAN.rooms, key=lambda room: room_polygon(room).area)
+    plan = with_rooms(PLAN, read_rooms(f"{largest.id}: living / kitchen"))
+    assert len(plan.rooms) == len(PLAN.rooms) + 1
+    kinds = {one.kind for one in plan.rooms if one.id not in {r.id for r in PLAN.rooms}}
+    assert kinds <= {"living", "kitchen"}
+    smallest = min(PLAN.rooms, key=lambda room: room_polygon(room).area)
+    with pytest.raises(ChordError, match="has no room for"):
+        with_rooms(PLAN, read_rooms(f"{smallest.id}: living + kitchen + dining + study + bedroom"))
