@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from shapely.geometry import Point, Polygon
+from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import polygons_of, room_polygon
@@ -38,7 +39,7 @@ _NARROW_M = 0.45
 _TOUCH_M = 0.05
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cell:
     """Where a stair meets a storey."""
 
@@ -46,6 +47,8 @@ class Cell:
     """Id of the room that is the stair's."""
     joined: str
     """Id of the room that one steps on from, or off to."""
+    hole_m: Polygon | None = None
+    """Where it has no floor, since the stair comes up from below."""
 
 
 def is_cell(room: Room) -> bool:
@@ -59,7 +62,7 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
     above: whether the stair arrives on this storey, and does not start there. Raises PlanError for
     a stair that leads nowhere.
     """
-    area = built.area_m
+    area = built.hole_m if above else built.area_m
     by_share = sorted(
         ((area.intersection(room_polygon(room)).area / area.area, room) for room in plan.rooms),
         key=lambda pair: -pair[0],
@@ -71,45 +74,73 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
             if above else f"stair {built.stair.id} stands in no room",
             expected="a room around the stair on both storeys",
         )  # fmt: skip
-    if is_cell(main) or not _left_of(main, area):
+    beside = _left_of(main, area)
+    pockets = [part for part in beside if above and part.difference(built.area_m).area < _LEAST_M2]
+    hole = area if share > 0.99 else _inside(area, main)
+    if is_cell(main):
+        cell = replace(main, polygon_m=_corners(_with_more(main, area, plan)))
+        rooms = [r for r in plan.rooms if r.id != main.id]
+    elif len(pockets) == len(beside):  # the room is there for the stair
         cell, rooms = _marked(main), [r for r in plan.rooms if r.id != main.id]
-        rooms = [part for room in rooms for part in _cut(room, room_polygon(cell))]
+        hole = room_polygon(main)
     else:
-        polygon = area if share > 0.99 else _inside(area, main)
+        hole = max(polygons_of(unary_union([hole, *pockets])), key=lambda part: part.area)
         cell = Room(
-            _free_id(plan, f"{built.stair.id}_cell"), "corridor", _corners(polygon), "Stairs",
+            _free_id(plan, f"{built.stair.id}_cell"), "corridor", _corners(hole), "Stairs",
             {CELL: True, "roomKind": "corridor"},
         )  # fmt: skip
-        rooms = [part for room in plan.rooms for part in _cut(room, polygon)]
+        rooms = list(plan.rooms)
+    rooms = [part for room in rooms for part in _cut(room, room_polygon(cell))]
     place = [room.id for room in plan.rooms].index(main.id)
     rooms.insert(min(place + 1, len(rooms)), cell)
     plan = replace(plan, rooms=tuple(rooms))
-    return _joined(plan, cell, built, above)
+    return _joined(plan, Cell(cell.id, "", hole if above else None), built, above)
 
 
-def _joined(plan: Plan, cell: Room, built: BuiltStair, above: bool) -> tuple[Plan, Cell]:
+def _with_more(cell: Room, area: Polygon, plan: Plan) -> Polygon:
+    """A cell with what another stair takes up beside it."""
+    floors = unary_union([area.intersection(room_polygon(room)) for room in plan.rooms])
+    touching = unary_union([room_polygon(cell), floors]).buffer(1e-4, join_style="mitre")
+    parts = polygons_of(touching.buffer(-1e-4, join_style="mitre"))
+    return max(parts, key=lambda part: part.intersection(room_polygon(cell)).area)
+
+
+def _joined(plan: Plan, cell: Cell, built: BuiltStair, above: bool) -> tuple[Plan, Cell]:
     """The room where one steps on or off, over a passage where no wall is between."""
     probe = Point(built.walk_m[-1 if above else 0, :2])
     edge = built.arrival_m if above else built.departure_m
-    others = [room for room in plan.rooms if room.id != cell.id]
+    others = [room for room in plan.rooms if room.id != cell.room]
     beyond = next((room for room in others if room_polygon(room).covers(probe)), None)
     if beyond is not None and room_polygon(beyond).distance(edge.centroid) < _TOUCH_M:
-        opening = _passage(f"{built.stair.id}_{'top' if above else 'foot'}", edge, cell, beyond)
+        opening = _passage(
+            f"{built.stair.id}_{'top' if above else 'foot'}", edge, cell.room, beyond
+        )
         taken = {one.id for one in plan.openings}
         added = () if opening.id in taken else (opening,)
-        return replace(plan, openings=(*plan.openings, *added)), Cell(cell.id, beyond.id)
+        plan = replace(plan, openings=(*plan.openings, *added))
+        return _as_landing(plan, beyond.id), replace(cell, joined=beyond.id)
     for opening in plan.openings:
         joins = opening.kind != "window" and len(opening.room_ids) > 1
         near = Point(opening.box.center_m[:2]).distance(edge) < 2 * WALL_THICKNESS_M
-        if joins and near and cell.id in opening.room_ids:
-            return plan, Cell(cell.id, next(i for i in opening.room_ids if i != cell.id))
+        if joins and near and cell.room in opening.room_ids:
+            joined = next(one for one in opening.room_ids if one != cell.room)
+            return _as_landing(plan, joined), replace(cell, joined=joined)
     raise PlanError(
         f"stair {built.stair.id} leads nowhere: its {'top' if above else 'foot'} ends at a wall",
         expected="floor, or a door, where one steps on and off",
     )
 
 
-def _passage(name: str, edge: Polygon, cell: Room, beyond: Room) -> Opening:
+def _as_landing(plan: Plan, room_id: str) -> Plan:
+    """A room that a stair leads to is a hall, if nothing says what else it is."""
+    rooms = tuple(
+        replace(room, kind="corridor") if room.id == room_id and room.kind == "unknown" else room
+        for room in plan.rooms
+    )
+    return replace(plan, rooms=rooms)
+
+
+def _passage(name: str, edge: LineString, cell: str, beyond: Room) -> Opening:
     (x0, y0), (x1, y1) = np.asarray(edge.coords)
     low, height = BASE_AND_HEIGHT_M["passage"]
     length = float(np.hypot(x1 - x0, y1 - y0))
@@ -117,7 +148,7 @@ def _passage(name: str, edge: Polygon, cell: Room, beyond: Room) -> Opening:
     middle = (float(x0 + x1) / 2, float(y0 + y1) / 2, low)
     return Opening(
         name, "passage", Box(middle, (length, WALL_THICKNESS_M, height), yaw_deg),
-        (cell.id, beyond.id),
+        (cell, beyond.id),
     )  # fmt: skip
 
 

@@ -74,7 +74,8 @@ class BuiltStair:
             if tread.edges_m is None and tread.top_m <= self.ceiling_m - HEADROOM_M + 1e-6
         ]  # fmt: skip
         area = self._own_area
-        open_m = area.difference(unary_union([one.buffer(1e-6) for one in low]))
+        grown = [one.buffer(1e-6, join_style="mitre") for one in low]
+        open_m = area.difference(unary_union(grown))
         return self._in_world(open_m.buffer(_CLEAR_M, join_style="mitre").intersection(area))
 
     @property
@@ -161,6 +162,11 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
         treads = [_mirrored(tread) for tread in treads]
         turn = [(-x, y) for x, y in turn]
     return BuiltStair(stair, height_m, rise_m, best.going_m, tuple(treads), flights, tuple(turn))
+
+
+def least_run_m(height_m: float) -> float:
+    """Length of the shortest straight stair to rule that rises so much."""
+    return (math.ceil(height_m / RISE_M[1] - 1e-9) - 1) * GOING_M[0]
 
 
 class _Division(Protocol):

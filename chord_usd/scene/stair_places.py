@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import Point, Polygon
+from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.stair_cells import with_cell
+from chord_usd.scene.geometry import room_polygon, to_own, to_world
+from chord_usd.scene.stair_cells import is_cell, with_cell
 from chord_usd.scene.stair_elements import LEAST_WIDTH_M, WELL_M, Stair, StairForm, Turn
-from chord_usd.scene.stair_forms import BuiltStair, build_stair
+from chord_usd.scene.stair_forms import BuiltStair, build_stair, least_run_m
 from chord_usd.scene.types import Box, FloatArray, Plan
 from chord_usd.scene.units import m_from_cm
 
@@ -23,13 +24,16 @@ DRAWN_STAIRS = "drawnStairs"
 _LONG = 2.0
 """A stair that is so many times as long as wide is straight, before it is anything else."""
 
+_FILLED = 0.8
+"""Share of the least rectangle around it that a stair fills, unless it is an L."""
+
 _SAME_M = 0.01
 
 _ALONG = 0.5
 """Cosine: a straight stair goes up no more slantwise than this against what its steps say."""
 
 
-_GROWN_M = (0.0, 0.3, 0.6, 0.9, 1.2)
+_GROWN_M = tuple(0.1 * step for step in range(13))
 """How much longer than drawn a stair may become: many are drawn shorter than they are built."""
 
 _LEAST_M: dict[StairForm, float] = {
@@ -43,6 +47,8 @@ _WIDENED_M = 0.3
 _IN_ONE_ROOM = 0.97
 """Share of a stair that grew that must lie in one room of each storey, clear of walls."""
 
+_WINDERS: tuple[StairForm, ...] = ("winder_L", "winder_U")
+
 
 @dataclass(frozen=True, eq=False)
 class StairShape:
@@ -55,6 +61,8 @@ class StairShape:
     """(2,) middles of its lowest and its highest steps, where the file tells them."""
     forms: tuple[StairForm, ...] = ()
     """Those that the file speaks of; none where it does not say."""
+    others: bool = True
+    """Whether other forms are tried, too."""
 
 
 def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[Polygon]:
@@ -68,19 +76,46 @@ def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[
 
 def seen_on_both(below: Sequence[Polygon], above: Sequence[Polygon]) -> list[Polygon]:
     """Stairs between two storeys: what both show at one place, as far as either shows it; where
-    only one shows stairs, those."""
+    only one shows stairs, those. A long one is no wider than both show it: walls are beside it."""
     if not below or not above:
         return [*below, *above]
-    pairs = [(low, high) for low in below for high in above if low.intersects(high)]
-    return [low.union(high).convex_hull for low, high in pairs]
+    return [_together(low, high) for low in below for high in above if low.intersects(high)]
+
+
+def _together(low: Polygon, high: Polygon) -> Polygon:
+    around = low.union(high).minimum_rotated_rectangle
+    frame = _frame_of(around)
+    (length, width, _), shown = frame.size_m, []
+    if length < _LONG * width:
+        return low.union(high).convex_hull
+    for one in (low, high):
+        across = to_own(frame, np.asarray(one.exterior.coords))[:, 1]
+        shown.append((float(across.min()), float(across.max())))
+    near, far = max(span[0] for span in shown), min(span[1] for span in shown)
+    corners = [(-length / 2, near), (length / 2, near), (length / 2, far), (-length / 2, far)]
+    return Polygon(to_world(frame, corners))
+
+
+def _frame_of(rectangle: Polygon) -> Box:
+    """A rectangle as a box whose length is its longer side."""
+    corners = np.asarray(rectangle.exterior.coords)[:4]
+    sides = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(*sides[:2].T)
+    first = int(lengths.argmax())
+    yaw_deg = float(np.degrees(np.arctan2(sides[first][1], sides[first][0])))
+    x, y = corners.mean(axis=0).tolist()
+    return Box((x, y, 0.0), (float(lengths.max()), float(lengths.min()), 1.0), yaw_deg)
 
 
 def grown_stair(
     area: Polygon, name: str, lower: Plan, upper: Plan, height_m: float
 ) -> Stair | None:
-    """As placed_stair, for one seen on a picture: as much longer as it has to be, and can be."""
-    for more_m in _GROWN_M:
-        stair = placed_stair(StairShape(area), name, lower, upper, height_m, more_m)
+    """As placed_stair, for one seen on a picture: as much longer as it has to be, and can be;
+    with winders where no other fits."""
+    for winds, more_m in itertools.product((False, True), _GROWN_M):
+        forms = [form for form in _likely(StairShape(area)) if (form in _WINDERS) == winds]
+        shape = StairShape(area, forms=tuple(forms), others=False)
+        stair = placed_stair(shape, name, lower, upper, height_m, more_m)
         if stair is not None:
             return stair
     return None
@@ -99,7 +134,7 @@ def placed_stair(
     to where the drawn one does. more_m: how much longer it becomes than it is drawn, within the
     rooms that it stands in; None takes it as it is."""
     best: tuple[float, Stair] | None = None
-    for stair in (_grown(one, more_m) for one in _candidates(shape, name)):
+    for stair in (_grown(one, more_m, height_m) for one in _candidates(shape, name)):
         if best is not None and (shape.ends is None or stair.form != best[1].form):
             break
         try:
@@ -116,10 +151,13 @@ def placed_stair(
     return best[1] if best else None
 
 
-def _grown(stair: Stair, more_m: float | None) -> Stair:
+def _grown(stair: Stair, more_m: float | None, height_m: float) -> Stair:
     """Longer at its foot, and wide enough."""
     if more_m is None:
         return stair
+    if stair.form == "straight":
+        spare_m = stair.box.size_m[1] + more_m - least_run_m(height_m)
+        more_m -= min(max(spare_m, 0.0), more_m, _GROWN_M[1])
     (width_m, depth_m, high_m), (x, y, z) = stair.box.size_m, stair.box.center_m
     ahead = np.radians(stair.box.yaw_deg + 90.0)
     back = more_m / 2
@@ -131,9 +169,10 @@ def _grown(stair: Stair, more_m: float | None) -> Stair:
 
 
 def _refuse_walls(built: BuiltStair, lower: Plan, upper: Plan) -> None:
-    area = built.area_m
-    for plan in (lower, upper):
-        shares = [room_polygon(room).intersection(area).area / area.area for room in plan.rooms]
+    for plan, area in ((lower, built.under_m), (upper, built.hole_m)):
+        cells = unary_union([room_polygon(room) for room in plan.rooms if is_cell(room)])
+        floors = [room_polygon(room).union(cells) for room in plan.rooms]
+        shares = [floor.intersection(area).area / area.area for floor in floors]
         if max(shares) < _IN_ONE_ROOM:
             raise PlanError("a stair there would stand in a wall")
 
@@ -146,24 +185,24 @@ def _off_m(built: BuiltStair, shape: StairShape) -> float:
     return sum(edge.distance(Point(end)) for edge, end in zip(edges, shape.ends, strict=True))
 
 
+def _likely(shape: StairShape) -> tuple[StairForm, ...]:
+    """Forms, the likeliest first."""
+    length, width, _ = _frame_of(shape.area.minimum_rotated_rectangle).size_m
+    is_long = length >= _LONG * max(width, 1e-6)
+    fills = shape.area.area / max(length * width, 1e-6)
+    forms: tuple[StairForm, ...] = ("straight", "U", "L") if is_long else ("U", "L", "straight")
+    if fills < _FILLED and not is_long:
+        forms = ("L", "U", "straight")
+    return (*forms, *_WINDERS)
+
+
 def _candidates(shape: StairShape, name: str) -> Iterator[Stair]:
     """The likeliest first."""
-    around = shape.area.minimum_rotated_rectangle
-    corners = np.asarray(around.exterior.coords)[:4]
-    sides = np.roll(corners, -1, axis=0) - corners
-    lengths = np.hypot(*sides[:2].T)
-    yaw = float(np.degrees(np.arctan2(sides[0][1], sides[0][0])))
-    x, y = corners.mean(axis=0).tolist()
-    is_long = float(lengths.max() / max(lengths.min(), 1e-6)) >= _LONG
-    fills = shape.area.area / max(around.area, 1e-6)
-    forms: tuple[StairForm, ...] = ("straight", "U", "L") if is_long else ("U", "L", "straight")
-    if fills < 0.8 and not is_long:
-        forms = ("L", "U", "straight")
-    winders: tuple[StairForm, ...] = ("winder_L", "winder_U")
-    forms = shape.forms + tuple(one for one in (*forms, *winders) if one not in shape.forms)
-    for form, quarter in itertools.product(forms, range(4)):
-        width, depth = (lengths if quarter % 2 == 0 else lengths[::-1]).tolist()
-        box = Box((x, y, 0.0), (width, depth, 1.0), yaw + 90.0 * quarter)
+    frame = _frame_of(shape.area.minimum_rotated_rectangle)
+    others = [one for one in _likely(shape) if one not in shape.forms] if shape.others else []
+    for form, quarter in itertools.product((*shape.forms, *others), range(4)):
+        width, depth = frame.size_m[:2] if quarter % 2 == 0 else frame.size_m[1::-1]
+        box = Box(frame.center_m, (width, depth, 1.0), frame.yaw_deg + 90.0 * quarter)
         ahead = np.radians(box.yaw_deg + 90.0)
         along = 1.0 if shape.up is None else float(shape.up @ [np.cos(ahead), np.sin(ahead)])
         if form == "straight" and along < _ALONG:

@@ -190,7 +190,7 @@ def _sides(area: Polygon) -> str:
 
 def _prefixed_cell(cell: Cell, index: int) -> Cell:
     prefix = prefix_of(index)
-    return Cell(prefix + cell.room, prefix + cell.joined)
+    return replace(cell, room=prefix + cell.room, joined=prefix + cell.joined)
 
 
 def _prefixed(plan: Plan, index: int) -> Plan:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 from pxr import Gf, Sdf, Usd, UsdGeom
+from shapely.geometry import Polygon
 
 from chord_usd.errors import StageError
 from chord_usd.runtime.stages import ELEVATION, storey_prims
@@ -57,6 +58,7 @@ KnownMeshes = dict[Sdf.Path, Triangles]
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _SNAP_M = 1e-4
+_LEAST_HOLE_M = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,8 @@ class StageScene:
     """Ids of openings that are where one steps onto stairs or off."""
     shafts: tuple[Room, ...] = ()
     """What stairs take up, as it was noted: a hole has no mesh."""
+    holes: tuple[Polygon, ...] = ()
+    """What of these has no floor."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +130,7 @@ def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
         stairs=tuple(reader.stairs),
         by_stairs=frozenset(reader.by_stairs),
         shafts=tuple(reader.shafts),
+        holes=tuple(reader.holes),
         graph=SceneGraph(
             tuple(reader.rooms),
             tuple(reader.openings),
@@ -152,6 +157,7 @@ class _Reader:
         self.stairs: list[StageStair] = []
         self.by_stairs: list[str] = []
         self.shafts: list[Room] = []
+        self.holes: list[Polygon] = []
         self.rooms: list[Room] = []
         self.openings: list[Opening] = []
         self.items: list[Item] = []
@@ -199,6 +205,7 @@ class _Reader:
         elif shaft and prim.HasAttribute(POLYGON):
             noted = frozen_array(np.array(prim.GetAttribute(POLYGON).Get(), dtype=np.float64))
             self.shafts.append(Room(path, _room_kind(prim), noted, name=prim.GetName()))
+            self.holes += _holes(noted, floors)
         for group, things in ((FURNITURE, self.items), (DRESSING, self.dressing)):
             for part in _children(prim, group):
                 item = self._read_item(part, path, carrier=None)
@@ -329,6 +336,14 @@ def _triangles(prim: Usd.Prim) -> Triangles:
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
     corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int64)
     return Triangles(points, corners[fans(counts)])
+
+
+def _holes(shaft: FloatArray, floors: list[Body]) -> list[Polygon]:
+    """What of a shaft no floor covers."""
+    pieces = [shapely.polygons(body.triangles_m[:, :, :2]) for body in floors if body.solids]
+    floor = shapely.union_all(np.concatenate(pieces)) if pieces else Polygon()
+    free = Polygon(shaft).difference(floor.buffer(_LEAST_HOLE_M, join_style="mitre"))
+    return [part for part in polygons_of(free) if part.area > _LEAST_HOLE_M]
 
 
 def _outline(floors: list[Body]) -> FloatArray | None:

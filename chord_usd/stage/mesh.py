@@ -103,11 +103,13 @@ def upright(
     return Face(corners, uvs)
 
 
-def flat(area: Polygon, height_m: float, *, up: bool) -> list[Face]:
+def flat(area: Polygon, height_m: float, *, up: bool, cut: bool = False) -> list[Face]:
     """A horizontal sheet that faces up or down; u, v are world x, y. Holes are cut out.
 
-    Convex areas stay one polygon, others become triangles.
+    Convex areas stay one polygon, unless they shall be cut; others become triangles.
     """
+    if cut:
+        return _sheet(_triangles(orient(area)), height_m, up=up)
     return _sheet(_convex_pieces(orient(area)), height_m, up=up)
 
 

@@ -65,6 +65,12 @@ from chord_usd.stage.walls import (
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
 
+_SEAM_M = 2e-3
+"""Holes are cut to a millimetre."""
+
+_INNER_M = 0.05
+"""An edge of a hole so far within a stair needs no railing: the stair lies over it."""
+
 _SLAB_M = 0.2
 """How far down a floor is solid."""
 
@@ -91,7 +97,7 @@ def draw_shell(
     fitout = fitout or Fitout()
     extents = []
     for room in level.rooms:
-        extents.append(_draw_room(layer, room, level, folder, fitout))
+        extents.append(_draw_room(layer, room, level, above, folder, fitout))
     extents.append(_draw_exterior(layer, level, above, folder, fitout))
     bounds = np.array(extents)
     return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
@@ -108,13 +114,14 @@ def wall_material(room: NamedRoom) -> str:
 
 
 def _draw_room(
-    layer: Sdf.Layer, room: NamedRoom, level: Level, folder: Path, fitout: Fitout
-) -> FloatArray:
+    layer: Sdf.Layer, room: NamedRoom, level: Level, above: Level | None, folder: Path,
+    fitout: Fitout,
+) -> FloatArray:  # fmt: skip
     walls, rooms = level.walls, level.rooms
     component = ShellComponent(folder / f"{room.name}.usdc", "Architecture", fitout)
     floor = walls.floors_m[room.index]
     lines = walls.lines_of(room.index)
-    _draw_floor_and_ceiling(component, room, floor, level)
+    _draw_floor_and_ceiling(component, room, floor, level, above)
     for edge in sorted({line.edge for line in lines}):
         faces = wall_faces([line for line in lines if line.edge == edge])
         if faces:
@@ -133,7 +140,8 @@ def _draw_room(
     if shaft:
         _draw_stairs(component, room, level)
     walled = [(box, wall_material(room)) for box in wall_boxes(lines)]
-    slabs = [] if room.room.id in level.ways else _slabs(floor, level)
+    holes = level.holes if room.room.id in level.ways else ()
+    slabs = [slab for part in _less(floor, holes) for slab in _slabs(part, level)]
     rising = [own.built for own in level.rising.get(room.room.id, ())]
     steps = [box for built in rising for box in stair_boxes(built)]
     turns = [(hull, floor_material(room)) for built in rising for hull in stair_hulls(built)]
@@ -143,14 +151,30 @@ def _draw_room(
 
 
 def _draw_floor_and_ceiling(
-    component: ShellComponent, room: NamedRoom, floor: Polygon, level: Level
+    component: ShellComponent, room: NamedRoom, floor: Polygon, level: Level, above: Level | None
 ) -> None:
-    if room.room.id not in level.ways:
-        sheet = component.mesh("Floor", flat(floor, 0.0, up=True), floor_material(room))
+    """Both less the holes that stairs go through."""
+    holes = level.holes if room.room.id in level.ways else ()
+    faces = [face for part in _less(floor, holes) for face in flat(part, 0.0, up=True)]
+    if faces:
+        sheet = component.mesh("Floor", faces, floor_material(room))
         label(sheet, "category", "floor")
-    if room.room.id not in level.rising:
-        ceiling = component.mesh("Ceiling", flat(floor, ROOM_HEIGHT_M, up=False), "Ceiling")
+    holes = above.holes if above and room.room.id in level.rising else ()
+    faces = [face for part in _less(floor, holes) for face in flat(part, ROOM_HEIGHT_M, up=False)]
+    if faces:
+        ceiling = component.mesh("Ceiling", faces, "Ceiling")
         label(ceiling, "category", "ceiling")
+
+
+def _less(floor: Polygon, holes: Sequence[Polygon]) -> list[Polygon]:
+    """What is left of a floor around holes; strips too narrow to see are left out."""
+    if not any(hole.intersects(floor) for hole in holes):
+        return [floor]
+    left = floor.difference(unary_union(list(holes)).buffer(_SEAM_M, join_style="mitre"))
+    seen = left.buffer(-_SEAM_M).buffer(2 * _SEAM_M, join_style="mitre").intersection(
+        floor.difference(unary_union(list(holes)))
+    )  # fmt: skip
+    return [part for part in polygons_of(seen) if part.area > _SEAM_M]
 
 
 def _draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> None:
@@ -168,7 +192,11 @@ def _draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> No
     ways = level.ways.get(room.room.id)
     if ways is not None:
         component.reserve(floor_material(room))
-        for number, line in enumerate(guard_lines(room_polygon(room.room), solid, ways)):
+        stairs = [own.built.area_m.buffer(-_INNER_M) for own in level.rising.get(room.room.id, ())]
+        around = unary_union([solid, *stairs])
+        own_holes = [hole for hole in level.holes if hole.intersects(room_polygon(room.room))]
+        lines = [line for hole in own_holes for line in guard_lines(hole, around, ways)]
+        for number, line in enumerate(lines):
             _draw_guard(component, f"Guard_{number}", line, 0.0)
 
 

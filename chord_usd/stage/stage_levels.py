@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pxr import Sdf, Vt
 from shapely.geometry import LineString, Polygon
 
-from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.stair_forms import BuiltStair
 from chord_usd.scene.storeys import Building, with_own_ids
@@ -44,14 +43,11 @@ class Level:
     title: str = ""
     elevation_m: float = 0.0
     rising: dict[str, list[Rising]] = field(default_factory=dict)
-    """Stairs up from it, by id of their cells, which have no ceiling."""
+    """Stairs up from it, by id of their cells, whose ceilings have holes."""
     ways: dict[str, list[LineString]] = field(default_factory=dict)
-    """By id of the cells that have no floor, since a stair comes up: the edges one walks over."""
-
-    @property
-    def holes(self) -> list[Polygon]:
-        """In its floor."""
-        return [room_polygon(room) for room in self.graph.rooms if room.id in self.ways]
+    """By id of the cells with holes, since a stair comes up: the edges one walks over."""
+    holes: list[Polygon] = field(default_factory=list)
+    """In its floor."""
 
     @property
     def path(self) -> str:
@@ -82,6 +78,7 @@ def levels_of(building: Building, graphs: Sequence[SceneGraph]) -> list[Level]:
                 level.rising.setdefault(climb.foot.room, []).append(own)
             elif climb.storey == storey.index - 1:
                 level.ways.setdefault(climb.top.room, []).append(climb.built.arrival_m)
+                level.holes.extend([climb.top.hole_m] if climb.top.hole_m else [])
         for cell, ways in level.ways.items():
             ways += [own.built.departure_m for own in level.rising.get(cell, ())]
         levels.append(level)
@@ -104,7 +101,7 @@ def room_spec(layer: Sdf.Layer, name: str) -> Sdf.PrimSpec | None:
 
 
 def is_shaft(level: Level, room: NamedRoom) -> bool:
-    """Whether a room has no ceiling or no floor, since a stair goes through it."""
+    """Whether a hole is in a room's ceiling or floor, since a stair goes through it."""
     return is_cell(room.room) and (room.room.id in level.rising or room.room.id in level.ways)
 
 

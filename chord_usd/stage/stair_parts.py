@@ -50,6 +50,9 @@ _GUARD_FOOT_M = 0.07
 _GUARD_IN_M = 0.04
 """A railing stands this far over its hole, off the floor that one walks on."""
 
+_ON_WALL = 0.02
+"""Share of the last step that a wall lies under, at least, where it is cut for it."""
+
 _LEAST_FLIGHT_M = 0.01
 """A shorter flight has no steps: one steps from the floor onto the turn, or off it."""
 
@@ -72,7 +75,9 @@ def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
     steps: list[Face] = []
     rails: list[Face] = []
     for flight in (one for one in built.flights if one.length_m > _LEAST_FLIGHT_M):
-        steps += _in_storey(built, _flight_faces(built, flight))
+        steps += _in_storey(
+            built, _flight_faces(built, flight, lifted=_ends_over_wall(built, flight, walls))
+        )
         for side in (-1, 1):
             walled = _is_walled(built, flight, side, walls)
             rails += _in_storey(built, _rail_faces(built, flight, side, walled=walled))
@@ -178,8 +183,18 @@ def _in_flight(flight: Flight, faces: Sequence[Face]) -> list[Face]:
     return moved(faces, np.array([[ux, -uy], [uy, ux]], float), (*flight.start_m, 0.0))
 
 
-def _flight_faces(built: BuiltStair, flight: Flight) -> list[Face]:
-    """Steps and what carries them, in the stair's frame."""
+def _ends_over_wall(built: BuiltStair, flight: Flight, walls: BaseGeometry) -> bool:
+    """Whether the last step of a stair lies on a wall of the lower storey."""
+    last = built.treads[-1]
+    if flight is not built.flights[-1] or last.top_m <= built.ceiling_m:
+        return False
+    area = _world_area(built, last)
+    return bool(walls.intersection(area).area > _ON_WALL * area.area)
+
+
+def _flight_faces(built: BuiltStair, flight: Flight, *, lifted: bool) -> list[Face]:
+    """Steps and what carries them, in the stair's frame. lifted: whether the last step has nothing
+    below the ceiling."""
     count = round((flight.high_m - flight.low_m) / built.rise_m) - 1
     going, rise, low = flight.length_m / count, built.rise_m, flight.low_m
     profile = [(0.0, low)]
@@ -189,8 +204,13 @@ def _flight_faces(built: BuiltStair, flight: Flight) -> list[Face]:
     thick = _WAIST_M if tapered(built) else _LANDING_M
     foot = low - (0.0 if low == 0.0 else thick)
     bend = float(np.clip((foot - low + _WAIST_M) * going / rise, 0.0, flight.length_m))
-    profile += [(flight.length_m, low + count * rise - _WAIST_M), (bend, foot)]
-    profile += [(0.0, foot)] if bend > 0.0 and foot < low else []
+    if lifted:
+        before = flight.length_m - going
+        profile += [(flight.length_m, built.ceiling_m), (before, built.ceiling_m)]
+        profile += [(before, low + (count - 1) * rise - _WAIST_M), (bend, foot)]
+    else:
+        profile += [(flight.length_m, low + count * rise - _WAIST_M), (bend, foot)]
+    profile += [(0.0, foot)] if bend > 1e-6 and foot < low else []
     half = flight.width_m / 2
     return _in_flight(flight, standing(prism(Polygon(profile), -half, half)))
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
@@ -45,10 +45,10 @@ def tread_faces(tread: Tread, rise_m: float, waist_m: float) -> list[Face]:
     """
     area = orient(tread.area_m)
     faces = flat(area, tread.top_m, up=True)
-    for face in flat(area, 0.0, up=False):
+    for face in flat(area, 0.0, up=False, cut=True):
         corners = face.corners_m.copy()
         corners[:, 2] = _undersides_m(tread, corners[:, :2], rise_m, waist_m)
-        faces += [Face(corners[cut], face.uvs_m[cut]) for cut in _fan(corners[:, :2])]
+        faces.append(Face(corners, face.uvs_m))
     for start, end in pairwise(np.asarray(area.exterior.coords)[:, :2]):
         low = _undersides_m(tread, np.array([start, end]), rise_m, waist_m)
         length = float(np.hypot(*(end - start)))
@@ -115,16 +115,6 @@ def _undersides_m(tread: Tread, at: FloatArray, rise_m: float, waist_m: float) -
     share = on / np.maximum(on + off, _EDGE_M)
     heights: FloatArray = np.maximum(tread.top_m - rise_m * (1.0 - share) - waist_m, 0.0)
     return heights
-
-
-def _fan(ring: FloatArray) -> list[list[int]]:
-    """Triangles of a convex ring (N, 2), from a corner where none of them is a mere line."""
-    count = len(ring)
-    fans = [
-        [[first, (first + at) % count, (first + at + 1) % count] for at in range(1, count - 1)]
-        for first in range(count)
-    ]
-    return max(fans, key=lambda fan: min(Polygon(ring[cut]).area for cut in fan))
 
 
 def _inner_corners(built: BuiltStair) -> list[tuple[float, float]]:

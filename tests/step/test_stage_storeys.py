@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,7 @@ from chord_usd.stage.author import author_levels, author_stage
 from chord_usd.stage.check import check_stage
 from chord_usd.stage.check_scene import read_scene
 from chord_usd.stage.stage_levels import levels_of
+from tests.stair_houses import cornered, terraced
 
 
 def built(form: str, storeys: int) -> Building:
@@ -25,9 +28,17 @@ def built(form: str, storeys: int) -> Building:
     raise AssertionError(form)
 
 
-@pytest.fixture(scope="module", params=[("U", 2), ("L", 2), ("straight", 3)], ids=str)
+HOUSES: dict[str, Callable[[], Building]] = {
+    "U": lambda: built("U", 2), "L": lambda: built("L", 2),
+    "straight": lambda: built("straight", 3),
+    "quarter winder": lambda: cornered("winder_L", (1.7, 3.0)),
+    "half winder": lambda: cornered("winder_U", (1.75, 2.3)), "terraced": lambda: stack(terraced()),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=HOUSES, ids=str)
 def house(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = built(*request.param)
+    made = HOUSES[request.param]()
     path = tmp_path_factory.mktemp("storeys") / "house.usda"
     author_levels(levels_of(made, [storey.plan.scene() for storey in made.storeys]), path)
     return path
@@ -108,7 +119,11 @@ def covered(stage: Usd.Stage) -> None:
 
 @pytest.mark.parametrize(
     ("spoil", "told"),
-    [(lowered, "a step of 3"), (gone, "below the floor"), (covered, "of headroom")],
+    [
+        (lowered, "a step of [34]"),
+        (gone, "below the floor|nothing to stand on"),
+        (covered, "of headroom"),
+    ],
 )
 def test_a_broken_stair_is_told_and_leads_nowhere(
     spoil: object, told: str, house: Path, tmp_path: Path
@@ -123,7 +138,7 @@ def test_a_broken_stair_is_told_and_leads_nowhere(
     spoil(stage)  # type: ignore[operator]
     layer.Save()
     report = check_stage(Path(layer.realPath))
-    assert told in " ".join(report.stairs)
+    assert re.search(told, " ".join(report.stairs))
     assert not report.holds
     assert report.reachable_rooms < 0.8
 

@@ -64,6 +64,8 @@ class House:
     """Up from this storey."""
     wells: tuple[Polygon, ...] = ()
     """Parts of its rooms that stairs stand on or come up through."""
+    holes: tuple[Polygon, ...] = ()
+    """What of these has no floor."""
 
     @property
     def plan(self) -> Plan:
@@ -153,6 +155,7 @@ def houses_of(stage: Usd.Stage) -> list[House]:
             replace(
                 house, storey=group.GetName(), storey_title=title, stairs=tuple(stairs),
                 elevation_m=scene.elevation_m, wells=tuple(map(room_polygon, scene.shafts)),
+                holes=scene.holes,
             )
         )  # fmt: skip
     return found

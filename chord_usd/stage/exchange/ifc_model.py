@@ -163,7 +163,7 @@ class _Storey:
         thick_m, kind = _SLAB_M, "BASESLAB"
         if self.house.elevation_m > 0.0:
             thick_m, kind = CEILING_TO_FLOOR_M, "FLOOR"
-            free = unary_union(parts).difference(unary_union(self.house.wells))
+            free = unary_union(parts).difference(unary_union(self.house.holes))
             parts = polygons_of(shapely.set_precision(free, 1e-4))
         bodies = [self.builder.extrusion(part, -thick_m, 0.0) for part in parts]
         self._element("IfcSlab", "Floor", bodies, PredefinedType=kind)

@@ -1,0 +1,49 @@
+"""The floor above a stair is open where headroom needs it, and nowhere else."""
+
+from __future__ import annotations
+
+import pytest
+from shapely.geometry import Point
+
+from chord_usd.scene.geometry import room_polygon, to_world
+from chord_usd.scene.stair_cells import is_cell
+from chord_usd.scene.stair_elements import HEADROOM_M, StairForm
+from chord_usd.scene.storeys import stack
+from chord_usd.scene.types import ROOM_HEIGHT_M
+from tests.stair_houses import cornered, terraced
+
+SIZES: list[tuple[StairForm, tuple[float, float]]] = [
+    ("straight", (0.95, 4.0)), ("U", (2.0, 3.0)), ("L", (2.8, 3.0)), ("winder_L", (1.7, 3.0)),
+    ("winder_U", (1.75, 2.3)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("form", "size"), SIZES)
+def test_the_hole_leaves_the_floor_over_the_lower_steps(
+    form: StairForm, size: tuple[float, float]
+) -> None:
+    made = cornered(form, size)
+    built, top = made.climbs[0].built, made.climbs[0].top
+    assert top.hole_m is not None
+    hole, area = built.hole_m, built.area_m
+    assert area.buffer(1e-3).covers(hole)
+    assert top.hole_m.symmetric_difference(hole).area < 0.01
+    for tread in built.treads:
+        place = to_world(built.stair.box, tread.area_m.representative_point().coords[0])
+        if tread.top_m + HEADROOM_M > ROOM_HEIGHT_M:
+            assert hole.covers(Point(place))
+    first = to_world(built.stair.box, built.treads[0].area_m.representative_point().coords[0])
+    halls = [room_polygon(room) for room in made.storeys[1].plan.rooms if not is_cell(room)]
+    assert any(hall.covers(Point(first)) for hall in halls)
+
+
+def test_flights_drawn_too_short_get_a_stair_under_the_floor_above_and_over_a_wall() -> None:
+    made = stack(terraced())
+    assert not made.warnings
+    built = made.climbs[0].built
+    assert built.stair.form == "straight"
+    assert built.hole_m.bounds[1] >= 1.68 - 1e-6
+    assert built.area_m.bounds[1] < 1.68
+    assert built.area_m.bounds[3] > 4.34 > built.under_m.bounds[3]
+    kinds = {room.id: room.kind for room in made.storeys[1].plan.rooms}
+    assert kinds["storey1_landing"] == "corridor"
