@@ -13,6 +13,7 @@ import argparse
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import mujoco
 import numpy as np
@@ -20,6 +21,7 @@ from pxr import Usd
 from results import write_section
 
 from chord_usd.data.storey_houses import random_storeys
+from chord_usd.scene.stair_elements import StairForm
 from chord_usd.scene.storeys import stack
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.author import author_levels
@@ -138,7 +140,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             own = _ascents(seed, Path(folder))
         found += own
-    forms = {form: [one for name, one in found if name == form] for form in ("straight", "L", "U")}
+    forms = {form: [one for name, one in found if name == form] for form in get_args(StairForm)}
     rows = [
         (
             f"{form} stairs",

@@ -87,7 +87,7 @@ def random_storeys(rng: np.random.Generator, storeys: int = 2) -> tuple[StoreyPl
 
 
 def _draw_frame(dice: Dice) -> _Frame:
-    form: StairForm = dice.pick(["straight", "L", "U", "U"])
+    form: StairForm = dice.pick(["straight", "L", "U", "winder_L", "winder_U"])
     south, north = dice.steps(360, 470), dice.steps(350, 430)
     width = dice.steps(860, 1240)
     if form == "straight":
@@ -99,14 +99,17 @@ def _draw_frame(dice: Dice) -> _Frame:
         return _Frame(width, south, hall, south + hall + north, None, Stair("stair", form, box))
     hall = 24 + dice.steps(110, 150)
     inner = north - 24
+    turns_off = form in ("L", "winder_L")
+    turn: Turn = "right" if turns_off else dice.pick(["left", "right"])
     if form == "U":
-        across = dice.steps(190, 215)
-        bay_width, depth = across + 24, inner
-        turn: Turn = dice.pick(["left", "right"])
+        across, depth = dice.steps(190, 215), inner
+    elif form == "winder_U":
+        across, depth = dice.steps(178, 212), dice.steps(235, 280)
+    elif form == "winder_L":
+        across, depth = dice.steps(165, 210), min(inner, dice.steps(295, 330))
     else:
         across, depth = dice.steps(275, 300), min(inner, dice.steps(300, 330))
-        turn = "right"
-        bay_width = across + 24 + 110
+    bay_width = across + 24 + (110 if turns_off else 0)
     start = dice.pick([0, width - bay_width, dice.steps(300, max(300, width - bay_width - 300))])
     if start < 0 or start + bay_width > width:
         raise NoPlaceError("stair")

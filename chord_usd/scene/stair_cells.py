@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from shapely import get_coordinates
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
-from shapely.ops import unary_union
+from shapely.ops import substring, unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import polygons_of, room_polygon
@@ -37,6 +38,7 @@ _NARROW_M = 0.45
 """Floor no wider than this beside a stair is none that one can use."""
 
 _TOUCH_M = 0.05
+_SEAM_M = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,9 +114,8 @@ def _joined(plan: Plan, cell: Cell, built: BuiltStair, above: bool) -> tuple[Pla
     others = [room for room in plan.rooms if room.id != cell.room]
     beyond = next((room for room in others if room_polygon(room).covers(probe)), None)
     if beyond is not None and room_polygon(beyond).distance(edge.centroid) < _TOUCH_M:
-        opening = _passage(
-            f"{built.stair.id}_{'top' if above else 'foot'}", edge, cell.room, beyond
-        )
+        name = f"{built.stair.id}_{'top' if above else 'foot'}"
+        opening = _passage(name, _open_part(edge, plan.room(cell.room), beyond), cell.room, beyond)
         taken = {one.id for one in plan.openings}
         added = () if opening.id in taken else (opening,)
         plan = replace(plan, openings=(*plan.openings, *added))
@@ -138,6 +139,20 @@ def _as_landing(plan: Plan, room_id: str) -> Plan:
         for room in plan.rooms
     )
     return replace(plan, rooms=rooms)
+
+
+def _open_part(edge: LineString, cell: Room, beyond: Room) -> LineString:
+    """What of an edge is floor on both sides: a stair may reach into the walls beside it, and a
+    passage that does would count as one through these."""
+    near = edge.buffer(_TOUCH_M, cap_style="flat")
+    floor = [room_polygon(room).intersection(near) for room in (cell, beyond)]
+    spans = [sorted(edge.project(Point(at)) for at in get_coordinates(one)) for one in floor if one]
+    if len(spans) < 2:
+        return edge
+    low, high = max(span[0] for span in spans), min(span[-1] for span in spans)
+    if high - low > edge.length - _SEAM_M:
+        return edge
+    return substring(edge, low + _SEAM_M, high - _SEAM_M)
 
 
 def _passage(name: str, edge: LineString, cell: str, beyond: Room) -> Opening:

@@ -9,6 +9,7 @@ from chord_usd.scene.geometry import room_polygon, to_world
 from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.stair_elements import HEADROOM_M, StairForm
 from chord_usd.scene.storeys import stack
+from chord_usd.scene.tunnels import as_cut
 from chord_usd.scene.types import ROOM_HEIGHT_M
 from tests.stair_houses import cornered, terraced
 
@@ -47,3 +48,11 @@ def test_flights_drawn_too_short_get_a_stair_under_the_floor_above_and_over_a_wa
     assert built.area_m.bounds[3] > 4.34 > built.under_m.bounds[3]
     kinds = {room.id: room.kind for room in made.storeys[1].plan.rooms}
     assert kinds["storey1_landing"] == "corridor"
+
+
+def test_where_one_steps_off_no_wall_is_cut() -> None:
+    for storey in stack(terraced()).storeys:
+        openings = [one for one in storey.plan.openings if one.kind == "passage"]
+        cut = as_cut(storey.plan.rooms, storey.plan.openings)
+        assert openings
+        assert [one for one in cut if one.kind == "passage"] == openings
