@@ -22,7 +22,9 @@ from chord_usd.lists.pieces import (
 )
 from chord_usd.lists.wishes import Asked
 from chord_usd.metrics.clear_floor import ClearFloors, clearances
+from chord_usd.metrics.complete import lacking
 from chord_usd.metrics.violations import room_faults
+from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Item, Plan, Room, SceneGraph
 
 WISHED = 4
@@ -74,7 +76,7 @@ def furnish_by_lists(
     clear = ClearFloors(list(clearances(plan.rooms, plan.openings)))
     table = _Table(jobs, wishes, drawer, drafts, rng, clear)
     best: dict[int, _Try] = {}
-    lengths: dict[int, int] = {}
+    first: dict[int, Drawn] = {}
     due = list(range(len(jobs)))
 
     def keep_best(drawn: Mapping[int, Sequence[Drawn]]) -> list[int]:
@@ -83,8 +85,8 @@ def furnish_by_lists(
         return [at for at in due if best[at].key > _FAULTLESS]
 
     for _ in range(ROUNDS if drafts.count > 1 else 1):
-        held = table.held(due, lengths)
-        lengths = {at: len(own.elements) for at, own in held.items()} | lengths
+        held = table.held(due, first)
+        first = held | first
         due = keep_best({at: [own] for at, own in held.items()})
         due = keep_best(table.placed_anew({at: held[at] for at in due}))
         if not due:
@@ -114,23 +116,32 @@ class _Table:
     rng: np.random.Generator
     clear: ClearFloors
 
-    def held(self, due: Sequence[int], lengths: Mapping[int, int]) -> dict[int, Drawn]:
-        """One list for each of these rooms; of several where the length of an earlier one is known,
-        the one nearest to it that is not shorter, or else the longest.
+    def held(self, due: Sequence[int], before: Mapping[int, Drawn]) -> dict[int, Drawn]:
+        """One list for each of these rooms; of several where there was one before, one that lacks
+        least of what rooms of its kind cannot do without; of these the one nearest in length to
+        that before that is not shorter, or else the longest.
         """
-        order = [
-            (at, self._subject(at))
-            for at in due for _ in range(self.drafts.count if at in lengths else 1)
-        ]  # fmt: skip
+        order = [(at, self._subject(at)) for at in due for _ in range(self._count(at, before))]
 
-        def unlike(at: int, drawn: Drawn) -> tuple[int, int]:
-            longer = len(drawn.elements) - lengths.get(at, 0)
-            return max(-longer, 0), abs(longer)
+        def unlike(at: int, drawn: Drawn) -> tuple[int, int, int]:
+            longer = len(drawn.elements) - (len(before[at].elements) if at in before else 0)
+            return self._lacks(at, drawn), max(-longer, 0), abs(longer)
 
         return {
             at: min(own, key=lambda drawn: unlike(at, drawn))
             for at, own in self._drawn(order).items()
         }
+
+    def _count(self, at: int, before: Mapping[int, Drawn]) -> int:
+        """How many lists to draw: of a room like no other, few may be of its kind."""
+        if at not in before:
+            return 1
+        return self.drafts.count * (WISHED if self._lacks(at, before[at]) else 1)
+
+    def _lacks(self, at: int, drawn: Drawn) -> int:
+        room, _ = self.jobs[at]
+        held = [PIECES.categories[one.category] for one in drawn.elements]
+        return len(lacking(room.kind, room_polygon(room).area, held))
 
     def placed_anew(self, held: Mapping[int, Drawn]) -> dict[int, list[Drawn]]:
         """The rest of the drafts, of the same pieces in other places.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,12 +16,12 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.lists import pieces
 from chord_usd.lists.house import Drafts, furnish_by_lists
-from chord_usd.lists.list_sampler import GRAPH_INPUTS, ListDrawer, Subject
+from chord_usd.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
 from chord_usd.lists.pieces import PIECES
 from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics import score_scene
-from chord_usd.metrics.complete import homely_rooms
+from chord_usd.metrics.complete import homely_rooms, lacking
 from chord_usd.metrics.violations import room_faults
 from chord_usd.metrics.walk import ways_shut
 from chord_usd.scene.palette import HOUSE_CATEGORIES
@@ -189,6 +190,43 @@ def test_rooms_are_furnished_as_asked_and_the_others_left_alone() -> None:
     assert [item for item in found.items if item.room_id != chosen.id] == others
     names = Counter(item.category for item in found.items_of(chosen.id))
     assert "sofa" not in names
+
+
+class Rarely:
+    """A list network that takes a room for another kind, but for every ninth list."""
+
+    content_hash = ""
+
+    def __init__(self, mostly: tuple[Element, ...], rarely: tuple[Element, ...]) -> None:
+        self.mostly, self.rarely, self.drawn = mostly, rarely, 0
+
+    def draw(self, subjects: Sequence[Subject], *_: object) -> list[Drawn]:
+        found = []
+        for one in subjects:
+            if one.wanted:  # the same pieces in other places
+                held = {element.category for element in self.rarely}
+                own = self.rarely if set(one.wanted) <= held else self.mostly
+            else:
+                self.drawn += 1
+                own = self.mostly if self.drawn % 9 else self.rarely
+            found.append(Drawn(own, 0.0))
+        return found
+
+
+def test_of_several_lists_one_that_lacks_nothing_is_held_though_it_is_shorter() -> None:
+    graph = house(4)
+    bath = next(room for room in graph.rooms if room.kind == "bathroom")
+    bed = next(room for room in graph.rooms if room.kind == "bedroom")
+    lists = [
+        tuple(pieces.pieces_of(list(graph.items_of(room.id)), pieces.frame_of(room)))
+        for room in (bed, bath)
+    ]
+    drawer = Rarely(lists[0], lists[1][:3])
+    found = furnish_by_lists(
+        graph.plan, drawer, Drafts(1, 3), rooms=[bath.id], standing=graph.items
+    )
+    held = {item.category for item in found.items_of(bath.id)}
+    assert not lacking("bathroom", 5.0, held)
 
 
 def test_faults_of_a_furnished_house_are_none_and_grow_with_what_is_wrong() -> None:
