@@ -35,13 +35,15 @@ from chord_usd.dressing.stock import Stock
 from chord_usd.dressing.taken_space import TakenSpace
 from chord_usd.dressing.tastes import taste_of
 from chord_usd.dressing.wall_faces import faces_of
+from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.footprints import is_underfoot
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.metrics.walk import entrance, free_floor
 from chord_usd.scene.geometry import Floors, footprint_polygon
 from chord_usd.scene.palette import Mount, category
 from chord_usd.scene.styles import HomeStyle
 from chord_usd.scene.tunnels import as_cut
-from chord_usd.scene.types import Item, Room, SceneGraph
+from chord_usd.scene.types import Item, Opening, Room, SceneGraph
 
 
 def dress(
@@ -92,6 +94,8 @@ class _House:
         self._door_id = door and door.id
         self._reliefs = ReliefsOf()
         self._openings = as_cut(graph.rooms, graph.openings)
+        self._index = {one.id: index for index, one in enumerate(self._openings)}
+        self._clear = list(clearances(graph.rooms, self._openings))
         self._holes = shapely.STRtree([footprint_polygon(one.box) for one in self._openings])
         balconies = [room for room in graph.rooms if room.kind == "balcony"]
         near = {
@@ -107,6 +111,17 @@ class _House:
         floor = self._floors.polygons[self._floors.index_of[room.id]]
         return sorted(self._holes.query(floor.buffer(0.3), predicate="intersects").tolist())
 
+    def _seen_from(self, room: Room) -> list[Opening]:
+        """Openings in the walls of other rooms that keep floor free in this one, open to them."""
+        floor = self._floors.polygons[self._floors.index_of[room.id]]
+        near = set(self._near(room))
+        return [
+            opening
+            for opening, clear in self._clear
+            if self._index[opening.id] not in near
+            and clear.intersection(floor).area > MIN_OVERLAP_M2
+        ]
+
     def dressed(self, room: Room, kept: Sequence[Item]) -> list[Item]:
         """The dressing of a room; kept: what stays."""
         frame = self._frame(room, kept)
@@ -120,7 +135,7 @@ class _House:
         pieces = tuple(self._graph.items_of(room.id))
         taken = TakenSpace()
         take_walls(taken, faces)
-        take_clearances(taken, openings)
+        take_clearances(taken, [*openings, *self._seen_from(room)])
         take_pieces(taken, pieces, self._reliefs)
         floor = self._floors.polygons[self._floors.index_of[room.id]]
         walkways = Walkways(self._free, floor)

@@ -21,10 +21,19 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import polygonize, unary_union
 
-from chord_usd.scene.geometry import room_polygon, rooms_beside, seams
+from chord_usd.scene.geometry import footprint_polygon, room_polygon, rooms_beside, seams
 from chord_usd.scene.room_areas import fit_of_area
 from chord_usd.scene.room_names import LEADING
-from chord_usd.scene.types import Box, FloatArray, Opening, Plan, Room, RoomKind, frozen_array
+from chord_usd.scene.types import (
+    WALL_THICKNESS_M,
+    Box,
+    FloatArray,
+    Opening,
+    Plan,
+    Room,
+    RoomKind,
+    frozen_array,
+)
 
 _MISSED: dict[RoomKind, float] = {
     "kitchen": 12.0, "bedroom": 9.0, "living": 6.0, "dining": 3.0, "study": 3.0, "corridor": 2.5,
@@ -45,6 +54,11 @@ _IN_OPENING = 6.0
 
 _DRY, _PIPES_M = 1.5, 0.5
 """Nats for a kitchen, not named, farther than this from all baths."""
+
+_UNIT_WALL_M = 2.4
+_SHORT = 3.0
+"""Nats a metre of wall, free of doors, that a kitchen lacks for its units."""
+_LEAST_RUN_M = 0.8
 
 _STEP_M = 0.25
 _TORN_M = 0.15
@@ -82,6 +96,10 @@ class _Around:
     """Of the floor."""
     baths: BaseGeometry
     """Of the house: a kitchen that may be anywhere shares their pipes."""
+    rim: BaseGeometry
+    """The walls around the whole floor."""
+    doorways: BaseGeometry
+    """Before which nothing stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +127,10 @@ def part_room(plan: Plan, room_id: str, uses: Sequence[Use]) -> Plan:
     room = plan.room(room_id)
     own = [opening for opening in plan.openings if room_id in opening.room_ids]
     baths = unary_union([room_polygon(each) for each in plan.rooms if each.kind == "bathroom"])
-    parts = _best_parts(orient(room_polygon(room)), tuple(uses), _Around(own, baths))[1]
+    floor = orient(room_polygon(room))
+    ways = [footprint_polygon(one.box) for one in own if one.kind != "window"]
+    doorways = unary_union(ways).buffer(WALL_THICKNESS_M, join_style="mitre")
+    parts = _best_parts(floor, tuple(uses), _Around(own, baths, floor.exterior, doorways))[1]
     if len(parts) < 2:
         return plan
     rooms = _rooms(plan, room, parts)
@@ -231,7 +252,21 @@ def _nats(part: _Part, around: _Around) -> float:
         floor.distance(around.baths) > _PIPES_M
     )
     fit = fit_of_area({use.kind for use in part.uses}, floor.area)
-    return fit - _TOO_NARROW * narrow - _RAGGED * ragged - _DRY * is_dry
+    nats = fit - _TOO_NARROW * narrow - _RAGGED * ragged - _DRY * is_dry
+    if part.kind == "kitchen":
+        nats -= _SHORT * max(0.0, _UNIT_WALL_M - _free_wall_m(floor, around))
+    return nats
+
+
+def _free_wall_m(floor: Polygon, around: _Around) -> float:
+    """Wall along which units can stand, in runs of _LEAST_RUN_M or more."""
+    wall = floor.exterior.intersection(around.rim.buffer(_ON_LINE_M))
+    runs = wall.difference(around.doorways)
+    corners = floor.exterior.simplify(_TORN_M).coords
+    bends = shapely.MultiPoint(corners).buffer(_ON_LINE_M)
+    pieces = shapely.get_parts(shapely.line_merge(runs.difference(bends)))
+    lengths = shapely.length(pieces)
+    return float(lengths[lengths >= _LEAST_RUN_M].sum())
 
 
 def _ends_in(cut: LineString, openings: Sequence[Opening]) -> int:
