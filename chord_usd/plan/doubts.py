@@ -16,7 +16,7 @@ from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import built_parts
 from chord_usd.plan.regions import Regions
 from chord_usd.plan.text import Text
-from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.geometry import room_polygon, seams
 from chord_usd.scene.room_names import room_kind
 from chord_usd.scene.types import (
     OPEN,
@@ -54,6 +54,9 @@ _CLOSED_SHARE = 0.5
 
 _WALLS_NEAR = 2.5
 """A room so many wall thicknesses from the picture's edge ends there."""
+
+_TOUCH_M = 0.01
+"""Rooms so near have no wall between: one walks from one to the other."""
 
 _NAME_REACH_M = 0.4
 """A name may stand on the wall of its room."""
@@ -198,12 +201,15 @@ def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterato
 
 
 def _reached_together(plan: Plan) -> list[list[str]]:
-    """Ids of rooms that doors and passages join, the largest group first."""
+    """Ids of rooms that doors and passages join, or that touch, the largest group first."""
     group_of = {room.id: index for index, room in enumerate(plan.rooms)}
-    for opening in plan.openings:
-        if opening.kind != "window" and len(opening.room_ids) == 2:
-            one, other = (group_of[room_id] for room_id in opening.room_ids)
-            group_of = {k: one if v == other else v for k, v in group_of.items()}
+    ids = [room.id for room in plan.rooms]
+    touching = seams([room_polygon(room) for room in plan.rooms], _TOUCH_M)
+    pairs = [(ids[one], ids[other]) for one, other, _ in touching]
+    pairs += [o.room_ids for o in plan.openings if o.kind != "window" and len(o.room_ids) == 2]
+    for pair in pairs:
+        one, other = (group_of[room_id] for room_id in pair)
+        group_of = {k: one if v == other else v for k, v in group_of.items()}
     groups = [[k for k, v in group_of.items() if v == group] for group in set(group_of.values())]
     return sorted(groups, key=lambda group: (-len(group), group))
 

@@ -3,7 +3,7 @@
 Where a kitchen, a table and a sofa share a floor, what is furnished, labelled and lit as one room
 would be a home without a kitchen. So the floor is cut, straight across and along its main
 direction, where each part comes out as large and as wide as rooms of its kind are, with its name on
-it and no door or window in the way of a cut. Along a cut lies a passage from end to end.
+it and no door or window in the way of a cut. The parts touch: nothing is between them.
 """
 
 from __future__ import annotations
@@ -21,13 +21,11 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import polygonize, unary_union
 
-from chord_usd.scene.geometry import footprint_polygon, room_polygon, rooms_beside, seams
+from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.room_areas import fit_of_area
 from chord_usd.scene.room_names import LEADING
 from chord_usd.scene.types import (
     WALL_THICKNESS_M,
-    Box,
-    FloatArray,
     Opening,
     Plan,
     Room,
@@ -73,9 +71,6 @@ _EXTENDED_M = 1e-3
 _ON_LINE_M = 0.01
 _TRIED = 4
 """So many of the best cuts are looked at further."""
-
-_PASSAGE_M = (0.02, 2.3)
-"""Depth and height of an open border."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,9 +131,8 @@ def part_room(plan: Plan, room_id: str, uses: Sequence[Use]) -> Plan:
     rooms = _rooms(plan, room, parts)
     floors = [part.floor for part in parts]
     moved = [_moved(o, room_id, rooms, floors) if o in own else o for o in plan.openings]
-    borders = _borders(plan, rooms, floors)
     others = [other for other in plan.rooms if other.id != room_id]
-    return replace(plan, rooms=(*others, *rooms), openings=(*moved, *borders))
+    return replace(plan, rooms=(*others, *rooms), openings=tuple(moved))
 
 
 # Cuts --------------------------------------------------------------------------------------------
@@ -317,29 +311,3 @@ def _moved(
     nearest = min(range(len(rooms)), key=lambda index: floors[index].distance(middle))
     ids = tuple(rooms[nearest].id if own == room_id else own for own in opening.room_ids)
     return replace(opening, room_ids=ids)
-
-
-def _borders(plan: Plan, rooms: Sequence[Room], floors: Sequence[Polygon]) -> Iterator[Opening]:
-    """A passage along each border between two parts."""
-    taken = {opening.id for opening in plan.openings}
-    number = 1
-    for one, other, border in seams(floors, _ON_LINE_M):
-        start, end = _farthest(shapely.get_coordinates(border))
-        length = float(np.hypot(*(end - start)))
-        if length < _LEAST_CUT_M:
-            continue
-        while f"passage{number}" in taken:
-            number += 1
-        taken.add(f"passage{number}")
-        x, y = (start + end) / 2
-        yaw_deg = float(np.degrees(np.arctan2(*(end - start)[::-1]))) % 180.0
-        box = Box((float(x), float(y), 0.0), (length, *_PASSAGE_M), yaw_deg)
-        joined = rooms_beside(box, [rooms[one], rooms[other]])
-        yield Opening(f"passage{number}", "passage", box, joined)
-
-
-def _farthest(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The two of (N, 2) points that are farthest apart."""
-    away = np.hypot(*(points[:, None] - points).T)
-    one, other = np.unravel_index(int(away.argmax()), away.shape)
-    return points[one], points[other]

@@ -18,9 +18,10 @@ from chord_usd.plan.vector.pdf import PdfPage, read_pages
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.scene import palette
 from chord_usd.scene.chord_json import read_plan
-from chord_usd.scene.geometry import extent_m
+from chord_usd.scene.geometry import extent_m, room_polygon, seams
 from chord_usd.scene.json_stairs import StoreyPlan
 from chord_usd.scene.limits import LARGEST_HOUSE_M
+from chord_usd.scene.tunnels import ON_LINE_M
 from chord_usd.scene.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
@@ -171,6 +172,8 @@ def _warnings(plan: Plan) -> list[str]:
         warnings.append("no doors were found: rooms cannot be entered")
     joined = {room_id for opening in plan.openings for room_id in opening.room_ids}
     if "door" in kinds and len(plan.rooms) > 1:
+        floors = [room_polygon(room) for room in plan.rooms]
+        joined |= {plan.rooms[index].id for pair in seams(floors, ON_LINE_M) for index in pair[:2]}
         shut = [room.id for room in plan.rooms if room.id not in joined]
         if shut:
             warnings.append(f"no opening leads into {', '.join(shut)}")

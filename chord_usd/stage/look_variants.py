@@ -14,7 +14,9 @@ from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
 from chord_usd.scene.feels import FEEL_OF_LOOK, FEEL_OF_SURFACE
+from chord_usd.scene.geometry import seams
 from chord_usd.scene.looks import LOOK_FILE, Look, LookSource
+from chord_usd.scene.tunnels import GRID_M
 from chord_usd.scene.types import RoomKind
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.packages import Packages
@@ -32,6 +34,8 @@ Part = Literal["floor", "wall"]
 _ONE_FLOOR: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "dining", "study", "corridor")
 """Kinds of rooms that are done alike where nothing parts them, the leading one first."""
 
+_LEAST_BORDER_M = 0.5
+
 
 def wear_looks(
     layer: Sdf.Layer, level: Level, looks: LookSource | None, materials: Packages, seed: int
@@ -47,20 +51,20 @@ def wear_looks(
 
 
 def _leading_rooms(level: Level) -> dict[str, NamedRoom]:
-    """By id of each room that lies open to another, with no wall between, the leading one."""
-    rooms = {room.room.id: room for room in level.rooms if room.room.kind in _ONE_FLOOR}
-    group_of = {room_id: {room_id} for room_id in rooms}
-    for opening in level.graph.openings:
-        ids = [room_id for room_id in opening.room_ids if room_id in rooms]
-        if opening.kind == "passage" and opening.id not in level.walls.tunnels and len(ids) == 2:
-            joined = group_of[ids[0]] | group_of[ids[1]]
+    """By id of each room that touches another, with no wall between, the leading one of them."""
+    rooms = [room for room in level.rooms if room.room.kind in _ONE_FLOOR]
+    floors = [level.walls.floors_m[room.index] for room in rooms]
+    group_of = {index: {index} for index in range(len(rooms))}
+    for one, other, border in seams(floors, GRID_M):
+        if border.length > _LEAST_BORDER_M:
+            joined = group_of[one] | group_of[other]
             group_of.update(dict.fromkeys(joined, joined))
     return {
-        room_id: min(
+        rooms[index].room.id: min(
             (rooms[other] for other in group),
             key=lambda room: (_ONE_FLOOR.index(room.room.kind), room.index),
         )
-        for room_id, group in group_of.items()
+        for index, group in group_of.items()
         if len(group) > 1
     }
 
