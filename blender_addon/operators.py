@@ -52,6 +52,7 @@ class ChordGenerate(JobOperator, bpy.types.Operator):
             furnish=_furnish_settings(context, own.seed),
             scale_m_per_px=own.scale,
             part=own.part,
+            roof=own.roof,
         )
         name = commands.house_name(settings)
         wanted = commands.house_folder(bpy.data.filepath, name, unsaved_folder())

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from .core import report, swaps
-from .core.program import EDITS_IN_WORDS, WISHES_FROM, WITHOUT_DRESSING
+from .core.program import EDITS_IN_WORDS, ROOFED, WISHES_FROM, WITHOUT_DRESSING
 from .core.state import OFFERED_BY, panel_state, wrapped
 from .core.tree import is_dressing, piece_of, storeys
 from .house import LOCKED_KEY, Objects, arranged, chosen_path, own_objects, pieces_of
@@ -259,6 +259,8 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
     column.prop(own, "tabletop")
     if program and WITHOUT_DRESSING in program.abilities:
         column.prop(own, "dressing")
+    if program and ROOFED in program.abilities:
+        column.prop(own, "roof")
     column.prop(own, "assets")
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from .core.commands import MAX_STEPS, PASSES
+from .core.commands import MAX_STEPS, PASSES, ROOFS
 
 SCENE_KEY = "chord_usd"
 """The scene's property that holds the panel's fields."""
@@ -113,6 +113,11 @@ class ChordScene(bpy.types.PropertyGroup):
         description="Which plan of a sheet, or storey of a file, by floor area; 1: the largest",
         default=1,
         min=1,
+    )
+    roof: bpy.props.EnumProperty(  # type: ignore[valid-type]
+        name="Roof",
+        description="Choice of the house's variant set `roof`, beside none",
+        items=[(name, name.title(), told) for name, told in ROOFS.items()],
     )
     seed: bpy.props.IntProperty(name="Seed", min=0, max=MAX_SEED)  # type: ignore[valid-type]
     steps: bpy.props.IntProperty(  # type: ignore[valid-type]

@@ -11,7 +11,7 @@ from typing import Literal
 from .edits import Size
 from .errors import InputError
 from .layer import edits_file, opened_file
-from .program import WITHOUT_DRESSING
+from .program import ROOFED, WITHOUT_DRESSING
 from .swaps import size_text
 
 Source = Literal["PLAN", "TEXT", "OUTLINE"]
@@ -23,6 +23,15 @@ PLAN_SUFFIXES = (*PICTURE_SUFFIXES, ".json", ".pdf", ".svg", ".dxf", ".ifc", ".s
 """What a plan may be: a picture, CHOrD JSON, a page or a drawing."""
 
 MAX_STEPS = 1000
+
+NO_ROOF = "none"
+ROOFS = {
+    NO_ROOF: "No roof: one looks in from above",
+    "flat": "A slab over the walls",
+    "gable": "Two slopes",
+    "hip": "Slopes on all sides",
+}
+"""As chord-usd has them, and what each is."""
 
 NAME_WORDS, NAME_LETTERS = 6, 40
 """A house is named after so much of its text."""
@@ -85,6 +94,8 @@ class GenerateSettings:
     """Of a plan picture; 0 where its walls tell."""
     part: int = 1
     """Which plan of a sheet, or storey of a file, by floor area."""
+    roof: str = NO_ROOF
+    """One of ROOFS."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +117,7 @@ def generate(settings: GenerateSettings, house: Path) -> list[str]:
         "-o",
         str(house),
         *_reading(settings),
+        *([ROOFED, settings.roof] if settings.roof != NO_ROOF else []),
         *_furnish(settings.furnish),
         *_REPORT,
     ]

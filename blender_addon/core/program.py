@@ -25,6 +25,7 @@ OPTIONAL = {
     "--part": "take another plan of a sheet, or another storey",
     "--furniture": "furnish with pieces that are asked for",
     "--no-dressing": "leave rooms undressed",
+    "--roof": "give a house a roof",
     "--dry-run": "change a house as a sentence says",
 }
 """Options of `generate` and `edit` that not every version has, and what each is there to do."""
@@ -34,6 +35,9 @@ WISHES_FROM = "--furniture"
 
 WITHOUT_DRESSING = "--no-dressing"
 """Versions with this option dress rooms otherwise."""
+
+ROOFED = "--roof"
+"""Versions with this option give houses roofs."""
 
 EDITS_IN_WORDS = "--dry-run"
 """Versions with this option are told changes in words."""

@@ -21,6 +21,7 @@ from chord_usd.commands.common import (
     add_lists,
     add_output,
     add_redraws,
+    add_roof,
     add_seed,
     add_steps,
     add_style,
@@ -85,6 +86,7 @@ def add_houses(parser: Parser) -> None:
     add_style(group)
     add_texture_size(group)
     add_articulation(group)
+    add_roof(group)
     add_steps(group)
     add_lists(group)
     add_arrange(group)
@@ -184,6 +186,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
         style=options.style,
         texture_px=options.texture_size,
         articulation=options.articulation,
+        roof=options.roof,
         tabletop=not options.no_tabletop,
         dressing=not options.no_dressing,
         lists=not options.no_list,

@@ -34,6 +34,9 @@ _WIDTHS: dict[RoomKind, tuple[int, int]] = {
 }  # fmt: skip
 """Least and usual most along the hall, between the middle lines of walls, in steps."""
 
+_SMALL: tuple[RoomKind, ...] = ("store", "bathroom")
+"""Kinds that take no floor that is left over."""
+
 _GROUND: tuple[RoomKind, ...] = ("living", "kitchen", "bathroom")
 _GROUND_MORE: tuple[RoomKind, ...] = ("dining", "study", "store", "bedroom")
 _UPPER: tuple[RoomKind, ...] = ("bedroom", "bathroom", "bedroom")
@@ -167,11 +170,12 @@ def _fill(dice: Dice, frame: _Frame, sketch: Sketch, level: int) -> None:
 def _divide(dice: Dice, sketch: Sketch, slot: Bounds, rooms: list[RoomKind]) -> None:
     x0, y0, x1, y1 = slot
     spare = x1 - x0 - sum(_WIDTHS[kind][0] for kind in rooms)
-    if spare > sum(2 * _WIDTHS[kind][1] - _WIDTHS[kind][0] for kind in rooms):
+    most = {kind: _WIDTHS[kind][1] * (1.2 if kind in _SMALL else 2.0) for kind in rooms}
+    if spare > sum(most[kind] - _WIDTHS[kind][0] for kind in rooms):
         raise NoPlaceError("too much floor")
     shares = [
         (_WIDTHS[kind][1] - _WIDTHS[kind][0]) * (0.5 + dice.unit())
-        * (0.2 if kind in ("store", "bathroom") else 1.0) for kind in rooms
+        * (0.2 if kind in _SMALL else 1.0) for kind in rooms
     ]  # fmt: skip
     left = x0
     for index, (kind, share) in enumerate(zip(rooms, shares, strict=True)):

@@ -20,9 +20,9 @@ from chord_usd.lists.pieces import (
     rooms_around,
     segments_of,
 )
-from chord_usd.lists.wishes import Asked
+from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics.clear_floor import ClearFloors, clearances
-from chord_usd.metrics.complete import lacking
+from chord_usd.metrics.complete import ESSENTIALS, lacking
 from chord_usd.metrics.violations import room_faults
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Item, Plan, Room, SceneGraph
@@ -121,7 +121,7 @@ class _Table:
         least of what rooms of its kind cannot do without; of these the one nearest in length to
         that before that is not shorter, or else the longest.
         """
-        order = [(at, self._subject(at)) for at in due for _ in range(self._count(at, before))]
+        order = [(at, own) for at in due for own in self._subjects(at, before.get(at))]
 
         def unlike(at: int, drawn: Drawn) -> tuple[int, int, int]:
             longer = len(drawn.elements) - (len(before[at].elements) if at in before else 0)
@@ -132,11 +132,27 @@ class _Table:
             for at, own in self._drawn(order).items()
         }
 
-    def _count(self, at: int, before: Mapping[int, Drawn]) -> int:
-        """How many lists to draw: of a room like no other, few may be of its kind."""
-        if at not in before:
-            return 1
-        return self.drafts.count * (WISHED if self._lacks(at, before[at]) else 1)
+    def _subjects(self, at: int, before: Drawn | None) -> list[Subject]:
+        """What to draw lists of. A room of a size that is rare for its kind is taken for one of
+        another kind, and its lists lack what its own needs: then some are of that alone."""
+        if before is None:
+            return [self._subject(at)]
+        plain = [self._subject(at)] * self.drafts.count
+        return plain + [self._as_its_kind(at)] * (len(plain) if self._lacks(at, before) else 0)
+
+    def _as_its_kind(self, at: int) -> Subject:
+        room, around = self.jobs[at]
+        asked = self.wishes[at]
+        held = [item.category for item in asked.kept]
+        names = lacking(room.kind, room_polygon(room).area, held)
+        wanted = []
+        for essential in ESSENTIALS.get(room.kind, ()):
+            known = sorted(essential.categories.difference(asked.excluded) & {*PIECES.categories})
+            if essential.name in names and known:
+                wanted.append(Piece(known[int(self.rng.integers(len(known)))]))
+        # Nothing else: what the network would add is of the other kind.
+        own = replace(asked, wanted=(*asked.wanted, *wanted), excluded=frozenset(PIECES.categories))
+        return _subject(around, own)
 
     def _lacks(self, at: int, drawn: Drawn) -> int:
         room, _ = self.jobs[at]

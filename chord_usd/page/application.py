@@ -43,6 +43,7 @@ from chord_usd.page.uploads import (
 )
 from chord_usd.runtime.warm_calls import WarmVerbs
 from chord_usd.scene.limits import PARTS
+from chord_usd.scene.roof_forms import ROOF_FORMS
 from chord_usd.scene.skies import SKIES
 from chord_usd.scene.styles import MIXED, STYLES
 
@@ -165,6 +166,7 @@ class _Page:
             {
                 "styles": [MIXED, *STYLES],
                 "skies": [sky.name for sky in SKIES],
+                "roofs": ROOF_FORMS,
                 "packs": PACKS,
                 "canSay": CAN_SAY,
                 "suffixes": PLAN_SUFFIXES,

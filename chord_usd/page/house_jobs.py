@@ -124,7 +124,7 @@ class HouseJobs:
             plans = [self._houses.word(self._houses.plan_path(*one)) for one in storeys]
             words = ["generate", *plans, "--no-check"]
             words += [f"--output={self._houses.word(folder / 'house' / STAGE)}"]
-            for name in ("seed", "style", "sky", "furniture"):
+            for name in ("seed", "style", "sky", "roof", "furniture"):
                 words += _option(name, given.get(name))
             answer = await self._call(job, [*words, self._view_word(folder)])
             rooms = _rooms_in(folder / VIEW)

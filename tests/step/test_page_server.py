@@ -50,12 +50,12 @@ def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
     kept = page.get(f"/api/houses/{house}/plan").json()
     put = page.put(f"/api/houses/{house}/plan", json={"base": 1, "plan": kept["plan"]})
     assert put.json() == {"number": 2}
-    ask(page, house, "furnish", seed=3, style="modern", furniture="Bedroom 1: desk")
+    ask(page, house, "furnish", seed=3, style="modern", roof="hip", furniture="Bedroom 1: desk")
     shown = until_over(page, house, 3)
     assert shown["shown"] == 1
     assert [job["kind"] for job in shown["jobs"]] == ["read", "furnish", "check"]
     assert verbs.lines[1][1].endswith("plans/0002.json")
-    assert {"--seed=3", "--style=modern"} < set(verbs.lines[1])
+    assert {"--seed=3", "--style=modern", "--roof=hip"} < set(verbs.lines[1])
     first = f"/api/houses/{house}/versions/1"
     view = page.get(f"{first}/view/view.glb")
     assert stage_of(view.content).startswith("#usda")

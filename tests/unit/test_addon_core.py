@@ -196,7 +196,7 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
     plan.touch()
     house.touch()
     furnish = commands.FurnishSettings(3, 8, str(tmp_path), tabletop=False, dressing=False)
-    settings = commands.GenerateSettings("PLAN", str(plan), "", furnish, 0.0125, part=2)
+    settings = commands.GenerateSettings("PLAN", str(plan), "", furnish, 0.0125, 2, roof="hip")
     pictures = commands.RenderSettings(("Bedroom_0",), 16, (640, 2160), ("rgb", "depth"))
     layer.write_changes(house, edits.Changes(locked=(BED,)))
     for arguments in (
@@ -211,6 +211,18 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
         commands.farm(house, tmp_path / "job", pictures),
     ):
         build_parser().parse_args(arguments)
+
+
+def test_roofs_are_those_of_the_program_and_asked_for_only_where_one_is_wanted(
+    tmp_path: Path,
+) -> None:
+    from chord_usd.scene.roof_forms import ROOF_FORMS
+
+    assert tuple(commands.ROOFS) == ROOF_FORMS
+    plan = tmp_path / "plan.png"
+    plan.touch()
+    bare = commands.GenerateSettings("PLAN", str(plan), "", FURNISH)
+    assert "--roof" not in commands.generate(bare, tmp_path / "house.usda")
 
 
 def test_what_the_program_is_told_is_the_edited_house(tmp_path: Path) -> None:

@@ -23,10 +23,17 @@ from chord_usd.batch.run import Exports, find_due
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.shared import keep_pictures, share_files
 from chord_usd.batch.work_units import list_units
-from chord_usd.cli import UNUSABLE, main
+from chord_usd.cli import UNUSABLE, build_parser, main
+from chord_usd.commands.batch import settings_of
 from chord_usd.errors import OutputError, PlanError
 from chord_usd.pipeline import Settings
 from chord_usd.runtime.scratch import PREFIX
+
+
+def test_houses_of_a_batch_get_the_roof_that_is_asked_for() -> None:
+    asked = build_parser().parse_args(["batch", "plan.png", "-o", "houses", "--roof", "hip"])
+    assert settings_of(asked).roof == "hip"
+    assert main(["batch", "plan.png", "-o", "houses", "--roof", "thatch"]) == UNUSABLE
 
 
 @pytest.fixture

@@ -203,7 +203,7 @@ class Rarely:
     def draw(self, subjects: Sequence[Subject], *_: object) -> list[Drawn]:
         found = []
         for one in subjects:
-            if one.wanted:  # the same pieces in other places
+            if one.excluded:  # the same pieces in other places
                 held = {element.category for element in self.rarely}
                 own = self.rarely if set(one.wanted) <= held else self.mostly
             else:

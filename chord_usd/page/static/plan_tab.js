@@ -35,7 +35,7 @@ class PlanTab {
     this.area = el("div", { class: "stagearea" });
     this.side = el("aside", { class: "side stack", "aria-label": "Corrections" });
     this.node = el("div", { class: "split" }, this.area, this.side);
-    this.wishes = { seed: 0, style: "mixed", sky: "", furniture: "" };
+    this.wishes = { seed: 0, style: "mixed", sky: "", roof: "none", furniture: "" };
     this.drawing = new PlanDrawing({
       picture: this.picture,
       edit: (plan, how) => this.edited(plan, how),
@@ -353,7 +353,7 @@ class PlanTab {
 
   furnishForm() {
     const { wishes } = this;
-    const { styles, skies } = this.app.choices;
+    const { styles, skies, roofs } = this.app.choices;
     const keep = (name, input) => {
       input.addEventListener("change", () => { wishes[name] = input.value; });
       return input;
@@ -366,6 +366,7 @@ class PlanTab {
       el("div", { class: "row" },
         field("Style", keep("style", choice(styles, wishes.style))),
         field("Sky", keep("sky", choice([["", "noon"], ...skies.filter((sky) => sky !== "noon")], wishes.sky))),
+        field("Roof", keep("roof", choice(roofs, wishes.roof))),
         field("Seed", seed)),
       field("Wishes", text),
       button(again ? "Furnish again" : "Furnish", async () => {
