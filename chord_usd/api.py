@@ -405,8 +405,6 @@ def _generated(
     if len(plans) == 1 and not storeys_in(plans[0]):
         made = pipeline.generate(plans[0], target, settings, watch)
         return tuple(made.plan.extra.get("warnings", ()))
-    if settings.rooms:
-        raise ChordError("is for one plan, and there are several storeys", where="rooms")
     house = generate_storeys(read_storeys(plans, settings), plans, target, settings, watch)
     extras = [storey.plan.extra for storey in house.building.storeys]
     told = [str(one) for extra in extras for one in extra.get("warnings", ())]

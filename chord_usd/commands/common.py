@@ -242,7 +242,8 @@ def add_rooms(parser: Parser) -> None:
     """The option --rooms."""
     parser.add_argument(
         "--rooms", metavar="KINDS",
-        help='what rooms are, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"',
+        help='what rooms are, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"; '
+        'of several storeys, "1/3: bedroom"',
     )  # fmt: skip
 
 

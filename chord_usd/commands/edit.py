@@ -32,6 +32,11 @@ def add(verbs: Verbs) -> None:
         "--dry-run", action="store_true", help="only say what is understood; change nothing"
     )
     parser.add_argument(
+        "--storey", default="", metavar="NAME",
+        help="which one is meant, by name or by number from 0, where a house has several and the "
+        "sentence means something on more than one",
+    )  # fmt: skip
+    parser.add_argument(
         "--edits", type=Path, metavar="LAYER",
         help="a layer over STAGE that moves things: the sentence means the house as it is seen "
         "there, and the rooms that it changes are written so",
@@ -54,10 +59,12 @@ def run(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     if options.dry_run:
         with watch.step("read"):
-            reading = read_sentence(source, options.sentence, edits)
+            reading = read_sentence(source, options.sentence, edits, options.storey)
         return Outcome("\n".join(_told(reading)), _data(reading))
     settings = Settings(style="", asset_folders=tuple(options.assets))
-    reading, done = edit(source, options.sentence, target, settings, watch, edits)
+    reading, done = edit(
+            source, options.sentence, target, settings, watch, edits, options.storey
+        )  # fmt: skip
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
         "removed": list(done.removed), "moved": list(done.moved),

@@ -82,7 +82,10 @@ def add(verbs: Verbs) -> None:
     add_assets(parser)
     add_device(parser)
     parser.add_argument(
-        "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
+        "--layout-out",
+        type=output_file,
+        metavar="PNG",
+        help="also write the layout; of several storeys, PNG_0, PNG_1 ...",
     )
     parser.add_argument(
         "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"

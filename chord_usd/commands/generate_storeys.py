@@ -8,16 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import Outcome, UsageError, existing_file
-from chord_usd.runtime.files import deliver
+from chord_usd.runtime.files import Delivery, deliver
 
 if TYPE_CHECKING:
     from chord_usd.pipeline import Settings
     from chord_usd.pipeline.whole_house import StoreyHouse
     from chord_usd.runtime.progress import Stopwatch
     from chord_usd.scene.json_stairs import StoreyPlan
-
-_OF_ONE_PLAN = ("rooms", "layout_out")
-"""Options that are about one plan."""
 
 
 def storeys_given(
@@ -32,7 +29,7 @@ def storeys_given(
     files = [existing_file(file) for file in options.plan]
     if len(files) == 1 and not options.storeys and not storeys_in(files[0]):
         return ()
-    for name in (*_OF_ONE_PLAN, "text", "outline"):
+    for name in ("text", "outline"):
         if getattr(options, name):
             raise UsageError(
                 "is for one plan, and there are several storeys",
@@ -64,6 +61,8 @@ def run_storeys(
             draw_storeys([one.graph for one in house.furnished], preview)
         if graph_out:
             _write_graphs(house, graph_out)
+        if options.layout_out:
+            _write_layouts(house, options.layout_out, delivery)
         if options.keep:
             _write_kept(house, delivery.place_folder(options.keep))
         if view:
@@ -87,6 +86,15 @@ def _write_graphs(house: StoreyHouse, path: Path) -> None:
         for storey, made in zip(house.building.storeys, house.furnished, strict=True)
     ]
     write_atomic(path, json_text({STOREYS: rows}))
+
+
+def _write_layouts(house: StoreyHouse, path: Path, delivery: Delivery) -> None:
+    """The layout of each storey, with the storey's number behind the name."""
+    from chord_usd.raster.raster_files import write_raster
+
+    for storey, made in zip(house.building.storeys, house.furnished, strict=True):
+        own = path.with_name(f"{path.stem}_{storey.index}{path.suffix}")
+        write_raster(made.layout, delivery.place(own))
 
 
 def _write_kept(house: StoreyHouse, folder: Path) -> None:

@@ -13,6 +13,9 @@ from chord_usd.scene.types import Item, Room, RoomKind, SceneGraph
 _BY_M = 0.6
 """What is farther from a piece does not stand by it."""
 
+ROOM_TOO = "the room, too"
+"""What is expected of a sentence that may mean several rooms."""
+
 
 class Referents:
     """Looks for what is meant, in the house and in what was said before."""
@@ -72,9 +75,7 @@ class Referents:
             found = [one for one in found if one.room_id == self.room_said]
         if len({one.room_id for one in found}) > 1 and not noun.is_every:
             names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in found))
-            raise not_understood(
-                clause.words, f"'{noun.said}' may be that of {names}", "the room, too"
-            )
+            raise not_understood(clause.words, f"'{noun.said}' may be that of {names}", ROOM_TOO)
         return found
 
     def single(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
@@ -118,7 +119,7 @@ class Referents:
             if not room and len({one.room_id for one in own}) > 1:
                 names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in own))
                 raise not_understood(
-                    clause.words, f"'{anchor.said}' may be that of {names}", "the room, too"
+                    clause.words, f"'{anchor.said}' may be that of {names}", ROOM_TOO
                 )
             found += [one.id for one in own]
         if clause.relation and not found:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -55,26 +55,72 @@ class Done:
     """Paths of pieces that the stage now has where the layer of edits had them, or has no more."""
 
 
-def read_sentence(source: Path, sentence: str, edits: Path | None = None) -> Reading:
+def read_sentence(
+    source: Path, sentence: str, edits: Path | None = None, storey: str = ""
+) -> Reading:
     """What a sentence means in the house at source, as it is seen with a layer of edits over it.
+
+    storey: name or number of the one that is meant, in a house of several; without one it is the
+    one where the sentence means something.
 
     Raises ChordError, also where a part of the sentence means nothing there.
     """
     from chord_usd.runtime.stages import look_through
 
     look_through([source], meanwhile=_load_what_edits)
+    from chord_usd.lists.referents import ROOM_TOO
+    from chord_usd.stage.storey_rooms import storey_names
+
+    storeys = storey_names(source)
+    meant = _storey_meant(storeys, storey)
+    found: dict[str, Reading] = {}
+    refused: list[ChordError] = []
+    for room_name in [meant] if meant is not None else storeys:
+        try:
+            found[storeys[room_name]] = _read_on(source, sentence, edits, room_name)
+        except ChordError as error:
+            refused.append(error)
+    vague = [error for error in refused if error.expected == ROOM_TOO]
+    if vague or not found:
+        raise (vague or refused)[0]
+    if len(found) > 1:
+        raise ChordError(
+            f"the sentence means something on several storeys: {', '.join(found)}",
+            where=str(source), expected="one storey", try_=f'--storey "{next(iter(found))}"',
+        )  # fmt: skip
+    return next(iter(found.values()))
+
+
+def _storey_meant(storeys: Mapping[str, str], said: str) -> str | None:
+    """The name of a room on the storey that was said; None where none was. Raises ChordError."""
+    if not said:
+        return None
+    names = {title.lower(): room for room, title in storeys.items() if title}
+    names |= {str(number): room for number, room in enumerate(storeys) if len(storeys) > 1}
+    if said.lower() not in names:
+        raise ChordError(
+            f"has no storey {said!r}", where="--storey",
+            expected=f"one of {', '.join(storeys.values())}" if names else "a house of several",
+        )  # fmt: skip
+    return names[said.lower()]
+
+
+def _read_on(source: Path, sentence: str, edits: Path | None, room_name: str) -> Reading:
+    """What it means on the storey of a room."""
     from chord_usd.lists.sentences import understand
+    from chord_usd.scene.stair_cells import is_cell
     from chord_usd.stage.refurnish import read_edited_house, read_house
 
-    written = read_house(source)
-    house = read_edited_house(edits, source) if edits else written
+    written = read_house(source, room_name)
+    house = read_edited_house(edits, source, room_name) if edits else written
     named = {
         name: replace(house.graph.plan.room(room_id), name=house.titles[name])
         for name, room_id in house.room_ids.items()
     }
     graph = replace(house.graph, rooms=tuple(named.values()))
     house = replace(house, graph=graph)
-    return Reading(source, house, understand(sentence, graph, named), written)
+    rooms = {name: room for name, room in named.items() if not is_cell(room)}
+    return Reading(source, house, understand(sentence, graph, rooms), written)
 
 
 def _load_what_edits() -> None:
@@ -92,12 +138,13 @@ def edit(
     settings: Settings | None = None,
     stopwatch: Stopwatch | None = None,
     edits: Path | None = None,
+    storey: str = "",
 ) -> tuple[Reading, Done]:
     """Do what a sentence asks for, and write the house to target, which may be source.
 
     edits: a layer over the house that moves or removes pieces. The sentence means what is seen with
     it, and the rooms that it changes are written as they are seen; elsewhere the layer is not taken
-    over.
+    over. storey: as read_sentence has it.
 
     All of it is done or, where a part is not understood, has no place, or the certificate of a
     changed room would not hold, nothing is: a ChordError says why. Prims and files of rooms that
@@ -110,7 +157,7 @@ def edit(
     settings = settings or Settings(style="")
     with alone_with(source):
         with watch.step("read"):
-            reading = read_sentence(source, sentence, edits)
+            reading = read_sentence(source, sentence, edits, storey)
         with watch.step("arrange"):
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)

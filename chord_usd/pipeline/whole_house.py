@@ -32,6 +32,7 @@ from chord_usd.scene.types import PlanImage, StageFile
 
 if TYPE_CHECKING:
     from chord_usd.lists.wishes import Asked
+    from chord_usd.plan.corrections import RoomSaid
 
 _SEEDS_APART = 7919
 """Between the seeds of storeys."""
@@ -53,11 +54,13 @@ def read_storeys(
 ) -> tuple[StoreyPlan, ...]:
     """The storeys in these files, the lowest first: a plan each, or a JSON that holds several.
 
-    every: whether of each file all storeys are taken that it shows.
+    every: whether of each file all storeys are taken that it shows. Of the settings, rooms name
+    their storey, too (corrections.on_storeys).
 
     Raises PlanError.
     """
     found: list[StoreyPlan] = []
+    said, settings = settings.rooms, replace(settings, rooms=())
     for file in files:
         held = storeys_in(file)
         if every and not held:
@@ -66,7 +69,18 @@ def read_storeys(
             found += read_storey_plans(file, settings.m_per_px)
             continue
         found += held or [StoreyPlan(read_plan(file, settings))]
-    return tuple(found)
+    return _corrected(found, said) if said else tuple(found)
+
+
+def _corrected(storeys: Sequence[StoreyPlan], said: Sequence[RoomSaid]) -> tuple[StoreyPlan, ...]:
+    from chord_usd.plan.corrections import on_storeys, with_rooms
+    from chord_usd.scene.storeys import storey_title
+
+    names = [one.name or storey_title(index) for index, one in enumerate(storeys)]
+    return tuple(
+        replace(storey, plan=with_rooms(storey.plan, own)) if own else storey
+        for storey, own in zip(storeys, on_storeys(said, names), strict=True)
+    )
 
 
 def storeys_in(file: Path) -> tuple[StoreyPlan, ...]:

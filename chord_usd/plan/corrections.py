@@ -73,6 +73,23 @@ def with_rooms(plan: Plan, said: Sequence[RoomSaid]) -> Plan:
     return corrected
 
 
+def on_storeys(said: Sequence[RoomSaid], names: Sequence[str]) -> list[tuple[RoomSaid, ...]]:
+    """What is said of the rooms of each storey: "1/3: bedroom" is room 3 on the storey above the
+    lowest. names: of the storeys; they stand for the numbers, too. Raises ChordError."""
+    found: list[list[RoomSaid]] = [[] for _ in names]
+    numbers = {str(index): index for index in range(len(names))}
+    numbers |= {name.casefold(): index for index, name in enumerate(names) if name}
+    for one in said:
+        storey, slash, which = (part.strip() for part in one.which.partition("/"))
+        if not slash or storey.casefold() not in numbers:
+            raise _error(
+                f"room {_shown(one.which)} is on no storey of the house",
+                f"STOREY/ROOM: KIND, storeys being 0 to {len(names) - 1}", '"1/3: bedroom"',
+            )  # fmt: skip
+        found[numbers[storey.casefold()]].append(replace(one, which=which))
+    return [tuple(own) for own in found]
+
+
 def _parted(plan: Plan, room_id: str, said: RoomSaid) -> Plan:
     parted = part_room(plan, room_id, [Use(kind) for kind in said.shared])
     if len(parted.rooms) - len(plan.rooms) != len(said.shared) - 1:

@@ -24,9 +24,10 @@ from chord_usd.stage.check_contact import Collision, collisions, unsupported
 from chord_usd.stage.check_dressing import Dressing, Objects, count_objects, measure_dressing
 from chord_usd.stage.check_held import Held, underfoot
 from chord_usd.stage.check_rules import Finding, broken_below, broken_rules
-from chord_usd.stage.check_scene import StageScene, read_scene, read_storeys
+from chord_usd.stage.check_scene import StageScene, read_storeys
 from chord_usd.stage.check_stairs import stair_faults
 from chord_usd.stage.shared_looks import LOOKS
+from chord_usd.stage.stage_levels import room_specs
 
 
 @dataclass(frozen=True)
@@ -114,17 +115,18 @@ def faults_in(path: Path, rooms: Collection[str], beside: Collection[str] = ()) 
 
     path: of a stage that this process wrote. rooms: names of their prims. beside: of rooms that no
     wall parts from them; of all others only the building is looked at, so this is for whoever has
-    changed nothing there.
+    changed nothing there. All rooms are on one storey.
     """
     with reading(path):
         layer = open_layer(path)
-        names = [one.name for one in layer.GetPrimAtPath("/House/Rooms").nameChildren]
+        paths = {one.name: str(one.path) for one in room_specs(layer)}
         near = {*rooms, *beside}
         stage = open_known(path, only=[LOOKS, *(
-            f"/House/Rooms/{name}" + ("" if name in near else "/Architecture") for name in names
+            at + ("" if name in near else "/Architecture") for name, at in paths.items()
         )])  # fmt: skip
-        scene = read_scene(stage)
-        roots = tuple(f"/House/Rooms/{name}/" for name in rooms)
+        roots = tuple(f"{paths[name]}/" for name in rooms)
+        storeys = read_storeys(stage)
+        scene = max(storeys, key=lambda one: sum(f"{r.id}/" in roots for r in one.graph.rooms))
         found = broken_below(stage, [root.rstrip("/") for root in roots])
     lines = [f"{one.path}: {one.message}" for one in found]
     own = [body for body in scene.items if body.path.startswith(roots)]

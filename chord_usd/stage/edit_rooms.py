@@ -24,6 +24,7 @@ from chord_usd.stage.refurnish import (
     require_furniture,
     rewrite,
 )
+from chord_usd.stage.stage_levels import room_spec, room_specs
 
 _AT, _TURNED = "xformOp:translate", "xformOp:rotateZ"
 
@@ -67,7 +68,7 @@ def edit_rooms(
             _change(layer, piece, source)
         layer.Save()
         for name, new in change.rooms.items():
-            groups = layer.GetPrimAtPath(f"/House/Rooms/{name}").nameChildren
+            groups = _room(layer, name).nameChildren
             there = [one for group in ("Furniture", DRESSING) if group in groups
                      for one in groups[group].nameChildren]  # fmt: skip
             names = [one.name for one in there]
@@ -77,6 +78,13 @@ def edit_rooms(
         return layer
 
     return rewrite(source, target, edit, made, accept)
+
+
+def _room(layer: Sdf.Layer, name: str) -> Sdf.PrimSpec:
+    found = room_spec(layer, name)
+    if found is None:
+        raise StageError(f"{name} is not in this layer", expected="the stage as it was written")
+    return found
 
 
 def _change(layer: Sdf.Layer, piece: PieceChange, source: Path) -> None:
@@ -117,7 +125,7 @@ def _place_anew(prim: Sdf.PrimSpec, was: Box, now: Box, source: Path) -> None:
 
 def _brought(layer: Sdf.Layer, prim: Sdf.PrimSpec, room_name: str) -> Sdf.PrimSpec:
     """The prim in the same group of another room, under a name that is free there."""
-    group = layer.GetPrimAtPath(f"/House/Rooms/{room_name}/{prim.nameParent.name}")
+    group = _room(layer, room_name).nameChildren.get(prim.nameParent.name)
     if not group:
         raise StageError(f"{room_name} has no {prim.nameParent.name} to bring {prim.name} to")
     stem = prim.name.rsplit("_", 1)[0]
@@ -146,7 +154,7 @@ def _rename_notes(layer: Sdf.Layer, path: Sdf.Path, old: str, new: str) -> None:
 def _collect_dressing(layer: Sdf.Layer) -> None:
     """The collection of dressing, where a house has its first."""
     house = layer.GetPrimAtPath("/House")
-    rooms = layer.GetPrimAtPath("/House/Rooms").nameChildren
+    rooms = room_specs(layer)
     groups = [one.path.AppendChild(DRESSING) for one in rooms if DRESSING in one.nameChildren]
     if groups and "collection:dressing:includes" not in house.relationships:
         apply_schema(house, "CollectionAPI:dressing")

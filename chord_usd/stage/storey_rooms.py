@@ -9,10 +9,26 @@ from pathlib import Path
 from pxr import Usd
 
 from chord_usd.errors import StageError
-from chord_usd.runtime.stages import room_prims, storey_prims
+from chord_usd.runtime.stages import open_stage, reading, room_prims, storey_prims
 from chord_usd.scene.stair_cells import CELL
 from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.check_scene import read_scene, read_storeys
+from chord_usd.stage.check_scene import CATEGORY, read_scene, read_storeys
+from chord_usd.stage.names import printable
+from chord_usd.stage.stage_levels import SHAFT
+
+
+def storey_names(path: Path) -> dict[str, str]:
+    """What the storeys of the house at path are called, the lowest first, by the name of a room on
+    each; one without a name in a house of one storey. Raises StageError."""
+    found = {}
+    with reading(path):
+        stage = open_stage(path)  # prims live as long as it does
+        for group in storey_prims(stage):
+            names = [room.GetName() for room in group.GetChildren()
+                     if room.GetAttribute(CATEGORY).Get() != SHAFT]  # fmt: skip
+            if names:
+                found[names[0]] = printable(group.GetDisplayName()) or group.GetName()
+    return found or {"": ""}
 
 
 def storey_of(stage: Usd.Stage, path: Path, room_name: str) -> tuple[SceneGraph, str]:
