@@ -51,7 +51,7 @@ OWN_FIRST_M = 0.25
 """The shipped furniture comes in so many sizes that hardly anything else would ever be nearest."""
 
 
-_BARE = "Bare"
+_BARE, _OFFICE = "Bare", "Office"
 """A word in the ids of pieces whose likes carry something that hides what is behind them."""
 
 STRANGE_FORM_M = 0.3
@@ -90,14 +90,22 @@ class AssetDatabase:
         """Assets of a category, perhaps none. Raises SceneError for a name not in the palette."""
         return self._by_category.get(category(name).name, ())
 
-    def nearest(self, name: str, size_m: SizeM, most_height_m: float | None = None) -> Asset:
+    def nearest(
+        self,
+        name: str,
+        size_m: SizeM,
+        most_height_m: float | None = None,
+        *,
+        at_desk: bool = True,
+    ) -> Asset:
         """The asset an item of this category and size (length, width, height) is given.
 
         The paper's rule: same category, least squared difference of length and width. Ties go to
         the nearer height, then to the lower id, so that the answer never depends on order. An
         asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
         most_height_m: what stands before a window is no higher, where the category has that; of
-        cabinets with and without a television those without stand there, and only there.
+        cabinets with and without a television those without stand there, and only there. at_desk:
+        elsewhere no chair swivels.
         Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
@@ -109,6 +117,8 @@ class AssetDatabase:
             )
         is_before_window = most_height_m is not None
         candidates = tuple(a for a in candidates if _is_bare(a) == is_before_window) or candidates
+        if not at_desk:
+            candidates = tuple(a for a in candidates if not _swivels(a)) or candidates
         if most_height_m is not None:
             low = [asset for asset in candidates if asset.size_m[2] <= most_height_m]
             candidates = tuple(low) or candidates
@@ -153,6 +163,10 @@ class AssetDatabase:
 
 def _is_bare(asset: Asset) -> bool:
     return _BARE in asset.id.split("_")
+
+
+def _swivels(asset: Asset) -> bool:
+    return _OFFICE in asset.id.split("_")
 
 
 def _miss_m(asset: Asset, size_m: SizeM) -> float:

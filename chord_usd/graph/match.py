@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import shapely
 from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from chord_usd.graph.fit import fitted_box, is_built_in
 from chord_usd.graph.flush import (
@@ -36,13 +37,25 @@ FLUSH_PX = 0.55
 """Edges this close to a wall are on it: half a pixel of drawing, and some for rounding."""
 
 
+_DESK = "table"
+"""What a single person sits at, in bedrooms and studies."""
+_AT_DESK_M = 0.4
+
+
 class Database(Protocol):
     """Where meshes come from; chord_usd.assets.database has it."""
 
     def nearest(
-        self, name: str, size_m: tuple[float, float, float], most_height_m: float | None = None, /
+        self,
+        name: str,
+        size_m: tuple[float, float, float],
+        most_height_m: float | None = None,
+        /,
+        *,
+        at_desk: bool = True,
     ) -> Asset:
-        """The mesh of this category whose size differs least, of those that are low enough."""
+        """The mesh of this category whose size differs least, of those that are low enough.
+        at_desk: elsewhere no chair swivels."""
 
 
 def place_items(
@@ -98,24 +111,30 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
     the mesh missed the box asked for is one of its facts. Raises AssetError when the database has
     nothing of a category. but: ids of items that stay as they are.
     """
+    desks = shapely.union_all(
+        [footprint_polygon(i.box) for i in graph.items if i.category == _DESK]
+    )
     items, dressing = (
-        tuple(item if item.id in but else _matched(item, database) for item in all_)
+        tuple(item if item.id in but else _matched(item, database, desks) for item in all_)
         for all_ in (graph.items, graph.dressing)
     )
     return replace(graph, items=items, dressing=dressing)
 
 
-def _matched(item: Item, database: Database) -> Item:
+def _matched(item: Item, database: Database, desks: BaseGeometry) -> Item:
     if item.asset:
-        children = tuple(_matched(child, database) for child in item.children)
+        children = tuple(_matched(child, database, desks) for child in item.children)
         return replace(item, children=children)
     facts = item.facts
-    asset = database.nearest(item.category, item.box.size_m, facts.below_sill_m)
+    near = footprint_polygon(item.box).distance(desks) if item.category == "chair" else 0.0
+    asset = database.nearest(
+        item.category, item.box.size_m, facts.below_sill_m, at_desk=near < _AT_DESK_M
+    )
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
     # Seen from above nothing tells a height.
     box = fitted_box(item.box, asset, category(item.category), is_guess=bool(facts.source_px))
     raised_m = box.size_m[2] - item.box.size_m[2]
-    children = tuple(_matched(_raised(child, raised_m), database) for child in item.children)
+    children = tuple(_matched(_raised(child, raised_m), database, desks) for child in item.children)
     matched = replace(item, asset=asset, box=box, children=children)
     return matched.found(asset_distance_m=round(missed_m, 6))
 

@@ -293,7 +293,11 @@ class Shelf:
     """A database of two sizes of everything."""
 
     def nearest(
-        self, name: str, size_m: tuple[float, float, float], _most: float | None = None
+        self,
+        name: str,
+        size_m: tuple[float, float, float],
+        _most: float | None = None,
+        **_: object,
     ) -> Asset:
         big = size_m[0] > 1.0
         return Asset(f"{name}_{'big' if big else 'small'}", name, size_m, Path("x.usda"))

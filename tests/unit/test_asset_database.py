@@ -187,3 +187,9 @@ def test_whatever_draws_assets_counts_when_they_are_drawn_anew() -> None:
 
 def root_of(folder: Path) -> str:
     return f"chord_usd.{folder.name}."
+
+
+def test_chairs_swivel_at_desks_only():
+    chairs = load_database(texture_px=16)
+    assert "Office" in chairs.nearest("chair", (0.57, 0.56, 0.95)).id
+    assert "Office" not in chairs.nearest("chair", (0.57, 0.56, 0.95), at_desk=False).id

@@ -29,7 +29,11 @@ class UsualSizes:
     """A database of one piece for each size that is asked for."""
 
     def nearest(
-        self, name: str, size_m: tuple[float, float, float], most_height_m: float | None = None
+        self,
+        name: str,
+        size_m: tuple[float, float, float],
+        most_height_m: float | None = None,
+        **_: object,
     ) -> Asset:
         return Asset(f"{name}_{size_m}", category(name).name, size_m, Path("piece.usda"))
 

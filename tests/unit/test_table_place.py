@@ -37,7 +37,7 @@ def flat_of(asset: Asset, /) -> Relief:
 class Sizes:
     """A database with a mesh of every size asked for."""
 
-    def nearest(self, name: str, size_m: tuple[float, float, float], /) -> Asset:
+    def nearest(self, name: str, size_m: tuple[float, float, float], /, **_: object) -> Asset:
         return mesh(name, size_m)
 
 
