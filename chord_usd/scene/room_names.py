@@ -32,7 +32,8 @@ _ANNEXES: frozenset[RoomKind] = frozenset({"bathroom", "store", "balcony", "corr
 
 _OF_LETTER: dict[str, RoomKind] = {"l": "living", "d": "dining", "k": "kitchen"}
 _SEVERAL: dict[str, tuple[RoomKind, ...]] = {
-    "tupakeittio": ("living", "kitchen"), "tupak": ("living", "kitchen"), "wohnkuche": ("living", "kitchen"),
+    "tupakeittio": ("living", "kitchen"), "tupak": ("living", "kitchen"),
+    "wohnkuche": ("living", "kitchen"),
     "livingdining": ("living", "dining"), "kitchendining": ("kitchen", "dining"),
     "kitchendiner": ("kitchen", "dining"), "woonkeuken": ("kitchen", "dining"),
     "keittiotupa": ("living", "kitchen"),
