@@ -217,6 +217,7 @@ class House:
         self,
         sentence: str,
         *,
+        storey: str = "",
         dry_run: bool = False,
         asset_folders: Sequence[FilePath] = (),
         progress: ProgressStyle = "none",
@@ -224,16 +225,19 @@ class House:
         """Do what a sentence says ("turn the sofa to the window, no rug in the hall"), in its place
         on the stage; returns what was understood, a line for each thing.
 
-        dry_run: only understand it. asset_folders: of further meshes. All of it is done or, where a
-        part has no meaning or no place, nothing: then it raises ChordError.
+        storey: name or number of the one that is meant, where a house has several and the sentence
+        means something on more than one. dry_run: only understand it. asset_folders: of further
+        meshes. All of it is done or, where a part has no meaning or no place, nothing: then it
+        raises ChordError.
         """
         from chord_usd.pipeline import Settings
         from chord_usd.pipeline.edit_house import edit, read_sentence
 
         if dry_run:
-            return tuple(read_sentence(self.path, sentence).understood.told)
+            return tuple(read_sentence(self.path, sentence, storey=storey).understood.told)
         settings = Settings(asset_folders=_folders(asset_folders), style="")
-        reading, _ = edit(self.path, sentence, self.path, settings, _watch(progress))
+        watch = _watch(progress)
+        reading, _ = edit(self.path, sentence, self.path, settings, watch, storey=storey)
         self._written = _state(self.path)
         return tuple(reading.understood.told)
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 import chord_usd
 from chord_usd.data.storey_houses import random_storeys
-from chord_usd.errors import StageError
+from chord_usd.errors import ChordError
 from chord_usd.runtime.json_text import parse_json
 from chord_usd.scene.chord_json import write_plan
 from chord_usd.scene.json_stairs import storeys_from_json
@@ -78,7 +78,8 @@ def test_a_room_upstairs_is_furnished_again_and_nothing_else(
     assert all(change.path.startswith((*own, "/House/Looks")) for change in changes)
 
 
-def test_what_knows_one_storey_says_so(told: dict[str, object], plans: list[Path]) -> None:
-    house = plans[0].parent / "house" / "house.usda"
-    with pytest.raises(StageError, match="has 2 storeys, and this is not made for these yet"):
-        chord_usd.open(house).edit("no rug in the kitchen", dry_run=True)
+def test_a_sentence_is_understood_on_its_storey(told: dict[str, object], plans: list[Path]) -> None:
+    house = chord_usd.open(plans[0].parent / "house" / "house.usda")
+    assert "Kitchen" in " ".join(house.edit("no sink cabinet in the kitchen", dry_run=True))
+    with pytest.raises(ChordError, match="has no storey 'attic'"):
+        house.edit("no rug in the kitchen", storey="attic", dry_run=True)
