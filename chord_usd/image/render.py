@@ -150,7 +150,7 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
         job = Job(
             folder=str(raw),
             stage=str(seen.absolute()),
-            cameras=tuple(cameras),
+            cameras=tuple(camera.framed(options.resolution_px) for camera in cameras),
             width_px=options.resolution_px[0],
             height_px=options.resolution_px[1],
             quality=options.traced,

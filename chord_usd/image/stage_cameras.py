@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -50,6 +50,16 @@ class StageCamera:
     """Height at which the walls are cut for it; 0 for whole walls."""
     is_alone: bool = False
     """Shows its room alone, without the walls between."""
+    frame_height: float = 0.0
+    """Of the picture that it was set for, over its width; 0 where nothing says."""
+
+    def framed(self, size_px: tuple[int, int]) -> StageCamera:
+        """The camera for a picture (width, height): what a taller one shows more is above, since
+        below is what the near clipping plane cuts off, and the ground under the floor."""
+        more = size_px[1] / size_px[0] - self.frame_height
+        if self.orthographic or not self.frame_height or more <= 0.0 or self.shift[1] >= 0.0:
+            return self
+        return replace(self, shift=(self.shift[0], self.shift[1] + more / 2))
 
 
 @dataclass(frozen=True)
@@ -147,6 +157,7 @@ def _read_camera(prim: Usd.Prim, name: str, rooms: list[str], top_m: float) -> S
         f_stop=camera.fStop,
         from_above=matrix[2][3] > top_m,
         cut_m=_cut_m(prim),
+        frame_height=camera.verticalAperture / camera.horizontalAperture,
     )
 
 

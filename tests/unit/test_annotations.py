@@ -62,3 +62,15 @@ def test_a_job_crosses_as_json() -> None:
 def test_bands_cover_every_row_once(height: int, count: int) -> None:
     rows = [Part((tile, count)).rows_px(height) for tile in range(count)]
     assert [row for first, last in rows for row in range(first, last)] == list(range(height))
+
+
+def test_a_taller_picture_shows_no_more_below():
+    view = replace(VIEW, shift=(0.0, -0.1), frame_height=9 / 16)
+
+    def lowest(size_px):
+        framed = view.framed(size_px)
+        return framed.shift[1] - size_px[1] / size_px[0] / 2
+
+    assert lowest((400, 300)) == pytest.approx(lowest((1600, 900)))
+    assert view.framed((2000, 900)) is view
+    assert replace(view, frame_height=0.0).framed((300, 400)).shift == (0.0, -0.1)
