@@ -98,8 +98,11 @@ def as_cut(rooms: Sequence[Room], openings: Sequence[Opening]) -> list[Opening]:
 
 def _as_hole(opening: Opening, tunnel: Tunnel) -> Opening:
     ends = [to_own(opening.box, edge) for edge in tunnel.ends_m()]
-    fronts = [float(end[:, 1].max()) for end in ends if end[:, 1].mean() < 0.0]
-    backs = [float(end[:, 1].min()) for end in ends if end[:, 1].mean() >= 0.0]
+    # A file may tell its openings in the middle of a wall that is thicker than ours.
+    across = [float(end[:, 1].mean()) for end in ends]
+    middle_y = (min(across) + max(across)) / 2 if len(ends) > 1 else 0.0
+    fronts = [float(e[:, 1].max()) for e, y in zip(ends, across, strict=True) if y < middle_y]
+    backs = [float(e[:, 1].min()) for e, y in zip(ends, across, strict=True) if y >= middle_y]
     along = to_own(opening.box, shapely.get_coordinates(tunnel.area_m))[:, 0]
     left, right = float(along.min()), float(along.max())
     half = opening.box.size_m[1] / 2

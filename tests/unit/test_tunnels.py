@@ -14,7 +14,7 @@ ROOM = Room("room", "bedroom", frozen_array([[0, 0], [4, 0], [4, 3], [0, 3]], fl
 
 @given(
     depth_m=st.floats(0.12, 0.5),
-    off_m=st.floats(-0.05, 0.05),
+    off_m=st.floats(-0.1, 0.05),
     at_m=st.floats(0.6, 3.4),
     turned=st.sampled_from((0.0, 180.0)),
 )
@@ -27,3 +27,10 @@ def test_openings_are_as_deep_as_their_wall(
     (cut,) = as_cut([ROOM], [window])
     assert cut.box.center_m == pytest.approx((at_m, -WALL_THICKNESS_M / 2, 0.9), abs=0.01)
     assert cut.box.size_m == pytest.approx((1.0, WALL_THICKNESS_M, 1.2), abs=0.01)
+
+
+def test_a_window_told_on_the_outer_face_of_a_thick_wall_is_dressed_as_it_is_built() -> None:
+    window = Opening("w", "window", Box((2.0, -0.3, 0.95), (2.0, 0.6, 1.2), 0.0), ("room",))
+    (cut,) = as_cut([ROOM], [window])
+    assert cut.box.center_m == pytest.approx((2.0, -WALL_THICKNESS_M / 2, 0.95), abs=0.01)
+    assert cut.box.size_m == pytest.approx((2.0, WALL_THICKNESS_M, 1.2), abs=0.01)
