@@ -288,11 +288,11 @@ def _rooms(plan: Plan, room: Room, parts: Sequence[_Part]) -> list[Room]:
     taken = {other.id for other in plan.rooms}
     rooms = []
     for index, (part, kind) in enumerate(zip(parts, kinds, strict=True)):
-        own = room.id if index == leading else _free_id(kind, taken)
+        own, name = (room.id, room.name) if index == leading else (_free_id(kind, taken), "")
         taken.add(own)
         corners = np.asarray(part.floor.simplify(_ON_LINE_M).exterior.coords)[:-1]
         names = ", ".join(dict.fromkeys(name for use in part.uses for name in use.names))
-        rooms.append(Room(own, kind, frozen_array(corners), names or room.name, room.extra))
+        rooms.append(Room(own, kind, frozen_array(corners), names or name, room.extra))
     return rooms
 
 
