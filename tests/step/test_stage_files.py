@@ -15,6 +15,7 @@ from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import AssetError, OutputError, SceneError
 from chord_usd.runtime.files import deliver
 from chord_usd.runtime.stages import files_of
+from chord_usd.scene.geometry import room_polygon, seams
 from chord_usd.scene.types import Asset, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.check import check_stage
@@ -189,15 +190,27 @@ def test_every_floor_and_wall_wears_a_look_in_every_variant(staged_house: Path) 
 def test_rooms_wear_the_looks_of_their_style(
     stage: Usd.Stage, staged_graph: SceneGraph, looks_of: LooksOf
 ) -> None:
+    """Each those of its kind; of rooms that touch, those of one of them."""
     looks = looks_of(3)
-    for room, prim in zip(
-        staged_graph.rooms, stage.GetPrimAtPath("/House/Rooms").GetChildren(), strict=True
-    ):
+    rooms = staged_graph.rooms
+    touching: dict[str, set[str]] = {room.id: {room.id} for room in rooms}
+    for one, other, _ in seams([room_polygon(room) for room in rooms], 0.01):
+        joined = touching[rooms[one].id] | touching[rooms[other].id]
+        touching.update(dict.fromkeys(joined, joined))
+    worn: dict[str, list[str]] = {}
+    for room, prim in zip(rooms, stage.GetPrimAtPath("/House/Rooms").GetChildren(), strict=True):
         for part in ("floor", "wall"):
             offered = prim.GetVariantSet(f"{part}Material")
-            expected = [look.name for look in looks.choices(part, room, 3)]  # type: ignore[arg-type]
-            assert offered.GetVariantSelection() == expected[0]
-            assert sorted(offered.GetVariantNames()) == sorted(expected)
+            names = [offered.GetVariantSelection(), *sorted(offered.GetVariantNames())]
+            expected = [
+                [look.name for look in looks.choices(part, other, 3)]  # type: ignore[arg-type]
+                for other in rooms
+                if other.id in touching[room.id]
+            ]
+            assert names in [[each[0], *sorted(each)] for each in expected]
+            if room.kind not in ("bathroom", "balcony", "store"):
+                group = f"{part}/{min(touching[room.id])}"
+                assert worn.setdefault(group, names) == names
 
 
 def test_materials_of_the_building_are_labelled(stage: Usd.Stage) -> None:
