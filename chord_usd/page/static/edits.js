@@ -194,8 +194,14 @@ export class Edits {
     return found;
   }
 
-  async save() {
+  /** One at a time: what changes while a save is on its way builds on that one. */
+  save() {
     clearTimeout(this.timer);
+    this.saving = (this.saving ?? Promise.resolve()).catch(() => {}).then(() => this.send());
+    return this.saving;
+  }
+
+  async send() {
     if (!this.isUnsaved) return;
     this.isUnsaved = false;
     const body = { base: this.revision, edits: this.state };

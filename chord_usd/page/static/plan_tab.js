@@ -198,8 +198,14 @@ class PlanTab {
     this.timer = setTimeout(() => this.save().catch(complain), SAVE_AFTER_MS);
   }
 
-  async save() {
+  /** One at a time: what changes while a save is on its way builds on that one. */
+  save() {
     clearTimeout(this.timer);
+    this.saving = (this.saving ?? Promise.resolve()).catch(() => {}).then(() => this.send());
+    return this.saving;
+  }
+
+  async send() {
     if (!this.isUnsaved) return;
     this.isUnsaved = false;
     const { id } = this.app.house;
