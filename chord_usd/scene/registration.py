@@ -25,6 +25,9 @@ ON_WALL_M = 0.15
 LEAST_ON_WALLS = 0.5
 """Share of a storey's outer walls that must stand on those below where no stair tells how."""
 
+_BETWEEN_M = 0.8
+"""As wide is a party wall with a shaft in it."""
+
 LEAST_CARRIED = 0.7
 """Share of a storey's floor that must lie over the one below."""
 
@@ -95,11 +98,14 @@ def register(
 
 
 def outline(plan: Plan) -> Polygon:
-    """What a storey covers, its outer walls included; balconies are left out."""
+    """What a storey covers, its outer walls included, and what is narrower than _BETWEEN_M between
+    two homes of it; balconies are left out."""
     rooms = [room for room in plan.rooms if room.kind != "balcony"] or list(plan.rooms)
     half = WALL_THICKNESS_M / 2 + 1e-3
     grown = [room_polygon(room).buffer(half, join_style="mitre") for room in rooms]
-    whole = unary_union(grown).buffer(half, join_style="mitre")
+    reach = _BETWEEN_M / 2
+    whole = unary_union(grown).buffer(half + reach, join_style="mitre")
+    whole = whole.buffer(-reach, join_style="mitre")
     largest: Polygon = max(polygons_of(whole), key=lambda part: part.area)
     return Polygon(largest.exterior)
 
