@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import Point, Polygon
+from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
-from chord_usd.scene.geometry import room_polygon, to_own, to_world
+from chord_usd.scene.geometry import polygons_of, room_polygon, to_own, to_world
 from chord_usd.scene.stair_cells import is_cell, with_cell
 from chord_usd.scene.stair_elements import LEAST_WIDTH_M, WELL_M, Stair, StairForm, Turn
 from chord_usd.scene.stair_forms import BuiltStair, build_stair, least_run_m
-from chord_usd.scene.types import Box, FloatArray, Plan
+from chord_usd.scene.types import Box, FloatArray, Plan, Room, frozen_array
 from chord_usd.scene.units import m_from_cm
 
 DRAWN_STAIRS = "drawnStairs"
@@ -46,6 +47,8 @@ _WIDENED_M = 0.3
 
 _IN_ONE_ROOM = 0.97
 """Share of a stair that grew that must lie in one room of each storey, clear of walls."""
+
+_STAIRWELL_M2 = 1.0
 
 _WINDERS: tuple[StairForm, ...] = ("winder_L", "winder_U")
 
@@ -149,6 +152,16 @@ def placed_stair(
         if best is None or off_m < best[0] - _SAME_M:
             best = off_m, stair
     return best[1] if best else None
+
+
+def with_stairwell(plan: Plan, area: Polygon, room_id: str) -> Plan:
+    """The plan with a hall where a stair stands, as far as no room is there."""
+    floors = unary_union([room_polygon(room) for room in plan.rooms])
+    free = max(polygons_of(area.difference(floors)), key=lambda part: part.area, default=None)
+    if free is None or free.area < _STAIRWELL_M2:
+        return plan
+    corners = frozen_array(orient(free).exterior.coords[:-1])
+    return replace(plan, rooms=(*plan.rooms, Room(room_id, "corridor", corners, "Stairs")))
 
 
 def _grown(stair: Stair, more_m: float | None, height_m: float) -> Stair:

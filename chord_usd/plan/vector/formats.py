@@ -16,7 +16,7 @@ from chord_usd.plan.vector.assemble import assemble
 from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
 from chord_usd.runtime.confined import confined
 from chord_usd.scene.json_stairs import STAIRS, stair_to_json
-from chord_usd.scene.stair_places import StairShape, placed_stair
+from chord_usd.scene.stair_places import StairShape, placed_stair, with_stairwell
 from chord_usd.scene.storeys import STOREY_M
 from chord_usd.scene.types import Plan
 
@@ -143,6 +143,10 @@ def _with_stairs(plan: Plan, shapes: Sequence[StairShape], m_per_unit: float, ab
         ends = shape.ends and (shape.ends[0] * m_per_unit, shape.ends[1] * m_per_unit)
         scaled = replace(shape, area=area, ends=ends)
         stair = placed_stair(scaled, f"stair{number}", plan, above, STOREY_M)
+        if stair is None:  # the file may have a void there, and no space
+            wider = with_stairwell(plan, area, f"stairwell{number}")
+            stair = placed_stair(scaled, f"stair{number}", wider, above, STOREY_M)
+            plan = wider if stair is not None else plan
         if stair is None:
             told.append(
                 f"stair {number} of the file is left out: none to rule joins two rooms there"
