@@ -27,7 +27,7 @@ _DEEPEST_AGGREGATE = 50
 _LEAST_RUN_M = 0.5
 """Between the middles of the lowest and the highest steps, which tells the direction up."""
 
-_LEAST_DOORWAY_M = (0.5, 1.8)
+_LEAST_DOORWAY_M = (0.5, 1.85)
 """Width and height from which a hole without a leaf is a passage."""
 
 
