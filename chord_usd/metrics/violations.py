@@ -16,7 +16,7 @@ import shapely
 from chord_usd.metrics.clear_floor import blocked_openings
 from chord_usd.metrics.complete import ESSENTIALS, UNDERSIZED, Homely, homely_rooms
 from chord_usd.metrics.overlap import Overlap, scene_overlap
-from chord_usd.metrics.rooms import out_of_room
+from chord_usd.metrics.rooms import is_of_kind, out_of_room
 from chord_usd.metrics.walk import ways_shut
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import Item, Room, SceneGraph
@@ -30,6 +30,9 @@ WEIGHTS: Mapping[Kind, float] = {
     "misplaced": 0.2, "missing": 1.0,
 }  # fmt: skip
 """What each weighs beside a square metre of overlap."""
+
+_OUT_OF_PLACE = 1.0
+"""What a piece weighs in a room where its kind never stands, as a table in a bath."""
 
 ROUNDING_M2 = 0.01
 """Less of a piece beyond its room's walls weighs nothing."""
@@ -116,8 +119,9 @@ def room_faults(
 ) -> list[float]:
     """How much is wrong in each of these rooms, by WEIGHTS; 0 is good.
 
-    Per piece: a total would favour short lists. Then essentials that are missing, but for those of
-    excluded categories, by room id, and doors that one does not get to from others of the room.
+    Per piece: a total would favour short lists. Pieces that stand in no room of its kind count, as
+    a table in a bathroom does. Then essentials that are missing, but for those of excluded
+    categories, by room id, and doors that one does not get to from others of the room.
 
     unpainted: whether what stands before openings is missing, since the painter may not paint it.
     """
@@ -131,6 +135,10 @@ def room_faults(
     pieces = Counter(item.room_id for item in graph.items)
     by_id = {room.id: room for room in rooms}
     faults = dict.fromkeys(by_id, 0.0)
+    for item in graph.items:
+        room = by_id.get(item.room_id)
+        if room is not None and not is_of_kind(item, room.kind):
+            faults[room.id] += _OUT_OF_PLACE / max(1, pieces[room.id])
     for one in found:
         room = by_id.get(one.room)
         if room is None or (one.kind == "out of room" and one.amount <= ROUNDING_M2):
