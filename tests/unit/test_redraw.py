@@ -57,8 +57,10 @@ def mended(
 
 @pytest.fixture
 def sound_house(furnished_house: SceneGraph) -> SceneGraph:
-    """Without a fault: its kitchen, which has no cooker, is a store."""
-    rooms = (replace(r, kind="store") if r.kind == "kitchen" else r for r in furnished_house.rooms)
+    """Without a fault: its kitchen, which has no cooker, is a room of no known kind."""
+    rooms = (
+        replace(r, kind="unknown") if r.kind == "kitchen" else r for r in furnished_house.rooms
+    )
     return replace(furnished_house, rooms=tuple(rooms))
 
 
