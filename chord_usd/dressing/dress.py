@@ -94,8 +94,8 @@ class _House:
         self._door_id = door and door.id
         self._reliefs = ReliefsOf()
         self._openings = as_cut(graph.rooms, graph.openings)
-        self._index = {one.id: index for index, one in enumerate(self._openings)}
         self._clear = list(clearances(graph.rooms, self._openings))
+        self._clear_floors = shapely.STRtree([floor for _, floor in self._clear])
         self._holes = shapely.STRtree([footprint_polygon(one.box) for one in self._openings])
         balconies = [room for room in graph.rooms if room.kind == "balcony"]
         near = {
@@ -114,12 +114,12 @@ class _House:
     def _seen_from(self, room: Room) -> list[Opening]:
         """Openings in the walls of other rooms that keep floor free in this one, open to them."""
         floor = self._floors.polygons[self._floors.index_of[room.id]]
-        near = set(self._near(room))
+        near = {self._openings[index].id for index in self._near(room)}
+        found = [self._clear[index] for index in sorted(self._clear_floors.query(floor))]
         return [
             opening
-            for opening, clear in self._clear
-            if self._index[opening.id] not in near
-            and clear.intersection(floor).area > MIN_OVERLAP_M2
+            for opening, clear in found
+            if opening.id not in near and clear.intersection(floor).area > MIN_OVERLAP_M2
         ]
 
     def dressed(self, room: Room, kept: Sequence[Item]) -> list[Item]:

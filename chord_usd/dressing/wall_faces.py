@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import shapely
 from shapely.geometry import LineString
 
 from chord_usd.dressing.taken_space import TakenSpace
-from chord_usd.scene.geometry import Floors, footprint, room_sides
+from chord_usd.scene.geometry import Floors, footprint, gaps, room_sides
 from chord_usd.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
 
 BEHIND_M = 0.001
@@ -106,22 +106,8 @@ class WallFace:
         own = self.own(corners[kept])
         low, high = own.min(axis=1), own.max(axis=1)
         near = (low[:, 1] < from_v_m + depth_m - BEHIND_M) & (high[:, 1] > from_v_m + BEHIND_M)
-        blocked = sorted(zip(low[near, 0].tolist(), high[near, 0].tolist(), strict=True))
-        return list(_between(blocked, self.length_m))
-
-
-def _between(
-    blocked: Sequence[tuple[float, float]], length_m: float
-) -> Iterator[tuple[float, float]]:
-    start = 0.0
-    for low, high in blocked:
-        if low > start:
-            yield start, min(low, length_m)
-        start = max(start, high)
-        if start >= length_m:
-            return
-    if start < length_m:
-        yield start, length_m
+        blocked = zip(low[near, 0].tolist(), high[near, 0].tolist(), strict=True)
+        return list(gaps(blocked, self.length_m))
 
 
 def faces_of(room: Room, openings: Sequence[Opening], floors: Floors) -> tuple[WallFace, ...]:

@@ -10,7 +10,7 @@ import shapely
 
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon, to_own
+from chord_usd.scene.geometry import footprint_polygon, front_direction, gaps, room_polygon, to_own
 from chord_usd.scene.palette import CATEGORIES, Level, Mount
 from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
@@ -190,18 +190,13 @@ def _across(border: Opening) -> shapely.Polygon:
 
 def _has_way(border: Opening, items: Sequence[Item]) -> bool:
     strip = _across(border)
-    half = border.box.size_m[0] / 2
-    reach = -half
+    length = border.box.size_m[0]
     spans = []
     for item in items:
         part = footprint_polygon(item.box).intersection(strip)
-        along = to_own(border.box, shapely.get_coordinates(part))[:, 0]
+        along = to_own(border.box, shapely.get_coordinates(part))[:, 0] + length / 2
         spans.append((float(along.min()), float(along.max())))
-    for low, high in [*sorted(spans), (half, half)]:
-        if low - reach >= min(WAY_M, 2 * half):
-            return True
-        reach = max(reach, high)
-    return False
+    return any(high - low >= min(WAY_M, length) for low, high in gaps(spans, length))
 
 
 class ClearFloors:

@@ -16,7 +16,7 @@ from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import built_parts
 from chord_usd.plan.regions import Regions
 from chord_usd.plan.text import Text
-from chord_usd.scene.geometry import room_polygon, seams
+from chord_usd.scene.geometry import hanging_together, room_polygon, seams
 from chord_usd.scene.room_names import room_kind
 from chord_usd.scene.types import (
     OPEN,
@@ -202,15 +202,15 @@ def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterato
 
 def _reached_together(plan: Plan) -> list[list[str]]:
     """Ids of rooms that doors and passages join, or that touch, the largest group first."""
-    group_of = {room.id: index for index, room in enumerate(plan.rooms)}
     ids = [room.id for room in plan.rooms]
+    index_of = {room_id: index for index, room_id in enumerate(ids)}
     touching = seams([room_polygon(room) for room in plan.rooms], _TOUCH_M)
-    pairs = [(ids[one], ids[other]) for one, other, _ in touching]
-    pairs += [o.room_ids for o in plan.openings if o.kind != "window" and len(o.room_ids) == 2]
-    for pair in pairs:
-        one, other = (group_of[room_id] for room_id in pair)
-        group_of = {k: one if v == other else v for k, v in group_of.items()}
-    groups = [[k for k, v in group_of.items() if v == group] for group in set(group_of.values())]
+    pairs = [(one, other) for one, other, _ in touching]
+    for opening in plan.openings:
+        if opening.kind != "window" and len(opening.room_ids) == 2:
+            one, other = (index_of[room_id] for room_id in opening.room_ids)
+            pairs.append((one, other))
+    groups = [[ids[index] for index in group] for group in hanging_together(len(ids), pairs)]
     return sorted(groups, key=lambda group: (-len(group), group))
 
 

@@ -6,7 +6,7 @@ given a part of the largest floor, as in a studio.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +15,9 @@ from chord_usd.plan.open_plans import Use, part_room
 from chord_usd.raster.page_labels import KIND_NAMES
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_areas import plausibility
-from chord_usd.scene.types import FloatArray, Plan, RoomKind
+from chord_usd.scene.types import FloatArray, Plan, Room, RoomKind
 
-SURE = 0.5
+_SURE = 0.5
 """A room's kind is told from this chance on."""
 
 _MISSED: dict[RoomKind, float] = {"bathroom": 4.0, "bedroom": 3.0, "living": 2.0, "kitchen": 1.1}
@@ -48,7 +48,7 @@ def kinds_of_home(
     sure = chances[np.arange(len(best)), best]
     needed = _make_complete(best, nats, told) if is_home else set()
     return [
-        (KIND_NAMES[kind] if sure[room] >= SURE or room in needed else "unknown",
+        (KIND_NAMES[kind] if sure[room] >= _SURE or room in needed else "unknown",
          round(float(chances[room, kind]), 2))
         for room, kind in enumerate(best)
     ]  # fmt: skip
@@ -86,21 +86,26 @@ def with_missing_rooms(plan: Plan) -> tuple[Plan, list[str]]:
     """The home with a kitchen and a bed on the floor of another room, where it has none; and what
     to say of that."""
     told = []
-    for need, hosts in _HOSTS.items():
+    for need in _HOSTS:
         kinds = [room.kind for room in plan.rooms]
         if need in kinds or (need == "bedroom" and "study" in kinds):
             continue
-        for host in hosts:
-            rooms = [room for room in plan.rooms if room.kind == host]
-            largest = max(rooms, key=lambda room: room_polygon(room).area, default=None)
-            if largest is None or room_polygon(largest).area < _HOST_M2:
-                continue
-            if host == need or (host == "bedroom" and len(rooms) > 1):
-                continue
-            parted = part_room(plan, largest.id, (Use(host), Use(need)))
+        for host in _hosts(plan, need):
+            parted = part_room(plan, host.id, (Use(host.kind), Use(need)))
             if parted is not plan:
-                new = {room.id for room in parted.rooms} - {room.id for room in plan.rooms}
-                told.append(f"no {need} is drawn: a part of {largest.id} became {new.pop()}")
+                (new,) = {room.id for room in parted.rooms} - {room.id for room in plan.rooms}
+                told.append(f"no {need} is drawn: a part of {host.id} became {new}")
                 plan = parted
                 break
     return plan, told
+
+
+def _hosts(plan: Plan, need: RoomKind) -> Iterator[Room]:
+    """Rooms that may share their floor with what is needed: the largest of each kind; a bedroom
+    only where it is all there is, as in a studio."""
+    for kind in _HOSTS[need]:
+        rooms = [room for room in plan.rooms if room.kind == kind]
+        largest = max(rooms, key=lambda room: room_polygon(room).area, default=None)
+        is_wanted = kind == "bedroom" and len(rooms) > 1
+        if largest and not is_wanted and room_polygon(largest).area >= _HOST_M2:
+            yield largest

@@ -291,8 +291,8 @@ def _rooms(plan: Plan, room: Room, parts: Sequence[_Part]) -> list[Room]:
         own, name = (room.id, room.name) if index == leading else (_free_id(kind, taken), "")
         taken.add(own)
         corners = np.asarray(part.floor.simplify(_ON_LINE_M).exterior.coords)[:-1]
-        names = ", ".join(dict.fromkeys(name for use in part.uses for name in use.names))
-        rooms.append(Room(own, kind, frozen_array(corners), names or name, room.extra))
+        said = ", ".join(dict.fromkeys(word for use in part.uses for word in use.names))
+        rooms.append(Room(own, kind, frozen_array(corners), said or name, room.extra))
     return rooms
 
 

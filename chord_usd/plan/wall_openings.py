@@ -16,6 +16,7 @@ import numpy as np
 
 from chord_usd.plan.segment import Segments
 from chord_usd.raster.page_labels import BUILT_WEIGHTS, DOOR, FLOOR, OUTSIDE, PASSAGE, WALL, WINDOW
+from chord_usd.scene.geometry import gaps
 from chord_usd.scene.types import FloatArray, OpeningKind
 
 _DEEPEST = 3.5
@@ -144,18 +145,11 @@ def _walls(edges: Sequence[_Edge], segments: Segments, thickness_px: float) -> I
         covered[other].append((min(spans), max(spans)))
         yield _Wall(one, low, high, max(depth, 1.0), other)
     for edge, spans_px in covered.items():
-        for low, high in _rest(spans_px, edge.length):
+        for low, high in gaps(spans_px, edge.length):
+            if high - low <= _LEAST_OVERLAP_PX:
+                continue
             outer = _outer_depth(edge, low, high, segments, reach) or thickness_px
             yield _Wall(edge, low, high, outer, None)
-
-
-def _rest(spans: list[tuple[float, float]], length: float) -> Iterator[tuple[float, float]]:
-    """What of an edge no span covers."""
-    place = 0.0
-    for low, high in [*sorted(spans), (length, length)]:
-        if low - place > _LEAST_OVERLAP_PX:
-            yield place, low
-        place = max(place, high)
 
 
 def _outer_depth(

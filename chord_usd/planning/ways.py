@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from chord_usd.metrics.walk import ENTRANCE_KINDS
+from chord_usd.scene.geometry import gaps
 from chord_usd.scene.types import Opening, RoomKind
 
 DOOR_M = 0.8
@@ -107,23 +108,13 @@ def _reached(start: Iterable[str], ways: Sequence[tuple[str, ...]]) -> set[str]:
 def _best(ranked: Sequence[tuple[int, Border]], width_m: float) -> MissingDoor | None:
     """The border of the best rank with room for a door, the longest of equals."""
     for _, border in sorted(ranked, key=lambda row: (row[0], -row[1].length_m)):
-        gaps = _gaps(border)
-        if not gaps:
+        free = list(gaps(border.taken_m, border.length_m))
+        if not free:
             continue
-        low, high = max(gaps, key=lambda gap: gap[1] - gap[0])
+        low, high = max(free, key=lambda gap: gap[1] - gap[0])
         if high - low >= _LEAST_M:
             width = min(width_m, high - low)
             # By the corner, as doors are: the wall stays free for furniture.
             middle = low + width / 2
             return MissingDoor(border, middle, width)
     return None
-
-
-def _gaps(border: Border) -> list[tuple[float, float]]:
-    """Where there is no opening along a border."""
-    gaps, place = [], 0.0
-    for low, high in sorted(border.taken_m):
-        gaps.append((place, low))
-        place = max(place, high)
-    gaps.append((place, border.length_m))
-    return [(low, high) for low, high in gaps if high > low]

@@ -173,3 +173,25 @@ def shared_rows(uvs: npt.ArrayLike) -> tuple[npt.NDArray[np.float32], npt.NDArra
     # As one number each: sorting rows takes ten times as long.
     _, first, places = np.unique(rows.view(np.int64), return_index=True, return_inverse=True)
     return rows[first], places.reshape(-1).astype(np.int32)
+
+
+def gaps(spans: Iterable[tuple[float, float]], length: float) -> Iterator[tuple[float, float]]:
+    """What no span covers from 0 to length, in order."""
+    start = 0.0
+    for low, high in sorted(spans):
+        if min(low, length) > start:
+            yield start, min(low, length)
+        start = max(start, high)
+    if start < length:
+        yield start, length
+
+
+def hanging_together(count: int, pairs: Iterable[tuple[int, int]]) -> list[list[int]]:
+    """The numbers from 0 to count in groups that pairs join, directly or over others; in order."""
+    group_of = [[index] for index in range(count)]
+    for one, other in pairs:
+        if group_of[one] is not group_of[other]:
+            joined = sorted(group_of[one] + group_of[other])
+            for index in joined:
+                group_of[index] = joined
+    return [group for index, group in enumerate(group_of) if group[0] == index]

@@ -14,7 +14,7 @@ from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
 from chord_usd.scene.feels import FEEL_OF_LOOK, FEEL_OF_SURFACE
-from chord_usd.scene.geometry import seams
+from chord_usd.scene.geometry import hanging_together, seams
 from chord_usd.scene.looks import LOOK_FILE, Look, LookSource
 from chord_usd.scene.tunnels import GRID_M
 from chord_usd.scene.types import RoomKind
@@ -51,22 +51,18 @@ def wear_looks(
 
 
 def _leading_rooms(level: Level) -> dict[str, NamedRoom]:
-    """By id of each room that touches another, with no wall between, the leading one of them."""
+    """By id of each room, the leading one of those that it touches with no wall between, over
+    others, too: itself where it touches none."""
     rooms = [room for room in level.rooms if room.room.kind in _ONE_FLOOR]
     floors = [level.walls.floors_m[room.index] for room in rooms]
-    group_of = {index: {index} for index in range(len(rooms))}
-    for one, other, border in seams(floors, GRID_M):
-        if border.length > _LEAST_BORDER_M:
-            joined = group_of[one] | group_of[other]
-            group_of.update(dict.fromkeys(joined, joined))
-    return {
-        rooms[index].room.id: min(
-            (rooms[other] for other in group),
-            key=lambda room: (_ONE_FLOOR.index(room.room.kind), room.index),
-        )
-        for index, group in group_of.items()
-        if len(group) > 1
-    }
+    borders = seams(floors, GRID_M)
+    touching = [(one, other) for one, other, line in borders if line.length > _LEAST_BORDER_M]
+    leading = {}
+    for group in hanging_together(len(rooms), touching):
+        own = [rooms[index] for index in group]
+        first = min(own, key=lambda room: (_ONE_FLOOR.index(room.room.kind), room.index))
+        leading.update(dict.fromkeys((room.room.id for room in own), first))
+    return leading
 
 
 def _wear_looks(

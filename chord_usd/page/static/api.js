@@ -38,3 +38,9 @@ export const isOver = (job) => !["queued", "running"].includes(job.state);
 /** Address of a file of a version. */
 export const file = (id, version, kind, name) =>
   `/api/houses/${id}/versions/${version}/${kind}/${name}`;
+
+/** Work that is asked for while it runs is done after that: what changes meanwhile builds on it. */
+export function oneAtATime(work) {
+  let last = Promise.resolve();
+  return () => (last = last.catch(() => {}).then(work));
+}

@@ -1,5 +1,5 @@
 // What is changed by hand in a house: kept in the view at once, on the server a moment later.
-import { ask, get } from "./api.js";
+import { ask, get, oneAtATime } from "./api.js";
 import { boxOf, place, show } from "./batches.js";
 import { complain } from "./dom.js";
 import { THREE } from "./three.js";
@@ -13,6 +13,7 @@ export class Edits {
   constructor(address, house, { changed, dressed }) {
     Object.assign(this, { address, house, changed, dressed, done: [], revision: 0 });
     this.state = { pieces: {}, locked: [] };
+    this.sendInTurn = oneAtATime(() => this.send());
   }
 
   /** Take in what was changed before. */
@@ -194,11 +195,9 @@ export class Edits {
     return found;
   }
 
-  /** One at a time: what changes while a save is on its way builds on that one. */
   save() {
     clearTimeout(this.timer);
-    this.saving = (this.saving ?? Promise.resolve()).catch(() => {}).then(() => this.send());
-    return this.saving;
+    return this.sendInTurn();
   }
 
   async send() {

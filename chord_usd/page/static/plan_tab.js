@@ -1,5 +1,5 @@
 // The reading over the picture: what is doubted, how to put it right, and "Furnish".
-import { ask, get, job } from "./api.js";
+import { ask, get, job, oneAtATime } from "./api.js";
 import { button, choice, complain, el, field } from "./dom.js";
 import { addStorey } from "./home.js";
 import { PlanDrawing } from "./plan_drawing.js";
@@ -31,6 +31,7 @@ class PlanTab {
     this.number = 0;
     this.done = [];
     this.undone = [];
+    this.sendInTurn = oneAtATime(() => this.send());
     this.picture = new Image();
     this.area = el("div", { class: "stagearea" });
     this.side = el("aside", { class: "side stack", "aria-label": "Corrections" });
@@ -198,11 +199,9 @@ class PlanTab {
     this.timer = setTimeout(() => this.save().catch(complain), SAVE_AFTER_MS);
   }
 
-  /** One at a time: what changes while a save is on its way builds on that one. */
   save() {
     clearTimeout(this.timer);
-    this.saving = (this.saving ?? Promise.resolve()).catch(() => {}).then(() => this.send());
-    return this.saving;
+    return this.sendInTurn();
   }
 
   async send() {
