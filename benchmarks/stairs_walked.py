@@ -1,6 +1,6 @@
 """A walker goes up every stair of procedural houses in mujoco: a capsule on a leg.
 
-    python benchmarks/stairs_walked.py [--houses N] [--first SEED]
+    python benchmarks/stairs_walked.py [--houses N] [--first SEED] [--form FORM]
 
 The capsule, 70 kg and 1.7 m high, is pushed along the stair's walking line at half a metre a
 second. A leg, as characters in games have one, holds it over the highest ground near its foot; it
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
@@ -113,9 +114,10 @@ def _lift(
     return float(np.clip(MASS_KG * wanted, 0.0, 3 * MASS_KG * 9.81))
 
 
-def _ascents(seed: int, folder: Path) -> list[tuple[str, Ascent]]:
+def _ascents(seed: int, folder: Path, forms: Sequence[StairForm]) -> list[tuple[str, Ascent]]:
     """Of all stairs of an unfurnished house, with their forms."""
-    made = stack(random_storeys(np.random.default_rng(_APART + seed), 3 if seed % 4 == 0 else 2))
+    rng, storeys = np.random.default_rng(_APART + seed), 3 if seed % 4 == 0 else 2
+    made = stack(random_storeys(rng, storeys, forms))
     house = folder / "house.usda"
     author_levels(levels_of(made, [storey.plan.scene() for storey in made.storeys]), house)
     export_stage(house, folder / "mujoco", "mujoco")
@@ -125,20 +127,22 @@ def _ascents(seed: int, folder: Path) -> list[tuple[str, Ascent]]:
         for storey in storeys
         for stair in storey.stairs
     ]
-    forms = [climbed.built.stair.form for climbed in made.climbs]
+    named = [climbed.built.stair.form for climbed in made.climbs]
     model_file = folder / "mujoco" / "model.xml"
-    return [(form, climb(model_file, line)) for form, line in zip(forms, lines, strict=True)]
+    return [(form, climb(model_file, line)) for form, line in zip(named, lines, strict=True)]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--houses", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
+    parser.add_argument("--form", choices=get_args(StairForm))
     options = parser.parse_args()
+    drawn: tuple[StairForm, ...] = (options.form,) if options.form else get_args(StairForm)
     found: list[tuple[str, Ascent]] = []
     for seed in range(options.first, options.first + options.houses):
         with tempfile.TemporaryDirectory() as folder:
-            own = _ascents(seed, Path(folder))
+            own = _ascents(seed, Path(folder), drawn)
         found += own
     forms = {form: [one for name, one in found if name == form] for form in get_args(StairForm)}
     rows = [
@@ -152,7 +156,10 @@ def main() -> None:
         if own
     ]
     note = f"{options.houses} procedural houses, every fourth of three storeys, unfurnished."
-    write_section("stages: stairs walked up", rows, note)
+    title = (
+        f"stages: {options.form} stairs walked up" if options.form else "stages: stairs walked up"
+    )
+    write_section(title, rows, note)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Procedural houses of two storeys: the certificate, the rooms reached, and what a storey costs.
 
-    python benchmarks/storeys_certificate.py [--houses N] [--first SEED] [--records FILE]
+    python benchmarks/storeys_certificate.py [--houses N] [--first SEED] [--form FORM]
+        [--records FILE]
 
 Each house is furnished and checked. Every tenth is made by `chord-usd generate`, too, once whole
 and once its ground floor alone; seconds are those of the processor, loading included. With
@@ -15,8 +16,9 @@ import resource
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from chord_usd.data.storey_houses import random_storeys
 from chord_usd.pipeline.whole_house import generate_storeys
 from chord_usd.scene.chord_json import json_text, write_plan
 from chord_usd.scene.json_stairs import storeys_to_json
+from chord_usd.scene.stair_elements import StairForm
 from chord_usd.stage.check import check_stage
 
 _APART = 50_000
@@ -33,8 +36,10 @@ _APART = 50_000
 _TIMED_EVERY = 10
 
 
-def _house(seed: int, models: pipeline.Models, folder: Path) -> dict[str, Any]:
-    storeys = random_storeys(np.random.default_rng(_APART + seed), 2)
+def _house(
+    seed: int, models: pipeline.Models, folder: Path, forms: Sequence[StairForm]
+) -> dict[str, Any]:
+    storeys = random_storeys(np.random.default_rng(_APART + seed), 2, forms)
     whole, ground = folder / "whole.json", folder / "ground.json"
     whole.write_text(json_text(storeys_to_json(storeys)))
     write_plan(storeys[0].plan, ground)
@@ -65,8 +70,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--houses", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
+    parser.add_argument("--form", choices=get_args(StairForm), help="of the stairs; all of them")
     parser.add_argument("--records", type=Path, metavar="FILE")
     options = parser.parse_args()
+    forms: tuple[StairForm, ...] = (options.form,) if options.form else get_args(StairForm)
     kept = options.records and options.records.is_file()
     rows = [json.loads(line) for line in options.records.read_text().splitlines()] if kept else []
     known = {row["seed"] for row in rows}
@@ -75,7 +82,7 @@ def main() -> None:
         if seed in known:
             continue
         with tempfile.TemporaryDirectory() as folder:
-            rows.append(_house(seed, models, Path(folder)))
+            rows.append(_house(seed, models, Path(folder), forms))
         if options.records:
             with options.records.open("a") as file:
                 file.write(json.dumps(rows[-1]) + "\n")

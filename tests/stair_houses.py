@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, stair_to_json
-from chord_usd.scene.stair_elements import Stair, StairForm
+from chord_usd.scene.stair_elements import Stair, StairForm, Turn
 from chord_usd.scene.stair_places import DRAWN_STAIRS
 from chord_usd.scene.storeys import Building, stack
 from chord_usd.scene.types import Box, Opening, Plan, Room
@@ -13,16 +13,15 @@ from chord_usd.scene.types import Box, Opening, Plan, Room
 SIDE_M = 7.0
 
 
-def cornered(form: StairForm, size_m: tuple[float, float]) -> Building:
-    """A stair that turns right in the north-western corner of a square hall; a straight one ends
-    before the wall."""
+def cornered(form: StairForm, size_m: tuple[float, float], turn: Turn = "right") -> Building:
+    """A stair in the north-western corner of a square hall; a straight one ends before the wall."""
     north = SIDE_M - (1.5 if form == "straight" else 0.0)
     box = Box((size_m[0] / 2, north - size_m[1] / 2, 0.0), (*size_m, 1.0), 0.0)
     square = np.array([[0.0, 0.0], [SIDE_M, 0.0], [SIDE_M, SIDE_M], [0.0, SIDE_M]])
     door = Opening("door", "door", Box((6.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("hall",))
     storeys = []
     for index, leads in enumerate(("up", "down")):
-        shown = stair_to_json(Stair(f"stair{index}", form, box, "right", leads))  # type: ignore[arg-type]
+        shown = stair_to_json(Stair(f"stair{index}", form, box, turn, leads))  # type: ignore[arg-type]
         rooms = (Room("hall", "corridor", square),)
         openings = (door,) if index == 0 else ()
         storeys.append(StoreyPlan(Plan(rooms, openings, {STAIRS: [shown]})))

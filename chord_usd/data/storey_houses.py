@@ -5,7 +5,9 @@ A hall runs through the house between two rows of rooms; the stair stands in it,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
@@ -27,6 +29,9 @@ from chord_usd.scene.storeys import storey_title
 from chord_usd.scene.types import Box, Plan, RoomKind
 
 _MOST_DRAWS = 200
+
+_BEHIND = 110
+"""Floor behind a spiral stair and beside what turns off, in steps."""
 
 _WIDTHS: dict[RoomKind, tuple[int, int]] = {
     "living": (420, 640), "kitchen": (250, 380), "dining": (300, 400), "study": (250, 340),
@@ -56,6 +61,15 @@ class _Frame:
     bay: tuple[int, int] | None
     """The part of the northern row that belongs to the hall, along x."""
     stair: Stair
+    """Up from the ground floor."""
+
+    def stair_at(self, level: int) -> Stair:
+        """Up from a storey: a spiral stair begins where the one below ends, others where it did."""
+        if self.stair.form != "spiral":
+            return self.stair
+        quarter = 90.0 if self.stair.turn == "left" else -90.0
+        yaw_deg = self.stair.box.yaw_deg + quarter * level
+        return replace(self.stair, box=replace(self.stair.box, yaw_deg=yaw_deg))
 
     @property
     def slots(self) -> list[Bounds]:
@@ -67,8 +81,12 @@ class _Frame:
         return found + [(a, north, b, top) for a, b in spans if b > a]
 
 
-def random_storeys(rng: np.random.Generator, storeys: int = 2) -> tuple[StoreyPlan, ...]:
+def random_storeys(
+    rng: np.random.Generator, storeys: int = 2, forms: Sequence[StairForm] = get_args(StairForm)
+) -> tuple[StoreyPlan, ...]:
     """A house of two or three storeys, the lowest first, registered by its stairs.
+
+    forms: of stairs, which are drawn among.
 
     The same state of rng gives the same house. Raises ValueError for another number of storeys.
     """
@@ -77,20 +95,20 @@ def random_storeys(rng: np.random.Generator, storeys: int = 2) -> tuple[StoreyPl
     dice = Dice(rng)
     for _ in range(_MOST_DRAWS):
         try:
-            frame = _draw_frame(dice)
+            frame = _draw_frame(dice, forms)
             plans = [_draw_storey(dice, frame, level, storeys) for level in range(storeys)]
         except NoPlaceError:
             continue
         pose = Pose(dice.chance(0.5), yaw_deg=90.0 * dice.steps(0, 3))
         return tuple(
-            StoreyPlan(_posed(plan, frame.stair, level, storeys, pose), storey_title(level))
+            StoreyPlan(_posed(plan, frame, level, storeys, pose), storey_title(level))
             for level, plan in enumerate(plans)
         )
     raise RuntimeError(f"no sound house of {storeys} storeys in {_MOST_DRAWS} draws")
 
 
-def _draw_frame(dice: Dice) -> _Frame:
-    form: StairForm = dice.pick(["straight", "L", "U", "winder_L", "winder_U"])
+def _draw_frame(dice: Dice, forms: Sequence[StairForm]) -> _Frame:
+    form = dice.pick(list(forms))
     south, north = dice.steps(360, 470), dice.steps(350, 430)
     width = dice.steps(860, 1240)
     if form == "straight":
@@ -102,22 +120,26 @@ def _draw_frame(dice: Dice) -> _Frame:
         return _Frame(width, south, hall, south + hall + north, None, Stair("stair", form, box))
     hall = 24 + dice.steps(110, 150)
     inner = north - 24
-    turns_off = form in ("L", "winder_L")
+    turns_off = form in ("L", "winder_L", "spiral")
     turn: Turn = "right" if turns_off else dice.pick(["left", "right"])
+    beyond = 0
     if form == "U":
         across, depth = dice.steps(190, 215), inner
     elif form == "winder_U":
         across, depth = dice.steps(178, 212), dice.steps(235, 280)
     elif form == "winder_L":
         across, depth = dice.steps(165, 210), min(inner, dice.steps(295, 330))
+    elif form == "spiral":  # on the third storey one steps off behind it
+        across = depth = dice.steps(196, 230)
+        turn, beyond = "left", min(_BEHIND, inner - depth)
     else:
         across, depth = dice.steps(275, 300), min(inner, dice.steps(300, 330))
-    bay_width = across + 24 + (110 if turns_off else 0)
+    bay_width = across + 24 + (_BEHIND if turns_off else 0)
     start = dice.pick([0, width - bay_width, dice.steps(300, max(300, width - bay_width - 300))])
     if start < 0 or start + bay_width > width:
         raise NoPlaceError("stair")
     x = (start + HALF_WALL + across / 2) * STEP_M
-    top = south + hall + north - HALF_WALL
+    top = south + hall + north - HALF_WALL - beyond
     y = (top - depth / 2) * STEP_M
     box = Box((x, y, 0.0), (across * STEP_M, depth * STEP_M, 1.0), 0.0)
     bay = (start, start + bay_width)
@@ -211,12 +233,16 @@ def _outside(stretch: Stretch, area: Bounds) -> list[Stretch]:
     return found
 
 
-def _posed(plan: Plan, stair: Stair, level: int, storeys: int, pose: Pose) -> Plan:
+def _posed(plan: Plan, frame: _Frame, level: int, storeys: int, pose: Pose) -> Plan:
     """The plan turned and mirrored, with its stairs up and down."""
-    turn = stair.turn
-    if pose.mirrored:
-        turn = "left" if turn == "right" else "right"
-    own = replace(stair, box=pose.box(stair.box), turn=turn)
-    shown = [replace(own, id=f"stair{level}", leads="up")] if level < storeys - 1 else []
-    shown += [replace(own, id=f"stair{level}_down", leads="down")] if level else []
+
+    def own(stair: Stair) -> Stair:
+        turn = stair.turn
+        if pose.mirrored:
+            turn = "left" if turn == "right" else "right"
+        return replace(stair, box=pose.box(stair.box), turn=turn)
+
+    up, down = own(frame.stair_at(level)), own(frame.stair_at(level - 1))
+    shown = [replace(up, id=f"stair{level}", leads="up")] if level < storeys - 1 else []
+    shown += [replace(down, id=f"stair{level}_down", leads="down")] if level else []
     return replace(posed(plan, pose), extra={STAIRS: [stair_to_json(one) for one in shown]})

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 import numpy.typing as npt
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
 from chord_usd.raster.page_labels import (
@@ -16,6 +16,7 @@ from chord_usd.raster.page_labels import (
     STAIRS,
 )
 from chord_usd.raster.vectorize import polygon_from_mask
+from chord_usd.scene.stair_spirals import is_round
 from chord_usd.scene.types import BoolArray, FloatArray
 
 _SMALLEST_ROOM_M2 = 0.8
@@ -183,7 +184,8 @@ def surrounded_px2(mask: BoolArray) -> float:
 
 
 def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
-    """(N, 2) corners of each flight of stairs, the least rectangles that hold them."""
+    """(N, 2) corners of each flight of stairs: the least rectangles that hold them, and of what is
+    round a circle's."""
     seen = (segments.most_likely == STAIRS).astype(np.uint8)
     torn = max(1, round(_TORN_M / m_per_px))
     closed = cv2.morphologyEx(seen, cv2.MORPH_CLOSE, np.ones((torn, torn), np.uint8))
@@ -193,7 +195,11 @@ def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
         if min(around[1]) * m_per_px >= _LEAST_FLIGHT_M[0] and (
             max(around[1]) * m_per_px >= _LEAST_FLIGHT_M[1]
         ):
-            found.append(np.asarray(cv2.boxPoints(around), np.float64) + 0.5)
+            rim = Polygon(outline[:, 0]) if len(outline) > 3 else Polygon()
+            (x, y), radius = cv2.minEnclosingCircle(outline)
+            is_disc = not rim.is_empty and is_round(rim.buffer(0).convex_hull)
+            corners = Point(x, y).buffer(radius).exterior.coords[:-1] if is_disc else ()
+            found.append(np.asarray(corners or cv2.boxPoints(around), np.float64) + 0.5)
     return found
 
 

@@ -1,7 +1,7 @@
 """Stairs and storeys in CHOrD JSON.
 
 A plan may hold `stairs`: boxes as those of furniture, with `form` (straight, L, U, winder_L,
-winder_U), `turn` (left, right) and `leads` (up, down). A house of storeys is
+winder_U, spiral), `turn` (left, right) and `leads` (up, down). A house of storeys is
 `{"storeys": [...]}`, one plan each, the lowest first, with an optional `name` and `shift` ([x, y],
 centimetres: where its origin lies in the ground floor's). Plans without `shift` are registered by
 what they show.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from shapely import get_coordinates
+from shapely import affinity, get_coordinates
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import substring, unary_union
@@ -31,12 +31,16 @@ from chord_usd.scene.types import (
 CELL = "stairCell"
 """Key of Room.extra: the room is what a stair takes up."""
 
+OPEN = "stairOpen"
+"""Key of Room.extra of such a room: what of it has no floor, a list of [x, y] in centimetres."""
+
 _LEAST_M2 = 0.5
 """Of what is left of a room beside a stair; less is no floor."""
 
 _NARROW_M = 0.45
 """Floor no wider than this beside a stair is none that one can use."""
 
+_LEAST_FALL_M2 = 0.02
 _TOUCH_M = 0.05
 _SEAM_M = 2e-3
 
@@ -64,7 +68,7 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
     above: whether the stair arrives on this storey, and does not start there. Raises PlanError for
     a stair that leads nowhere.
     """
-    area = built.hole_m if above else built.area_m
+    area = built.above_m if above else built.area_m
     by_share = sorted(
         ((area.intersection(room_polygon(room)).area / area.area, room) for room in plan.rooms),
         key=lambda pair: -pair[0],
@@ -76,6 +80,8 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
             if above else f"stair {built.stair.id} stands in no room",
             expected="a room around the stair on both storeys",
         )  # fmt: skip
+    if not above:
+        _refuse_fall(main, built)
     beside = _left_of(main, area)
     pockets = [part for part in beside if above and part.difference(built.area_m).area < _LEAST_M2]
     hole = area if share > 0.99 else _inside(area, main)
@@ -92,11 +98,36 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
             {CELL: True, "roomKind": "corridor"},
         )  # fmt: skip
         rooms = list(plan.rooms)
+    if above:
+        hole = built.hole_m.intersection(hole) if built.is_spiral else hole
+        cell = replace(cell, extra={**cell.extra, OPEN: _open_cm(cell, built, hole)})
     rooms = [part for room in rooms for part in _cut(room, room_polygon(cell))]
     place = [room.id for room in plan.rooms].index(main.id)
     rooms.insert(min(place + 1, len(rooms)), cell)
     plan = replace(plan, rooms=tuple(rooms))
     return _joined(plan, Cell(cell.id, "", hole if above else None), built, above)
+
+
+def _refuse_fall(room: Room, built: BuiltStair) -> None:
+    """Raises PlanError for a stair whose first steps one reaches over the hole of another one."""
+    holes = unary_union([Polygon(ring) for ring in room.extra.get(OPEN, ())])
+    way = built.approach_m
+    if (
+        way is not None
+        and affinity.scale(way, 100.0, 100.0, origin=(0, 0)).intersection(holes).area
+        > _LEAST_FALL_M2 * 1e4
+    ):
+        raise PlanError(
+            f"stair {built.stair.id} begins over the hole that the stair below comes up through",
+            expected="its front where the stair below ends",
+        )
+
+
+def _open_cm(cell: Room, built: BuiltStair, hole: Polygon) -> list[list[list[float]]]:
+    """Holes in the floor of a cell, those that it had before included."""
+    left = hole if built.landing_m is None else hole.difference(built.landing_m)
+    rings = [np.asarray(part.exterior.coords)[:-1] * 100.0 for part in polygons_of(left)]
+    return [*cell.extra.get(OPEN, ()), *(ring.round(2).tolist() for ring in rings)]
 
 
 def _with_more(cell: Room, area: Polygon, plan: Plan) -> Polygon:
@@ -116,8 +147,7 @@ def _joined(plan: Plan, cell: Cell, built: BuiltStair, above: bool) -> tuple[Pla
     if beyond is not None and room_polygon(beyond).distance(edge.centroid) < _TOUCH_M:
         name = f"{built.stair.id}_{'top' if above else 'foot'}"
         opening = _passage(name, _open_part(edge, plan.room(cell.room), beyond), cell.room, beyond)
-        taken = {one.id for one in plan.openings}
-        added = () if opening.id in taken else (opening,)
+        added = () if any(_is_known(opening, one) for one in plan.openings) else (opening,)
         plan = replace(plan, openings=(*plan.openings, *added))
         return _as_landing(plan, beyond.id), replace(cell, joined=beyond.id)
     for opening in plan.openings:
@@ -130,6 +160,13 @@ def _joined(plan: Plan, cell: Cell, built: BuiltStair, above: bool) -> tuple[Pla
         f"stair {built.stair.id} leads nowhere: its {'top' if above else 'foot'} ends at a wall",
         expected="floor, or a door, where one steps on and off",
     )
+
+
+def _is_known(passage: Opening, other: Opening) -> bool:
+    """Whether there is such a passage: a stair may begin where the one below ends."""
+    apart = np.subtract(passage.box.center_m, other.box.center_m)
+    between = set(passage.room_ids) == set(other.room_ids)
+    return passage.id == other.id or (between and bool(np.hypot(*apart[:2]) < _TOUCH_M))
 
 
 def _as_landing(plan: Plan, room_id: str) -> Plan:

@@ -13,12 +13,13 @@ from shapely.geometry import LineString, Polygon
 
 from chord_usd.scene.types import Box
 
-StairForm = Literal["straight", "L", "U", "winder_L", "winder_U"]
-"""L and U turn on a landing; a quarter-turn and a half-turn winder stair turn on tapered treads."""
+StairForm = Literal["straight", "L", "U", "winder_L", "winder_U", "spiral"]
+"""L and U turn on a landing; a quarter-turn and a half-turn winder stair turn on tapered treads; a
+spiral stair winds round a pole."""
 
 IFC_FORMS: dict[StairForm, str] = {
     "straight": "STRAIGHT_RUN_STAIR", "L": "QUARTER_TURN_STAIR", "U": "HALF_TURN_STAIR",
-    "winder_L": "QUARTER_WINDING_STAIR", "winder_U": "HALF_WINDING_STAIR",
+    "winder_L": "QUARTER_WINDING_STAIR", "winder_U": "HALF_WINDING_STAIR", "spiral": "SPIRAL_STAIR",
 }  # fmt: skip
 """IFC's words for them."""
 
@@ -62,7 +63,7 @@ class Tread:
     """Over the lower floor."""
     is_landing: bool = False
     edges_m: tuple[LineString, LineString] | None = None
-    """Of a tapered tread: over which one steps on it and off it, from the newel outwards."""
+    """Of a tapered tread: over which one steps on it and off it, from newel or pole outwards."""
 
 
 @dataclass(frozen=True)

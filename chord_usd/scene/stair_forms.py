@@ -1,10 +1,12 @@
-"""How the steps of a stair lie, to rule: straight, with a turn of a quarter (L) or a half (U)."""
+"""How the steps of a stair lie, to rule: straight, with a turn of a quarter (L) or a half (U), or
+as modules beside this one divide it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -26,6 +28,7 @@ from chord_usd.scene.stair_elements import (
     StairForm,
     Tread,
 )
+from chord_usd.scene.stair_spirals import RIM_M, least_spiral_m, spirals
 from chord_usd.scene.stair_winders import half_winders, quarter_winders
 from chord_usd.scene.types import FloatArray
 
@@ -68,7 +71,9 @@ class BuiltStair:
     @property
     def hole_m(self) -> Polygon:
         """Where the floor above must be open, in the world: all but the lower steps of the first
-        flight, over which one stands upright below the ceiling."""
+        flight, over which one stands upright below the ceiling; over a spiral stair, its circle."""
+        if self.is_spiral:
+            return self._in_world(self._steps_m)
         low = [
             tread.area_m for tread in self.treads
             if tread.edges_m is None and tread.top_m <= self.ceiling_m - HEADROOM_M + 1e-6
@@ -77,6 +82,31 @@ class BuiltStair:
         grown = [one.buffer(1e-6, join_style="mitre") for one in low]
         open_m = area.difference(unary_union(grown))
         return self._in_world(open_m.buffer(_CLEAR_M, join_style="mitre").intersection(area))
+
+    @property
+    def above_m(self) -> Polygon:
+        """What it takes up of the upper storey, in the world: the hole, and the strip around a
+        round one."""
+        return self.area_m if self.is_spiral else self.hole_m
+
+    @property
+    def landing_m(self) -> Polygon | None:
+        """What lies in the hole at the height of the upper floor, in the world; nothing but the
+        landing of a spiral stair does."""
+        return self._in_world(self.treads[-1].area_m) if self.is_spiral else None
+
+    @property
+    def approach_m(self) -> Polygon | None:
+        """What must be floor within its area, in the world: where one steps on a spiral stair."""
+        if not self.is_spiral:
+            return None
+        (x, y), (u, v) = (self.treads[0].edges_m[0].coords[at] for at in (0, -1))  # type: ignore[index]
+        return self._in_world(Polygon([(x, y), (u, v), (-u, v), (-x, y)]))
+
+    @property
+    def is_spiral(self) -> bool:
+        """Whether it winds round a pole."""
+        return self.stair.form == "spiral"
 
     @property
     def under_m(self) -> Polygon:
@@ -90,8 +120,16 @@ class BuiltStair:
         return self.height_m - CEILING_TO_FLOOR_M
 
     @property
-    def _own_area(self) -> Polygon:
+    def _steps_m(self) -> Polygon:
+        """What lies below treads and landings, and between them, in its own frame."""
         own = unary_union([tread.area_m.buffer(1e-6) for tread in self.treads])
+        return Polygon(own.exterior)
+
+    @property
+    def _own_area(self) -> Polygon:
+        own = self._steps_m
+        if self.is_spiral:
+            return own.buffer(RIM_M, join_style="mitre").envelope
         if self.stair.form == "U":
             return own.envelope
         if self.stair.form == "winder_U":
@@ -101,7 +139,8 @@ class BuiltStair:
             well = sorted((x + aside * half, last.start_m[0] - aside * half))
             front = max(first.start_m[1], last.end_m[1])
             own = own.union(box(well[0], front, well[1], self.stair.box.size_m[1] / 2 - 1e-6))
-        return Polygon(own.exterior)
+            return Polygon(own.exterior)
+        return own
 
     def _in_world(self, own: BaseGeometry) -> Polygon:
         """Its largest part, to a tenth of a millimetre."""
@@ -120,6 +159,16 @@ class BuiltStair:
         return self._edge(self.flights[-1], self.flights[-1].end_m)
 
     @property
+    def stepped_m(self) -> tuple[list[LineString], list[LineString]]:
+        """The edges in the world over which one steps on below, and off above: of the stair, and
+        of the treads of a spiral one, which begin and end within it."""
+        found = [self.departure_m], [self.arrival_m]
+        if self.is_spiral:
+            for ways, tread, at in ((found[0], self.treads[0], 0), (found[1], self.treads[-2], 1)):
+                ways.append(LineString(to_world(self.stair.box, tread.edges_m[at].coords)))  # type: ignore[index]
+        return found
+
+    @property
     def walk_m(self) -> FloatArray:
         """(N, 3) the line one walks, in the world, heights over the lower floor; from an arm's
         length before the first step to as far beyond the last."""
@@ -136,12 +185,7 @@ class BuiltStair:
 def build_stair(stair: Stair, height_m: float) -> BuiltStair:
     """The steps of a stair that rises so much. Raises PlanError where no stair to rule fits."""
     width_m, depth_m = stair.box.size_m[:2]
-    layouts = [
-        layout
-        for risers in range(math.ceil(height_m / RISE_M[1] - 1e-9),
-                            math.floor(height_m / RISE_M[0] + 1e-9) + 1)
-        for layout in _LAYOUTS[stair.form](width_m, depth_m, risers)
-    ]  # fmt: skip
+    layouts = list(_layouts(stair.form, width_m, depth_m, height_m))
     fitting = [one for one in layouts if one.going_m >= GOING_M[0] - 1e-6]
     if not fitting:
         raise PlanError(
@@ -151,7 +195,8 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
             where=stair.id,
             expected=f"rises of {RISE_M[0] * 100:.0f} to {RISE_M[1] * 100:.0f} cm, goings of "
             f"{GOING_M[0] * 100:.0f} to {GOING_M[1] * 100:.0f} cm, flights of "
-            f"{LEAST_WIDTH_M * 100:.0f} cm or more",
+            f"{LEAST_WIDTH_M * 100:.0f} cm or more"
+            + (f": a square of {least_square_m(height_m):.2f} m" if stair.form == "spiral" else ""),
         )  # fmt: skip
     best = min(fitting, key=lambda one: (_strain(one, height_m), one.risers))
     rise_m = height_m / best.risers
@@ -167,6 +212,18 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
 def least_run_m(height_m: float) -> float:
     """Length of the shortest straight stair to rule that rises so much."""
     return (math.ceil(height_m / RISE_M[1] - 1e-9) - 1) * GOING_M[0]
+
+
+@cache
+def least_square_m(height_m: float) -> float:
+    """Side of the least square in which a spiral stair to rule rises so much."""
+    return least_spiral_m(height_m, _risers(height_m))
+
+
+def _risers(height_m: float) -> range:
+    return range(
+        math.ceil(height_m / RISE_M[1] - 1e-9), math.floor(height_m / RISE_M[0] + 1e-9) + 1
+    )
 
 
 class _Division(Protocol):
@@ -255,6 +312,17 @@ def _l(width_m: float, depth_m: float, risers: int) -> Iterator[_Layout]:
 _LAYOUTS: dict[StairForm, Callable[[float, float, int], Iterator[_Division]]] = {
     "straight": _straight, "L": _l, "U": _u, "winder_L": quarter_winders, "winder_U": half_winders,
 }  # fmt: skip
+
+
+def _layouts(
+    form: StairForm, width_m: float, depth_m: float, height_m: float
+) -> Iterator[_Division]:
+    """All divisions of a box. Those of a spiral stair need to know how much lies a turn below."""
+    for risers in _risers(height_m):
+        if form == "spiral":
+            yield from spirals(width_m, depth_m, risers, height_m)
+        else:
+            yield from _LAYOUTS[form](width_m, depth_m, risers)
 
 
 def _strain(layout: _Division, height_m: float) -> float:

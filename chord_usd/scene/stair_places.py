@@ -15,7 +15,8 @@ from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import polygons_of, room_polygon, to_own, to_world
 from chord_usd.scene.stair_cells import is_cell, with_cell
 from chord_usd.scene.stair_elements import LEAST_WIDTH_M, WELL_M, Stair, StairForm, Turn
-from chord_usd.scene.stair_forms import BuiltStair, build_stair, least_run_m
+from chord_usd.scene.stair_forms import BuiltStair, build_stair, least_run_m, least_square_m
+from chord_usd.scene.stair_spirals import RIM_M, is_round
 from chord_usd.scene.types import Box, FloatArray, Plan, Room, frozen_array
 from chord_usd.scene.units import m_from_cm
 
@@ -43,7 +44,8 @@ _LEAST_M: dict[StairForm, float] = {
 }  # fmt: skip
 """Widths of stairs."""
 _WIDENED_M = 0.3
-"""Drawn narrower than that by no more than this, they are made so wide."""
+"""Drawn narrower than that by no more than this, they are made so wide; spiral stairs, as wide as
+the least of them, to whichever side there is room."""
 
 _IN_ONE_ROOM = 0.97
 """Share of a stair that grew that must lie in one room of each storey, clear of walls."""
@@ -114,10 +116,15 @@ def grown_stair(
     area: Polygon, name: str, lower: Plan, upper: Plan, height_m: float
 ) -> Stair | None:
     """As placed_stair, for one seen on a picture: as much longer as it has to be, and can be;
-    with winders where no other fits."""
-    for winds, more_m in itertools.product((False, True), _GROWN_M):
-        forms = [form for form in _likely(StairShape(area)) if (form in _WINDERS) == winds]
-        shape = StairShape(area, forms=tuple(forms), others=False)
+    what is drawn round as a spiral stair, with winders where no other fits."""
+    likely = _likely(StairShape(area))
+    kinds = [
+        tuple(form for form in likely if form == "spiral"),
+        tuple(form for form in likely if form not in (*_WINDERS, "spiral")),
+        _WINDERS,
+    ]
+    for forms, more_m in itertools.product(filter(None, kinds), _GROWN_M):
+        shape = StairShape(area, forms=forms, others=False)
         stair = placed_stair(shape, name, lower, upper, height_m, more_m)
         if stair is not None:
             return stair
@@ -137,7 +144,9 @@ def placed_stair(
     to where the drawn one does. more_m: how much longer it becomes than it is drawn, within the
     rooms that it stands in; None takes it as it is."""
     best: tuple[float, Stair] | None = None
-    for stair in (_grown(one, more_m, height_m) for one in _candidates(shape, name)):
+    for stair in (
+        grown for one in _candidates(shape, name) for grown in _grown(one, more_m, height_m)
+    ):
         if best is not None and (shape.ends is None or stair.form != best[1].form):
             break
         try:
@@ -164,10 +173,14 @@ def with_stairwell(plan: Plan, area: Polygon, room_id: str) -> Plan:
     return replace(plan, rooms=(*plan.rooms, Room(room_id, "corridor", corners, "Stairs")))
 
 
-def _grown(stair: Stair, more_m: float | None, height_m: float) -> Stair:
+def _grown(stair: Stair, more_m: float | None, height_m: float) -> Iterator[Stair]:
     """Longer at its foot, and wide enough."""
     if more_m is None:
-        return stair
+        yield stair
+        return
+    if stair.form == "spiral":
+        yield from _widened(stair, least_square_m(height_m)) if more_m == 0.0 else ()
+        return
     if stair.form == "straight":
         spare_m = stair.box.size_m[1] + more_m - least_run_m(height_m)
         more_m -= min(max(spare_m, 0.0), more_m, _GROWN_M[1])
@@ -178,11 +191,24 @@ def _grown(stair: Stair, more_m: float | None, height_m: float) -> Stair:
     least_m = _LEAST_M[stair.form]
     wide_m = max(width_m, least_m) if least_m - width_m < _WIDENED_M else width_m
     size = (wide_m, depth_m + more_m, high_m)
-    return replace(stair, box=replace(stair.box, center_m=center, size_m=size))
+    yield replace(stair, box=replace(stair.box, center_m=center, size_m=size))
+
+
+def _widened(stair: Stair, least_m: float) -> Iterator[Stair]:
+    """A spiral stair in the least square, if it has to grow: about its middle, or to two sides."""
+    side_m, _, high_m = stair.box.size_m
+    more_m = least_m - side_m
+    if not 0.0 < more_m < _WIDENED_M:
+        yield stair
+        return
+    for to in ((0.0, 0.0), *itertools.product((-more_m / 2, more_m / 2), repeat=2)):
+        (x, y), z = to_world(stair.box, [to])[0], stair.box.center_m[2]
+        box = Box((float(x), float(y), z), (least_m, least_m, high_m), stair.box.yaw_deg)
+        yield replace(stair, box=box)
 
 
 def _refuse_walls(built: BuiltStair, lower: Plan, upper: Plan) -> None:
-    for plan, area in ((lower, built.under_m), (upper, built.hole_m)):
+    for plan, area in ((lower, built.under_m), (upper, built.above_m)):
         cells = unary_union([room_polygon(room) for room in plan.rooms if is_cell(room)])
         floors = [room_polygon(room).union(cells) for room in plan.rooms]
         shares = [floor.intersection(area).area / area.area for floor in floors]
@@ -206,6 +232,8 @@ def _likely(shape: StairShape) -> tuple[StairForm, ...]:
     forms: tuple[StairForm, ...] = ("straight", "U", "L") if is_long else ("U", "L", "straight")
     if fills < _FILLED and not is_long:
         forms = ("L", "U", "straight")
+    if is_round(shape.area):
+        forms = ("spiral", "U", "L", "straight")
     return (*forms, *_WINDERS)
 
 
@@ -215,7 +243,11 @@ def _candidates(shape: StairShape, name: str) -> Iterator[Stair]:
     others = [one for one in _likely(shape) if one not in shape.forms] if shape.others else []
     for form, quarter in itertools.product((*shape.forms, *others), range(4)):
         width, depth = frame.size_m[:2] if quarter % 2 == 0 else frame.size_m[1::-1]
-        box = Box(frame.center_m, (width, depth, 1.0), frame.yaw_deg + 90.0 * quarter)
+        yaw_deg = frame.yaw_deg
+        if form == "spiral":  # nothing round says how its square lies: as most walls do
+            width = depth = round((width + depth) / 2 + 2 * RIM_M, 2)
+            yaw_deg = 0.0
+        box = Box(frame.center_m, (width, depth, 1.0), yaw_deg + 90.0 * quarter)
         ahead = np.radians(box.yaw_deg + 90.0)
         along = 1.0 if shape.up is None else float(shape.up @ [np.cos(ahead), np.sin(ahead)])
         if form == "straight" and along < _ALONG:

@@ -14,16 +14,18 @@ import numpy as np
 import shapely
 from pxr import Sdf
 from shapely.geometry import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon
+from chord_usd.scene.stair_spirals import is_round
 from chord_usd.scene.trim import CASING_M
 from chord_usd.scene.tunnels import Tunnel
 from chord_usd.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.door_leaves import LeafKind, leaf_parts
-from chord_usd.stage.mesh import Face, flat, mesh_of, upright
+from chord_usd.stage.mesh import Face, flat, mesh_of, prism, upright
 from chord_usd.stage.names import NamedOpening, NamedRoom
 from chord_usd.stage.opening_parts import (
     fixed_parts,
@@ -145,6 +147,7 @@ def _draw_room(
     rising = [own.built for own in level.rising.get(room.room.id, ())]
     steps = [box for built in rising for box in stair_boxes(built)]
     turns = [(hull, floor_material(room)) for built in rising for hull in stair_hulls(built)]
+    turns += [(hull, floor_material(room)) for hull in _slab_around(floor, holes)]
     component.block([*((box, floor_material(room)) for box in (*slabs, *steps)), *walled], turns)
     component.save()
     return refer(layer, f"{room.path}/Architecture", component)
@@ -192,21 +195,23 @@ def _draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> No
     ways = level.ways.get(room.room.id)
     if ways is not None:
         component.reserve(floor_material(room))
-        stairs = [own.built.area_m.buffer(-_INNER_M) for own in level.rising.get(room.room.id, ())]
+        rising = [own.built for own in level.rising.get(room.room.id, ())]
+        stairs = [one.area_m.buffer(-_INNER_M) for one in rising if not one.is_spiral]
         around = unary_union([solid, *stairs])
         own_holes = [hole for hole in level.holes if hole.intersects(room_polygon(room.room))]
-        lines = [line for hole in own_holes for line in guard_lines(hole, around, ways)]
+        edged = [_largest(hole.difference(unary_union(level.landings))) for hole in own_holes]
+        lines = [line for hole in edged for line in guard_lines(hole, around, ways)]
         for number, line in enumerate(lines):
             _draw_guard(component, f"Guard_{number}", line, 0.0)
 
 
 def _draw_guard(component: ShellComponent, name: str, line: FloatArray, low_m: float) -> None:
-    part, collider = guard_part(line)
+    part, colliders = guard_part(line)
     group = component.group(name)
     place(group, at_m=(0.0, 0.0, low_m))
     label(group, "category", "railing")
     component.mesh(f"{name}/{part.name}", part.faces, part.surface, Frame(0.0, (0.0, 0.0, low_m)))
-    component.guard(group, collider, part.surface)
+    component.guard(group, colliders, part.surface)
 
 
 def _slabs(floor: Polygon, level: Level) -> list[Box]:
@@ -216,9 +221,24 @@ def _slabs(floor: Polygon, level: Level) -> list[Box]:
     holes = [hole for hole in level.holes if hole.intersects(under)]
     if not holes:
         return [slab]
-    (x0, y0), (x1, y1) = np.asarray(holes[0].exterior.coords)[:2]
+    sided = [hole for hole in holes if not is_round(hole)]
+    (x0, y0), (x1, y1) = np.asarray((sided or [under])[0].exterior.coords)[:2]
     yaw_deg = float(np.degrees(np.arctan2(y1 - y0, x1 - x0)))
     return list(floor_boxes(slab, holes, yaw_deg))
+
+
+def _slab_around(floor: Polygon, holes: Sequence[Polygon]) -> list[list[Face]]:
+    """What boxes leave out of the slab around round holes, as convex solids."""
+    around = [hole.buffer(_SEAM_M, join_style="mitre").envelope for hole in holes if is_round(hole)]
+    left = floor.intersection(unary_union(around)).difference(unary_union(list(holes)))
+    return [
+        prism(Polygon(piece.corners_m[:, :2]), -_SLAB_M, 0.0)
+        for part in polygons_of(left) for piece in flat(part, 0.0, up=True)
+    ]  # fmt: skip
+
+
+def _largest(area: BaseGeometry) -> Polygon:
+    return max(polygons_of(area), key=lambda part: part.area)
 
 
 def _slab(floor: Polygon) -> Box:
@@ -252,7 +272,7 @@ def _draw_opening(
     for part in fixed_parts(tunnel, inside=inside, opens=opens):
         _draw_part(component, named.name, part, room, frame)
         if part.name == "Board":  # vases stand on it
-            component.guard(group, _around(part.faces), part.surface)
+            component.guard(group, [_around(part.faces)], part.surface)
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
         drawn = component.group(f"{named.name}/Leaf_{index}")
         place(drawn, at_m=hinge_m, yaw_deg=0.0)
@@ -287,7 +307,7 @@ def _draw_railing(component: ShellComponent, name: str, tunnel: Tunnel, room: Na
     label(group, "category", "railing")
     for part in railing_parts(tunnel):
         _draw_part(component, name, part, room, frame)
-    component.guard(group, railing_guard(tunnel), "Metal")
+    component.guard(group, [railing_guard(tunnel)], "Metal")
 
 
 def opens_to(tunnel: Tunnel, walls: Walls, inside: int) -> int:

@@ -88,10 +88,11 @@ class ShellComponent:
             path = scope.path.AppendChild(f"Hull_{index}")
             write_hull(self._layer, path, mesh_of(faces), self._material(material))
 
-    def guard(self, parent: Sdf.PrimSpec, box: Box, material: str) -> None:
-        """The collider of a part that is drawn in bars."""
-        path = parent.path.AppendChild("Collider")
-        write_collider(self._layer, path, box, self._material(material))
+    def guard(self, parent: Sdf.PrimSpec, boxes: Sequence[Box], material: str) -> None:
+        """The colliders of a part that is drawn in bars."""
+        for index, box in enumerate(boxes):
+            path = parent.path.AppendChild(f"Collider_{index}" if index else "Collider")
+            write_collider(self._layer, path, box, self._material(material))
 
     def hang(
         self, leaf: Sdf.PrimSpec, hinge_m: PointM, drawn: Leaf | Sash, side: int, material: str

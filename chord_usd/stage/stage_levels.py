@@ -48,6 +48,8 @@ class Level:
     """By id of the cells with holes, since a stair comes up: the edges one walks over."""
     holes: list[Polygon] = field(default_factory=list)
     """In its floor."""
+    landings: list[Polygon] = field(default_factory=list)
+    """Of stairs from below, in the holes."""
 
     @property
     def path(self) -> str:
@@ -77,10 +79,11 @@ def levels_of(building: Building, graphs: Sequence[SceneGraph]) -> list[Level]:
                 own = Rising(climb.built, climb.foot.joined, climb.top.joined)
                 level.rising.setdefault(climb.foot.room, []).append(own)
             elif climb.storey == storey.index - 1:
-                level.ways.setdefault(climb.top.room, []).append(climb.built.arrival_m)
+                level.ways.setdefault(climb.top.room, []).extend(climb.built.stepped_m[1])
                 level.holes.extend([climb.top.hole_m] if climb.top.hole_m else [])
+                level.landings.extend([climb.built.landing_m] if climb.built.landing_m else [])
         for cell, ways in level.ways.items():
-            ways += [own.built.departure_m for own in level.rising.get(cell, ())]
+            ways += [way for own in level.rising.get(cell, ()) for way in own.built.stepped_m[0]]
         levels.append(level)
     return levels
 

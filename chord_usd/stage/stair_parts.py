@@ -14,10 +14,12 @@ from shapely.geometry.base import BaseGeometry
 from chord_usd.scene.geometry import to_world
 from chord_usd.scene.stair_elements import Flight, Tread
 from chord_usd.scene.stair_forms import BuiltStair
+from chord_usd.scene.stair_spirals import RIM_M, is_round
 from chord_usd.scene.types import Box, FloatArray
 from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.mesh import Face, cuboid, moved, prism, standing
 from chord_usd.stage.railings import railing_faces
+from chord_usd.stage.spiral_parts import pole_faces, spiral_tread_faces
 from chord_usd.stage.winder_parts import (
     newel_faces,
     outer_rail,
@@ -56,6 +58,19 @@ _ON_WALL = 0.02
 _LEAST_FLIGHT_M = 0.01
 """A shorter flight has no steps: one steps from the floor onto the turn, or off it."""
 
+_EVEN_M = 0.01
+_BOX = 0.999
+"""Share of its bounds that a rectangle fills."""
+
+_GUARD_OUT_M = 0.03
+"""The railing around a round hole stands this far off it on the floor, since treads end at it."""
+
+_BEND_DEG = 30.0
+"""Railings go on over smaller bends without a post."""
+
+_COARSE_M = 0.02
+"""How far the colliders of a round railing may be off it."""
+
 _LEAST_GUARD_M = 0.12
 """A gap no wider needs no railing."""
 
@@ -74,6 +89,14 @@ def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
     """Steps and handrails of a stair. walls: where walls stand around it, seen from above."""
     steps: list[Face] = []
     rails: list[Face] = []
+    if built.is_spiral:
+        rails = pole_faces(built)
+        rails += outer_rail(built, walls, _FROM_SIDE_M, _RAIL_M, _GRIP_M, _BAR_M)
+        steps = list(spiral_tread_faces(built))
+        return [
+            StairPart("Steps", _in_storey(built, steps), "Floor"),
+            StairPart("Handrail", _in_storey(built, rails), "Metal"),
+        ]
     for flight in (one for one in built.flights if one.length_m > _LEAST_FLIGHT_M):
         steps += _in_storey(
             built, _flight_faces(built, flight, lifted=_ends_over_wall(built, flight, walls))
@@ -94,9 +117,9 @@ def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
 
 
 def stair_boxes(built: BuiltStair) -> list[Box]:
-    """What one steps on, but for tapered treads, as upright boxes in the storey's frame."""
+    """What one steps on and is rectangular, as upright boxes in the storey's frame."""
     found = []
-    for tread in (one for one in built.treads if one.edges_m is None):
+    for tread in filter(_is_box, built.treads):
         west, south, east, north = tread.area_m.bounds
         low = 0.0 if tread.top_m < 2 * built.rise_m - 1e-6 else tread.top_m - built.rise_m - 0.02
         x, y = to_world(built.stair.box, ((west + east) / 2, (south + north) / 2))
@@ -106,44 +129,80 @@ def stair_boxes(built: BuiltStair) -> list[Box]:
 
 
 def stair_hulls(built: BuiltStair) -> list[Sequence[Face]]:
-    """Tapered treads, as solids whose hulls one steps on, in the storey's frame."""
-    return [_in_storey(built, tread_hull(built, tread)) for tread in tapered(built)]
+    """What else one steps on, as solids whose hulls bear one, in the storey's frame."""
+    return [
+        _in_storey(built, tread_hull(built, tread)) for tread in built.treads if not _is_box(tread)
+    ]
+
+
+def _is_box(tread: Tread) -> bool:
+    return tread.edges_m is None and tread.area_m.area > _BOX * tread.area_m.envelope.area
 
 
 def guard_lines(hole: Polygon, walls: BaseGeometry, ways: Sequence[LineString]) -> list[FloatArray]:
-    """(2, 2) ends of the railings around a hole in a floor: where neither a wall stands nor one of
-    the ways over its edge is. The hole lies to their left."""
+    """(N, 2) corners of the railings around a hole in a floor: where neither a wall stands nor one
+    of the ways over its edge is. The hole lies to their left; only round holes give more than two
+    corners."""
     ring = shapely.geometry.polygon.orient(hole).exterior
-    blocked = shapely.union_all([walls.buffer(0.03), *(way.buffer(0.03) for way in ways)])
-    found = []
+    beside_m = RIM_M + 0.03 if is_round(hole.convex_hull) else 0.03
+    blocked = shapely.union_all([walls.buffer(beside_m), *(way.buffer(0.03) for way in ways)])
+    chains: list[FloatArray] = []
     for start, end in pairwise(np.asarray(ring.coords)):
-        for piece in shapely.get_parts(LineString([start, end]).difference(blocked)):
-            if piece.length > _LEAST_GUARD_M:
-                found.append(np.asarray(piece.coords))
-    return found
+        free = LineString([start, end]).difference(blocked)
+        for piece in shapely.get_parts(free) if not free.is_empty else ():
+            corners = np.asarray(piece.coords)
+            if chains and _goes_on(chains[-1], corners):
+                chains[-1] = np.vstack([chains[-1], corners[1:]])
+            else:
+                chains.append(corners)
+    if len(chains) > 1 and _goes_on(chains[-1], chains[0]):
+        chains[0] = np.vstack([chains.pop(), chains[0][1:]])
+    return [one for one in chains if LineString(one).length > _LEAST_GUARD_M]
 
 
-def guard_part(line: FloatArray) -> tuple[StairPart, Box]:
-    """A railing along a line, with posts at its ends, and its collider; in the storey's frame."""
-    start, end = line
+def _goes_on(chain: FloatArray, piece: FloatArray) -> bool:
+    """Whether a piece begins where a chain ends, and bends little there."""
+    before, after = chain[-1] - chain[-2], piece[1] - piece[0]
+    bend = np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after)
+    return bool(np.hypot(*(chain[-1] - piece[0])) < 1e-6 and abs(np.degrees(bend)) < _BEND_DEG)
+
+
+def guard_part(line: FloatArray) -> tuple[StairPart, list[Box]]:
+    """A railing along a line (N, 2), with posts at its ends, and its colliders; in the storey's
+    frame. One of more than two corners stands off the hole, others over it."""
+    is_straight = len(line) == 2
+    aside_m = _GUARD_IN_M if is_straight else -_GUARD_OUT_M
+    pieces = list(pairwise(line))
+    faces: list[Face] = []
+    for index, (start, end) in enumerate(pieces):
+        place = _beside(start, end, aside_m)
+        half = place.size_m[0] / 2
+        own = moved(railing_faces(-half, half, 0.0), np.eye(2), (0.0, 0.0, _GUARD_FOOT_M))
+        posts = [-half] * (index == 0) + [half - _POST_M] * (index == len(pieces) - 1)
+        for post in posts:
+            own += cuboid((post, -_POST_M / 2, 0.0), (post + _POST_M, _POST_M / 2, GUARD_M))
+        faces += moved(own, rotation_2d(place.yaw_deg), (*place.center_m[:2], 0.0))
+    coarse = np.asarray(LineString(line).simplify(_COARSE_M).coords)
+    boxes = [_beside(start, end, aside_m) for start, end in pairwise(coarse)]
+    return StairPart("Railing", faces, "Metal"), boxes
+
+
+def _beside(start: FloatArray, end: FloatArray, aside_m: float) -> Box:
+    """What a railing from one place to another takes up, moved to its left."""
     along = (end - start) / np.hypot(*(end - start))
-    inwards = np.array([-along[1], along[0]]) * _GUARD_IN_M
-    half = float(np.hypot(*(end - start))) / 2
+    x, y = (start + end) / 2 + np.array([-along[1], along[0]]) * aside_m
     yaw_deg = float(np.degrees(np.arctan2(along[1], along[0])))
-    x, y = (start + end) / 2 + inwards
-    faces = moved(railing_faces(-half, half, 0.0), np.eye(2), (0.0, 0.0, _GUARD_FOOT_M))
-    for post in (-half, half - _POST_M):
-        faces += cuboid((post, -_POST_M / 2, 0.0), (post + _POST_M, _POST_M / 2, GUARD_M))
-    own = moved(faces, rotation_2d(yaw_deg), (float(x), float(y), 0.0))
-    collider = Box((float(x), float(y), 0.0), (2 * half, _POST_M, GUARD_M), yaw_deg)
-    return StairPart("Railing", own, "Metal"), collider
+    size_m = (float(np.hypot(*(end - start))), _POST_M, GUARD_M)
+    return Box((float(x), float(y), 0.0), size_m, yaw_deg)
 
 
 def floor_boxes(floor: Box, holes: Sequence[Polygon], yaw_deg: float) -> Iterator[Box]:
-    """A slab around holes, as boxes. yaw_deg: the direction in which the holes' sides run."""
+    """A slab around holes, as boxes. yaw_deg: the direction in which the holes' sides run; of a
+    round one its square is left out."""
     turn = rotation_2d(-yaw_deg)
-    rings = [np.asarray(hole.exterior.coords) @ turn.T for hole in holes]
-    own = [Polygon(ring) for ring in rings]
+    own = [Polygon(np.asarray(hole.exterior.coords) @ turn.T) for hole in holes]
+    own = [hole.envelope if is_round(hole) else hole for hole in own]
+    rings = [np.asarray(hole.exterior.coords) for hole in own]
     length, width, height = floor.size_m
     corners = to_world(floor, [[-length / 2, -width / 2], [length / 2, -width / 2],
                                [length / 2, width / 2], [-length / 2, width / 2]])  # fmt: skip
@@ -253,7 +312,7 @@ def open_landing_sides(
 ) -> Iterator[tuple[FloatArray, float]]:
     """(2, 2) ends of the sides of landings over which one could fall, and the landings' heights."""
     for tread in built.treads:
-        if tread.is_landing:
+        if tread.is_landing and tread.top_m < built.height_m - _EVEN_M:
             others = [_world_area(built, other) for other in built.treads if other is not tread]
             around = shapely.union_all([walls, *others])
             for line in guard_lines(_world_area(built, tread), around, ()):

@@ -1,4 +1,5 @@
-"""What the turn of a winder stair is drawn from: tapered treads, newels, the handrail outside.
+"""What the turn of a winder stair is drawn from: tapered treads, newels, the handrail outside,
+which a spiral stair has, too.
 
 Everything is in the stair's own frame. The underside of the treads goes on as that of the flights
 does: along the edge between two treads it is as far below as a step's inner corner.
@@ -29,6 +30,9 @@ _OVER_RAIL_M = 0.08
 
 _BARS_M = 0.14
 """Between the bars below a handrail along the outer side, at most."""
+
+_BENDS = 4
+"""Straight pieces of a spiral stair's handrail over each tread."""
 
 _EDGE_M = 1e-6
 
@@ -102,7 +106,7 @@ def outer_rail(
             continue
         for share in np.linspace(0.0, 1.0, max(1, int(np.ceil(length / _BARS_M))) + 1)[:-1]:
             x, y, top = start + share * (end - start)
-            foot = _tread_at(built, (x, y)) - 0.005
+            foot = _tread_at(built, (x, y), top - rail_m) - 0.005
             half = bar_m / 2
             faces += cuboid((x - half, y - half, foot), (x + half, y + half, top - high + 0.005))
     return faces
@@ -134,6 +138,8 @@ def _outer_line(built: BuiltStair, from_side_m: float, rail_m: float) -> FloatAr
     edges += [tread.edges_m[1] for tread in turn[-1:] if tread.edges_m]
     tops = [tread.top_m + rail_m for tread in turn]
     tops += [tops[-1] + built.rise_m]
+    if built.is_spiral:
+        return _helix([edge.coords[-1] for edge in edges], tops, from_side_m)
     back = built.stair.box.size_m[1] / 2
     first, last = (edges[at].coords[-1] for at in (0, -1))
     outer = [first, (first[0], back), (last[0], back), last]
@@ -144,6 +150,18 @@ def _outer_line(built: BuiltStair, from_side_m: float, rail_m: float) -> FloatAr
     stops = sorted({*along, *bends})
     places = [rail.interpolate(stop).coords[0] for stop in stops]
     return np.column_stack([places, np.interp(stops, along, tops)])
+
+
+def _helix(
+    corners: Sequence[tuple[float, ...]], tops: Sequence[float], from_side_m: float
+) -> FloatArray:
+    """(N, 3) a line that winds within corners of treads around the origin."""
+    x, y = np.array(corners).T
+    shares = np.arange(0.0, len(corners) - 1 + 1e-9, 1 / _BENDS)
+    angles = np.interp(shares, np.arange(len(corners)), np.unwrap(np.arctan2(y, x)))
+    radius = np.hypot(x, y).max() - from_side_m
+    heights = np.interp(shares, np.arange(len(corners)), tops)
+    return np.column_stack([radius * np.cos(angles), radius * np.sin(angles), heights])
 
 
 def _distinct(points: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
@@ -165,10 +183,15 @@ def _bar(start: FloatArray, end: FloatArray, across: FloatArray, high: float) ->
     return [Face(ring, uvs) for ring in rings]
 
 
-def _tread_at(built: BuiltStair, place: Sequence[float]) -> float:
-    """Height of the tread at a place."""
+def _tread_at(built: BuiltStair, place: Sequence[float], about_m: float) -> float:
+    """Height of the tread at a place; of two a turn apart, of the one about so high."""
     point = Point(place)
-    nearest = min(tapered(built), key=lambda tread: tread.area_m.distance(point))
+    nearest = min(
+        tapered(built),
+        key=lambda tread: (
+            round(tread.area_m.distance(point), 3), abs(tread.top_m - about_m)
+        ),
+    )  # fmt: skip
     return nearest.top_m
 
 

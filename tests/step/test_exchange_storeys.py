@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from pxr import Usd
 from chord_usd.data.storey_houses import random_storeys
 from chord_usd.plan.read import read_storey_plans
 from chord_usd.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.scene.stair_elements import StairForm
 from chord_usd.scene.stair_forms import build_stair
 from chord_usd.scene.storeys import STOREY_M, stack
 from chord_usd.stage.author import author_levels
@@ -20,9 +23,14 @@ from chord_usd.stage.export import export_stage
 from chord_usd.stage.stage_levels import levels_of
 from tests.plan_alike import likeness
 
+FORMS = get_args(StairForm)
+SPIRAL: tuple[StairForm, ...] = ("spiral",)
 
-def staged(seed: int, storeys: int, folder: Path) -> tuple[tuple[StoreyPlan, ...], Path]:
-    given = random_storeys(np.random.default_rng(seed), storeys)
+
+def staged(
+    seed: int, storeys: int, folder: Path, forms: Sequence[StairForm] = FORMS
+) -> tuple[tuple[StoreyPlan, ...], Path]:
+    given = random_storeys(np.random.default_rng(seed), storeys, forms)
     made = stack(given)
     graphs = [storey.plan.scene() for storey in made.storeys]
     path = folder / "house.usda"
@@ -31,11 +39,14 @@ def staged(seed: int, storeys: int, folder: Path) -> tuple[tuple[StoreyPlan, ...
 
 
 @pytest.mark.parametrize("package", ["ifc", "dxf"])
-@pytest.mark.parametrize(("seed", "storeys"), [(0, 3), (1, 2), (2, 2), (5, 2)])
+@pytest.mark.parametrize(
+    ("seed", "storeys", "forms"),
+    [(0, 3, FORMS), (1, 2, FORMS), (2, 2, FORMS), (5, 2, FORMS), (0, 2, SPIRAL), (3, 2, SPIRAL)],
+)
 def test_storeys_and_stairs_come_back(
-    package: str, seed: int, storeys: int, tmp_path: Path
+    package: str, seed: int, storeys: int, forms: Sequence[StairForm], tmp_path: Path
 ) -> None:
-    given, house = staged(seed, storeys, tmp_path)
+    given, house = staged(seed, storeys, tmp_path, forms)
     target = tmp_path / f"house.{package}"
     export_stage(house, target, package)
     found = read_storey_plans(target, None)
@@ -74,10 +85,12 @@ def test_maps_of_storeys_are_joined_by_stairs(tmp_path: Path) -> None:
     assert stair["rise"] == pytest.approx(STOREY_M)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_stairs_can_be_stood_on_in_mujoco(seed: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("seed", "forms"), [(1, FORMS), (2, FORMS), (0, SPIRAL)])
+def test_stairs_can_be_stood_on_in_mujoco(
+    seed: int, forms: Sequence[StairForm], tmp_path: Path
+) -> None:
     mujoco = pytest.importorskip("mujoco")
-    _, house = staged(seed, 2, tmp_path)
+    _, house = staged(seed, 2, tmp_path, forms)
     export_stage(house, tmp_path / "model", "mujoco")
     (stair,) = houses_of(Usd.Stage.Open(str(house)))[0].stairs
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "model" / "model.xml"))

@@ -33,6 +33,8 @@ HOUSES: dict[str, Callable[[], Building]] = {
     "straight": lambda: built("straight", 3),
     "quarter winder": lambda: cornered("winder_L", (1.7, 3.0)),
     "half winder": lambda: cornered("winder_U", (1.75, 2.3)), "terraced": lambda: stack(terraced()),
+    "spiral": lambda: cornered("spiral", (2.0, 2.0), "left"),
+    "two spirals": lambda: stack(random_storeys(np.random.default_rng(0), 3, ("spiral",))),
 }  # fmt: skip
 
 

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from shapely.geometry import Point
 
+from chord_usd.data.storey_houses import random_storeys
+from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import room_polygon, to_world
+from chord_usd.scene.json_stairs import STAIRS
 from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.stair_elements import HEADROOM_M, StairForm
 from chord_usd.scene.storeys import stack
@@ -36,6 +42,33 @@ def test_the_hole_leaves_the_floor_over_the_lower_steps(
     first = to_world(built.stair.box, built.treads[0].area_m.representative_point().coords[0])
     halls = [room_polygon(room) for room in made.storeys[1].plan.rooms if not is_cell(room)]
     assert any(hall.covers(Point(first)) for hall in halls)
+
+
+def test_over_a_spiral_stair_the_floor_is_open_in_a_circle() -> None:
+    made = cornered("spiral", (2.0, 2.0), "left")
+    built, top = made.climbs[0].built, made.climbs[0].top
+    assert top.hole_m is not None
+    assert top.hole_m.symmetric_difference(built.hole_m).area < 1e-3
+    assert top.hole_m.area == pytest.approx(np.pi * 0.94**2, rel=0.01)
+    cell = made.storeys[1].plan.room(top.room)
+    assert room_polygon(cell).area == pytest.approx(4.0, abs=0.01)
+
+
+def test_a_spiral_stair_goes_on_where_the_one_below_ends_and_nowhere_else() -> None:
+    given = random_storeys(np.random.default_rng(0), 3, ("spiral",))
+    made = stack(given)
+    low, high = (climb.built for climb in made.climbs)
+    assert low.landing_m is not None
+    assert high.approach_m is not None
+    assert low.landing_m.covers(high.approach_m.buffer(-0.02))
+    turned = []
+    for storey in given:
+        stairs = [dict(one) for one in storey.plan.extra[STAIRS]]
+        for one in stairs:
+            one["rotate"] += 90.0 if one["id"] in ("stair1", "stair2_down") else 0.0
+        turned.append(replace(storey, plan=replace(storey.plan, extra={STAIRS: stairs})))
+    with pytest.raises(PlanError, match=r"begins over the hole|leads nowhere"):
+        stack(turned)
 
 
 def test_flights_drawn_too_short_get_a_stair_under_the_floor_above_and_over_a_wall() -> None:

@@ -11,13 +11,14 @@ from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.scene.geometry import footprint_polygon, to_world
-from chord_usd.scene.stair_elements import GOING_M, RISE_M, Stair
-from chord_usd.scene.stair_forms import BuiltStair, build_stair
+from chord_usd.scene.stair_elements import GOING_M, HEADROOM_M, RISE_M, Stair, Turn
+from chord_usd.scene.stair_forms import BuiltStair, build_stair, least_square_m
+from chord_usd.scene.stair_spirals import POLE_M, RIM_M, SPIRAL_THICK_M, is_round
 from chord_usd.scene.types import Box
 
 SIZES = {
     "straight": (0.95, 4.0), "U": (2.0, 3.0), "L": (2.8, 3.0), "winder_L": (1.7, 3.0),
-    "winder_U": (1.75, 2.3),
+    "winder_U": (1.75, 2.3), "spiral": (2.5, 3.1),
 }  # fmt: skip
 CASES = list(itertools.product(SIZES, ("left", "right"), (0.0, 90.0, 37.0), (2.6, 3.0, 3.2)))
 
@@ -41,7 +42,7 @@ def test_walking_a_stair_is_even_steps_of_the_rule(case: tuple[str, str, float, 
         under = [
             tread.top_m
             for tread, ring in zip(stair.treads, places, strict=True)
-            if Polygon(ring).buffer(1e-3).covers(point)
+            if Polygon(ring).buffer(1e-3).covers(point) and tread.top_m < heights[-1] + 1.0
         ]
         if under:
             heights.append(max(under))
@@ -59,6 +60,7 @@ def test_walking_a_stair_is_even_steps_of_the_rule(case: tuple[str, str, float, 
     [
         ("straight", (0.95, 2.5)), ("U", (1.5, 3.0)), ("L", (1.9, 1.9)), ("winder_L", (0.7, 3.5)),
         ("winder_L", (1.2, 2.6)), ("winder_U", (1.6, 2.5)), ("winder_U", (1.9, 1.4)),
+        ("spiral", (1.6, 1.6)), ("spiral", (1.94, 2.5)),
     ],
 )  # fmt: skip
 def test_a_box_too_small_is_refused(form: str, size: tuple[float, float]) -> None:
@@ -83,6 +85,43 @@ def test_the_going_of_a_winder_is_even_on_its_walking_line_and_5_cm_at_the_newel
         areas = [tread.area_m for tread in stair.treads]
         assert all(area.is_valid for area in areas)
         assert unary_union(areas).area == pytest.approx(sum(area.area for area in areas))
+
+
+@pytest.mark.parametrize("height_m", [2.6, 2.7, 3.0, 3.2])
+@pytest.mark.parametrize("more_m", [0.0, 0.15, 0.5])
+@pytest.mark.parametrize("turn", ["left", "right"])
+def test_a_spiral_stair_has_its_going_halfway_and_headroom_below_its_own_turns(
+    turn: Turn, more_m: float, height_m: float
+) -> None:
+    side = least_square_m(height_m) + more_m
+    stair = build_stair(
+        Stair("s", "spiral", Box((0.0, 0.0, 0.0), (side, side, 1.0), 0.0), turn), height_m
+    )
+    *treads, landing = stair.treads
+    rim = max(np.hypot(*point) for point in treads[0].area_m.exterior.coords)
+    walked = LineString(Point(0.0, 0.0).buffer((POLE_M + rim) / 2, quad_segs=90).exterior)
+    for tread in treads:
+        assert walked.intersection(tread.area_m).length == pytest.approx(stair.going_m, abs=2e-3)
+    for one, other in itertools.combinations(stair.treads, 2):
+        if one.area_m.intersection(other.area_m).area > 1e-4:
+            assert other.top_m - SPIRAL_THICK_M - one.top_m >= HEADROOM_M - 1e-6
+    assert landing.top_m == height_m
+    assert stair.landing_m is not None
+    assert stair.landing_m.distance(stair.arrival_m) == pytest.approx(RIM_M, abs=2e-3)
+    assert is_round(stair.hole_m)
+    assert stair.area_m.covers(stair.hole_m)
+
+
+def test_a_spiral_stair_too_small_is_told_how_large_it_has_to_be() -> None:
+    side = least_square_m(3.0)
+    for size, told in ((side, None), (side - 0.01, "cm deep"), (1.6, "too narrow")):
+        stair = Stair("s", "spiral", Box((0.0, 0.0, 0.0), (size, size, 1.0), 0.0))
+        if told is None:
+            assert build_stair(stair, 3.0).going_m >= GOING_M[0] - 1e-6
+            continue
+        with pytest.raises(PlanError, match=told) as refused:
+            build_stair(stair, 3.0)
+        assert f"a square of {side:.2f} m" in str(refused.value)
 
 
 def test_a_winder_takes_less_room_than_a_landing() -> None:

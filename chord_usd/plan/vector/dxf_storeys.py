@@ -50,8 +50,9 @@ def stairs_of(
         ends = [np.array(area.centroid.coords[0]) for _, area in (own[0], own[-1])]
         rise = float(np.hypot(*(ends[1] - ends[0])))
         up = (ends[1] - ends[0]) / rise if rise > 0.0 else None
-        is_winder = any(_is_tapered(area) for _, area in own)
-        forms: tuple[StairForm, ...] = ("winder_L", "winder_U") if is_winder else ()
+        are_tapered = [_is_tapered(area) for _, area in own]
+        forms: tuple[StairForm, ...] = ("winder_L", "winder_U") if any(are_tapered) else ()
+        forms = ("spiral",) if all(are_tapered) else forms
         found.append(StairShape(part.buffer(-_TOUCH), up, (ends[0], ends[1]), forms))
     return found
 

@@ -22,6 +22,7 @@ from chord_usd.plan.vector.shapes import (
     too_many_shapes,
 )
 from chord_usd.runtime.archives import Archive
+from chord_usd.scene.stair_elements import StairForm
 from chord_usd.scene.stair_places import StairShape
 from chord_usd.scene.types import FloatArray, OpeningKind
 from chord_usd.scene.units import m_from_cm
@@ -30,6 +31,7 @@ _EXPECTED = "a Sweet Home 3D file (.sh3d)"
 _WINDOW_NAMES = re.compile(r"window|fenster|fen[eê]tre|ventana|janela|fönster|ikkuna|窗|窓", re.I)
 _DOOR_NAMES = re.compile(r"door|t(?:ü|u)r|porte|puerta|porta|dörr|ovi|门|門|ドア", re.I)
 _PASSAGE_NAMES = re.compile(r"opening|doorway|arch", re.I)
+_SPIRAL_NAMES = re.compile(r"spiral|wendel|colima|chiocciola|caracol|spil|snurr", re.I)
 _STAIR_NAMES = re.compile(
     r"stair|treppe|escalier|escalera|scala|trap\b|trappa|portaat|schody", re.I
 )
@@ -112,7 +114,9 @@ def _stair(element: Element) -> StairShape:
     along = np.array([math.cos(angle), math.sin(angle)]) * _number(element, "width") / 2
     across = np.array([-math.sin(angle), math.cos(angle)]) * _number(element, "depth") / 2
     corners = [-along - across, along - across, along + across, -along + across]
-    return StairShape(Polygon([center + corner for corner in corners]))
+    said = f"{element.get('catalogId', '')} {element.get('name', '')}"
+    forms: tuple[StairForm, ...] = ("spiral",) if _SPIRAL_NAMES.search(said) else ()
+    return StairShape(Polygon([center + corner for corner in corners]), forms=forms)
 
 
 def _opening(element: Element) -> OpeningShape:
