@@ -25,20 +25,24 @@ _FACING = 0.5
 def stair_faults(storeys: Sequence[StageScene]) -> dict[str, str]:
     """What is wrong with stairs, by the path of the stair."""
     found = {}
-    for lower, upper in zip(storeys, [*storeys[1:], None], strict=True):
+    for below, lower, upper in zip(
+        [None, *storeys[:-1]], storeys, [*storeys[1:], None], strict=True
+    ):
         for stair in lower.stairs:
             told = (
                 "leads to no storey" if upper is None
-                else next(_faults(stair, lower, upper), "")
+                else next(_faults(stair, below, lower, upper), "")
             )  # fmt: skip
             if told:
                 found[stair.body.path] = told
     return found
 
 
-def _faults(stair: StageStair, lower: StageScene, upper: StageScene) -> Iterator[str]:
+def _faults(
+    stair: StageStair, below: StageScene | None, lower: StageScene, upper: StageScene
+) -> Iterator[str]:
     rise_m = upper.elevation_m - lower.elevation_m
-    triangles = _level_faces(lower, upper, rise_m)
+    triangles = _level_faces(below, lower, upper)
     line = LineString(stair.walk_m[:, :2])
     count = max(2, int(line.length / _EVERY_M))
     height_m = 0.0
@@ -62,12 +66,14 @@ def _faults(stair: StageStair, lower: StageScene, upper: StageScene) -> Iterator
         yield f"ends {rise_m - height_m:.2f} m below the floor that it leads to"
 
 
-def _level_faces(lower: StageScene, upper: StageScene, rise_m: float) -> FloatArray:
-    """(M, 3, 3) faces near level of floors, ceilings and stairs of two storeys, in the lower's
-    frame."""
+def _level_faces(below: StageScene | None, lower: StageScene, upper: StageScene) -> FloatArray:
+    """(M, 3, 3) faces near level of floors, ceilings and stairs of two storeys, and of the stairs
+    that come up from below, whose landing one may step on from; in the lower's frame."""
     found = []
-    for scene, lift_m in ((lower, 0.0), (upper, rise_m)):
-        bodies = [*scene.ground, *scene.ceilings, *(one.body for one in scene.stairs)]
+    for scene in (below, lower, upper) if below else (lower, upper):
+        bodies = [one.body for one in scene.stairs]
+        bodies += [] if scene is below else [*scene.ground, *scene.ceilings]
+        lift_m = scene.elevation_m - lower.elevation_m
         for body in bodies:
             if body.solids:
                 found.append(body.triangles_m + np.array([0.0, 0.0, lift_m]))
