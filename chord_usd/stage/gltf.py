@@ -15,6 +15,7 @@ from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
 from chord_usd.stage.gltf_lights import camera_of, light_of
 from chord_usd.stage.gltf_looks import Looks
+from chord_usd.stage.roof import wear_roof
 from chord_usd.stage.textures import bound_material
 from chord_usd.stage.vertices import Vertices, vertices_of
 
@@ -34,8 +35,11 @@ VIEW_TEXTURE_PX = 512
 
 
 def write_view(stage: Path, target: Path) -> None:
-    """Write a house that this program wrote as a .glb with small pictures. Raises StageError."""
-    write_glb(open_known(stage), target, VIEW_TEXTURE_PX)
+    """Write a house that this program wrote as a .glb with small pictures, and with the roof that
+    it offers, which the page leaves out until it is asked for. Raises StageError."""
+    house = open_known(stage)
+    wear_roof(house)
+    write_glb(house, target, VIEW_TEXTURE_PX)
 
 
 def write_glb(stage: Usd.Stage, target: Path, most_px: int | None = None) -> None:

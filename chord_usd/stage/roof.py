@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import shapely
-from pxr import Sdf
+from pxr import Sdf, Usd
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
@@ -51,6 +51,15 @@ def refuse_odd_roof(plan: Plan, form: RoofForm) -> None:
     """Raises PlanError where no roof of this form fits over a storey."""
     if form not in (NO_ROOF, "flat"):
         roof_planes(covered(build_walls(plan)), form)
+
+
+def wear_roof(stage: Usd.Stage) -> None:
+    """Let an open house wear the roof that it offers, if it does; on the session layer."""
+    offered = stage.GetDefaultPrim().GetVariantSet(ROOF_SET)
+    roofs = [name for name in offered.GetVariantNames() if name != NO_ROOF]
+    if roofs:
+        with Usd.EditContext(stage, stage.GetSessionLayer()):
+            offered.SetVariantSelection(roofs[0])
 
 
 def raise_roof(

@@ -94,6 +94,17 @@ def drag_up(page: Page, canvas: Locator) -> None:
     page.mouse.up()
 
 
+def looked_at(page: Page) -> bytes:
+    """The middle of the view, clear of what lies over its rim."""
+    page.wait_for_timeout(500)
+    place = page.locator("canvas").bounding_box()
+    assert place
+    x, y, wide, high = (place[name] for name in ("x", "y", "width", "height"))
+    return page.screenshot(
+        clip={"x": x + wide / 4, "y": y + high / 4, "width": wide / 2, "height": high / 2}
+    )
+
+
 JOINED_AGAIN = """async () => {
     const model = await import("/page/plan_model.js");
     const outline = [[0, 0], [900, 0], [900, 400], [600, 400], [600, 700], [0, 700]];
@@ -204,18 +215,26 @@ def test_storeys_are_read_furnished_and_hidden(page: Page, address: str, tmp_pat
         files.append(tmp_path / f"plan {index}.json")
         write_plan(storey.plan, files[-1])
     page.goto(address)
+    page.get_by_label("Furnish it at once").uncheck()
     page.locator("#file").set_input_files(files)
     expect(page.locator("#storeys select")).to_have_value(re.compile("[0-9a-f]{12}"))
     page.locator("#storeys select").select_option(index=1)
     expect(page.locator("#title")).to_have_text("plan 1")
     page.locator("#storeys select").select_option(index=0)
-    page.get_by_role("tab", name="House").click()
+    expect(page.locator("#title")).to_have_text("plan 0")
+    page.get_by_label("Roof").select_option("hip")
+    page.locator("#furnish").click()
     expect(page.locator("canvas")).to_have_attribute("data-ready", "1")
     seen = {}
-    for index in (0, 1):
+    for index in (1, 0):  # the ground floor alone, all of it
         page.locator("#storey").select_option(index=index)
-        page.wait_for_timeout(500)
-        seen[index] = page.locator("canvas").screenshot()
+        seen[index] = looked_at(page)
     assert seen[0] != seen[1]
+    page.get_by_label("Roof").check()
+    assert looked_at(page) != seen[0]
+    page.locator("#storey").select_option(index=1)
+    below = looked_at(page)
+    page.get_by_label("Roof").uncheck()
+    assert looked_at(page) == below
     page.get_by_role("button", name="Walk").click()
     expect(page.locator("#pad")).to_be_visible()

@@ -98,7 +98,8 @@ function batchOf({ material, parts }) {
     batch.owners[id] = piece;
     piece.parts.push({ batch, id, mesh });
     mesh.geometry.computeBoundingBox();
-    batch.geometryBox.union(mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld));
+    // A roof is not seen at first: what one looks at is the house below it.
+    if (piece.category !== "roof") batch.geometryBox.union(mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld));
   }
   // The batch has copies; of the originals only bounds are asked for later.
   for (const geometry of geometries) geometry.dispose();

@@ -50,6 +50,7 @@ class HouseTab {
       ...known.map((one) => get(`/api/houses/${one.house}/plan?number=${one.plan}`)),
     ]);
     this.house = loaded;
+    this.roof = [...loaded.pieces.values()].find((one) => one.category === "roof");
     this.storeys = known.map((one, at) => ({ ...one, plan: plans[at].plan }));
     this.top = this.storeys.length - 1;
     const floors = this.storeys.map((one) => shifted(roomFloors(one.plan), one));
@@ -96,9 +97,10 @@ class HouseTab {
     this.walkButton = button("Walk", () => this.walk(), { "aria-pressed": false });
     const ceilings = check("Ceilings", false, (isShown) => this.hideCeilings(!isShown));
     this.ceilings = ceilings.querySelector("input");
+    const roof = check("Roof", false, (isShown) => this.showRoof(isShown));
     return el("div", { class: "tools", role: "toolbar", "aria-label": "View" },
       button("All", () => this.walk(false)), this.walkButton,
-      el("label", { class: "check" }, "Cut", cut), ceilings, ...this.storeyChoice());
+      el("label", { class: "check" }, "Cut", cut), ceilings, ...(this.roof ? [roof] : []), ...this.storeyChoice());
   }
 
   /** Up to which storey the house is shown. */
@@ -134,8 +136,14 @@ class HouseTab {
       // Lamps that hang from nothing look odd from above.
       if (piece.category === "ceiling_lamp" && !this.edits.isGone(piece)) show(this.house.pieces, piece, isShown);
     }
+    if (this.roof) show(this.house.pieces, this.roof, Boolean(this.isRoofWanted) && this.top === this.storeys.length - 1);
     this.areCeilingsHidden = isHidden;
     this.view.draw();
+  }
+
+  showRoof(isShown) {
+    this.isRoofWanted = isShown;
+    this.hideCeilings(this.areCeilingsHidden);
   }
 
   async walk(isOn = !this.view.walker) {
