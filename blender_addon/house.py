@@ -13,6 +13,7 @@ from .core.edits import Changes, Matrix, moves, placements_of_house, told, under
 from .core.revisions import revision
 from .core.tree import (
     CAMERAS,
+    ROOF,
     is_ceiling,
     is_light,
     is_piece,
@@ -202,7 +203,7 @@ def light_of(objects: Objects, room: str) -> float:
 
 
 def show_rooms(context: bpy.types.Context) -> None:
-    """Show the chosen room alone, or all of them up to a storey, as the fields say."""
+    """Show the chosen room alone, or all rooms up to a storey, and the roof, as the fields say."""
     own = fields(context)
     chosen = chosen_room(context) if own.solo else ""
     parts = {CAMERAS, *(room.name for room in own.rooms)}
@@ -214,6 +215,9 @@ def show_rooms(context: bpy.types.Context) -> None:
             layer.hide_viewport = bool(chosen) and part != chosen
         elif part in levels:
             layer.hide_viewport = part in above
+        elif part == ROOF:
+            layer.hide_viewport = bool(chosen or above) or not own.show_roof
+            layer.collection.hide_render = not own.show_roof
 
 
 def show_ceilings(context: bpy.types.Context) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import bpy
 
-from .core.layer import opened_file, read_changes
+from .core.layer import house_of, opened_file, read_changes, roof_of, roofed_text
 from .core.tree import Branch, collection_tree, room_names, shown_names, usd_paths
 from .house import (
     Objects,
@@ -87,7 +89,8 @@ def _import_stage(context: bpy.types.Context, stage: Path) -> Objects:
     if context.scene.world is None:  # without one, the importer drops the stage's sky
         context.scene.world = bpy.data.worlds.get(WORLD) or bpy.data.worlds.new(WORLD)
     before, collections = set(bpy.data.objects), set(bpy.data.collections)
-    bpy.ops.wm.usd_import(filepath=str(stage), support_scene_instancing=True)
+    with _roofed(stage) as roofed:
+        bpy.ops.wm.usd_import(filepath=str(roofed), support_scene_instancing=True)
     _hide_prototypes(context, set(bpy.data.collections) - collections)
     linked = [item for item in context.scene.collection.objects if item not in before]
     for item in linked:
@@ -95,6 +98,19 @@ def _import_stage(context: bpy.types.Context, stage: Path) -> Objects:
             item.data.energy /= SUN_IMPORT
     paths = usd_paths({item.name: item.parent.name if item.parent else None for item in linked})
     return dict(sorted(((paths[item.name], item) for item in linked), key=lambda pair: pair[0]))
+
+
+@contextmanager
+def _roofed(stage: Path) -> Iterator[Path]:
+    """The stage with the roof that its house can wear: the panel shows and hides it."""
+    roof = roof_of(house_of(stage))
+    if not roof:
+        yield stage
+        return
+    with TemporaryDirectory() as folder:
+        layer = Path(folder) / "roofed.usda"
+        layer.write_text(roofed_text(stage, roof), encoding="utf-8")
+        yield layer
 
 
 def _hide_prototypes(

@@ -9,7 +9,7 @@ import bpy
 from .core import report, swaps
 from .core.program import EDITS_IN_WORDS, ROOFED, WISHES_FROM, WITHOUT_DRESSING
 from .core.state import OFFERED_BY, panel_state, wrapped
-from .core.tree import is_dressing, piece_of, storeys
+from .core.tree import has_roof, is_dressing, piece_of, storeys
 from .house import LOCKED_KEY, Objects, arranged, chosen_path, own_objects, pieces_of
 from .jobs import unsaved_folder
 from .preferences import preferences
@@ -100,6 +100,8 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
         row = layout.row()
         row.prop(own, "solo")
         row.prop(own, "hide_ceilings")
+        if has_roof(line.path for line in own.objects):
+            layout.prop(own, "show_roof")
         if storeys(line.path for line in own.objects):
             layout.prop(own, "storey")
         layout.prop(own.rooms[own.room_index], "light", slider=True)

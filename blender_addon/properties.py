@@ -163,6 +163,11 @@ class ChordScene(bpy.types.PropertyGroup):
     hide_ceilings: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Hide ceilings", default=True, update=_show_ceilings
     )
+    show_roof: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Show roof",
+        description="In the scene; whether pictures show it, the house's look says",
+        update=_show_solo,
+    )
     wanted: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="With", description="Pieces that a room furnished anew shall hold, in words"
     )

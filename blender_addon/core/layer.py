@@ -31,6 +31,17 @@ _HEAD = """#usda 1.0
 )
 """
 
+_ROOFED_HEAD = """#usda 1.0
+(
+    defaultPrim = "{root}"
+    metersPerUnit = 1
+    subLayers = [
+        @{stage}@
+    ]
+    upAxis = "Z"
+)
+"""
+
 ROOT = "House"
 """The default prim of the houses that chord-usd writes."""
 
@@ -52,6 +63,19 @@ def house_of(opened: Path) -> Path:
     return (
         opened.with_name(name.removesuffix(SUFFIX) + ".usda") if name.endswith(SUFFIX) else opened
     )
+
+
+def roof_of(house: Path) -> str:
+    """The roof that a house can wear, by the payload beside it; empty for none."""
+    payloads = sorted(house.parent.glob(f"{house.stem}_architecture/Roof_*.usdc"))
+    return payloads[0].stem.removeprefix("Roof_") if payloads else ""
+
+
+def roofed_text(opened: Path, roof: str) -> str:
+    """A layer over a stage, anywhere, in which the house wears a roof."""
+    own = _Over(metadata=_variants({"roof": roof}))
+    head = _ROOFED_HEAD.format(root=ROOT, stage=opened.resolve().as_posix())
+    return "\n".join([head, *own.lines(ROOT, ""), ""])
 
 
 def read_changes(house: Path) -> Changes:

@@ -90,7 +90,12 @@ class Look:
         return _LOOK_LABELS.get(self.variant_set, spaced(self.variant_set))
 
 
-_LOOK_LABELS = {"floorMaterial": "Floor", "wallMaterial": "Walls", "lighting": "Light"}
+_LOOK_LABELS = {
+    "floorMaterial": "Floor",
+    "wallMaterial": "Walls",
+    "lighting": "Light",
+    "roof": "Roof in pictures",
+}
 
 
 def spaced(name: str) -> str:

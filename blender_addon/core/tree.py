@@ -21,7 +21,7 @@ ROOMS, FURNITURE, DRESSING, ARCHITECTURE, LIGHTS, CAMERAS, ITEMS = (
 )
 
 
-EXTERIOR = "Exterior"
+EXTERIOR, ROOF = "Exterior", "Roof"
 _STOREY = re.compile(r"Storey_\d+$")
 """Groups of the rooms of a storey, and what is outside of it."""
 
@@ -86,7 +86,8 @@ def _with_parent(parts: list[str]) -> str:
 
 
 def collection_tree(paths: Mapping[str, str]) -> Branch:
-    """House > rooms > furniture, dressing, architecture and lights; cameras beside the rooms.
+    """House > rooms > furniture, dressing, architecture and lights; cameras and roof beside the
+    rooms.
 
     A piece with things on it is a collection of its own in the furniture. paths: object name to USD
     path. Objects that are not below a room or the cameras lie in the house's own collection.
@@ -106,6 +107,8 @@ def collection_tree(paths: Mapping[str, str]) -> Branch:
 def _place(house: Branch, parts: list[str]) -> Branch:
     if len(parts) > 1 and parts[1] == CAMERAS:
         return house.branch(CAMERAS)
+    if len(parts) > 1 and parts[1] == ROOF:
+        return house.branch(ROOF)
     parts, storey = _without_storey(parts)
     house = house.branch(storey) if storey else house
     if len(parts) > 2 and parts[1] == ROOMS:
@@ -190,6 +193,11 @@ def _without_storey(parts: list[str]) -> tuple[list[str], str]:
     if len(parts) > 2 and parts[1] in (ROOMS, EXTERIOR) and _STOREY.match(parts[2]):
         return [*parts[:2], *parts[3:]], parts[2]
     return parts, ""
+
+
+def has_roof(paths: Iterable[str]) -> bool:
+    """Whether a roof came in with the house."""
+    return any(path.split("/")[2:3] == [ROOF] for path in paths)
 
 
 def is_ceiling(path: str) -> bool:

@@ -26,6 +26,19 @@ def hidden() -> list[str]:
 for storey in (0, 1, 2):
     s.own.storey = storey
     told[f"hidden_{storey}"] = hidden()
+told["roof_drawn"] = [line for line in s.drawn() if "show_roof" in line]
+
+
+def roof() -> bool:
+    """Whether something of the roof is seen."""
+    bpy.context.view_layer.update()
+    return any(one.visible_get() for path, one in s.objects().items() if "/Roof/" in path)
+
+
+s.own.storey = 0
+told["roof"] = [roof()]
+for s.own.show_roof, s.own.storey in ((True, 0), (True, 1), (True, 2), (False, 0)):
+    told["roof"].append(roof())
 s.choose_room("Corridor_1")
 told["path"] = s.part("house").chosen_path(bpy.context)
 s.disable()

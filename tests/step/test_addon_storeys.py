@@ -19,7 +19,7 @@ RunInBlender = Callable[..., dict[str, Any]]
 def test_a_house_is_shown_up_to_a_storey(run_in_blender: RunInBlender, tmp_path: Path) -> None:
     made = stack(random_storeys(np.random.default_rng(1), 2))
     graphs = [storey.plan.scene() for storey in made.storeys]
-    author_levels(levels_of(made, graphs), tmp_path / "house.usda")
+    author_levels(levels_of(made, graphs), tmp_path / "house.usda", roof="hip")
     told = run_in_blender("storeys.py", tmp_path / "house.usda")
     assert told["opened"] == ""
     assert {"Storey_0", "Storey_1"} <= told["tree"].keys()
@@ -27,5 +27,8 @@ def test_a_house_is_shown_up_to_a_storey(run_in_blender: RunInBlender, tmp_path:
     assert {"Bedroom_0", "Bedroom_1"} <= set(told["rooms"])
     assert told["drawn"]
     assert [told[f"hidden_{storey}"] for storey in (0, 1, 2)] == [[], ["Storey_1"], []]
+    assert told["roof_drawn"]
+    assert "Roof" in told["tree"]
+    assert told["roof"] == [False, True, False, True, False]
     assert told["path"] == "/House/Rooms/Storey_1/Corridor_1"
     assert told["left"] == []
