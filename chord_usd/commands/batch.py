@@ -34,6 +34,7 @@ from chord_usd.commands.common import (
 )
 from chord_usd.commands.paths import output_place
 from chord_usd.commands.render import add_look, look_of
+from chord_usd.scene.roof_forms import NO_ROOF
 
 if TYPE_CHECKING:
     from chord_usd.batch.engine import Engine
@@ -100,7 +101,9 @@ def add_pictures(parser: Parser) -> None:
     """The options of pictures, for make_houses."""
     group = parser.add_argument_group("pictures")
     group.add_argument(
-        "--renders", action="store_true", help="also render every camera of every house"
+        "--renders",
+        action="store_true",
+        help="also render every camera of every house, with its roof, where --roof gives it one",
     )
     add_look(group)
 
@@ -201,7 +204,8 @@ def _render_options(options: argparse.Namespace) -> RenderOptions | None:
         return None
     from chord_usd.image.options import RenderOptions
 
-    return RenderOptions(**look_of(options), device=options.device, skip_existing=True)
+    roof = "" if options.roof == NO_ROOF else options.roof
+    return RenderOptions(**look_of(options), device=options.device, skip_existing=True, roof=roof)
 
 
 def _engine(options: argparse.Namespace, folder: Path) -> Engine:

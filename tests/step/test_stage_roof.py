@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from pxr import Usd, UsdGeom
 
 from chord_usd.data.storey_houses import random_storeys
 from chord_usd.errors import RenderError
+from chord_usd.image.options import RenderOptions
 from chord_usd.image.picture_layers import lit_stage
+from chord_usd.image.render import render_stage
 from chord_usd.scene.roof_planes import OVERHANG_M
 from chord_usd.scene.storeys import stack
 from chord_usd.stage.author import author_levels
 from chord_usd.stage.check import check_stage
+from chord_usd.stage.gltf import write_view
 from chord_usd.stage.stage_levels import levels_of
 
 
@@ -62,6 +68,32 @@ def test_a_roof_is_off_until_it_is_chosen(roof: str, storeys: int, tmp_path: Pat
     reach = 0.25 if roof == "flat" else OVERHANG_M
     assert np.allclose((meshes.min(axis=0) - before[0])[:2], -reach, atol=0.05)  # sills stand out
     assert hinted[1][2] > before[1][2] + (0.2 if roof == "flat" else 1.5)
+
+
+def test_a_house_cut_open_shows_its_inside_whatever_roof_it_wears(tmp_path: Path) -> None:
+    house = written(tmp_path, "hip", 2)
+    options = RenderOptions(
+        cameras=("Isometric",), resolution_px=(96, 64), samples=8, device="cpu", exposure_ev=-2.0
+    )
+    alone = render_stage(house, tmp_path / "alone", options)
+    both = replace(options, cameras=("Isometric", "Isometric_Storey_1"), roof="hip")
+    roofed = render_stage(house, tmp_path / "roofed", both)
+    bare, seen = (
+        np.asarray(Image.open(one.pictures[0]).convert("RGB"), np.float64)
+        for one in (alone, roofed)
+    )
+    assert bare.std() > 5.0
+    assert np.abs(bare - seen).mean() < 1.0
+
+
+def test_the_page_has_the_roof_in_its_view(tmp_path: Path) -> None:
+    for roof in ("none", "gable"):
+        write_view(written(tmp_path, roof, 1), tmp_path / f"{roof}.glb")
+        data = (tmp_path / f"{roof}.glb").read_bytes()
+        nodes = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])["nodes"]
+        known = [one for one in nodes if one.get("extras", {}).get("category") == "roof"]
+        assert [one["extras"]["path"] for one in known] == ["/House/Roof"][: len(known)]
+        assert len(known) == (roof != "none")
 
 
 def test_without_a_roof_nothing_of_it_is_written(tmp_path: Path) -> None:

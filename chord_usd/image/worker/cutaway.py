@@ -16,6 +16,7 @@ from shapely.ops import polygonize, unary_union
 
 from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.worker.lamps import room_of
+from chord_usd.image.worker.scene import is_of_roof
 from chord_usd.scene.palette import CATEGORIES, Mount
 
 _BUILDING = ("Architecture", "Exterior")
@@ -23,6 +24,7 @@ _SHEETS = ("Wall", "Facade", "Lining")
 """Names of the sheets that bound the walls start so."""
 
 _CAP_FROM = "WallTop"
+_LID = "CutTop"
 _CATEGORY = "chord:category"
 _OPENINGS = ("door", "window", "passage")
 _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
@@ -34,14 +36,17 @@ _NEXT_FLOOR_M = 1.5
 
 
 def cut_open(height_m: float) -> None:
-    """Cut the building at a height, close the cut walls, and take away what hung above, and what
-    stands on the storeys above.
+    """Cut the building at a height, close the cut walls, and take away the roof, what hung above,
+    and what stands on the storeys above.
 
     For good: views that come later see it so.
     """
     sheets: list[LineString] = []
     tops: list[Polygon] = []
     material = None
+    for thing in bpy.data.objects:  # higher cuts came before
+        if _plain_name(thing) == _LID or is_of_roof(thing):
+            thing.hide_render = True
     for thing in [one for one in bpy.data.objects if one.type == "MESH" and _is_building(one)]:
         name = _plain_name(thing)
         if name.startswith(_CAP_FROM):
@@ -219,11 +224,11 @@ def _close(sheets: list[LineString], tops: Any, height_m: float, material: Any) 
         for corners in tessellate_polygon(outlines):
             edited.faces.new([verts[corner] for corner in corners])
     bmesh.ops.recalc_face_normals(edited, faces=edited.faces)
-    mesh = bpy.data.meshes.new("CutTop")
+    mesh = bpy.data.meshes.new(_LID)
     edited.to_mesh(mesh)
     edited.free()
     if material is not None:
         mesh.materials.append(material)
-    lid = bpy.data.objects.new("CutTop", mesh)
+    lid = bpy.data.objects.new(_LID, mesh)
     for scene in bpy.data.scenes:  # that of depth and masks, too
         scene.collection.objects.link(lid)

@@ -129,14 +129,14 @@ def open_roof(scene: Any, is_open: bool) -> None:
     Ceilings go on casting shadows: so the rooms keep the light they have inside.
     """
     for thing in bpy.data.objects:
-        if thing.type == "MESH" and (thing.name.startswith(CEILING) or _is_of_roof(thing)):
+        if thing.type == "MESH" and (thing.name.startswith(CEILING) or is_of_roof(thing)):
             thing.visible_camera = not is_open
         if thing.type != "LIGHT" and _hangs_high(thing):
             _leave_out(thing, is_open)
     scene.render.film_transparent = is_open
 
 
-def _is_of_roof(thing: Any) -> bool:
+def is_of_roof(thing: Any) -> bool:
     """Whether it is a mesh of /House/Roof: all of them are in a group Geometry."""
     above = thing.parent and thing.parent.parent
     return above is not None and above.name.split(".")[0] == ROOF
