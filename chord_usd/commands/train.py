@@ -23,6 +23,7 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.commands.paths import UsageError
 from chord_usd.commands.train_options import (
     add_flats,
     add_furnished,
@@ -94,6 +95,11 @@ def add(verbs: Verbs) -> None:
     add_training_options(reader, minutes=60.0, batch=None)
     add_flats(reader)
     add_loop_options(reader)
+    reader.add_argument(
+        "--kinds-only",
+        action="store_true",
+        help="learn what floors are for, and leave all else as --start has it",
+    )
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -273,6 +279,8 @@ def run_reader(options: argparse.Namespace) -> Outcome:
     from chord_usd.training.reader_data import held_out
     from chord_usd.training.reader_trainer import ON_GPU, ReaderTraining, train_reader
 
+    if options.kinds_only and not options.start:
+        raise UsageError("--kinds-only without --start", expected="the checkpoint to keep")
     on_cpu = device_of(options) == "cpu"
     config = run_of(options, ReaderTraining() if on_cpu else ON_GPU)
     flats = read_flats(options.flats, part="train") if options.flats else []

@@ -144,7 +144,7 @@ def device_of(options: argparse.Namespace) -> str:
 
 def run_of(options: argparse.Namespace, base: ConfigT) -> ConfigT:
     """The settings of a run, as far as the options of its verb have them."""
-    names = ("minutes", "seed", "workers", "processor_time")
+    names = ("minutes", "seed", "workers", "processor_time", "kinds_only")
     told = {name: getattr(options, name) for name in names if hasattr(options, name)}
     batch = options.batch or base.batch
     return replace(base, **told, batch=batch, device=device_of(options))

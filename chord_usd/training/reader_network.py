@@ -28,6 +28,12 @@ OUTPUTS = (len(BUILT_NAMES), len(LAID_NAMES), len(POINT_NAMES))
 _KIND_LEVEL = KIND_STEP_PX // 2 - 1
 """Of the way up, where features are as coarse as kinds."""
 
+_HEADS = ("out.0", "kinds", "zones.out")
+
+_ZONE_WIDTH, _ZONE_DILATIONS = 96, (1, 2, 4, 8)
+"""Channels of what looks around for kinds, and how far its layers look, in steps of an eighth of
+the page's resolution."""
+
 _RARE_POINT = -4.0
 """Logit of a point before anything is learned: there are few."""
 
@@ -44,6 +50,29 @@ class _Layer(nn.Sequential):
 
 def _pair(inner: int, outer: int) -> nn.Sequential:
     return nn.Sequential(_Layer(inner, outer), _Layer(outer, outer))
+
+
+class _Zones(nn.Module):
+    """What a wide look around adds to the logits of kinds: the pieces about a spot tell what an
+    open floor is for. Adds nothing before anything is learned."""
+
+    def __init__(self, fine: int, coarse: int) -> None:
+        super().__init__()
+        self.into = _Layer(fine + coarse, _ZONE_WIDTH, size=1)
+        self.around = nn.ModuleList(
+            _Layer(_ZONE_WIDTH, _ZONE_WIDTH, dilation=step) for step in _ZONE_DILATIONS
+        )
+        self.out = nn.Conv2d(_ZONE_WIDTH, len(KIND_NAMES), 1)
+        nn.init.zeros_(self.out.weight)
+        assert self.out.bias is not None
+        nn.init.zeros_(self.out.bias)
+
+    def forward(self, fine: Tensor, coarse: Tensor) -> Tensor:
+        """Of features as fine as kinds, and of those half as fine."""
+        now = self.into(torch.cat([functional.max_pool2d(fine, 2), coarse], dim=1))
+        for layer in self.around:
+            now = now + layer(now)
+        return functional.interpolate(self.out(now), scale_factor=2.0)
 
 
 class ReaderNetwork(nn.Module):
@@ -67,6 +96,7 @@ class ReaderNetwork(nn.Module):
         )
         self.out = nn.Sequential(nn.Conv2d(channels[0], 4 * sum(OUTPUTS), 1), nn.PixelShuffle(2))
         self.kinds = nn.Conv2d(channels[_KIND_LEVEL], len(KIND_NAMES), 1)
+        self.zones = _Zones(channels[_KIND_LEVEL], channels[_KIND_LEVEL + 1])
         with torch.no_grad():
             bias = self.out[0].bias
             assert isinstance(bias, Tensor)
@@ -74,19 +104,38 @@ class ReaderNetwork(nn.Module):
 
     def forward(self, rgb: Tensor) -> tuple[Tensor, Tensor]:
         """Logits of all fine heads, one after the other, and of kinds."""
+        kinds, now, seen = self._kinds(rgb)
+        for level in reversed(range(_KIND_LEVEL)):
+            now = self._finer(level, now, seen)
+        return self.out(now), kinds
+
+    def kinds_of(self, rgb: Tensor) -> Tensor:
+        """Logits of kinds alone."""
+        return self._kinds(rgb)[0]
+
+    def _kinds(self, rgb: Tensor) -> tuple[Tensor, Tensor, list[Tensor]]:
+        """Logits of kinds, the features as fine as they, and those of each level on the way down."""
         now = self.stem(rgb)
         seen = []
         for level, down in enumerate(self.down):
             now = down(functional.max_pool2d(now, 2) if level else now)
             seen.append(now)
-        now = now + self.middle(now)
-        kinds = now
-        for level in reversed(range(len(self.up))):
-            above = functional.interpolate(self.narrow[level](now), scale_factor=2.0)
-            now = self.up[level](torch.cat([above, seen[level]], dim=1))
-            if level == _KIND_LEVEL:
-                kinds = self.kinds(now)
-        return self.out(now), kinds
+        now = coarser = now + self.middle(now)
+        for level in reversed(range(_KIND_LEVEL, len(self.up))):
+            coarser, now = now, self._finer(level, now, seen)
+        return self.kinds(now) + self.zones(now, coarser), now, seen
+
+    def _finer(self, level: int, now: Tensor, seen: list[Tensor]) -> Tensor:
+        above = functional.interpolate(self.narrow[level](now), scale_factor=2.0)
+        finer: Tensor = self.up[level](torch.cat([above, seen[level]], dim=1))
+        return finer
+
+    def keep_all_but_kinds(self) -> None:
+        """Fuse and freeze all but what tells kinds."""
+        for name, module in self.named_children():
+            if name not in ("kinds", "zones"):
+                _fuse(module.eval())
+                module.requires_grad_(False)
 
 
 class Reading(nn.Module):
@@ -114,11 +163,15 @@ def take_up_fused(network: ReaderNetwork, weights: Mapping[str, Tensor], rgb: Te
     plain = dict(network.named_parameters())
     offsets: dict[nn.Module, Tensor] = {}
     for name, layer in network.named_modules():
-        if isinstance(layer, _Layer):
-            offsets[layer[1]] = weights[f"{name}.0.bias"]
+        if isinstance(layer, _Layer) and f"{name}.0.bias" in weights:
             plain[f"{name}.0.weight"].copy_(weights[f"{name}.0.weight"])
-    for name in ("out.0.weight", "out.0.bias", "kinds.weight", "kinds.bias"):
-        plain[name].copy_(weights[name])
+            if isinstance(layer[1], nn.BatchNorm2d):
+                offsets[layer[1]] = weights[f"{name}.0.bias"]
+            else:
+                plain[f"{name}.0.bias"].copy_(weights[f"{name}.0.bias"])
+    for name in (f"{head}.{part}" for head in _HEADS for part in ("weight", "bias")):
+        if name in weights:
+            plain[name].copy_(weights[name])
 
     def undo(norm: nn.Module, told: tuple[Tensor]) -> None:
         assert isinstance(norm, nn.BatchNorm2d)
@@ -136,11 +189,14 @@ def take_up_fused(network: ReaderNetwork, weights: Mapping[str, Tensor], rgb: Te
 def fused(network: ReaderNetwork) -> ReaderNetwork:
     """A copy whose convolutions do what normalisation did after them."""
     copied = copy.deepcopy(network).eval()
-    for layer in copied.modules():
-        if isinstance(layer, _Layer):
-            convolution, norm = layer[0], layer[1]
-            assert isinstance(convolution, nn.Conv2d)
-            assert isinstance(norm, nn.BatchNorm2d)
-            layer[0] = fuse_conv_bn_eval(convolution, norm)
-            layer[1] = nn.Identity()
+    _fuse(copied)
     return copied
+
+
+def _fuse(module: nn.Module) -> None:
+    for layer in module.modules():
+        if isinstance(layer, _Layer) and isinstance(layer[1], nn.BatchNorm2d):
+            convolution = layer[0]
+            assert isinstance(convolution, nn.Conv2d)
+            layer[0] = fuse_conv_bn_eval(convolution, layer[1])
+            layer[1] = nn.Identity()

@@ -66,6 +66,8 @@ class ReaderTraining(RunConfig):
     weight_decay: float = 0.01
     ema_decay: float = 0.998
     workers: int = 1
+    kinds_only: bool = False
+    """Whether all but what tells kinds of floors stays as it is at the start."""
 
 
 ON_GPU = ReaderTraining(
@@ -90,11 +92,16 @@ def train_reader(
     network = ReaderNetwork(channels).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     pictures: deque[Tensor] = deque(maxlen=_CALIBRATED_ON)
 
+    if config.kinds_only:
+        network.keep_all_but_kinds()
+
     is_cuda = config.device.startswith("cuda")
 
     def losses(network: ReaderNetwork, told: Batch) -> dict[str, Tensor]:
         batch = _moved(told, config.device)
         pictures.append(batch[0])
+        if config.kinds_only:
+            return {"kinds": _kinds_loss(kinds_of(network, batch[0]), batch[-1])}
         return dict(zip(_LOSSES, batch_losses(network, batch), strict=True))
 
     lesson = Lesson(
@@ -141,12 +148,25 @@ def _calibrate(average: ReaderNetwork, pictures: Iterable[Tensor]) -> None:
 
 def logits_of(network: ReaderNetwork, rgb: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
     """What the network says of uint8 colours: built, laid, points and kinds."""
-    device = rgb.device.type
-    with torch.autocast(device, torch.bfloat16, enabled=_has_halves(device)):
-        scaled = (rgb.float() / 127.5 - 1.0).contiguous(memory_format=torch.channels_last)
-        fine, kinds = network(scaled)
+    with _precision(rgb):
+        fine, kinds = network(_scaled(rgb))
     built, laid, points = fine.float().split(OUTPUTS, dim=1)
     return built, laid, points, kinds.float()
+
+
+def kinds_of(network: ReaderNetwork, rgb: Tensor) -> Tensor:
+    """Logits of kinds, of uint8 colours."""
+    with _precision(rgb):
+        return network.kinds_of(_scaled(rgb)).float()
+
+
+def _scaled(rgb: Tensor) -> Tensor:
+    return (rgb.float() / 127.5 - 1.0).contiguous(memory_format=torch.channels_last)
+
+
+def _precision(rgb: Tensor) -> torch.autocast:
+    device = rgb.device.type
+    return torch.autocast(device, torch.bfloat16, enabled=_has_halves(device))
 
 
 def _has_halves(device: str) -> bool:

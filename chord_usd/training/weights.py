@@ -42,8 +42,12 @@ class Weights(Generic[NetworkT]):
         self.average = copy.deepcopy(network).eval()
         self.average.requires_grad_(False)
         self.optimiser = torch.optim.AdamW(
-            network.parameters(), learning_rate, weight_decay=weight_decay
+            self._learning().values(), learning_rate, weight_decay=weight_decay
         )
+
+    def _learning(self) -> dict[str, nn.Parameter]:
+        """By name: what is not frozen."""
+        return {name: p for name, p in self.network.named_parameters() if p.requires_grad}
 
     def step(self, loss: Tensor, learning_rate: float, clip: float, steps_before: int) -> None:
         """One step down the gradient of a loss, gradients clipped to a norm; then the average."""
@@ -72,7 +76,7 @@ class Weights(Generic[NetworkT]):
         for name, average in self.average.state_dict().items():
             tensors[f"average.{name}"] = average.to(torch.float16)
         steps = 0.0
-        for name, parameter in self.network.named_parameters():
+        for name, parameter in self._learning().items():
             own = self.optimiser.state[parameter]
             steps = float(own["step"])
             tensors |= {f"{key}.{name}": own[key].to(torch.bfloat16) for key in _MOMENTS}
@@ -89,7 +93,7 @@ class Weights(Generic[NetworkT]):
         tensors, counters = found
         self.network.load_state_dict(_below(tensors, "network"))
         self.average.load_state_dict(_below(tensors, "average"))
-        for name, parameter in self.network.named_parameters():
+        for name, parameter in self._learning().items():
             self.optimiser.state[parameter] = {
                 "step": torch.tensor(float(counters["optimiser_steps"])),
                 **{key: tensors[f"{key}.{name}"].to(parameter) for key in _MOMENTS},

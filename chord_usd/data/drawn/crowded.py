@@ -22,6 +22,7 @@ from chord_usd.data.drawn.drawn_openings import Leaf, draw_gap
 from chord_usd.data.drawn.fills import draw_floors, draw_walls
 from chord_usd.data.drawn.labelled_canvas import Canvas
 from chord_usd.data.drawn.masonry import Masonry, build
+from chord_usd.data.drawn.open_kitchens import with_open_kitchen
 from chord_usd.data.drawn.page_looks import Look, random_look
 from chord_usd.data.drawn.stairs import Flight, draw_stairs, with_stairs
 from chord_usd.data.drawn.styled_plans import without_seams
@@ -42,6 +43,9 @@ from chord_usd.scene.types import Box, FloatArray, Plan, frozen_array
 _STOREYS = (0.78, 0.17, 0.05)
 """Shares of pages with one, two and three storeys."""
 
+_OPEN_KITCHENS = 0.5
+"""Share of storeys whose kitchen lies open to the room beside it."""
+
 _TIGHT = 0.2
 """Share of pages that are cut to the walls, as pictures of data sets are."""
 
@@ -61,12 +65,14 @@ class _Placed:
 def draw_page(seed: int, look: Look | None = None, flats: Sequence[Plan] = ()) -> CrowdedPage:
     """The page of a seed; look: drawn too where it is not given; flats: shown in place of
     procedural plans."""
-    rng = np.random.default_rng(seed)
+    rng, walls = np.random.default_rng(seed), np.random.default_rng((seed, 1))
     look = random_look(rng) if look is None else look
     count = int(rng.choice(len(_STOREYS), p=_STOREYS)) + 1
     houses = []
     for _ in range(count):
         plan = flats[int(rng.integers(len(flats)))] if flats else random_plan(rng)
+        if walls.random() < _OPEN_KITCHENS:
+            plan = with_open_kitchen(plan, walls)
         house = build(furnish(plan, rng, "homes"), look, rng)
         houses.append(with_stairs(house, look, rng))
     placed, size_m = _laid_out(houses, look, rng)
@@ -140,10 +146,12 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
 
 def _as_vectors(one: _Placed, leaves: list[Leaf]) -> DrawnStorey:
     """A storey in metres on the sheet."""
-    plan = without_seams(one.house.plan())
+    drawn = one.house.plan()
+    plan = without_seams(drawn)
     shift = one.origin_m
-    rooms = tuple(
-        replace(room, polygon_m=frozen_array(room.polygon_m + shift)) for room in plan.rooms
+    rooms, parts = (
+        tuple(replace(room, polygon_m=frozen_array(room.polygon_m + shift)) for room in each.rooms)
+        for each in (plan, drawn)
     )
     openings = tuple(replace(o, box=_moved(o.box, shift)) for o in plan.openings)
     rings = [
@@ -152,7 +160,7 @@ def _as_vectors(one: _Placed, leaves: list[Leaf]) -> DrawnStorey:
         for ring in (shapely.geometry.polygon.orient(part).exterior, *part.interiors)
     ]
     hinges = tuple((leaf.opening_id, leaf.hinge + shift, leaf.tip + shift) for leaf in leaves)
-    return DrawnStorey(Plan(rooms, openings), tuple(rings), hinges)
+    return DrawnStorey(Plan(rooms, openings), parts, tuple(rings), hinges)
 
 
 def _moved(box: Box, shift: FloatArray) -> Box:

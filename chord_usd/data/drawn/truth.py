@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from chord_usd.scene.types import ByteArray, FloatArray, Plan
+from chord_usd.scene.types import ByteArray, FloatArray, Plan, Room
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,6 +14,8 @@ class DrawnStorey:
     plan: Plan
     """As drawn: rooms between the faces of their walls, those that run into each other as one;
     openings where and as deep as they are drawn. Metres on the sheet."""
+    parts: tuple[Room, ...]
+    """The rooms before those that run into each other are taken for one."""
     walls_m: tuple[FloatArray, ...]
     """(N, 2) rings of the walls' bodies, openings left out; holes run clockwise."""
     hinges_m: tuple[tuple[str, FloatArray, FloatArray], ...]
