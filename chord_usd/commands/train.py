@@ -23,7 +23,6 @@ from chord_usd.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.commands.paths import UsageError
 from chord_usd.commands.train_options import (
     add_flats,
     add_furnished,

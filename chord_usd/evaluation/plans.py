@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import shapely
 
 from chord_usd.data.drawn.crowded import draw_page
 from chord_usd.data.drawn.page_looks import random_look
 from chord_usd.data.drawn.page_styles import random_style
-from chord_usd.data.drawn.styled_plans import Drawing, draw_in_style
+from chord_usd.data.drawn.styled_plans import Drawing, draw_in_style, without_seams
 from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED
@@ -58,8 +59,6 @@ _RIGHT_IOU = 0.7
 _WRONG_SCALE = 0.3
 """So is one so much too large or too small, as a share."""
 
-_SAME_ROOM_IOU = 0.5
-
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -69,7 +68,7 @@ class Case:
     rgb: ByteArray
     """(H, W, 3)."""
     storeys: tuple[Plan, ...]
-    """Metres; rooms that run into each other are one. A reading is held against the nearest."""
+    """Metres; rooms that run into each other touch. A reading is held against the nearest."""
     frame: PixelFrame
     """Where the upright drawing lies."""
     to_picture: FloatArray
@@ -90,7 +89,7 @@ class PlanScore:
     room_iou: float = 0.0
     kinds_right: int = 0
     kinds: int = 0
-    """Rooms with a name or a symbol in the drawing."""
+    """Rooms with a name or a symbol in the drawing; those that share a floor are told apart."""
     scale_error: float = 0.0
     """|metres per pixel / truth - 1|."""
     warned: bool = False
@@ -190,8 +189,9 @@ def score_reading(case: Case, reader: Reader) -> PlanScore:
     if frame is None:
         raise ValueError("the reader does not tell where its plan lies in the picture")
     placed = _on_paper(plan, frame, reader.straightening(plan, case.rgb.shape), case)
-    truth = max(case.storeys, key=lambda storey: room_iou(placed, storey))
-    fidelity = plan_fidelity(placed, truth)
+    floors = without_seams(placed)
+    truth = max(case.storeys, key=lambda storey: room_iou(floors, without_seams(storey)))
+    fidelity = plan_fidelity(floors, without_seams(truth))
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
     total = sum(part.found + part.truth for part in parts)
     right = sum(2 * part.found_right for part in parts)
@@ -232,15 +232,10 @@ def _moved_box(box: Box, moved: Callable[[np.ndarray], np.ndarray]) -> Box:  # t
 
 
 def _is_kind_right(plan: Plan, room: Room) -> bool:
-    return any(
-        found.kind == room.kind and _iou(found, room) > _SAME_ROOM_IOU for found in plan.rooms
-    )
-
-
-def _iou(one: Room, other: Room) -> float:
-    first, second = room_polygon(one), room_polygon(other)
-    shared = first.intersection(second).area
-    return float(shared / (first.area + second.area - shared))
+    """Whether most of a room is of its kind."""
+    floor = room_polygon(room)
+    alike = shapely.union_all([room_polygon(own) for own in plan.rooms if own.kind == room.kind])
+    return bool(alike.intersection(floor).area > floor.area / 2)
 
 
 # Report ------------------------------------------------------------------------------------------

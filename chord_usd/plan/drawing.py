@@ -28,6 +28,7 @@ from chord_usd.plan.printed import STATED, Estimate, estimates
 from chord_usd.plan.regions import Outline, is_stairwell, stair_outlines
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.seen import Reader, SeenReading, read_seen
+from chord_usd.plan.seen_kinds import seen_kinds
 from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.plan.storey_titles import titled
@@ -210,7 +211,7 @@ def _read_part(page: _Page) -> _Found:
     rooms = named_rooms(plan, page.texts, frame)
     told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
     if page.is_home:
-        plan, missing = with_missing_rooms(plan)
+        plan, missing = with_missing_rooms(plan, seen_kinds(page.segments.kinds, frame))
         told += missing
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     stairs = _stairs(plan, page, frame)
@@ -279,7 +280,8 @@ def _plan(reading: SeenReading, page: _Page, frame: PixelFrame) -> Plan:
     rooms = _labelled_rooms(reading, page, frame, areas_m2)
     openings = reading.placed([room.id for room in rooms], frame)
     plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
-    return part_open_plans(plan, {r.id: uses_named(r, page.texts, frame) for r in rooms})
+    named = {room.id: uses_named(room, page.texts, frame) for room in rooms}
+    return part_open_plans(plan, named, seen_kinds(page.segments.kinds, frame))
 
 
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:

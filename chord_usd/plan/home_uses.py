@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.plan.open_plans import Use, part_room
+from chord_usd.plan.seen_kinds import SeenKinds
 from chord_usd.raster.page_labels import KIND_NAMES
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_areas import plausibility
@@ -30,6 +31,9 @@ _HOSTS: dict[RoomKind, tuple[RoomKind, ...]] = {
 _HOST_M2 = 14.0
 
 _LEAST_CHANCE = 1e-3
+
+_SHARED: dict[RoomKind, float] = {"living": 6.0, "kitchen": 2.0, "dining": 4.0, "bedroom": 6.0}
+"""What shares floors, and how much floor has to look like it."""
 
 
 def kinds_of_home(
@@ -74,15 +78,30 @@ def _make_complete(
     return needed
 
 
-def part_open_plans(plan: Plan, uses: Mapping[str, Sequence[Use]]) -> Plan:
-    """The plan with rooms that several names are printed in parted into these. uses: by room id."""
-    for room_id, own in uses.items():
-        if len({use.kind for use in own}) > 1:
-            plan = part_room(plan, room_id, own)
+def part_open_plans(
+    plan: Plan, named: Mapping[str, Sequence[Use]], seen: SeenKinds | None = None
+) -> Plan:
+    """The plan with rooms parted that have several uses. named: by room id; seen: on the plan's
+    drawing."""
+    for room in plan.rooms:
+        uses = list(named.get(room.id, ())) or [Use(room.kind)]
+        uses += _uses_seen(room, uses, seen) if seen else []
+        if len({use.kind for use in uses}) > 1:
+            plan = part_room(plan, room.id, uses, seen)
     return plan
 
 
-def with_missing_rooms(plan: Plan) -> tuple[Plan, list[str]]:
+def _uses_seen(room: Room, named: Sequence[Use], seen: SeenKinds) -> list[Use]:
+    """What a floor may be used for, too, by what is drawn there."""
+    told = {use.kind for use in named}
+    if not told & _SHARED.keys():
+        return []
+    areas = seen.areas_m2(room_polygon(room))
+    likely = [kind for kind, least_m2 in _SHARED.items() if areas[kind] > least_m2]
+    return [Use(kind, is_needed=False) for kind in likely if kind not in told]
+
+
+def with_missing_rooms(plan: Plan, seen: SeenKinds | None = None) -> tuple[Plan, list[str]]:
     """The home with a kitchen and a bed on the floor of another room, where it has none; and what
     to say of that."""
     told = []
@@ -91,7 +110,7 @@ def with_missing_rooms(plan: Plan) -> tuple[Plan, list[str]]:
         if need in kinds or (need == "bedroom" and "study" in kinds):
             continue
         for host in _hosts(plan, need):
-            parted = part_room(plan, host.id, (Use(host.kind), Use(need)))
+            parted = part_room(plan, host.id, (Use(host.kind), Use(need)), seen)
             if parted is not plan:
                 (new,) = {room.id for room in parted.rooms} - {room.id for room in plan.rooms}
                 told.append(f"no {need} is drawn: a part of {host.id} became {new}")

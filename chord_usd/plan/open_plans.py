@@ -1,9 +1,10 @@
-"""Open plans: a floor on which several rooms are named becomes these rooms, open to each other.
+"""Open plans: a floor that several rooms share becomes these rooms, open to each other.
 
 Where a kitchen, a table and a sofa share a floor, what is furnished, labelled and lit as one room
 would be a home without a kitchen. So the floor is cut, straight across and along its main
 direction, where each part comes out as large and as wide as rooms of its kind are, with its name on
-it and no door or window in the way of a cut. The parts touch: nothing is between them.
+it, what is drawn there in it, and no door or window in the way of a cut. The parts touch: nothing
+is between them.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import polygonize, unary_union
 
+from chord_usd.plan.seen_kinds import SeenKinds
 from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.room_areas import fit_of_area
 from chord_usd.scene.room_names import LEADING
@@ -45,6 +47,8 @@ _TOO_NARROW = 6.0
 """Nats a metre that a part lacks in width."""
 _RAGGED = 3.0
 """Nats for a part that fills nothing of the rectangle around it."""
+_DRAWN = 0.5
+"""Of the evidence of a drawing, in nats for a square metre: neighbouring spots see the same."""
 _CUT = 0.5
 """Nats a metre of a cut: floors are parted where they are narrow."""
 _IN_OPENING = 6.0
@@ -81,6 +85,8 @@ class Use:
     names: tuple[str, ...] = ()
     spots_m: tuple[tuple[float, float], ...] = ()
     """Where its names are printed; none where it may be anywhere."""
+    is_needed: bool = True
+    """Whether it has to have a part of its own, rather than may."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +101,8 @@ class _Around:
     """The walls around the whole floor."""
     doorways: BaseGeometry
     """Before which nothing stands."""
+    seen: SeenKinds | None
+    """What the drawing shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +121,10 @@ def can_share(kind: RoomKind) -> bool:
     return kind in _MISSED
 
 
-def part_room(plan: Plan, room_id: str, uses: Sequence[Use]) -> Plan:
+def part_room(plan: Plan, room_id: str, uses: Sequence[Use], seen: SeenKinds | None = None) -> Plan:
     """The plan with a room parted into its uses, as far as it has room for them.
 
+    seen: what the plan's drawing shows, where there is one.
     The part of the leading use keeps the room's id; what opened into the room opens into the part
     beside it.
     """
@@ -125,7 +134,8 @@ def part_room(plan: Plan, room_id: str, uses: Sequence[Use]) -> Plan:
     floor = orient(room_polygon(room))
     ways = [footprint_polygon(one.box) for one in own if one.kind != "window"]
     doorways = unary_union(ways).buffer(WALL_THICKNESS_M, join_style="mitre")
-    parts = _best_parts(floor, tuple(uses), _Around(own, baths, floor.exterior, doorways))[1]
+    around = _Around(own, baths, floor.exterior, doorways, seen)
+    parts = _best_parts(floor, tuple(uses), around)[1]
     if len(parts) < 2:
         return plan
     rooms = _rooms(plan, room, parts)
@@ -232,7 +242,8 @@ def _shared_out(
 
 def _missed(part: _Part) -> float:
     """What the uses of a part cost that it is not named by."""
-    return sum(_MISSED[other] for other in {use.kind for use in part.uses} - {part.kind})
+    needed = {use.kind for use in part.uses if use.is_needed}
+    return sum(_MISSED[other] for other in needed - {part.kind})
 
 
 def _nats(part: _Part, around: _Around) -> float:
@@ -247,6 +258,9 @@ def _nats(part: _Part, around: _Around) -> float:
     )
     fit = fit_of_area({use.kind for use in part.uses}, floor.area)
     nats = fit - _TOO_NARROW * narrow - _RAGGED * ragged - _DRY * is_dry
+    if around.seen:
+        drawn = around.seen.log_chances(floor)
+        nats += _DRAWN * max(drawn[use.kind] for use in part.uses)
     if part.kind == "kitchen":
         nats -= _SHORT * max(0.0, _UNIT_WALL_M - _free_wall_m(floor, around))
     return nats

@@ -101,7 +101,7 @@ def crop_of(page: CrowdedPage, side_px: float, rng: np.random.Generator) -> Crop
 def _kinds(storeys: Sequence[DrawnStorey], matrix: FloatArray) -> ByteArray:
     """(CROP_PX, CROP_PX) kinds of floors. matrix: (3, 3) from metres to pixels of the crop."""
     found = np.full((CROP_PX, CROP_PX), NO_KIND, np.uint8)
-    for room in (part for storey in storeys for part in storey.parts):
+    for room in (room for storey in storeys for room in storey.plan.rooms):
         if room.kind == "unknown":
             continue
         seen = np.column_stack([room.polygon_m, np.ones(len(room.polygon_m))]) @ matrix.T

@@ -114,7 +114,7 @@ class ReaderNetwork(nn.Module):
         return self._kinds(rgb)[0]
 
     def _kinds(self, rgb: Tensor) -> tuple[Tensor, Tensor, list[Tensor]]:
-        """Logits of kinds, the features as fine as they, and those of each level on the way down."""
+        """Logits of kinds, the features they come of, and those of each level on the way down."""
         now = self.stem(rgb)
         seen = []
         for level, down in enumerate(self.down):

@@ -37,7 +37,7 @@ from chord_usd.data.drawn.wear import Picture, worn
 from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.raster.page_labels import CORNER, HINGE, JAMB
-from chord_usd.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.scene.geometry import footprint_polygon, polygons_of, rooms_beside
 from chord_usd.scene.types import Box, FloatArray, Plan, frozen_array
 
 _STOREYS = (0.78, 0.17, 0.05)
@@ -146,21 +146,22 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
 
 def _as_vectors(one: _Placed, leaves: list[Leaf]) -> DrawnStorey:
     """A storey in metres on the sheet."""
-    drawn = one.house.plan()
-    plan = without_seams(drawn)
-    shift = one.origin_m
-    rooms, parts = (
-        tuple(replace(room, polygon_m=frozen_array(room.polygon_m + shift)) for room in each.rooms)
-        for each in (plan, drawn)
+    plan, shift = one.house.plan(), one.origin_m
+    rooms = tuple(
+        replace(room, polygon_m=frozen_array(room.polygon_m + shift)) for room in plan.rooms
     )
-    openings = tuple(replace(o, box=_moved(o.box, shift)) for o in plan.openings)
+    boxes = [_moved(opening.box, shift) for opening in plan.openings]
+    openings = tuple(
+        replace(opening, box=box, room_ids=rooms_beside(box, rooms))
+        for opening, box in zip(plan.openings, boxes, strict=True)
+    )
     rings = [
         np.array(ring.coords) + shift
         for part in polygons_of(one.house.walls)
         for ring in (shapely.geometry.polygon.orient(part).exterior, *part.interiors)
     ]
     hinges = tuple((leaf.opening_id, leaf.hinge + shift, leaf.tip + shift) for leaf in leaves)
-    return DrawnStorey(Plan(rooms, openings), parts, tuple(rings), hinges)
+    return DrawnStorey(Plan(rooms, openings), tuple(rings), hinges)
 
 
 def _moved(box: Box, shift: FloatArray) -> Box:
@@ -177,7 +178,7 @@ def _points(
         found += [(*hinge, HINGE) for _, hinge, _ in storey.hinges_m]
         for opening in storey.plan.openings:
             found += [(*end, JAMB) for end in _jambs(opening.box)]
-        for room in storey.plan.rooms:
+        for room in without_seams(storey.plan).rooms:
             found += [(*corner, CORNER) for corner in room.polygon_m]
     if not found:
         return np.zeros((0, 3))

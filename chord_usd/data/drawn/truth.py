@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from chord_usd.scene.types import ByteArray, FloatArray, Plan, Room
+from chord_usd.scene.types import ByteArray, FloatArray, Plan
 
 
 @dataclass(frozen=True, eq=False)
@@ -12,10 +12,8 @@ class DrawnStorey:
     """One storey of a page, as vectors."""
 
     plan: Plan
-    """As drawn: rooms between the faces of their walls, those that run into each other as one;
-    openings where and as deep as they are drawn. Metres on the sheet."""
-    parts: tuple[Room, ...]
-    """The rooms before those that run into each other are taken for one."""
+    """As drawn: rooms between the faces of their walls, those of an open plan touch; openings where
+    and as deep as they are drawn. Metres on the sheet."""
     walls_m: tuple[FloatArray, ...]
     """(N, 2) rings of the walls' bodies, openings left out; holes run clockwise."""
     hinges_m: tuple[tuple[str, FloatArray, FloatArray], ...]
