@@ -10,8 +10,10 @@ import pytest
 from shapely.geometry import Polygon
 
 from chord_usd.data.drawn.crowded import draw_page
+from chord_usd.data.drawn.open_kitchens import with_open_kitchen
 from chord_usd.data.drawn.page_looks import KINDS, Look, random_look
 from chord_usd.data.drawn.truth import CrowdedPage
+from chord_usd.data.houses import random_plan
 from chord_usd.raster.page_labels import (
     BUILT_NAMES,
     CORNER,
@@ -149,3 +151,31 @@ def test_every_kind_of_page_is_drawn() -> None:
         assert built_of(page.labels).max() < len(BUILT_NAMES)
         assert laid_of(page.labels).max() < len(LAID_NAMES)
         assert {OUTSIDE, FLOOR, WALL} <= set(np.unique(built_of(page.labels)))
+
+
+def test_a_kitchen_lies_open_to_the_room_beside_it():
+    rng = np.random.default_rng(5)
+    opened = 0
+    for seed in range(20):
+        plan = random_plan(np.random.default_rng(seed))
+        found = with_open_kitchen(plan, rng)
+        grown = [
+            (own, room)
+            for own, room in zip(plan.rooms, found.rooms, strict=True)
+            if not np.array_equal(own.polygon_m, room.polygon_m)
+        ]
+        opened += len(grown)
+        for own, room in grown:
+            floor = room_polygon(room)
+            assert own.kind == "kitchen"
+            assert floor.contains(room_polygon(own).buffer(-1e-3))
+            touched = [
+                other
+                for other in found.rooms
+                if other is not room and floor.intersection(room_polygon(other)).length > 1.0
+            ]
+            assert {other.kind for other in touched} & {"living", "dining"}
+            assert all(floor.intersection(room_polygon(o)).area < 1e-4 for o in touched)
+            shut = [o for o in plan.openings if o not in found.openings]
+            assert all(own.id in one.room_ids for one in shut)
+    assert opened > 4

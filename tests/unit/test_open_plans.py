@@ -9,12 +9,22 @@ from shapely.ops import unary_union
 from chord_usd.metrics.clear_floor import blocked_openings, clearances
 from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
 from chord_usd.plan.open_plans import Use, part_room
+from chord_usd.plan.seen_kinds import seen_kinds
 from chord_usd.plan.vector.assemble import assemble
 from chord_usd.plan.vector.shapes import Label, RoomShape, VectorDrawing
 from chord_usd.raster.page_labels import KIND_NAMES
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.room_names import room_kind, room_kinds
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from chord_usd.scene.types import (
+    Box,
+    Item,
+    Opening,
+    PixelFrame,
+    Plan,
+    Room,
+    SceneGraph,
+    frozen_array,
+)
 
 
 def room(name, kind, *corners):
@@ -82,6 +92,34 @@ def test_a_floor_without_room_for_two_stays_whole():
     small = Plan((rectangle("living1", "living", 0, 0, 2.4, 2.2),), ())
     uses = [Use("living", ("L",), ((0.6, 1.1),)), Use("dining", ("D",), ((1.8, 1.1),))]
     assert part_room(small, "living1", uses) is small
+
+
+def drawn(**zones):
+    """What is seen where each kind has a zone, (west, south, east, north) in metres."""
+    seen = np.full((len(KIND_NAMES), 50, 100), 0.05, np.float32)
+    for kind, (west, south, east, north) in zones.items():
+        rows = slice(round(50 - 10 * north), round(50 - 10 * south))
+        seen[:, rows, round(10 * west) : round(10 * east)] = 0.02
+        seen[KIND_NAMES.index(kind), rows, round(10 * west) : round(10 * east)] = 0.84
+    return seen_kinds(seen, PixelFrame(0.1, (0.0, 0.0), 50))
+
+
+@pytest.mark.parametrize("end", [2.5, 3.5])
+def test_a_kitchen_that_is_drawn_gets_a_part_of_its_own(end):
+    plan = Plan((rectangle("living1", "living", 0, 0, 9, 4),), ())
+    seen = drawn(kitchen=(0, 0, end, 4), living=(end, 0, 9, 4))
+    parted = part_open_plans(plan, {}, seen)
+    assert sorted(one.kind for one in parted.rooms) == ["kitchen", "living"]
+    kitchen = next(room_polygon(one) for one in parted.rooms if one.kind == "kitchen")
+    assert kitchen.symmetric_difference(shapely.box(0, 0, end, 4)).area < 1.5
+    alike = drawn(living=(0, 0, 9, 4))
+    assert part_open_plans(plan, {}, alike).rooms == plan.rooms
+
+
+def test_a_spot_of_another_kind_parts_nothing():
+    bedroom = Plan((rectangle("bedroom1", "bedroom", 0, 0, 5, 4),), ())
+    seen = drawn(bedroom=(0, 0, 5, 4), kitchen=(0, 0, 0.6, 0.6))
+    assert part_open_plans(bedroom, {}, seen).rooms == bedroom.rooms
 
 
 def test_three_uses_of_one_floor():
