@@ -206,7 +206,7 @@ def _point(reach: FloatArray, columns: npt.NDArray[np.intp], ends: tuple[int, in
     """The place that a broad mark means: of an arrow, which grows steadily, its point."""
     low, high = int(columns[0]), int(columns[-1])
     columns = columns[reach[columns] > 0]
-    if len(columns) < _TICK_REACH_PX:
+    if len(columns) < _TICK_REACH_PX or np.ptp(reach[columns]) == 0.0:
         return (low + high) / 2
     slope, offset = np.polyfit(columns, reach[columns], 1)
     is_arrow = np.corrcoef(columns, reach[columns])[0, 1] ** 2 > 0.7
