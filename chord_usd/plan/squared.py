@@ -183,7 +183,7 @@ def _corners(lines: Sequence[_Line]) -> FloatArray:
     for line, after in zip(lines, [*lines[1:], *lines[:1]], strict=True):
         first, second = line.stop - line.start, after.stop - after.start
         sine = first[0] * second[1] - first[1] * second[0]
-        if abs(sine) < 0.1 * np.hypot(*first) * np.hypot(*second):
+        if abs(sine) <= 0.1 * np.hypot(*first) * np.hypot(*second):
             found += [line.stop, _at_height(after, line.stop)]
             continue
         gap = after.start - line.start

@@ -163,15 +163,14 @@ def take_up_fused(network: ReaderNetwork, weights: Mapping[str, Tensor], rgb: Te
     plain = dict(network.named_parameters())
     offsets: dict[nn.Module, Tensor] = {}
     for name, layer in network.named_modules():
-        if isinstance(layer, _Layer) and f"{name}.0.bias" in weights:
+        if isinstance(layer, _Layer):
             plain[f"{name}.0.weight"].copy_(weights[f"{name}.0.weight"])
             if isinstance(layer[1], nn.BatchNorm2d):
                 offsets[layer[1]] = weights[f"{name}.0.bias"]
             else:
                 plain[f"{name}.0.bias"].copy_(weights[f"{name}.0.bias"])
     for name in (f"{head}.{part}" for head in _HEADS for part in ("weight", "bias")):
-        if name in weights:
-            plain[name].copy_(weights[name])
+        plain[name].copy_(weights[name])
 
     def undo(norm: nn.Module, told: tuple[Tensor]) -> None:
         assert isinstance(norm, nn.BatchNorm2d)
