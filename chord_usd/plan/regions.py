@@ -10,7 +10,7 @@ import numpy.typing as npt
 from shapely.geometry import Point, Polygon
 
 from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
-from chord_usd.plan.squared import squared
+from chord_usd.plan.squared import is_askew, squared
 from chord_usd.raster.page_labels import (
     FLOOR,
     OUTSIDE,
@@ -130,10 +130,13 @@ def _parted(floor: BoolArray, clear: BoolArray, neck_px: float) -> Labels:
 def room_outlines(regions: Regions, segments: Segments, m_per_px: float) -> list[Outline]:
     """Outlines of the regions that are large enough for rooms."""
     noise_px = 0.5 + max(_NOISE * regions.thickness_px, _GRAINS * segments.grain_px)
-    labels = regions.labels
+    masks = [regions.labels == number for number in large_regions(regions.labels, m_per_px)]
+    polygons = [_polygon(mask, noise_px) for mask in masks]
+    if polygons and not is_askew(polygons):
+        pairs = zip(polygons, masks, strict=True)
+        polygons = [squared(polygon, mask, regions.thickness_px) for polygon, mask in pairs]
     return [
-        _outline(np.asarray(labels == label), segments, noise_px, regions.thickness_px)
-        for label in large_regions(labels, m_per_px)
+        _outline(polygon, mask, segments) for polygon, mask in zip(polygons, masks, strict=True)
     ]
 
 
@@ -165,13 +168,12 @@ def _is_enclosed(labels: Labels, numbers: Labels) -> BoolArray:
     return inside
 
 
-def _outline(mask: BoolArray, segments: Segments, noise_px: float, thickness_px: float) -> Outline:
+def _outline(polygon: FloatArray, mask: BoolArray, segments: Segments) -> Outline:
     floor = segments.built[FLOOR][mask] + segments.built[STAIRS][mask]
     rim = (cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0) & ~mask
     sure = float(min(floor.mean(), segments.barrier[rim].mean()))
     beside = (cv2.dilate(mask.astype(np.uint8), _BLOCK) > 0) & ~mask
     open_px = float((segments.most_likely[beside] == OUTSIDE).sum())
-    polygon = squared(_polygon(mask, noise_px), mask, thickness_px)
     return Outline(
         polygon, round(sure, 2), open_px, surrounded_px2(mask),
         segments.kinds[:, mask].mean(axis=1), float(segments.built[STAIRS][mask].mean()),

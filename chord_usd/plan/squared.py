@@ -29,6 +29,9 @@ _JUMP = 0.6
 """Steps of so many thicknesses of a wall are meant; smaller ones are torn rim."""
 _CHAMFER = 1.6
 """A slanted edge that cuts a corner off is meant if longer than so many."""
+_SLANT_DEG, _PHOTO = 2.5, 0.3
+"""Where more than this share of all edges is askew by more, the picture was taken at a slant, and
+no edge tells what is torn."""
 _ALIKE = 0.85
 """Share of the area about both outlines that they share at least, or the first one stays."""
 
@@ -48,6 +51,17 @@ class _Line:
     def place(self) -> float:
         """That coordinate."""
         return float(self.start[self.axis or 0])
+
+
+def is_askew(polygons: Sequence[FloatArray]) -> bool:
+    """Whether outlines, (N, 2) each, are of a picture taken at a slant."""
+    runs = np.concatenate([np.roll(polygon, -1, axis=0) - polygon for polygon in polygons])
+    lengths = np.hypot(*runs.T)
+    angles = np.degrees(np.arctan2(*np.abs(runs).T)) % 90.0
+    off_deg = np.minimum(angles, 90.0 - angles)
+    return bool(
+        lengths[(off_deg > _SLANT_DEG) & (off_deg < _NEARLY_DEG)].sum() > _PHOTO * lengths.sum()
+    )
 
 
 def squared(polygon: FloatArray, mask: BoolArray, thickness_px: float) -> FloatArray:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon
 
-from chord_usd.plan.squared import squared
+from chord_usd.plan.squared import is_askew, squared
 
 THICKNESS_PX = 12.0
 
@@ -61,3 +61,13 @@ def test_a_corner_cut_off_by_little_is_a_corner():
     assert sorted(map(tuple, found)) == [(40, 40), (40, 200), (240, 40), (240, 200)]
     wide = np.array([(40, 90), (90, 40), (240, 40), (240, 200), (40, 200)], float)
     assert likeness(squared(wide, mask_of(*wide), THICKNESS_PX), wide) > 0.999
+
+
+@pytest.mark.parametrize(("askew_deg", "is_photo"), [(0.0, False), (1.5, False), (5.0, True)])
+def test_a_picture_taken_at_a_slant_is_told(askew_deg, is_photo):
+    angle = np.radians(askew_deg)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    floor = np.array([(0, 0), (90, 0), (90, 60), (0, 60)])
+    rooms = [floor + np.array([100 * k, 0]) for k in range(3)]
+    one_askew = np.array([(0, 100), (200, 115), (200, 200), (0, 200)])
+    assert is_askew([*(room @ turn for room in rooms), one_askew]) == is_photo
