@@ -32,8 +32,8 @@ _HOST_M2 = 14.0
 
 _LEAST_CHANCE = 1e-3
 
-_SHARED: dict[RoomKind, float] = {"living": 6.0, "kitchen": 2.0, "dining": 4.0, "bedroom": 6.0}
-"""What shares floors, and how much floor has to look like it."""
+_SHARED: dict[RoomKind, float] = {"living": 6.0, "kitchen": 2.0, "dining": 4.0}
+"""What shares floors, and how much floor has to look like it. Empty rooms look like bedrooms."""
 
 
 def kinds_of_home(
