@@ -84,7 +84,8 @@ def part_open_plans(
     """The plan with rooms parted that have several uses. named: by room id; seen: on the plan's
     drawing."""
     for room in plan.rooms:
-        uses = list(named.get(room.id, ())) or [Use(room.kind)]
+        own = [Use(room.kind)] if room.kind != "unknown" else []
+        uses = list(named.get(room.id) or own)
         uses += _uses_seen(room, uses, seen) if seen else []
         if len({use.kind for use in uses}) > 1:
             plan = part_room(plan, room.id, uses, seen)
@@ -94,7 +95,7 @@ def part_open_plans(
 def _uses_seen(room: Room, named: Sequence[Use], seen: SeenKinds) -> list[Use]:
     """What a floor may be used for, too, by what is drawn there."""
     told = {use.kind for use in named}
-    if not told & _SHARED.keys():
+    if told and not told & _SHARED.keys():
         return []
     areas = seen.areas_m2(room_polygon(room))
     likely = [kind for kind, least_m2 in _SHARED.items() if areas[kind] > least_m2]
