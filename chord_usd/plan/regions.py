@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from shapely.geometry import Point, Polygon
+from shapely.geometry import Polygon
 
 from chord_usd.plan.segment import SOLID, Segments, usual_thickness_px
 from chord_usd.plan.squared import is_askew, squared
@@ -199,12 +200,21 @@ def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
         if min(around[1]) * m_per_px >= _LEAST_FLIGHT_M[0] and (
             max(around[1]) * m_per_px >= _LEAST_FLIGHT_M[1]
         ):
-            rim = Polygon(outline[:, 0]) if len(outline) > 3 else Polygon()
-            (x, y), radius = cv2.minEnclosingCircle(outline)
-            is_disc = not rim.is_empty and is_round(rim.buffer(0).convex_hull)
-            corners = Point(x, y).buffer(radius).exterior.coords[:-1] if is_disc else ()
-            found.append(np.asarray(corners or cv2.boxPoints(around), np.float64) + 0.5)
+            corners = _circle_of(outline[:, 0])
+            corners = cv2.boxPoints(around) if corners is None else corners
+            found.append(np.asarray(corners, np.float64) + 0.5)
     return found
+
+
+def _circle_of(outline: npt.NDArray[np.integer]) -> FloatArray | None:
+    """(N, 2) corners of the circle that an outline (N, 2) is about; None where it is no circle."""
+    if len(outline) < 4:
+        return None
+    around = Polygon(outline).convex_hull
+    if not isinstance(around, Polygon) or not is_round(around):
+        return None
+    circle = around.centroid.buffer(math.sqrt(around.area / math.pi))
+    return np.asarray(circle.exterior.coords)[:-1]
 
 
 def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:

@@ -35,6 +35,11 @@ from chord_usd.scene.types import FloatArray
 _L_WIDTH_M = 0.95
 """Of the flights of an L, whose box does not tell it; less where the box is narrower."""
 
+_TOO_SMALL: dict[StairForm, str] = {
+    "L": "its flights would be too narrow, or its turn too short",
+    "spiral": "its treads would be too narrow, or its own turns too low overhead",
+}
+
 _BEYOND_M = 0.35
 """How far the line that one walks begins before the first step and ends after the last."""
 
@@ -111,8 +116,10 @@ class BuiltStair:
     @property
     def under_m(self) -> Polygon:
         """What it takes up of the lower storey: the last step may lie within the floor above."""
+        if self.is_spiral:
+            return self.area_m
         within = [t.area_m for t in self.treads if t.top_m >= self.ceiling_m + _STEP_M - 1e-6]
-        return self._in_world(self._own_area.difference(unary_union(within).buffer(1e-6)))
+        return self._in_world(self._own_area.difference(unary_union(within).buffer(1e-4)))
 
     @property
     def ceiling_m(self) -> float:
@@ -191,7 +198,7 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
         raise PlanError(
             f"a {stair.form} stair of {width_m:.2f} by {depth_m:.2f} m cannot rise {height_m:.2f} m"
             + (f": its steps would be {max(one.going_m for one in layouts) * 100:.0f} cm deep"
-               if layouts else ": its flights would be too narrow, or its turn too short"),
+               if layouts else f": {_TOO_SMALL.get(stair.form, _TOO_SMALL['L'])}"),
             where=stair.id,
             expected=f"rises of {RISE_M[0] * 100:.0f} to {RISE_M[1] * 100:.0f} cm, goings of "
             f"{GOING_M[0] * 100:.0f} to {GOING_M[1] * 100:.0f} cm, flights of "

@@ -45,7 +45,7 @@ _LEAST_M: dict[StairForm, float] = {
 """Widths of stairs."""
 _WIDENED_M = 0.3
 """Drawn narrower than that by no more than this, they are made so wide; spiral stairs, as wide as
-the least of them, to whichever side there is room."""
+the least of them."""
 
 _IN_ONE_ROOM = 0.97
 """Share of a stair that grew that must lie in one room of each storey, clear of walls."""
@@ -179,7 +179,7 @@ def _grown(stair: Stair, more_m: float | None, height_m: float) -> Iterator[Stai
         yield stair
         return
     if stair.form == "spiral":
-        yield from _widened(stair, least_square_m(height_m)) if more_m == 0.0 else ()
+        yield from _resized(stair, more_m, least_square_m(height_m))
         return
     if stair.form == "straight":
         spare_m = stair.box.size_m[1] + more_m - least_run_m(height_m)
@@ -194,16 +194,17 @@ def _grown(stair: Stair, more_m: float | None, height_m: float) -> Iterator[Stai
     yield replace(stair, box=replace(stair.box, center_m=center, size_m=size))
 
 
-def _widened(stair: Stair, least_m: float) -> Iterator[Stair]:
-    """A spiral stair in the least square, if it has to grow: about its middle, or to two sides."""
-    side_m, _, high_m = stair.box.size_m
-    more_m = least_m - side_m
-    if not 0.0 < more_m < _WIDENED_M:
-        yield stair
+def _resized(stair: Stair, less_m: float, least_m: float) -> Iterator[Stair]:
+    """A spiral stair in a square smaller by so much, if that is no less than the least, or made as
+    large as that; about its middle, and to two sides."""
+    drawn_m, _, high_m = stair.box.size_m
+    side_m = drawn_m - less_m if less_m else max(drawn_m, least_m)
+    if side_m < least_m or side_m - drawn_m > _WIDENED_M:
         return
-    for to in ((0.0, 0.0), *itertools.product((-more_m / 2, more_m / 2), repeat=2)):
+    aside = abs(side_m - drawn_m) / 2
+    for to in ((0.0, 0.0), *itertools.product((-aside, aside), repeat=2)):
         (x, y), z = to_world(stair.box, [to])[0], stair.box.center_m[2]
-        box = Box((float(x), float(y), z), (least_m, least_m, high_m), stair.box.yaw_deg)
+        box = Box((float(x), float(y), z), (side_m, side_m, high_m), stair.box.yaw_deg)
         yield replace(stair, box=box)
 
 
@@ -240,14 +241,15 @@ def _likely(shape: StairShape) -> tuple[StairForm, ...]:
 def _candidates(shape: StairShape, name: str) -> Iterator[Stair]:
     """The likeliest first."""
     frame = _frame_of(shape.area.minimum_rotated_rectangle)
+    if is_round(shape.area):  # nothing says how its square lies: as most walls do
+        side_m = round(float(np.sqrt(frame.size_m[0] * frame.size_m[1])), 3)
+        frame = Box(frame.center_m, (side_m, side_m, 1.0), 0.0)
     others = [one for one in _likely(shape) if one not in shape.forms] if shape.others else []
     for form, quarter in itertools.product((*shape.forms, *others), range(4)):
         width, depth = frame.size_m[:2] if quarter % 2 == 0 else frame.size_m[1::-1]
-        yaw_deg = frame.yaw_deg
-        if form == "spiral":  # nothing round says how its square lies: as most walls do
+        if form == "spiral":
             width = depth = round((width + depth) / 2 + 2 * RIM_M, 2)
-            yaw_deg = 0.0
-        box = Box(frame.center_m, (width, depth, 1.0), yaw_deg + 90.0 * quarter)
+        box = Box(frame.center_m, (width, depth, 1.0), frame.yaw_deg + 90.0 * quarter)
         ahead = np.radians(box.yaw_deg + 90.0)
         along = 1.0 if shape.up is None else float(shape.up @ [np.cos(ahead), np.sin(ahead)])
         if form == "straight" and along < _ALONG:

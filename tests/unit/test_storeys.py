@@ -19,6 +19,7 @@ from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, s
 from chord_usd.scene.pose import Pose, posed
 from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.stair_places import DRAWN_STAIRS
+from chord_usd.scene.stair_spirals import is_round
 from chord_usd.scene.storeys import Building, stack
 from chord_usd.scene.types import Plan
 
@@ -93,12 +94,14 @@ def test_stairs_seen_on_pictures_join_storeys_as_those_that_are_given(
     made, drawn = building(seed), [one for one in house(seed) if one.plan.extra.get(STAIRS)]
     pictures = []
     for index, one in enumerate(drawn):
-        areas = [c.built.area_m for c in made.climbs if c.storey in (index, index - 1)]
+        shown = [c.built for c in made.climbs if c.storey in (index, index - 1)]
+        areas = [built.hole_m if built.is_spiral else built.area_m for built in shown]
         shift = made.storeys[index].registration
         dx, dy = shift.shift_m if shift else (0.0, 0.0)
         seen = [affinity.translate(area, -dx, -dy) for area in areas]
         seen = [affinity.scale(area, share, share) for area in seen]
-        corners = [np.array(area.minimum_rotated_rectangle.exterior.coords)[:-1] for area in seen]
+        outlines = [area if is_round(area) else area.minimum_rotated_rectangle for area in seen]
+        corners = [np.array(area.exterior.coords)[:-1] for area in outlines]
         noted = [(points * 100).tolist() for points in corners]
         pictures.append(replace(one, plan=replace(one.plan, extra={DRAWN_STAIRS: noted})))
     again = stack(pictures)
@@ -107,6 +110,7 @@ def test_stairs_seen_on_pictures_join_storeys_as_those_that_are_given(
         assert found.built.area_m.intersection(given.built.area_m).area > 0.5 * (
             given.built.area_m.area
         )
+        assert found.built.is_spiral == given.built.is_spiral
 
 
 def test_json_gives_the_same_storeys_back() -> None:
