@@ -39,8 +39,9 @@ from chord_usd.metrics.clear_floor import clearances
 from chord_usd.metrics.footprints import is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.metrics.walk import entrance, free_floor
-from chord_usd.scene.geometry import Floors, footprint_polygon
+from chord_usd.scene.geometry import Floors, footprint_polygon, room_polygon
 from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.styles import HomeStyle
 from chord_usd.scene.tunnels import as_cut
 from chord_usd.scene.types import Item, Opening, Room, SceneGraph
@@ -89,7 +90,8 @@ class _House:
         self._house = Draws(seed)
         self._stock = Stock(database, style.name, self._house)
         self._floors = Floors(graph.rooms)
-        self._free = free_floor(graph)
+        stairs = [room_polygon(room) for room in graph.rooms if is_cell(room)]
+        self._free = free_floor(graph).difference(shapely.union_all(stairs))
         door = entrance(graph)
         self._door_id = door and door.id
         self._reliefs = ReliefsOf()

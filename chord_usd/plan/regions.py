@@ -200,13 +200,13 @@ def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
         if min(around[1]) * m_per_px >= _LEAST_FLIGHT_M[0] and (
             max(around[1]) * m_per_px >= _LEAST_FLIGHT_M[1]
         ):
-            corners = _circle_of(outline[:, 0])
-            corners = cv2.boxPoints(around) if corners is None else corners
+            circle = _circle_of(np.asarray(outline[:, 0], np.float64))
+            corners = cv2.boxPoints(around) if circle is None else circle
             found.append(np.asarray(corners, np.float64) + 0.5)
     return found
 
 
-def _circle_of(outline: npt.NDArray[np.integer]) -> FloatArray | None:
+def _circle_of(outline: FloatArray) -> FloatArray | None:
     """(N, 2) corners of the circle that an outline (N, 2) is about; None where it is no circle."""
     if len(outline) < 4:
         return None

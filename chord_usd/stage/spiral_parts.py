@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import shapely
 from shapely.geometry import Point
 
 from chord_usd.scene.stair_forms import BuiltStair
@@ -14,6 +15,7 @@ from chord_usd.scene.stair_spirals import POLE_M, SPIRAL_THICK_M
 from chord_usd.stage.mesh import Face, prism
 
 _RISER_M = 0.02
+_SAME_M = 1e-3
 _OVER_LANDING_M = 1.0
 """How much higher the pole is than the landing: as high as the railing around the hole."""
 
@@ -25,7 +27,8 @@ def spiral_tread_faces(built: BuiltStair) -> Iterator[Face]:
         yield from prism(tread.area_m, low_m, tread.top_m)
         if tread.edges_m is not None:
             edge = tread.edges_m[0].buffer(_RISER_M, cap_style="flat")
-            yield from prism(edge.intersection(tread.area_m), tread.top_m - built.rise_m, low_m)
+            riser = shapely.remove_repeated_points(edge.intersection(tread.area_m), _SAME_M)
+            yield from prism(riser, tread.top_m - built.rise_m, low_m)
 
 
 def pole_faces(built: BuiltStair) -> list[Face]:

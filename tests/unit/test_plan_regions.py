@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
+from shapely.geometry import Polygon
 from true_segments import TrueReader, segments_of
 
 from chord_usd.data.drawn.crowded import draw_page
@@ -14,11 +16,12 @@ from chord_usd.data.drawn.truth import CrowdedPage
 from chord_usd.evaluation.plans import Reader, crowded_case, score_reading
 from chord_usd.plan.drawing import Known, read_drawing
 from chord_usd.plan.placement import WARNINGS, frame_of, straightening_of
-from chord_usd.plan.regions import find_regions, room_outlines
+from chord_usd.plan.regions import find_regions, room_outlines, stair_outlines
 from chord_usd.plan.sheet import straightening_matrix
 from chord_usd.plan.text import Text
 from chord_usd.plan.wall_openings import find_openings
 from chord_usd.raster.page_labels import DOOR, FLOOR, OUTSIDE, PASSAGE, STAIRS, WALL, WINDOW
+from chord_usd.scene.stair_spirals import is_round
 from chord_usd.scene.types import ByteArray
 
 UPRIGHT = Look("agent", names=0.0, sizes=0.0, chains=0.0, furniture_of_page=0.0, surroundings=0.0)
@@ -96,6 +99,17 @@ def test_stairs_are_floor_of_the_room_that_they_stand_in() -> None:
     labels = two_rooms()
     labels[60:160, 60:120] = STAIRS
     assert seen(labels)[0] == 2
+
+
+def test_stairs_seen_round_are_a_circle_and_others_a_rectangle() -> None:
+    labels = np.zeros((200, 400), np.uint8)
+    cv2.circle(labels, (100, 100), 50, (float(STAIRS),), cv2.FILLED)
+    labels[60:140, 250:350] = STAIRS
+    rectangle, circle = sorted(stair_outlines(segments_of(labels), 0.02), key=len)
+    assert len(rectangle) == 4
+    assert is_round(Polygon(circle))
+    assert Polygon(circle).area == pytest.approx(np.pi * 50**2, rel=0.03)
+    assert np.allclose(Polygon(circle).centroid.coords[0], (100.5, 100.5), atol=1.1)
 
 
 def test_the_well_of_a_staircase_is_no_room() -> None:
