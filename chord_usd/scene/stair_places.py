@@ -52,6 +52,9 @@ _IN_ONE_ROOM = 0.97
 
 _STAIRWELL_M2 = 1.0
 
+_END_SHARE = 0.2
+"""Of the height: what is no higher is at the lower end."""
+
 _WINDERS: tuple[StairForm, ...] = ("winder_L", "winder_U")
 
 
@@ -221,8 +224,14 @@ def _off_m(built: BuiltStair, shape: StairShape) -> float:
     """How far a stair begins and ends from where the drawn one does."""
     if shape.ends is None:
         return 0.0
-    edges = (built.departure_m, built.arrival_m)
-    return sum(edge.distance(Point(end)) for edge, end in zip(edges, shape.ends, strict=True))
+    places = [built.departure_m, built.arrival_m]
+    if built.is_spiral:  # its edges say less than where its lowest and its highest treads lie
+        share = _END_SHARE * built.height_m
+        lowest = [one.area_m for one in built.treads if one.top_m <= share]
+        highest = [one.area_m for one in built.treads if one.top_m >= built.height_m - share]
+        middles = [unary_union(areas).centroid.coords[0] for areas in (lowest, highest)]
+        places = [Point(at) for at in to_world(built.stair.box, middles)]
+    return sum(place.distance(Point(end)) for place, end in zip(places, shape.ends, strict=True))
 
 
 def _likely(shape: StairShape) -> tuple[StairForm, ...]:

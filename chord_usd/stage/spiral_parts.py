@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
 import shapely
 from shapely.geometry import Point
 
@@ -28,7 +29,9 @@ def spiral_tread_faces(built: BuiltStair) -> Iterator[Face]:
         if tread.edges_m is not None:
             edge = tread.edges_m[0].buffer(_RISER_M, cap_style="flat")
             riser = shapely.remove_repeated_points(edge.intersection(tread.area_m), _SAME_M)
-            yield from prism(riser, tread.top_m - built.rise_m, low_m)
+            closed = prism(riser, tread.top_m - built.rise_m, low_m)
+            # Its ends lie on treads; drawings would take the upper one for a step.
+            yield from (face for face in closed if np.ptp(face.corners_m[:, 2]) > 0.0)
 
 
 def pole_faces(built: BuiltStair) -> list[Face]:

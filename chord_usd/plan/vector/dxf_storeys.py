@@ -53,7 +53,8 @@ def stairs_of(
         are_tapered = [_is_tapered(area) for _, area in own]
         forms: tuple[StairForm, ...] = ("winder_L", "winder_U") if any(are_tapered) else ()
         forms = ("spiral",) if all(are_tapered) else forms
-        found.append(StairShape(part.buffer(-_TOUCH), up, (ends[0], ends[1]), forms))
+        whole = max(polygons_of(part.buffer(-_TOUCH)), key=lambda one: one.area)
+        found.append(StairShape(whole, up, (ends[0], ends[1]), forms))
     return found
 
 
