@@ -190,8 +190,9 @@ def score_reading(case: Case, reader: Reader) -> PlanScore:
         raise ValueError("the reader does not tell where its plan lies in the picture")
     placed = _on_paper(plan, frame, reader.straightening(plan, case.rgb.shape), case)
     floors = without_seams(placed)
-    truth = max(case.storeys, key=lambda storey: room_iou(floors, without_seams(storey)))
-    fidelity = plan_fidelity(floors, without_seams(truth))
+    storeys = [(storey, without_seams(storey)) for storey in case.storeys]
+    truth, true_floors = max(storeys, key=lambda pair: room_iou(floors, pair[1]))
+    fidelity = plan_fidelity(floors, true_floors)
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
     total = sum(part.found + part.truth for part in parts)
     right = sum(2 * part.found_right for part in parts)

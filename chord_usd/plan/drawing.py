@@ -28,7 +28,7 @@ from chord_usd.plan.printed import STATED, Estimate, estimates
 from chord_usd.plan.regions import Outline, is_stairwell, stair_outlines
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.seen import Reader, SeenReading, read_seen
-from chord_usd.plan.seen_kinds import seen_kinds
+from chord_usd.plan.seen_kinds import SeenKinds, seen_kinds
 from chord_usd.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.plan.storey_titles import titled
@@ -203,7 +203,8 @@ def _read_part(page: _Page) -> _Found:
     page = replace(page, is_home=page.is_home and not told)
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
-    plan = _plan(reading, page, frame)
+    seen = seen_kinds(page.segments.kinds, frame)
+    plan = _plan(reading, page, frame, seen)
     if is_all_guessed(plan):
         raise _no_room()
     sheet = page.sheet
@@ -211,7 +212,7 @@ def _read_part(page: _Page) -> _Found:
     rooms = named_rooms(plan, page.texts, frame)
     told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
     if page.is_home:
-        plan, missing = with_missing_rooms(plan, seen_kinds(page.segments.kinds, frame))
+        plan, missing = with_missing_rooms(plan, seen)
         told += missing
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     stairs = _stairs(plan, page, frame)
@@ -274,14 +275,14 @@ def _scale(reading: SeenReading, page: _Page) -> Scale:
     return choose_scale(printed, reading.doors_m_per_px, walls, page.given, rooms)
 
 
-def _plan(reading: SeenReading, page: _Page, frame: PixelFrame) -> Plan:
+def _plan(reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds) -> Plan:
     """Rooms with what they are for, and the openings in their walls."""
     areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
     rooms = _labelled_rooms(reading, page, frame, areas_m2)
     openings = reading.placed([room.id for room in rooms], frame)
     plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
     named = {room.id: uses_named(room, page.texts, frame) for room in rooms}
-    return part_open_plans(plan, named, seen_kinds(page.segments.kinds, frame))
+    return part_open_plans(plan, named, seen)
 
 
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:

@@ -106,17 +106,17 @@ def _lines(
     cut, steps = _best_step(along, away)
     # Half a pixel from the middles of the outermost pixels to their edge, to the slant's side.
     middle = float(np.median(start[axis] + (stop - start)[axis] * along))
-    outward = middle - float(np.median(away))
+    outward = float(np.clip(middle - np.median(away), -0.5, 0.5))
     is_short = np.hypot(*run) < _SHORT * thickness_px and abs(run[axis]) < _STRAYS * thickness_px
     if off_deg > _ASKEW_DEG and climbing <= steps.spread and not is_short:
         return [_Line(start, stop, None)]
     if abs(steps.after - steps.before) < _JUMP * thickness_px:
         longer = steps.before if cut > 0.5 else steps.after
-        return [_along(start, stop, axis, longer + np.clip(outward, -0.5, 0.5))]
+        return [_along(start, stop, axis, longer + outward)]
     corner = start + run * cut
     return [
-        _along(start, corner, axis, steps.before + np.clip(outward, -0.5, 0.5)),
-        _along(corner, stop, axis, steps.after + np.clip(outward, -0.5, 0.5)),
+        _along(start, corner, axis, steps.before + outward),
+        _along(corner, stop, axis, steps.after + outward),
     ]
 
 
