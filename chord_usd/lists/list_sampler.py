@@ -183,14 +183,14 @@ class _Lines:
         possible = np.zeros(self.vocabulary.size, np.bool_)
         needed = [*subject.wanted, *(one.category for one in subject.kept)]
         waiting = [c for c in set(needed) if needed.count(c) > told.count(c)]
-        count = len(self.vocabulary.categories)
-        first = told[-1] if told else 0
-        last = min(waiting) if waiting else count - 1
+        ranks = self.vocabulary.ranks
+        first = ranks[told[-1]] if told else 0
+        last = min(ranks[waiting]) if waiting else len(ranks)
         room_left = self.vocabulary.most - len(told)
         if not waiting or room_left <= 0:
             possible[END] = True
         missing = sum(max(0, needed.count(c) - told.count(c)) for c in set(needed))
-        for category in range(first, last + 1):
+        for category in np.flatnonzero((ranks >= first) & (ranks <= last)):
             is_needed = category in waiting
             if room_left > 0 and (is_needed or (category not in subject.excluded
                                                 and room_left > missing)):  # fmt: skip

@@ -20,6 +20,7 @@ import shapely
 from chord_usd.lists.vocabulary import Element, Floats, Ints, Vocabulary
 from chord_usd.metrics.clear_floor import ClearFloor, clearances
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
+from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.scene.geometry import footprint, room_polygon
 from chord_usd.scene.palette import CATEGORIES, Mount
 from chord_usd.scene.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
@@ -46,6 +47,9 @@ CATEGORY_ORDER = (
 )  # fmt: skip
 """Large and needed pieces first, what stands at others after them."""
 
+KITCHEN_RUN = tuple(name for name in CATEGORY_ORDER if name in KITCHEN_UNITS)
+"""Told along the walls: each unit begins where the last one ends."""
+
 SEGMENT_KINDS = (
     "wall", "door", "window", "low window", "passage", "open side",
     "clear of way", "clear of window", "clear of low window",
@@ -70,6 +74,7 @@ _CLEAR_OF = {
 }
 
 _INDEX = {name: index for index, name in enumerate(CATEGORY_ORDER)}
+_IN_RUN = frozenset(_INDEX[name] for name in KITCHEN_RUN)
 _KINDS = {kind: index for index, kind in enumerate(ROOM_KINDS)}
 
 PIECES = Vocabulary(
@@ -80,6 +85,7 @@ PIECES = Vocabulary(
     facts=(len(ROOM_KINDS), len(TEACHERS), AREAS),
     flags=2 * len(CATEGORY_ORDER) + len(ROOM_KINDS) + 1,
     most=MOST_PIECES,
+    run=KITCHEN_RUN,
 )
 
 
@@ -319,14 +325,30 @@ def place_m(index: Ints) -> FloatArray:
 def pieces_of(
     items: Iterable[Item], frame: Frame, quarter_turns: int = 0, mirrored: bool = False
 ) -> list[Element]:
-    """The pieces of a room, in the order of the vocabulary, then from left to right.
+    """The pieces of a room, by the ranks of the vocabulary, then from left to right; those of the
+    run counterclockwise about the room's middle, from its widest gap on.
 
     quarter_turns, mirrored: the room is mirrored in x, then turned so often.
     """
     found = [
         _element(item, frame, quarter_turns, mirrored) for item in items if item.category in _INDEX
     ]
-    return sorted(found, key=lambda one: (one.category, one.values[1], one.values[2]))
+    found.sort(key=lambda one: (one.category, one.values[1], one.values[2]))
+    along = iter(_along_walls([one for one in found if one.category in _IN_RUN]))
+    return [next(along) if one.category in _IN_RUN else one for one in found]
+
+
+def _along_walls(units: Sequence[Element]) -> list[Element]:
+    """Counterclockwise about the room's middle, from the widest gap on."""
+    ends = np.array([one.values[1:] for one in units]).reshape(-1, 2, 2)
+    turns = [rotation_2d(_slant_deg(one.values[0])) for one in units]
+    x, y = np.array([
+        turn @ place_m(own).mean(axis=0) for turn, own in zip(turns, ends, strict=True)
+    ]).reshape(-1, 2).T  # fmt: skip
+    angle = np.arctan2(y, x)
+    order = np.argsort(angle, kind="stable")
+    gaps = np.diff(angle[order], prepend=angle[order][-1:] - 2 * np.pi)
+    return [units[at] for at in np.roll(order, -int(np.argmax(gaps)) if len(gaps) else 0)]
 
 
 def _element(item: Item, frame: Frame, quarter_turns: int, mirrored: bool) -> Element:

@@ -1,6 +1,6 @@
 """Lists of things as sequences of small numbers: what a list network reads and writes.
 
-A list is told in two parts: the categories of its elements, in the order of the vocabulary, closed
+A list is told in two parts: the categories of its elements, by the ranks of the vocabulary, closed
 by END, and then every element's own values, slot by slot. Each position of the sequence holds up to
 as many values as an element has slots; what they mean follows from the position's role. What lies
 around (walls and openings, the rim of a table) is told before it, as segments.
@@ -48,7 +48,7 @@ class Vocabulary:
     """What a kind of list can say."""
 
     categories: tuple[str, ...]
-    """In the order in which lists tell them."""
+    """In the order in which lists tell them, but for those of the run."""
     ranges: tuple[tuple[str, int], ...]
     """Names of kinds of value, and how many each has; "x" and "y" are places, as in segments."""
     slots: tuple[str, ...]
@@ -61,6 +61,18 @@ class Vocabulary:
     """Numbers that are told beside the facts."""
     most: int
     """Elements of a list."""
+    run: tuple[str, ...] = ()
+    """Neighbours among the categories that are told as they stand, end to end, whichever comes
+    first: each then begins where the one before it ends."""
+
+    @cached_property
+    def ranks(self) -> Ints:
+        """(categories,) which comes before which: a list tells none of a lower rank after one of a
+        higher. Those of the run have one."""
+        ranks = np.arange(len(self.categories))
+        in_run = np.isin(self.categories, self.run)
+        ranks[in_run] = ranks[in_run].min(initial=len(ranks))
+        return ranks
 
     @cached_property
     def first(self) -> dict[str, int]:
@@ -115,7 +127,7 @@ class Sequences:
 
 
 def sequence_of(vocabulary: Vocabulary, elements: Sequence[Element]) -> Sequences:
-    """One list. elements: in the order of the vocabulary; those beyond the most are left out."""
+    """One list. elements: by the ranks of the vocabulary; those beyond the most are left out."""
     told = list(elements)[: vocabulary.most]
     categories = [element.category for element in told]
     count = len(told)

@@ -2,8 +2,9 @@
 
 A room is complete when it holds the essentials of its kind, and right when, beyond that, cabinets
 have their back to a wall, chairs stand at a table and face it, sofas face a table or television and
-the television of a living room faces a seat; an undersized piece is none. Rooms of the kinds in
-ESSENTIALS are judged; a house is complete, or right, when every judged room of it is.
+the television of a living room faces a seat, and kitchen units stand end to end; an undersized
+piece is none. Rooms of the kinds in ESSENTIALS are judged; a house is complete, or right, when
+every judged room of it is.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 import shapely
 
 from chord_usd.metrics.footprints import PolygonArray
+from chord_usd.metrics.unit_gaps import unit_gaps
 from chord_usd.scene.geometry import footprint, front_direction, room_polygon, room_sides
 from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import FloatArray, Item, Room, RoomKind, SceneGraph
@@ -76,7 +78,7 @@ BACK_DEG, CHAIR_DEG, SOFA_DEG, TELEVISION_DEG = 12.0, 46.0, 50.0, 60.0
 
 Fault = Literal[
     "off its wall", "without a table", "turned from its table", "facing nothing", "turned away",
-    "facing no seat", "undersized",
+    "facing no seat", "apart from its run", "undersized",
 ]  # fmt: skip
 UNDERSIZED: Fault = "undersized"
 
@@ -210,11 +212,12 @@ class _House:
     def misplaced(self, room: Room) -> tuple[Misplaced, ...]:
         """What stands wrongly in a room, in the order of its pieces."""
         sides = room_sides(room)
+        own = [item for item in self.items if item.room_id == room.id]
+        apart = {min(one.id, other.id) for one, other, _ in unit_gaps(own, room_polygon(room))}
         found = []
-        for item in self.items:
-            if item.room_id != room.id:
-                continue
-            faults = self._faults(item, room.kind, sides)
+        for item in own:
+            faults = [*self._faults(item, room.kind, sides)]
+            faults += ["apart from its run"] * (item.id in apart)
             found += [Misplaced(item.id, item.category, fault) for fault in faults if fault]
         return tuple(found)
 

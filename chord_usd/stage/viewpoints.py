@@ -42,11 +42,17 @@ _HIDES_FROM_M = 1.25
 _ENOUGH_FLOOR = 0.7
 """Share of the floor in the picture from which on more of it is worth nothing."""
 
+_ENOUGH_FLOOR_M2 = 16.0
+"""The same, of a room where that is less: nobody steps back to show all of a hall."""
+
 _FLOOR_WORTH = 1.8
 _PIECES_WORTH = 1.6
 _DEPTH_WORTH = 0.5
 _WINDOW_SHARE, _WINDOW_WORTH = 0.1, 1.0
 """Share of the picture from which on more of a window is worth nothing, and what that is worth."""
+
+_FULL_SHARE, _FULL_WORTH = 0.4, 1.0
+"""Share of the picture from which on more of things is worth nothing, and what that is worth."""
 
 _ASIDE = 0.3
 """Share of its worth that a piece loses at the edge of the picture."""
@@ -143,6 +149,7 @@ class _Room:
         dressing: Sequence[Item],
     ) -> None:
         self._side_m = math.sqrt(floor.area)
+        self._enough = min(_ENOUGH_FLOOR, _ENOUGH_FLOOR_M2 / max(floor.area, 1e-6))
         self._floor_m = _floor_points(floor)
         self._pieces_m, self._owners, self._weights = _piece_points(items)
         things = [*items, *dressing]
@@ -153,19 +160,20 @@ class _Room:
     def sight(self, stand: Stand) -> _Sight:
         """Floor and pieces seen from a place."""
         floor, pieces = self._shown(stand)
-        worth = _FLOOR_WORTH * np.minimum(floor / _ENOUGH_FLOOR, 1.0) + _PIECES_WORTH * pieces
+        worth = _FLOOR_WORTH * np.minimum(floor / self._enough, 1.0) + _PIECES_WORTH * pieces
         if stand.is_behind_wall:
             fits = stand.near_m * SENSOR_MM[0] / 2 / _LENS_MM <= stand.beside_m
             worth = np.where(fits[:, None], worth, -np.inf)
-        more = _WINDOW_WORTH * _WINDOW_SHARE + _DEPTH_WORTH
+        more = _WINDOW_WORTH * _WINDOW_SHARE + _FULL_WORTH * _FULL_SHARE + _DEPTH_WORTH
         at_most = float(((worth + more) * _WORTH[:, None] * stand.worth).max())
         return _Sight(stand, floor, worth, at_most)
 
     def best(self, sight: _Sight) -> tuple[View, float]:
         """The best view from a place, and its worth."""
         stand = sight.stand
-        crowd, deep, close, door, window = self._filling(stand)
+        crowd, deep, close, full, door, window = self._filling(stand)
         worth = sight.worth + _WINDOW_WORTH * np.minimum(window, _WINDOW_SHARE)
+        worth = worth + _FULL_WORTH * np.minimum(full, _FULL_SHARE)
         worth = (worth + _DEPTH_WORTH * deep) * (1.0 - _CROWDING * crowd)
         worth = worth * _WORTH[:, None] * stand.worth
         worth = worth - _CLOSE_COST * np.maximum(close - _CLOSE_SHARE, 0.0)
@@ -183,8 +191,8 @@ class _Room:
         return view, float(worth[lens, heading])
 
     def _filling(self, stand: Stand) -> FloatArray:
-        """(5, K, H) how crowded pictures are, how deep, and their shares of what is close, of doors
-        and of windows."""
+        """(6, K, H) how crowded pictures are, how deep, their shares of what is close, of things,
+        of doors and of windows."""
         eye_m = np.array([*stand.position_m, EYE_M])
         free_m, at_door, at_window, is_box = self._all.panorama(
             eye_m, stand.heading_deg or 0.0, stand.near_m
@@ -195,10 +203,11 @@ class _Room:
                 np.clip((_CROWDED_M - free_m) / _CROWDED_M, 0.0, 1.0),
                 np.minimum((free_m - begins_m) / self._side_m, 1.5) / 1.5,
                 (free_m < _CLOSE_M) & is_box,
+                is_box,
                 at_door,
                 at_window,
             ]
-        ).reshape(5, -1)
+        ).reshape(6, -1)
         headings = slice(0, 1) if stand.is_behind_wall else slice(None)
         shares = _weights()[:, headings] @ features.T.astype(np.float32)
         return np.moveaxis(shares, 2, 0)

@@ -29,7 +29,7 @@ def judged(kind: RoomKind, *pieces: Item, sides: tuple[float, float] = (4.0, 3.0
     return homely_rooms(SceneGraph((room(kind, *sides),), (), pieces))[0]
 
 
-SINK, COOKER = piece("sink_cabinet", 1, 2.7), piece("cooker_cabinet", 2, 2.7)
+SINK, COOKER = piece("sink_cabinet", 1, 2.7), piece("cooker_cabinet", 1.6, 2.7)
 TABLE = piece("dining_table", 2, 1.5, (1.2, 0.8, 0.75))
 CHAIRS = piece("chair", 2, 2.1), piece("chair", 2, 0.9, yaw=180.0)
 SOFA, LOW_TABLE = piece("sofa", 2, 2.6, (2, 0.8, 0.8)), piece("coffee_table", 2, 1.4)
@@ -89,6 +89,14 @@ def at(item: Item, x: float, y: float, yaw: float) -> Item:
         ("kitchen", (at(SINK, 1, 2.5, 0), COOKER), "off its wall"),
         ("kitchen", (at(SINK, 1, 2.7, 20), COOKER), "off its wall"),
         ("kitchen", (at(SINK, 1, 2.7, 90), COOKER), "off its wall"),
+        ("kitchen", (SINK, at(COOKER, 2.0, 2.7, 0)), "apart from its run"),
+        (
+            "kitchen",
+            (SINK, at(COOKER, 2.0, 2.7, 0), piece("washing_machine", 1.5, 2.7)),
+            None,
+        ),
+        ("kitchen", (SINK, at(COOKER, 2.3, 2.7, 0)), None),  # as wide as a dishwasher
+        ("kitchen", (SINK, at(COOKER, 1.9, 0.3, 180)), None),
         ("dining", (TABLE, *CHAIRS, piece("chair", 0.4, 0.4)), "without a table"),
         ("dining", (TABLE, *CHAIRS, piece("chair", 1.1, 1.5, yaw=180)), "turned from its table"),
         ("living", (SOFA, piece("single_sofa", 1, 1), TELEVISION), None),

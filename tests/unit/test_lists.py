@@ -68,9 +68,8 @@ def _renamed(graph: SceneGraph) -> SceneGraph:
         frame = pieces.frame_of(room)
         own = list(graph.items_of(room.id))
         keys = [pieces.pieces_of([item], frame)[0] for item in own]
-        order = sorted(
-            range(len(own)), key=lambda i: (keys[i].category, keys[i].values[1], keys[i].values[2])
-        )
+        told = pieces.pieces_of(own, frame)
+        order = sorted(range(len(own)), key=lambda i: told.index(keys[i]))
         counts: dict[str, int] = {}
         for index in order:
             category = own[index].category
@@ -111,6 +110,29 @@ def test_odd_rooms_are_seen(corners: list[tuple[float, float]]) -> None:
     assert np.allclose(back, room.polygon_m)
 
 
+def test_units_of_a_kitchen_are_told_as_they_stand() -> None:
+    """Each begins where the last one ends, around a corner too, in whichever pose."""
+    sizes = [("double_door_floor_cabinet", 0.8), ("sink_cabinet", 0.6), ("cooker_cabinet", 0.6),
+             ("single_door_floor_cabinet", 0.4), ("refrigerator", 0.7)]  # fmt: skip
+    frame = pieces.Frame((2.0, 1.5), 0.0, 1.0)
+    at, items = 0.0, []
+    for name, length_m in sizes[:3]:  # along the lower wall, from its left corner
+        at += length_m
+        box = Box((at - length_m / 2, 0.3, 0.0), (length_m, 0.6, 0.9), 180.0)
+        items.append(Item(name, name, box, "k"))
+    at = 0.6
+    for name, length_m in sizes[3:]:  # along the right wall
+        at += length_m
+        box = Box((3.7, at - length_m / 2, 0.0), (length_m, 0.6, 0.9), 270.0)
+        items.append(Item(name, name, box, "k"))
+    for turns in range(4):
+        for is_mirrored in (False, True):
+            told = pieces.pieces_of(items[::-1], frame, turns, is_mirrored)
+            names = [PIECES.categories[one.category] for one in told]
+            wanted = [name for name, _ in sizes]
+            assert names == (wanted[::-1] if is_mirrored else wanted)
+
+
 class Chance:
     """In place of a trained network: all that may stand somewhere is as likely."""
 
@@ -141,7 +163,8 @@ def test_lists_hold_what_is_wanted_in_order_and_not_what_is_excluded(
     asked = [subject(wanted=tuple(wanted), excluded=excluded), subject()]
     first, other = drawer.draw(asked, np.random.default_rng(seed))
     categories = [element.category for element in first.elements]
-    assert categories == sorted(categories)
+    ranks = [int(PIECES.ranks[category]) for category in categories]
+    assert ranks == sorted(ranks)
     assert all(categories.count(one) >= wanted.count(one) for one in wanted)
     assert not (set(categories) - set(wanted)) & excluded
     assert len(other.elements) <= PIECES.most

@@ -107,8 +107,8 @@ class Floor:
         that one person just passes.
         """
         self.squeezed, self.walked = squeezed, -1
-        # What stands in a bathroom is built in side by side.
-        margin_m = 0.0 if squeezed or self.kind == "bathroom" else MARGIN_M
+        is_fitted = self.kind in ("bathroom", "kitchen")  # what stands there touches
+        margin_m = 0.0 if squeezed or is_fitted else MARGIN_M
         for wall in self.walls:
             wall.margin_m = margin_m
 
