@@ -112,6 +112,11 @@ class Floor:
         for wall in self.walls:
             wall.margin_m = margin_m
 
+    @property
+    def covered(self) -> float:
+        """Share of the floor that pieces cover."""
+        return sum(piece.size[0] * piece.size[1] for piece in self.placed) / self.area_m2
+
     def new_group(self) -> None:
         """What is put down from now on goes together."""
         self._group += 1

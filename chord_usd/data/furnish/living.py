@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from chord_usd.data.furnish import sizes
@@ -15,9 +17,13 @@ from chord_usd.data.furnish.storage import (
     put_dining_cabinet,
     put_shoe_cabinet,
 )
+from chord_usd.data.furnish.workplace import put_desk
 
 NEAREST_M, FARTHEST_M = 2.3, 6.0
 """Distance between the walls of sofa and television."""
+
+LARGE_M2 = 22.0
+"""Larger rooms have more than one use."""
 
 PASS_M = 0.4
 """Least gap between the coffee table and the television."""
@@ -50,6 +56,23 @@ def furnish_living(floor: Floor, *, with_dining: bool) -> None:
         put_armchair(floor)
     if floor.area_m2 > 12.0 and dice.random() < mix.living_cabinet:
         put_cabinet(floor, tall=dice.random() < 0.4, longest=dice.uniform(0.8, 1.8))
+    if floor.area_m2 > LARGE_M2:
+        _put_more(floor)
+
+
+def _put_more(floor: Floor) -> None:
+    """A place to work, one to read, shelves: what a large room is used for beside its sofas."""
+    dice = floor.dice
+    more: list[Callable[[], bool]] = [
+        partial(put_desk, floor),
+        partial(put_armchair, floor, beside_table=0.9),
+        partial(put_cabinet, floor, tall=True, longest=dice.uniform(1.2, 2.2)),
+        partial(put_cabinet, floor, tall=False, longest=dice.uniform(1.2, 2.0)),
+    ]
+    for put in dice.sample(more, len(more)):
+        if floor.covered >= floor.mix.living_covered:
+            break
+        put()
 
 
 def put_sofa_group(floor: Floor) -> None:

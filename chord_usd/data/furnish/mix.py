@@ -59,6 +59,8 @@ class Mix:
     single_sofas: tuple[float, float, float]
     living_armchair: float
     living_cabinet: float
+    living_covered: float
+    """Share of the floor of large ones from which on nothing more is put down."""
     shoe_cabinet: float
     living_dining: float
     """Large living rooms of houses without a dining room that hold the table; others below."""
@@ -92,7 +94,7 @@ PAPER = Mix(
     storage=0.68, storage_small=0.5, chest=0.45, chest_besides=0.08, chest_from_m2=16.0,
     desk=0.5, bedroom_television=0.25, bedroom_armchair=0.36, bedroom_armchair_from_m2=15.0,
     shelf=0.5, study_armchair=0.4, store_cabinet=0.4, coffee_table=0.85, side_table=0.4,
-    single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.1,
+    single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.1, living_covered=0.0,
     shoe_cabinet=0.8, living_dining=0.3, living_dining_small=0.06, dining_cabinet=0.75,
     dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.13,
     electrical=0.22, washbasin=0.72, bathtub=0.08, washing_machine=0.06,
@@ -105,8 +107,8 @@ HOMES = Mix(
     storage=0.95, storage_small=0.9, chest=0.25, chest_besides=0.7, chest_from_m2=10.0,
     desk=0.75, bedroom_television=0.5, bedroom_armchair=0.5, bedroom_armchair_from_m2=10.0,
     shelf=0.9, study_armchair=0.4, store_cabinet=0.6, coffee_table=0.95, side_table=0.75,
-    single_sofas=(0.1, 0.4, 0.5), living_armchair=0.7, living_cabinet=0.75, shoe_cabinet=0.8,
-    living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
+    single_sofas=(0.1, 0.4, 0.5), living_armchair=0.7, living_cabinet=0.75, living_covered=0.27,
+    shoe_cabinet=0.8, living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
     dining_cabinet_at_table=0.6, dining_cabinet_living=0.65, refrigerator=1.0, electrical=0.85,
     washbasin=1.0, bathtub=0.33, washing_machine=0.45, refrigerator_anywhere=1.0,
     washing_machine_anywhere=1.0, balcony_armchair=0.3,
