@@ -132,12 +132,14 @@ class _House:
         return list(named(frame.placed, room.id, taken_ids))
 
     def _frame(self, room: Room, kept: Sequence[Item]) -> RoomFrame:
-        openings = [self._openings[index] for index in self._near(room)]
+        near = self._near(room)
+        openings = [self._openings[index] for index in near]
+        told = [self._graph.openings[index] for index in near]
         faces = faces_of(room, openings, self._floors)
         pieces = tuple(self._graph.items_of(room.id))
         taken = TakenSpace()
         take_walls(taken, faces)
-        take_clearances(taken, [*openings, *self._seen_from(room)])
+        take_clearances(taken, [*openings, *told, *self._seen_from(room)])
         take_pieces(taken, pieces, self._reliefs)
         floor = self._floors.polygons[self._floors.index_of[room.id]]
         walkways = Walkways(self._free, floor)

@@ -21,7 +21,7 @@ from chord_usd.dressing.taken_space import TOUCH_M, Reason, TakenSpace
 from chord_usd.dressing.tastes import Taste
 from chord_usd.dressing.wall_faces import Hole, WallFace
 from chord_usd.errors import AssetError
-from chord_usd.metrics.clear_floor import clearance_boxes, is_open_border
+from chord_usd.metrics.clear_floor import WAY_M, clearance_boxes, is_open_border
 from chord_usd.raster.relief import Relief
 from chord_usd.scene.geometry import footprint, footprint_polygon, in_world, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Mount
@@ -256,9 +256,12 @@ def take_walls(taken: TakenSpace, faces: Iterable[WallFace]) -> None:
 
 
 def take_clearances(taken: TakenSpace, openings: Iterable[Opening]) -> None:
-    """Take what openings keep clear, on both sides, and the breadth of a touch beside it."""
+    """Take what openings keep clear, on both sides, and the breadth of a touch beside it.
+
+    Across an open border there is room for a way beside what stands there, unless it is short.
+    """
     for opening in openings:
-        if is_open_border(opening):
+        if is_open_border(opening) and opening.box.size_m[0] > 2 * WAY_M:
             continue
         for box in clearance_boxes(opening):
             length, depth, height = box.size_m

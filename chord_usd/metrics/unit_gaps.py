@@ -17,8 +17,8 @@ KITCHEN_UNITS = frozenset((
 ))  # fmt: skip
 """What stands end to end."""
 
-JOINT_M = 0.03
-"""What is no wider is a joint."""
+JOINT_M = 0.06
+"""What is no wider is a joint: as much as lists and rasters leave open."""
 LEAST_USE_M = 0.6
 """What is as wide takes a dishwasher, or a way through."""
 _ONE_LINE_M = 0.13

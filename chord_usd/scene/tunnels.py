@@ -38,6 +38,12 @@ SLIT_M = 0.02
 _SHAFT_M2 = 0.5
 """Voids between walls smaller than this are filled."""
 
+_HOLLOW_M = 0.6
+"""So are those narrower than this: the wall between two rooms is as thick as they are apart."""
+
+_SLIVER_M2 = 0.01
+"""What is smaller is no void, but a corner that was rounded off."""
+
 _REACH_M = 0.15
 """How far beyond its own depth an opening looks for the two faces of its wall."""
 
@@ -82,7 +88,11 @@ def wall_solid(rooms: Sequence[Room]) -> MultiPolygon:
         for ring in part.interiors
         if SLIT_M**2 < Polygon(ring).area < _SHAFT_M2
     ]
-    solid = shapely.set_precision(unary_union([area, *shafts]).difference(floors), GRID_M)
+    closed = whole.buffer(_HOLLOW_M / 2, join_style="mitre")
+    closed = closed.buffer(-_HOLLOW_M / 2, join_style="mitre")
+    hollows = [part for part in polygons_of(closed.difference(whole)) if part.area > _SLIVER_M2]
+    filled = unary_union([area, *shafts, *hollows]).difference(floors)
+    solid = shapely.set_precision(filled, GRID_M)
     return MultiPolygon([orient(part) for part in polygons_of(solid) if part.area > GRID_M])
 
 
