@@ -25,7 +25,8 @@ from chord_usd.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.metrics.complete import ESSENTIALS, lacking
 from chord_usd.metrics.violations import room_faults
 from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Item, Plan, Room, SceneGraph
+from chord_usd.scene.palette import CATEGORIES
+from chord_usd.scene.types import ROOM_KINDS, Item, Plan, Room, SceneGraph
 
 WISHED = 4
 """Times as many drafts."""
@@ -216,9 +217,18 @@ def _subject(around: Around, asked: Asked) -> Subject:
         around.facts,
         around.flags,
         wanted=tuple(PIECES.categories.index(one.category) for one in asked.missing(asked.kept)),
-        excluded=without(asked.excluded, PIECES),
+        excluded=without({*asked.excluded, *_foreign(around)}, PIECES),
         kept=tuple(pieces_of(asked.kept, around.frame)),
     )
+
+
+def _foreign(around: Around) -> set[str]:
+    """Categories that stand in no room of this kind. A garage as large as a living room would be
+    furnished as one."""
+    kind = ROOM_KINDS[int(around.facts[0])]
+    if kind == "unknown":
+        return set()
+    return {name for name in PIECES.categories if kind not in CATEGORIES[name].rooms}
 
 
 def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at: int) -> Subject:
