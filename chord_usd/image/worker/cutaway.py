@@ -7,10 +7,10 @@ from typing import Any
 
 import bmesh
 import bpy
+import mapbox_earcut
 import numpy as np
 import shapely
 from mathutils import Vector
-from mathutils.geometry import tessellate_polygon
 from shapely.geometry import LineString, Polygon
 from shapely.ops import polygonize, unary_union
 
@@ -29,6 +29,9 @@ _CATEGORY = "chord:category"
 _OPENINGS = ("door", "window", "passage")
 _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
 _GRID_M = 1e-4
+_BELOW_M = 0.7e-3
+"""A cut is so much lower: sills and heads lie at round heights, and where a plane runs through
+corners there is no telling which sides of it they are on."""
 _NEAR_WALL_M = 0.3
 
 _NEXT_FLOOR_M = 1.5
@@ -41,6 +44,7 @@ def cut_open(height_m: float) -> None:
 
     For good: views that come later see it so.
     """
+    height_m -= _BELOW_M
     sheets: list[LineString] = []
     tops: list[Polygon] = []
     material = None
@@ -215,13 +219,15 @@ def _close(sheets: list[LineString], tops: Any, height_m: float, material: Any) 
     if not sheets:
         return
     lines = unary_union(shapely.set_precision(np.array(sheets), _GRID_M))
-    solid = [part for part in polygonize(lines) if tops.contains(part.representative_point())]
+    # By area: a point may lie on the seam between two triangles of a top.
+    solid = [p for p in polygonize(lines) if p.intersection(tops).area > p.area / 2]
     edited = bmesh.new()
     for part in solid:
-        rings = [list(ring.coords)[:-1] for ring in (part.exterior, *part.interiors)]
-        outlines = [[Vector((x, y, 0.0)) for x, y in ring] for ring in rings]
+        rings = [np.asarray(ring.coords)[:-1] for ring in (part.exterior, *part.interiors)]
         verts = [edited.verts.new((x, y, height_m)) for ring in rings for x, y in ring]
-        for corners in tessellate_polygon(outlines):
+        ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
+        cut = mapbox_earcut.triangulate_float64(np.concatenate(rings), ends)
+        for corners in cut.reshape(-1, 3):
             edited.faces.new([verts[corner] for corner in corners])
     bmesh.ops.recalc_face_normals(edited, faces=edited.faces)
     mesh = bpy.data.meshes.new(_LID)
