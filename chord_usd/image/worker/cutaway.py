@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import bmesh
@@ -25,7 +25,7 @@ _SHEETS = ("Wall", "Facade", "Lining")
 
 _CAP_FROM = "WallTop"
 _LID = "CutTop"
-_CATEGORY = "chord:category"
+_CATEGORY, _NODE, _RESTS_ON = "chord:category", "chord:node_id", "chord:rests_on"
 _OPENINGS = ("door", "window", "passage")
 _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
 _GRID_M = 1e-4
@@ -61,10 +61,13 @@ def cut_open(height_m: float) -> None:
         if name.startswith("Ceiling") or not _cut(thing, height_m):
             thing.hide_render = True
     _close(sheets, unary_union(tops), height_m, material)
+    gone = set()
     for thing in _dressed():
         hung = _mount(thing) in _HUNG and _top_m(thing) > height_m
         if hung or thing.matrix_world.translation.z > height_m + _NEXT_FLOOR_M:
             _hide(thing)
+            gone.add(thing.get(_NODE))
+    _hide_resting(dict.fromkeys(gone, True))
 
 
 def show_alone(view: StageCamera, rooms: tuple[str, ...]) -> None:
@@ -79,6 +82,7 @@ def show_alone(view: StageCamera, rooms: tuple[str, ...]) -> None:
     walls = [t for t in bpy.data.objects if _is_wall(t) and room_of(t, rooms) == view.room]
     planes = [_plane(wall) for wall in walls]
     away = [(eye - middle).dot(normal) < 0.0 for middle, normal in planes]
+    hidden: dict[str, bool] = {}
     for wall, is_away in zip(walls, away, strict=True):
         wall.visible_camera = not is_away
     for thing in _dressed():
@@ -93,6 +97,8 @@ def show_alone(view: StageCamera, rooms: tuple[str, ...]) -> None:
         shown = (touches and not away[nearest]) or (mine and is_ceiling)
         if mine or touches:
             _hide(thing, not shown)
+            hidden[thing.get(_NODE)] = not shown
+    _hide_resting(hidden)
 
 
 # --- what belongs to what -----------------------------------------------------------------------
@@ -135,6 +141,14 @@ def _hide(thing: Any, hidden: bool = True) -> None:
     thing.hide_render = hidden
     for below in thing.children_recursive:
         below.hide_render = hidden
+
+
+def _hide_resting(hidden: Mapping[str, bool]) -> None:
+    """Hide, or show, what lies on things as these are, by their ids."""
+    for thing in _dressed():
+        carrier = thing.get(_RESTS_ON)
+        if carrier in hidden:
+            _hide(thing, hidden[carrier])
 
 
 def _plane(wall: Any) -> tuple[Vector, Vector]:
