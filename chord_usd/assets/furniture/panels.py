@@ -152,12 +152,12 @@ def plank_wall(size_m: Size) -> tuple[Part, ...]:
 
 
 def flush_wall(size_m: Size) -> tuple[Part, ...]:
-    """Large plain panels with dark shadow gaps."""
+    """Upright boards with dark shadow gaps: broader ones look like cupboards."""
     length, width, height = size_m
-    count = max(2, round(length / 0.9))
+    count = max(2, round(length / 0.24))
     wide = length / count
     backing = box((length, 0.012, height)).moved(y=width / 2 - 0.006)
-    panel = rounded_slab((wide - 0.012, height - 0.002, width - 0.01), 0.004, 0.003, 2, 2)
+    panel = rounded_slab((wide - 0.01, height - 0.002, width - 0.01), 0.004, 0.003, 2, 2)
     panel = panel.turned("x", 90).moved(y=width / 2 - 0.01, z=height / 2)
     panels = [panel.moved(-length / 2 + wide * (i + 0.5)) for i in range(count)]
     return (Part("Backing", backing, "board"), Part("Panels", joined(panels), "wood", None))
