@@ -44,7 +44,7 @@ def test_rooms_come_back_from_slots() -> None:
     slots = slots_of(batch_of(EXAMPLES)).numpy()
     for example, own in zip(EXAMPLES, slots, strict=True):
         told = pieces.pieces_of(example.items, example.around.frame)
-        assert list(elements_of(own)) == told[: PIECES.most]
+        assert sorted(elements_of(own)) == sorted(told[: PIECES.most])
 
 
 def test_slots_have_no_order() -> None:
