@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
 import shapely
 
 from chord_usd.scene.geometry import footprint_polygon, to_own
@@ -57,4 +56,4 @@ def _is_free(unit: Item, other: Item, items: Sequence[Item], floor: shapely.Poly
     around = [footprint_polygon(item.box) for item in items if item not in (unit, other)]
     taken_m2 = shapely.intersection(between, shapely.union_all(around)).area
     outside_m2 = shapely.difference(between, floor).area
-    return bool(np.maximum(taken_m2, outside_m2) < _TAKEN * between.area)
+    return bool(max(taken_m2, outside_m2) < _TAKEN * between.area)
