@@ -84,7 +84,7 @@ def test_decoding_a_drawing_gives_every_item_back(turn: bool) -> None:
     for seed in range(15):
         graph = house(seed, turn)
         layout = layout_of(graph, shade=bool(seed % 2))
-        if 0.3 < 3 * layout.frame.m_per_px:
+        if 3 * layout.frame.m_per_px > 0.3:
             continue  # the narrowest cabinets are not three pixels there
         found = decode_items(layout)
         assert Counter(one.category for one in found) == Counter(i.category for i in graph.items)
