@@ -23,9 +23,9 @@ from chord_usd.lists.pieces import (
 from chord_usd.lists.wishes import Asked, Piece
 from chord_usd.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.metrics.complete import ESSENTIALS, lacking
+from chord_usd.metrics.rooms import stands_in
 from chord_usd.metrics.violations import room_faults
 from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import ROOM_KINDS, Item, Plan, Room, SceneGraph
 
 WISHED = 4
@@ -226,9 +226,7 @@ def _foreign(around: Around) -> set[str]:
     """Categories that stand in no room of this kind. A garage as large as a living room would be
     furnished as one."""
     kind = ROOM_KINDS[int(around.facts[0])]
-    if kind == "unknown":
-        return set()
-    return {name for name in PIECES.categories if kind not in CATEGORIES[name].rooms}
+    return {name for name in PIECES.categories if not stands_in(name, kind)}
 
 
 def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at: int) -> Subject:

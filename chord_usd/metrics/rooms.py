@@ -69,7 +69,12 @@ def is_to_furnish(room: Room) -> bool:
 
 def is_of_kind(item: Item, kind: RoomKind) -> bool:
     """Whether this category usually stands in such a room; anything fits an unknown one."""
-    row = CATEGORIES.get(item.category)
+    return stands_in(item.category, kind)
+
+
+def stands_in(category: str, kind: RoomKind) -> bool:
+    """The same of a category by its name."""
+    row = CATEGORIES.get(category)
     return kind == "unknown" or (row is not None and kind in row.rooms)
 
 

@@ -61,13 +61,13 @@ def cut_open(height_m: float) -> None:
         if name.startswith("Ceiling") or not _cut(thing, height_m):
             thing.hide_render = True
     _close(sheets, unary_union(tops), height_m, material)
-    gone = set()
+    gone: dict[str, bool] = {}
     for thing in _dressed():
         hung = _mount(thing) in _HUNG and _top_m(thing) > height_m
         if hung or thing.matrix_world.translation.z > height_m + _NEXT_FLOOR_M:
             _hide(thing)
-            gone.add(thing.get(_NODE))
-    _hide_resting(dict.fromkeys(gone, True))
+            gone[thing.get(_NODE)] = True
+    _hide_resting(gone)
 
 
 def show_alone(view: StageCamera, rooms: tuple[str, ...]) -> None:
@@ -146,7 +146,7 @@ def _hide(thing: Any, hidden: bool = True) -> None:
 def _hide_resting(hidden: Mapping[str, bool]) -> None:
     """Hide, or show, what lies on things as these are, by their ids."""
     for thing in _dressed():
-        carrier = thing.get(_RESTS_ON)
+        carrier = thing.get(_RESTS_ON, "")  # things of others have no ids
         if carrier in hidden:
             _hide(thing, hidden[carrier])
 
