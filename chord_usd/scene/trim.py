@@ -9,9 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+from shapely.geometry import Polygon
 from shapely.ops import nearest_points
 
 from chord_usd.scene.geometry import room_polygon, to_own, to_world
+from chord_usd.scene.tunnels import ON_LINE_M, reach_m
 from chord_usd.scene.types import Box, Opening, Room
 
 CASING_M = (0.06, 0.017)
@@ -58,10 +60,25 @@ def _at_wall(
     opening: Opening, room: Room, along_m: float, size_m: tuple[float, float, float]
 ) -> Box:
     """A box with its back on the wall, so far along the opening, from its foot up."""
-    floor = room_polygon(room)
-    middle = shapely.Point(opening.box.center_m[:2])
-    nearest = np.array(nearest_points(floor, middle)[0].coords[0])
-    side = 1.0 if to_own(opening.box, nearest)[1] > 0 else -1.0
-    own = along_m, side * (floor.distance(middle) + size_m[1] / 2)
+    floor = shapely.transform(room_polygon(room), lambda points: to_own(opening.box, points))
+    side = 1.0 if nearest_points(floor, shapely.Point(0.0, 0.0))[0].y > 0 else -1.0
+    own = along_m, side * (_face_m(opening, floor, side) + size_m[1] / 2)
     x_m, y_m = to_world(opening.box, own)
     return Box((float(x_m), float(y_m), opening.box.center_m[2]), size_m, opening.box.yaw_deg)
+
+
+def _face_m(opening: Opening, floor: Polygon, side: float) -> float:
+    """From an opening's middle line to the face of its wall towards a room.
+
+    Where the face has a step, trim stands out from the higher part. floor: the room's, in the
+    opening's own frame; side: 1 where it lies towards +y, else -1.
+    """
+    ring = np.asarray(floor.exterior.coords)
+    starts, ends = ring[:-1], ring[1:]
+    run, rise = np.abs(ends - starts).T
+    depths = side * (starts + ends)[:, 1] / 2
+    half = opening.box.size_m[0] / 2 - ON_LINE_M
+    across = (np.minimum(starts, ends)[:, 0] < half) & (np.maximum(starts, ends)[:, 0] > -half)
+    facing = (run > rise) & across & (depths >= 0.0) & (depths <= reach_m(opening))
+    middle = float(floor.distance(shapely.Point(0.0, 0.0)))
+    return float(depths[facing].max(initial=middle))

@@ -128,7 +128,7 @@ def _as_hole(opening: Opening, tunnel: Tunnel) -> Opening:
 
 def dig_tunnels(openings: Sequence[Opening], solid: MultiPolygon) -> list[Tunnel | None]:
     """What each opening takes out of the walls; None for those that meet no wall."""
-    strips = np.array([_strip(opening, _reach_m(opening)) for opening in openings], object)
+    strips = np.array([_strip(opening, reach_m(opening)) for opening in openings], object)
     around = _walls_around(strips, solid)
     return [_tunnel(*each) for each in zip(openings, strips, around, strict=True)]
 
@@ -151,19 +151,20 @@ def _walls_around(strips: ObjectArray, solid: MultiPolygon) -> ObjectArray:
     return around
 
 
-def _reach_m(opening: Opening) -> float:
+def reach_m(opening: Opening) -> float:
+    """How far from its middle line an opening looks for the faces of its wall."""
     return max(opening.box.size_m[1], WALL_THICKNESS_M) / 2 + _REACH_M
 
 
-def _strip(opening: Opening, reach_m: float) -> BaseGeometry:
+def _strip(opening: Opening, reach: float) -> BaseGeometry:
     half = opening.box.size_m[0] / 2
-    return _in_world(box(-half, -reach_m, half, reach_m), opening)
+    return _in_world(box(-half, -reach, half, reach), opening)
 
 
 def _tunnel(opening: Opening, strip: BaseGeometry, solid: BaseGeometry) -> Tunnel | None:
     """What the opening takes out of its wall, straight through along its own y."""
     length, _, height = opening.box.size_m
-    reach = _reach_m(opening)
+    reach = reach_m(opening)
     parts = polygons_of(shapely.set_precision(strip.intersection(solid), GRID_M))
     if not parts:
         return None

@@ -31,8 +31,17 @@ def house(*items: Item) -> SceneGraph:
     return match_assets(SceneGraph((ROOM,), (DOOR, WINDOW), items), load_database())
 
 
-def test_trim_is_where_it_is_written(tmp_path: Path) -> None:
-    stage = Usd.Stage.Open(str(author_stage(house(), tmp_path / "h.usda").path))
+STEPPED = replace(
+    ROOM,
+    polygon_m=np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.94], [2.2, 3.94], [2.2, 4.0], [0.0, 4.0]]),
+)
+"""The wall of the window is 6 cm thicker before a third of it."""
+
+
+@pytest.mark.parametrize("room", [ROOM, STEPPED], ids=["even", "stepped"])
+def test_trim_is_where_it_is_written(room: Room, tmp_path: Path) -> None:
+    graph = SceneGraph((room,), (DOOR, WINDOW), ())
+    stage = Usd.Stage.Open(str(author_stage(graph, tmp_path / "h.usda").path))
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default", "render"])
     frame, board = (
         next(
@@ -42,11 +51,11 @@ def test_trim_is_where_it_is_written(tmp_path: Path) -> None:
         )
         for opening, name in (("Door_0", "Frame"), ("Window_0", "Board"))
     )
-    left, right = casings(DOOR, ROOM)
+    left, right = casings(DOOR, room)
     assert frame.GetMin()[0] == pytest.approx(left.center_m[0] - left.size_m[0] / 2, abs=1e-3)
     assert frame.GetMax()[0] == pytest.approx(right.center_m[0] + right.size_m[0] / 2, abs=1e-3)
     assert frame.GetMax()[1] == pytest.approx(right.center_m[1] + right.size_m[1] / 2, abs=1e-3)
-    (told,) = boards(WINDOW, ROOM)
+    (told,) = boards(WINDOW, room)
     assert board.GetMin()[1] == pytest.approx(told.center_m[1] - told.size_m[1] / 2, abs=1e-3)
     assert board.GetMax()[0] == pytest.approx(told.center_m[0] + told.size_m[0] / 2, abs=1e-3)
     assert board.GetMax()[2] == pytest.approx(told.top_m, abs=5e-3)
