@@ -46,6 +46,8 @@ _MALFORMED = (
 """What other people's records make of readers that take their form for granted."""
 
 _BOXES = "boxes.npz"
+_SCENE = "scene.json"
+"""Of each house of a batch, in its own folder (batch.make.SCENE_FILE)."""
 _FARTHEST_M = 1e5
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = re.compile(r"[^\w-]+")
@@ -91,12 +93,14 @@ def read_models_file(path: Path) -> Models:
 def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
     """Every house of a folder, a JSON or .npz file, or a JSON lines file, gzipped or not.
 
-    A folder holds JSON, .npz, or a folder with a boxes.npz for each room. Each house says by its
+    A folder holds JSON, .npz, a folder with a boxes.npz for each room, or the houses of a batch or
+    release, whose other files are passed over. Each house says by its
     keys what it is: CHOrD JSON, a house or a room of 3D-FRONT, boxes as ATISS keeps them, a house
     of ProcTHOR, a flat of FloorplanTransformation. Raises SceneError where source cannot be opened.
     """
     if source.is_dir():
-        for pattern in ("*.json", "*.npz", f"*/{_BOXES}"):
+        is_batch = next(source.glob(f"*/{_SCENE}"), None) is not None
+        for pattern in (f"*/{_SCENE}",) if is_batch else ("*.json", "*.npz", f"*/{_BOXES}"):
             for path in sorted(source.glob(pattern)):
                 yield _read(path, models)
     elif source.suffix in (".json", ".npz"):
@@ -106,7 +110,7 @@ def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
 
 
 def _read(path: Path, models: Models) -> Found:
-    name = path.parent.name if path.name == _BOXES else path.stem
+    name = path.parent.name if path.name in (_BOXES, _SCENE) else path.stem
     try:
         if path.suffix == ".npz":
             return Found(name, house_from_record(read_boxes(path), models))

@@ -12,6 +12,7 @@ from batch_makers import FIGURES
 from chord_usd.batch.make import SCENE_FILE
 from chord_usd.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
 from chord_usd.batch.release import require_own, write_release
+from chord_usd.data.foreign import Models, foreign_houses
 from chord_usd.errors import OutputError
 from chord_usd.scene.chord_json import write_scene
 from chord_usd.scene.types import SceneGraph
@@ -51,6 +52,12 @@ def test_a_house_keeps_its_part_as_others_come(houses: Path) -> None:
     many = json.loads((houses / "splits.json").read_text())
     assert {*few["train"]} <= {*many["train"]}
     assert {*few["test"]} <= {*many["test"]}
+
+
+def test_a_release_is_read_as_a_folder_of_houses(houses: Path) -> None:
+    write_release(houses, NAMES)
+    found = list(foreign_houses(houses, Models()))
+    assert [(one.name, one.why) for one in found] == [(name, "") for name in sorted(NAMES[:-1])]
 
 
 def test_checksums_are_of_every_file(houses: Path) -> None:
