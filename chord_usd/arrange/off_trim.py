@@ -45,7 +45,8 @@ def clear_trim(work: Arrangement) -> SceneGraph:
         mount = category(item.category).mount
         if mount not in (Mount.FLOOR, Mount.WALL) or not work.may_move(item):
             continue
-        near = [trim[index] for index in sorted(tree.query(footprint_polygon(item.box)))]
+        reach = footprint_polygon(item.box).buffer(max(item.box.size_m[:2]))
+        near = [trim[index] for index in sorted(tree.query(reach))]
         if _is_in(item.box, near):
             free = work.free_places(item, items.values())
             items[item.id] = _beside(item, near, free)
@@ -73,10 +74,11 @@ def _is_in(box: Box, trim: Sequence[Box]) -> bool:
 def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
     """The piece moved as little as clears all trim, or cut a little; as it is, if nothing does.
 
-    What hangs on a wall moves along it.
+    What hangs on a wall moves along it. trim: also what the piece is not in, but may come into.
     """
-    moves = [move for one in trim for move in _ways_out(item.box, one)]
-    moves += [one + other for one in moves for other in moves if abs(one @ other) < 1e-9]
+    moves = [move for one in trim if _is_in(item.box, [one]) for move in _ways_out(item.box, one)]
+    further = [move for one in trim for move in _ways_out(item.box, one)]
+    moves += [one + other for one in moves for other in further if abs(one @ other) < 1e-9]
     if category(item.category).mount is Mount.WALL:
         front = front_direction(item.box.yaw_deg)
         moves = [move for move in moves if abs(front @ move) < _GAP_M]

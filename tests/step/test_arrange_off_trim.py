@@ -61,6 +61,16 @@ def test_trim_is_where_it_is_written(room: Room, tmp_path: Path) -> None:
     assert board.GetMax()[2] == pytest.approx(told.top_m, abs=5e-3)
 
 
+def test_furniture_off_one_casing_is_not_in_another() -> None:
+    next_door = replace(DOOR, id="e", box=replace(DOOR.box, center_m=(3.015, -0.12, 0.0)))
+    graph = SceneGraph((ROOM,), (DOOR, next_door), (cabinet(2.0),))
+    moved = clear_trim(Arrangement.of(graph)).items[0].box
+    middle_m, half_m = np.array(moved.center_m[:2]), np.array(moved.size_m[:2]) / 2
+    for leg in (*casings(DOOR, ROOM), *casings(next_door, ROOM)):
+        apart_m = np.abs(middle_m - leg.center_m[:2]) - half_m - np.array(leg.size_m[:2]) / 2
+        assert apart_m.max() > 0.0
+
+
 @pytest.mark.parametrize("x_m", [1.96, 2.0])
 def test_furniture_flush_beside_a_door_comes_off_its_casing(tmp_path: Path, x_m: float) -> None:
     before = house(cabinet(x_m))
