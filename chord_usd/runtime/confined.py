@@ -43,6 +43,10 @@ _SIMPLER = "a smaller or simpler file"
 _PR_SET_PDEATHSIG = 1
 
 
+_WALL_PER_CPU = 20.0
+"""On a busy machine a process gets a small share of a core, and its file is as good."""
+
+
 @dataclass(frozen=True)
 class Limits:
     """What a confined function may use. Enforced on Linux; elsewhere only wall_s is."""
@@ -51,8 +55,11 @@ class Limits:
     """Of address space, above what the process has once the function's module is imported."""
     cpu_s: int = 30
     """Of all its threads together."""
-    wall_s: float = 50.0
-    """From the start of the process."""
+
+    @property
+    def wall_s(self) -> float:
+        """Seconds from the start of the process; only a process that waits for others meets it."""
+        return _WALL_PER_CPU * self.cpu_s
 
 
 DEFAULT = Limits()
@@ -84,8 +91,8 @@ def confined(
     payload = b"".join(pickle.dumps(part) for part in parts)
     try:
         code, answer = _run(payload, limits.wall_s, meanwhile)
-    except subprocess.TimeoutExpired:
-        _refuse_slow(limits.wall_s, where, error)
+    except _Starved as starved:
+        _refuse_busy(starved.cpu_s, limits, where, error)
     if code != 0 or not answer:
         _refuse_dead(code, limits, where, error)
     kind, value, told = pickle.loads(answer)
@@ -103,7 +110,7 @@ def confined(
 def _run(
     payload: bytes, wall_s: float, meanwhile: Callable[[], object] | None
 ) -> tuple[int, bytes]:
-    """Exit code and answer of a child. Raises TimeoutExpired; leaves no child behind."""
+    """Exit code and answer of a child. Raises _Starved; leaves no child behind."""
     # -I: neither the current folder nor PYTHONPATH comes before what the caller imports from.
     with subprocess.Popen(
         [sys.executable, "-I", "-c", _CHILD],
@@ -120,14 +127,48 @@ def _run(
                 payload = b""
                 meanwhile()
             answer, _ = process.communicate(payload, timeout=wall_s)
+        except subprocess.TimeoutExpired:
+            cpu_s = _cpu_s_of(process.pid)
+            process.kill()
+            raise _Starved(cpu_s) from None
         except BaseException:
             process.kill()
             raise
     return process.returncode, answer
 
 
+class _Starved(Exception):  # noqa: N818 (caught at once)
+    """A child that met the limit of wall time."""
+
+    def __init__(self, cpu_s: float | None) -> None:
+        self.cpu_s = cpu_s
+        """Processor time that it had; None where the system does not say."""
+
+
+def _cpu_s_of(pid: int) -> float | None:
+    """Processor time of a process so far, where Linux's files say it."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8") as file:  # noqa: PTH123 (as in _limit)
+            user, system = file.read().rsplit(")", 1)[1].split()[11:13]
+    except OSError:
+        return None
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
 def _refuse_slow(seconds: float, where: str, error: type[ChordError]) -> NoReturn:
-    raise error(f"took longer than {seconds:g} s to read", where=where, try_=_SIMPLER) from None
+    raise error(
+        f"takes more than {seconds:g} s of processor time to read", where=where, try_=_SIMPLER
+    ) from None
+
+
+def _refuse_busy(
+    cpu_s: float | None, limits: Limits, where: str, error: type[ChordError]
+) -> NoReturn:
+    had = "" if cpu_s is None else f" (its reader had {cpu_s:.0f} s of processor time)"
+    raise error(
+        f"was not read within {limits.wall_s:g} s{had}: the machine or its disk is busy",
+        where=where, try_="again when less runs beside it, or a smaller file",
+    ) from None  # fmt: skip
 
 
 def _refuse_large(

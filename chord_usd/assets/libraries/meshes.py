@@ -22,7 +22,7 @@ MOST_FILE_BYTES = 600 * 2**20
 MOST_TRIANGLES = 12_000_000
 """What can be read and thinned out in the memory of a laptop."""
 
-LIMITS = Limits(memory_bytes=3 * 2**30, cpu_s=100, wall_s=120.0)
+LIMITS = Limits(memory_bytes=3 * 2**30, cpu_s=100)
 """Of the process that reads a mesh."""
 
 TEXTURE_PX = 1024
