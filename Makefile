@@ -1,5 +1,6 @@
 # make house   set up the core, furnish an example plan and render it into out/
-# make test    set up all extras, too, and run the tests
+# make test    set up all extras, too, and run the tests of each commit
+# make acceptance   the long tests: fuzzing, limits, whole houses, the commands of the documents
 # make lint    ruff and mypy
 # make extension   build the Blender extension into dist/
 
@@ -22,7 +23,7 @@ PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 # Tests whose limits are so near that they need the machine for themselves.
 ALONE = $(shell grep -rl 'mark\.alone' tests)
 
-.PHONY: setup setup-dev house test lint wheel extension clean
+.PHONY: setup setup-dev house test test-tools acceptance lint wheel extension clean
 
 setup: .venv/.ready
 
@@ -55,12 +56,19 @@ house: setup
 	$(BIN)/chord-usd generate $(PLAN) -o out/house.usda --layout-out out/layout.png --preview out/plan.png
 	$(BIN)/chord-usd render out/house.usda -o out/pictures $(CAMERAS:%=--camera %) --samples 32 --resolution 960x540
 
-test: setup-dev
+# Programs that tests start, beside Python's packages.
+test-tools: setup-dev
 	@command -v strace >/dev/null || $(call install,strace)
 	@command -v chromium >/dev/null || ($(call install,chromium)) || echo "no chromium: the page is not driven"
-	$(PARALLEL) tests/unit
-	$(PARALLEL) --dist loadfile --no-loadscope-reorder -m 'not alone' tests/end_to_end tests/step
-	$(BIN)/python -m pytest -m alone $(ALONE)
+
+test: test-tools
+	$(PARALLEL) -m 'not acceptance' tests/unit
+	$(PARALLEL) --dist loadfile --no-loadscope-reorder -m 'not alone and not acceptance' tests/end_to_end tests/step
+	$(BIN)/python -m pytest -m 'alone and not acceptance' $(ALONE)
+
+acceptance: test-tools
+	$(PARALLEL) --dist loadfile -m 'acceptance and not alone' tests
+	$(BIN)/python -m pytest -m 'acceptance and alone' $(ALONE) || test $$? = 5  # 5: there are none
 
 lint: setup-dev
 	$(BIN)/ruff check .

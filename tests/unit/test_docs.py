@@ -59,6 +59,23 @@ def test_every_verb_has_one_line_and_one_example() -> None:
     assert sorted(str(verb_of(line)) for line in shown) == sorted(VERBS)
 
 
+def make_targets(text: str) -> set[str]:
+    """The targets that a text asks make for."""
+    return set(re.findall(r"(?:^|`)make ([a-z][\w-]*)", text, re.MULTILINE))
+
+
+def test_the_readme_names_one_command_that_makes_a_house_and_one_that_tests() -> None:
+    assert make_targets((ROOT / "README.md").read_text()) == {"house", "test"}
+    assert "test" in make_targets((ROOT / ".ci/run").read_text())
+
+
+def test_targets_of_make_that_are_named_exist() -> None:
+    exist = set(re.findall(r"^([a-z][\w-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    named = {d: make_targets(d.read_text()) for d in [*DOCUMENTS, ROOT / ".ci/run"]}
+    assert named[ROOT / "CONTRIBUTING.md"] >= {"setup-dev", "lint", "test", "acceptance"}
+    assert {name_of(d): wrong for d, targets in named.items() if (wrong := targets - exist)} == {}
+
+
 @pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
 def test_commands_can_be_typed(document: Path) -> None:
     """Whole ones parse; of those that are only mentioned, verbs and options exist."""
