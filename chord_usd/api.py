@@ -219,6 +219,7 @@ class House:
         *,
         storey: str = "",
         dry_run: bool = False,
+        force: bool = False,
         asset_folders: Sequence[FilePath] = (),
         progress: ProgressStyle = "none",
     ) -> tuple[str, ...]:
@@ -226,19 +227,21 @@ class House:
         on the stage; returns what was understood, a line for each thing.
 
         storey: name or number of the one that is meant, where a house has several and the sentence
-        means something on more than one. dry_run: only understand it. asset_folders: of further
-        meshes. All of it is done or, where a part has no meaning or no place, nothing: then it
-        raises ChordError.
+        means something on more than one. dry_run: try it, and change nothing. force: do it also
+        where it makes the house worse. asset_folders: of further meshes. All of it is done or,
+        where a part has no meaning or no place, or makes the house worse, nothing: then it raises
+        ChordError.
         """
         from chord_usd.pipeline import Settings
-        from chord_usd.pipeline.edit_house import edit, read_sentence
+        from chord_usd.pipeline.edit_house import edit
 
-        if dry_run:
-            return tuple(read_sentence(self.path, sentence, storey=storey).understood.told)
         settings = Settings(asset_folders=_folders(asset_folders), style="")
         watch = _watch(progress)
-        reading, _ = edit(self.path, sentence, self.path, settings, watch, storey=storey)
-        self._written = _state(self.path)
+        reading, *_ = edit(
+            self.path, sentence, self.path, settings, watch, storey=storey, force=force,
+            dry_run=dry_run,
+        )  # fmt: skip
+        self._written = self._written if dry_run else _state(self.path)
         return tuple(reading.understood.told)
 
     def export(self, target: Package, path: FilePath, *, overwrite: bool = False) -> Path:

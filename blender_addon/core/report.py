@@ -29,6 +29,8 @@ def findings(report: Mapping[str, Any]) -> list[Finding]:
         ("empty_rooms", "is empty"),
     ):
         found += [Finding(f"{short(path)} {words}", (path,)) for path in report.get(key, ())]
+    for told in report.get("stairs", ()):
+        found.append(Finding(short(told), (told.split(" ")[0],)))
     for error in report.get("errors", ()):
         path = str(error.get("path", ""))
         found.append(Finding(f"{error.get('rule')}: {error.get('message')}", (path,)))
@@ -62,7 +64,7 @@ def headline(report: Mapping[str, Any]) -> str:
     count = len(findings(report))
     walkable = float(report.get("walkable", 0.0))
     told = "1 finding" if count == 1 else f"{count} findings"
-    verdict = "Certified" if report.get("valid") and not count else told
+    verdict = "Certified" if report.get("holds", report.get("valid")) and not count else told
     return f"{verdict}; {walkable:.0%} of the floor is walkable"
 
 

@@ -47,6 +47,8 @@ class Done:
     """The index and what else was exported."""
     holding: int
     """Houses of all in the folder whose certificate holds."""
+    not_holding: tuple[str, ...]
+    """Names of those whose certificate does not."""
     pictures: int
     """Of all houses in the folder."""
 
@@ -145,6 +147,7 @@ def _finish(
         failures=failures,
         files=tuple(files),
         holding=sum(bool(row.get("holds")) for row in listed),
+        not_holding=tuple(row["house"] for row in listed if row.get("holds") is False),
         pictures=sum(row["kind"] == "picture" for row in listed),
     )
 

@@ -149,17 +149,20 @@ class HouseTools:
         house: House,
         sentence: Annotated[str, Field(description='"turn the sofa to the window, no rug here"')],
         ctx: Context,
-        dry_run: Annotated[bool, Field(description="only say what is understood")] = False,
+        dry_run: Annotated[bool, Field(description="only say whether it can be done")] = False,
+        force: Annotated[bool, Field(description="also where the house gets worse")] = False,
         output: Annotated[str, Field(description="a new house; else this one is changed")] = "",
     ) -> Content:
         """Change a house as a sentence in English says: add, remove, move, turn, swap, replace or
-        lock pieces, restyle rooms. What is not understood or has no place changes nothing."""
+        lock pieces, restyle rooms. What is not understood, has no place, costs a room what it
+        needs, or is no order but a statement or a question, changes nothing."""
         with _told_as_tools_do():
             path = self._files.there(house)
             target = self._files.new(output) if output else path
             words = ["edit", *_option("output", self._word(target))]
             # A blank before it: "-x" is no option, but a sentence that is not understood.
-            words += [*(["--dry-run"] if dry_run else []), self._word(path), f" {sentence}"]
+            words += ["--dry-run"] * dry_run + ["--force"] * force
+            words += [self._word(path), f" {sentence}"]
             edits = path == target and not dry_run
             answer = await self._call(words, [path, target], ctx, edits=edits)
             return _answered(answer.data)

@@ -231,7 +231,9 @@ def outcome_of(done: Done, options: argparse.Namespace, seconds: dict[str, float
         "kept": len(done.kept),
         "failed": len(failures),
         "failures": failures,
+        "holds": not done.not_holding,
         "holding": done.holding,
+        "not_holding": list(done.not_holding),
         "pictures": done.pictures,
         "files": [str(file) for file in done.files],
         "seconds": seconds,
@@ -240,7 +242,10 @@ def outcome_of(done: Done, options: argparse.Namespace, seconds: dict[str, float
         f"{options.output}: {len(done.made)} houses made in {seconds['houses']:.1f} s, "
         f"{len(done.kept)} kept, {len(failures)} failed; the certificate of {done.holding} holds"
     )
+    if done.not_holding:
+        more = f", and {len(done.not_holding) - 1} more" if len(done.not_holding) > 1 else ""
+        text += f"; that of {done.not_holding[0]}{more} does not"
     warnings = [f"{name}: {why}" for name, why in failures.items()][:MOST_TOLD]
     if len(failures) > MOST_TOLD:
         warnings.append(f"{len(failures)} failed in all; {done.files[0]} lists them")
-    return Outcome(text, data, holds=not failures, warnings=warnings)
+    return Outcome(text, data, holds=not failures and not done.not_holding, warnings=warnings)

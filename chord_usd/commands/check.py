@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+
+if TYPE_CHECKING:
+    from chord_usd.stage.check import Report
 
 OUTLIERS_TOLD = 3
 """How many of the least expected items the report names."""
@@ -25,27 +28,18 @@ def run(options: argparse.Namespace) -> Outcome:
     with stopwatch(options).step("check"):
         report = check_stage(existing_file(options.stage))
     data = certificate(report)
-    return Outcome(_text(options.stage, report.holds, data), data, report.holds)
+    return Outcome(_text(options.stage, report, data), data, report.holds)
 
 
-def _text(stage: Path, holds: bool, data: dict[str, Any]) -> str:
-    lines = [f"{stage}: the certificate {'holds' if holds else 'does not hold'}"]
-    lines += [f"  {e['rule']}: {e['path']}: {e['message']}" for e in data["errors"]]
-    lines += [
-        f"  collision {c['depth_m'] * 100:.1f} cm: {c['a']} and {c['b']}"
-        for c in data["collisions"]
-    ]
-    for key in ("out_of_room", "blocked_openings", "unsupported", "empty_rooms", "stairs"):
-        lines += [f"  {key.replace('_', ' ')}: {path}" for path in data[key]]
+def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
+    lines = [f"{stage}: the certificate {'holds' if report.holds else 'does not hold'}"]
+    lines += [f"  {fault}" for fault in report.faults]
     lines.append(
         f"  walkable {data['walkable']:.0%}, reachable rooms {data['reachable_rooms']:.0%}, "
         f"POR {data['por']:.4f} and PIoU {data['piou']:.4f} over {data['pairs']} pairs"
     )
     lines.append(f"  rooms complete {data['complete']:.0%}, right {data['right']:.0%}")
-    if data["home_lacks"]:
-        lines.append(f"    the home has no {', no '.join(data['home_lacks'])}")
-    lines += [f"    {one['path']} lacks {', '.join(one['pieces'])}" for one in data["missing"]]
-    lines += [f"    {one['item']} is {one['fault']}" for one in data["misplaced"]]
+    lines += [f"    {flaw}" for flaw in report.flaws]
     lines += _outliers(data["ood"])
     return "\n".join(lines)
 

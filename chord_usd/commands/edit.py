@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.commands.certified import holds, reported
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
@@ -29,8 +30,13 @@ def add(verbs: Verbs) -> None:
         help='what shall be changed: "turn the sofa to the window, no rug in the hall"',
     )  # fmt: skip
     parser.add_argument(
-        "--dry-run", action="store_true", help="only say what is understood; change nothing"
-    )
+        "--dry-run", action="store_true",
+        help="only say what is understood and whether it can be done; change nothing",
+    )  # fmt: skip
+    parser.add_argument(
+        "--force", action="store_true",
+        help="do it also where the certificate would not hold, or a room lack what it needs",
+    )  # fmt: skip
     parser.add_argument(
         "--storey", default="", metavar="NAME",
         help="which one is meant, by name or by number from 0, where a house has several and the "
@@ -50,34 +56,34 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.pipeline.edit_house import edit, read_sentence
+    from chord_usd.pipeline.edit_house import edit
     from chord_usd.pipeline.settings import Settings
+    from chord_usd.stage.check import certificate
 
     source = existing_file(options.stage)
     edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     watch = stopwatch(options)
-    if options.dry_run:
-        with watch.step("read"):
-            reading = read_sentence(source, options.sentence, edits, options.storey)
-        return Outcome("\n".join(_told(reading)), _data(reading))
     settings = Settings(style="", asset_folders=tuple(options.assets))
-    reading, done = edit(
-            source, options.sentence, target, settings, watch, edits, options.storey
-        )  # fmt: skip
+    reading, done, report = edit(
+        source, options.sentence, target, settings, watch, edits, options.storey,
+        force=options.force, dry_run=options.dry_run,
+    )  # fmt: skip
+    check = certificate(report)
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
         "removed": list(done.removed), "moved": list(done.moved),
-        "taken_over": list(done.taken_over), "seconds": watch.seconds,
-        "certificate": "holds in the rooms that were changed",
+        "taken_over": list(done.taken_over), "written": not options.dry_run,
+        "seconds": watch.seconds, "certificate": check,
     }  # fmt: skip
     counts = ", ".join(
-        f"{len(own)} {told}"
-        for told, own in (("new", done.added), ("gone", done.removed), ("moved", done.moved))
-        if own
+        f"{len(ids)} {change}"
+        for change, ids in (("new", done.added), ("gone", done.removed), ("moved", done.moved))
+        if ids
     )
-    lines = [*_told(reading), f"{target}: {counts or 'done'}; the certificate holds there"]
-    return Outcome("\n".join(lines), data)
+    written = "a dry run, nothing is written" if options.dry_run else counts or "done"
+    text = reported(check, *_told(reading), f"{target}: {written}")
+    return Outcome(text, data, holds(check))
 
 
 def _told(reading: Reading) -> list[str]:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.commands.certified import add_check, certified, holds, reported
 from chord_usd.commands.common import (
     Outcome,
     UsageError,
@@ -38,7 +39,6 @@ from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
     from chord_usd.pipeline import House
-    from chord_usd.runtime.progress import Stopwatch
 
 
 def add(verbs: Verbs) -> None:
@@ -97,9 +97,7 @@ def add(verbs: Verbs) -> None:
         help="also draw the house from above, labelled",
     )
     add_view(parser)
-    parser.add_argument(
-        "--no-check", action="store_true", help="leave the certificate to chord-usd check"
-    )
+    add_check(parser)
     parser.add_argument(
         "--keep",
         type=output_folder,
@@ -170,19 +168,12 @@ def run(options: argparse.Namespace) -> Outcome:
             from chord_usd.commands.kept import write_kept
 
             write_kept(house, delivery.place_folder(options.keep))
-        report = None if options.no_check else _checked(stage_path, watch)
+        report = None if options.no_check else certified(stage_path, watch)
     data = _summary(house, options.output, watch.seconds, report)
     if planned:
         data["planned"] = planned_report(planned)
         data["warnings"] = [*planned.warnings, *data["warnings"]]
-    return Outcome(_text(data), data, warnings=data["warnings"])
-
-
-def _checked(stage: Path, watch: Stopwatch) -> dict[str, Any]:
-    with watch.step("check"):
-        from chord_usd.stage.check import certificate, check_stage
-
-        return certificate(check_stage(stage, own=True))
+    return Outcome(_text(data), data, holds(report), data["warnings"])
 
 
 def _write_extras(house: House, paths: dict[str, Path]) -> None:
@@ -240,16 +231,12 @@ def _tabletop(house: House, items: int) -> dict[str, Any]:
 
 
 def _text(data: dict[str, Any]) -> str:
-    total, check = sum(data["seconds"].values()), data["certificate"]
-    holds = "holds" if check and check["holds"] else "does not hold: chord-usd check says why"
-    told = f"certificate {holds}" if check else "not checked: chord-usd check does that"
-    if check and check["home_lacks"]:
-        told += f"; the home has no {', no '.join(check['home_lacks'])}"
     carried = data["tabletop"]["items"]
     small = f" and {carried} items on them" if carried else ""
     dressed = f", dressed with {data['dressing']} things" if data["dressing"] else ""
-    return (
+    return reported(
+        data["certificate"],
         f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture{small}"
-        f"{dressed}, {data['openings']} doors, windows and passages, in {total:.1f} s\n"
-        f"{told}"
+        f"{dressed}, {data['openings']} doors, windows and passages, "
+        f"in {sum(data['seconds'].values()):.1f} s",
     )

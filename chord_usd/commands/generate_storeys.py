@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.commands.certified import certified, holds, reported
 from chord_usd.commands.common import Outcome, UsageError, existing_file
 from chord_usd.runtime.files import Delivery, deliver
 
@@ -70,9 +71,9 @@ def run_storeys(
 
             with watch.step("view"):
                 write_view(stage, view)
-        report = None if options.no_check else _checked(stage, watch)
+        report = None if options.no_check else certified(stage, watch)
     data = _summary(house, options.output, watch.seconds, report)
-    return Outcome(_text(data), data, warnings=data["warnings"])
+    return Outcome(_text(data), data, holds(report), data["warnings"])
 
 
 def _write_graphs(house: StoreyHouse, path: Path) -> None:
@@ -108,13 +109,6 @@ def _write_kept(house: StoreyHouse, folder: Path) -> None:
         own = folder / f"storey_{storey.index}"
         own.mkdir()
         write_kept(House(storey.plan, image, made.layout, made.graph, house.stage, made.first), own)
-
-
-def _checked(stage: Path, watch: Stopwatch) -> dict[str, Any]:
-    with watch.step("check"):
-        from chord_usd.stage.check import certificate, check_stage
-
-        return certificate(check_stage(stage, own=True))
 
 
 def _summary(
@@ -159,7 +153,6 @@ def _summary(
 
 
 def _text(data: dict[str, Any]) -> str:
-    check = data["certificate"]
     lines = [
         f"{data['stage']}: {len(data['storeys'])} storeys, {data['rooms']} rooms, "
         f"{data['furniture']} pieces of furniture, in {sum(data['seconds'].values()):.1f} s"
@@ -174,6 +167,4 @@ def _text(data: dict[str, Any]) -> str:
         f"{one['going_m'] * 100:.1f} cm, from {one['from']} to {one['to']}"
         for one in data["stairs"]
     ]
-    holds = "holds" if check and check["holds"] else "does not hold: chord-usd check says why"
-    told = f"certificate {holds}" if check else "not checked: chord-usd check does that"
-    return "\n".join([*lines, told])
+    return reported(data["certificate"], *lines)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from chord_usd.commands.certified import certified, holds, reported
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
@@ -115,10 +116,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
             with watch.step("view"):
                 write_view(target, delivery.place(options.view))
-    with watch.step("check"):
-        from chord_usd.stage.check import certificate, check_stage
-
-        report = check_stage(target, own=True)
+    check = certified(target, watch)
     pieces = list(made.graph.items_of(made.room.id))
     new_ids = {piece.id for piece in made.new_items}
     furniture = len(pieces)
@@ -134,9 +132,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "kept": list(made.kept),
         "edits": [told for told in edits_told(made.graph) if told["item"] in new_ids],
         "seconds": watch.seconds,
-        "certificate": certificate(report),
+        "certificate": check,
     }
-    holds = "holds" if report.holds else "does not hold: chord-usd check says why"
-    new = len(made.new_items)
-    text = f"{target}: {new} new pieces in {options.room}, seed {seed}\ncertificate {holds}"
-    return Outcome(text, data)
+    made_told = f"{target}: {len(made.new_items)} new pieces in {options.room}, seed {seed}"
+    return Outcome(reported(check, made_told), data, holds(check))

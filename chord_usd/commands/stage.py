@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from chord_usd.commands.certified import add_check, certified, holds, reported
 from chord_usd.commands.common import (
     Outcome,
     Verbs,
@@ -37,6 +38,7 @@ def add(verbs: Verbs) -> None:
     add_sky(parser)
     add_roof(parser)
     add_assets(parser)
+    add_check(parser)
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -64,6 +66,7 @@ def run(options: argparse.Namespace) -> Outcome:
         with watch.step("stage"):
             graph = settle(graph, settings)
             stage = write_stage(graph, target, settings)
+        check = None if options.no_check else certified(target, watch)
     data = {
         "stage": str(options.output),
         "style": graph.style,
@@ -73,7 +76,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "edits": edits_told(graph),
         "content_hash": stage.content_hash,
         "seconds": watch.seconds,
+        "certificate": check,
     }
-    return Outcome(
-        f"{options.output}: {data['rooms']} rooms, {data['furniture']} pieces of furniture", data
-    )
+    made = f"{options.output}: {data['rooms']} rooms, {data['furniture']} pieces of furniture"
+    return Outcome(reported(check, made), data, holds(check))

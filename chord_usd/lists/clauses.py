@@ -333,7 +333,10 @@ class _Parser:
             self.next.is_every = False
 
     def on_relation(self, token: Token) -> None:
-        self.pending = token.said if token.said in ("for", "around") else token.value
+        is_for = token.said == "by" and self.clause.verb in ("replace", "swap")
+        self.pending = "for" if is_for else token.said if token.said in ("for", "around") else (
+            token.value
+        )  # fmt: skip
 
     def on_prep(self, token: Token) -> None:
         if token.said == "into" and self.clause.verb == "turn":

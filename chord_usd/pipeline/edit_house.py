@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -18,11 +19,9 @@ if TYPE_CHECKING:
     from chord_usd.arrange.asked_work import Work
     from chord_usd.assets.database import AssetDatabase
     from chord_usd.lists.sentences import Understood
+    from chord_usd.stage.check import Report
     from chord_usd.stage.edit_rooms import PieceChange, RoomsChange
     from chord_usd.stage.refurnish import StagedHouse
-
-_OPEN_M = 0.05
-"""Floors nearer to each other have no wall between them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,17 +138,22 @@ def edit(
     stopwatch: Stopwatch | None = None,
     edits: Path | None = None,
     storey: str = "",
-) -> tuple[Reading, Done]:
-    """Do what a sentence asks for, and write the house to target, which may be source.
+    *,
+    force: bool = False,
+    dry_run: bool = False,
+) -> tuple[Reading, Done, Report]:
+    """Do what a sentence asks for, and write the house to target, which may be source; returns
+    what the house is like then.
 
     edits: a layer over the house that moves or removes pieces. The sentence means what is seen with
     it, and the rooms that it changes are written as they are seen; elsewhere the layer is not taken
-    over. storey: as read_sentence has it.
+    over. storey: as read_sentence has it. dry_run: try everything, and write nothing.
 
-    All of it is done or, where a part is not understood, has no place, or the certificate of a
-    changed room would not hold, nothing is: a ChordError says why. Prims and files of rooms that
-    the sentence does not mean stay as they are, byte for byte. The stopwatch times read, arrange
-    and stage.
+    All of it is done or, where a part is not understood or has no place, nothing is: a ChordError
+    says why. So it is, without force, where the edit makes the house worse (stage.check.worse): the
+    certificate has a new fault, or a room is less complete or right. Prims and files of rooms that
+    the sentence does not mean stay as they are, byte for byte. The stopwatch times read, arrange,
+    stage and check.
     """
     from chord_usd.runtime.alone import alone_with
 
@@ -164,11 +168,10 @@ def edit(
             work = _carried_out(reading, style, settings)
             done = _done(house.graph, work)
             change = _change(reading, work, style)
-        with watch.step("stage"):
-            _write(reading, change, target)
+        report = _write(reading, change, target, edits, watch, force=force, dry_run=dry_run)
     if edits:
         done = replace(done, taken_over=tuple(piece.path for piece in change.pieces))
-    return reading, done
+    return reading, done, report
 
 
 def _database(settings: Settings, style: HomeStyle) -> AssetDatabase:
@@ -256,39 +259,49 @@ def _done(before: SceneGraph, work: Work) -> Done:
     return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved))
 
 
-def _write(reading: Reading, change: RoomsChange, target: Path) -> None:
-    from chord_usd.stage.check import faults_in
+class _TriedError(ChordError):
+    """Ends a dry run before anything is delivered."""
+
+
+def _write(
+    reading: Reading, change: RoomsChange, target: Path, edits: Path | None, watch: Stopwatch, *,
+    force: bool, dry_run: bool,
+) -> Report:  # fmt: skip
+    """Write the house as it is changed, if that makes nothing worse; returns its report."""
+    from chord_usd.stage.check import check_stage
     from chord_usd.stage.edit_rooms import edit_rooms
 
+    found: list[Report] = []
+
     def accept(staged: Path) -> None:
-        beside = _beside(reading)
-        found = faults_in(staged, reading.rooms, beside)
-        if found:
-            known = set(faults_in(reading.source, reading.rooms, beside))
-            found = [one for one in found if one not in known]
-        if found:
-            more = f", and {len(found) - 1} more" if len(found) > 1 else ""
-            raise StageError(
-                f"the certificate would not hold: {found[0]}{more}", where=str(reading.source),
-                expected="an edit after which it does", try_="another place, or fewer pieces",
-            )  # fmt: skip
+        with watch.step("check"):
+            found.append(check_stage(staged, own=True))
+            if not force:
+                _refuse_worse(reading.source, edits, found[0])
+        if dry_run:
+            raise _TriedError("a dry run")
 
-    edit_rooms(reading.source, target, change, accept)
+    with watch.step("stage"), suppress(_TriedError):
+        edit_rooms(reading.source, target, change, accept)
+    return found[0]
 
 
-def _beside(reading: Reading) -> list[str]:
-    """Names of the prims of other rooms that no wall parts from those that are changed."""
-    from chord_usd.scene.geometry import room_polygon
+def _refuse_worse(source: Path, edits: Path | None, after: Report) -> None:
+    """Raises StageError for an edit after which something is wrong that was not before, neither in
+    the house nor in what is seen of it."""
+    from chord_usd.stage.check import check_stage, worse
 
-    house = reading.house
-    floors = {
-        name: room_polygon(house.graph.plan.room(own)) for name, own in house.room_ids.items()
-    }
-    changed = [floors[name] for name in reading.rooms]
-    return [
-        name for name, floor in floors.items()
-        if name not in reading.rooms and any(floor.dwithin(one, _OPEN_M) for one in changed)
-    ]  # fmt: skip
+    lost = (*after.faults, *after.flaws)
+    for before in (source, *([edits] if edits else [])) if lost else ():
+        known = worse(check_stage(before), after)
+        lost = tuple(line for line in lost if line in known)
+    if lost:
+        more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
+        raise StageError(
+            f"the edit makes the house worse: {lost[0]}{more}", where=str(source),
+            expected="an edit after which nothing is wrong that was right",
+            try_="another place or piece, or --force",
+        )  # fmt: skip
 
 
 def _change(reading: Reading, work: Work, style: HomeStyle) -> RoomsChange:

@@ -77,18 +77,15 @@ def open_stage(path: Path, *, load: bool = True) -> Usd.Stage:
     return open_known(path, load=load)
 
 
-def open_known(path: Path, *, load: bool = True, only: Sequence[str] = ()) -> Usd.Stage:
+def open_known(path: Path, *, load: bool = True) -> Usd.Stage:
     """A stage that was looked through already, or that this program made.
 
-    only: paths of prims, for no more than what is at and below them. Raises StageError when it
-    cannot be opened.
+    Raises StageError when it cannot be opened.
     """
     from pxr import Usd
 
     _require_file(path)
     with _usd_errors(path):
-        if only:
-            return Usd.Stage.OpenMasked(str(path), Usd.StagePopulationMask(list(only)))
         return Usd.Stage.Open(str(path), Usd.Stage.LoadAll if load else Usd.Stage.LoadNone)
 
 

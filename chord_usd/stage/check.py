@@ -18,16 +18,14 @@ from chord_usd.metrics.climb import Ascent, climb, without_openings
 from chord_usd.metrics.complete import Homely, Misplaced, home_lacks
 from chord_usd.metrics.overlap import Overlap
 from chord_usd.metrics.walk import Walk
-from chord_usd.runtime.stages import open_known, open_layer, open_stage, reading
+from chord_usd.runtime.stages import open_known, open_stage, reading
 from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.stage.check_contact import Collision, collisions, unsupported
 from chord_usd.stage.check_dressing import Dressing, Objects, count_objects, measure_dressing
 from chord_usd.stage.check_held import Held, underfoot
-from chord_usd.stage.check_rules import Finding, broken_below, broken_rules
+from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_storeys
 from chord_usd.stage.check_stairs import stair_faults
-from chord_usd.stage.shared_looks import LOOKS
-from chord_usd.stage.stage_levels import room_specs
 
 
 @dataclass(frozen=True)
@@ -79,9 +77,26 @@ class Report:
     """Stairs that cannot be walked, and why."""
 
     @property
-    def valid(self) -> bool:
-        """Whether the stage breaks no rule of USD or of its structure."""
-        return not self.errors
+    def faults(self) -> tuple[str, ...]:
+        """What the certificate does not hold for, a line each that begins with a prim path."""
+        return (
+            *(f"{one.path}: {one.message} ({one.rule})" for one in self.errors),
+            *(f"{a.a} runs into {a.b} by {a.depth_m * 100:.1f} cm" for a in self.collisions),
+            *(f"{one} is out of its room" for one in self.out_of_room),
+            *(f"{one} is blocked" for one in self.blocked_openings),
+            *(f"{one} stands on nothing" for one in self.unsupported),
+            *(f"{one} is empty" for one in self.empty_rooms),
+            *self.stairs,
+        )
+
+    @property
+    def flaws(self) -> tuple[str, ...]:
+        """What is not right in rooms and in the home, a line each: advice, no fault."""
+        return (
+            *(f"{one.path} lacks {piece}" for one in self.missing for piece in one.pieces),
+            *(f"{one.item} is {one.fault}" for one in self.misplaced),
+            *(f"the home has no {piece}" for piece in self.home_lacks),
+        )
 
     @property
     def holds(self) -> bool:
@@ -90,15 +105,18 @@ class Report:
         walkable, reachable_rooms, por, piou and ood are scores, not conditions: they also judge
         the plan, which is given. What is missing or misplaced is advice.
         """
-        faults = (
-            self.collisions,
-            self.out_of_room,
-            self.blocked_openings,
-            self.unsupported,
-            self.empty_rooms,
-            self.stairs,
-        )
-        return self.valid and not any(faults)
+        return not self.faults
+
+    @property
+    def valid(self) -> bool:
+        """The same as holds, under its name of earlier versions; goes in the next one."""
+        return self.holds
+
+
+def worse(before: Report, after: Report) -> tuple[str, ...]:
+    """What a change of a house makes worse: faults and flaws of after that before has not."""
+    known = {*before.faults, *before.flaws}
+    return tuple(line for line in (*after.faults, *after.flaws) if line not in known)
 
 
 def check_stage(path: Path, *, own: bool = False) -> Report:
@@ -108,43 +126,6 @@ def check_stage(path: Path, *, own: bool = False) -> Report:
     """
     with reading(path):
         return _reported(open_known(path) if own else open_stage(path))
-
-
-def faults_in(path: Path, rooms: Collection[str], beside: Collection[str] = ()) -> list[str]:
-    """What speaks against the certificate of a stage in some of its rooms, a line each.
-
-    path: of a stage that this process wrote. rooms: names of their prims. beside: of rooms that no
-    wall parts from them; of all others only the building is looked at, so this is for whoever has
-    changed nothing there. All rooms are on one storey.
-    """
-    with reading(path):
-        layer = open_layer(path)
-        paths = {one.name: str(one.path) for one in room_specs(layer)}
-        near = {*rooms, *beside}
-        stage = open_known(path, only=[LOOKS, *(
-            at + ("" if name in near else "/Architecture") for name, at in paths.items()
-        )])  # fmt: skip
-        roots = tuple(f"{paths[name]}/" for name in rooms)
-        storeys = read_storeys(stage)
-        scene = max(storeys, key=lambda one: sum(f"{r.id}/" in roots for r in one.graph.rooms))
-        found = broken_below(stage, [root.rstrip("/") for root in roots])
-    lines = [f"{one.path}: {one.message}" for one in found]
-    own = [body for body in scene.items if body.path.startswith(roots)]
-    flat = underfoot(scene.graph.dressing)
-    others = [
-        body for body in scene.items if not body.path.startswith(roots) and body.path not in flat
-    ]
-    lines += [
-        f"{one.a} runs into {one.b} by {one.depth_m * 100:.1f} cm"
-        for one in collisions(own, [*others, *scene.fixed], flat)
-    ]
-    held, ground = Held(scene), [*scene.ground, *others]
-    lines += [f"{one} stands on nothing" for one in unsupported(own, ground, held)]
-    scores = score_scene(scene.graph)
-    lines += [f"{one} is out of its room" for one in scores.out_of_room if one.startswith(roots)]
-    lines += [f"{one} is blocked" for one in scores.blocked_openings]
-    lines += [f"{one} is empty" for one in scores.empty_rooms if f"{one}/".startswith(roots)]
-    return lines
 
 
 def _reported(stage: Usd.Stage) -> Report:
@@ -236,11 +217,8 @@ def _outliers(items: Iterable[Item]) -> tuple[Outlier, ...]:
 
 def certificate(report: Report) -> dict[str, Any]:
     """The report as `--json` gives it."""
-    fields = asdict(report)
-    return {
-        "valid": report.valid,
-        **{
-            key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()
-        },
-        "holds": report.holds,
+    fields = {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in asdict(report).items()
     }
+    return {"holds": report.holds, "valid": report.valid, **fields, "faults": list(report.faults)}

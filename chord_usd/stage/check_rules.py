@@ -25,7 +25,7 @@ through the first instance that shows them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -69,18 +69,6 @@ def broken_rules(stage: Usd.Stage) -> list[Finding]:
     return sorted({*findings, *usd_findings.result()}, key=lambda f: (f.rule, f.path, f.message))
 
 
-def broken_below(stage: Usd.Stage, paths: Sequence[str]) -> list[Finding]:
-    """What the rules about single prims find at and below these paths, and in what is instanced
-    there, and USD's own validators in the prims themselves."""
-    prims = [one for path in paths for one in Usd.PrimRange(stage.GetPrimAtPath(path))]
-    inside = {prim.GetPrototype() for prim in prims if prim.IsInstance()}
-    inner = [one for prototype in sorted(inside, key=lambda one: str(one.GetPath()))
-             for one in Usd.PrimRange(prototype)]  # fmt: skip
-    ids = [Finding("CHORD014", path, message) for path, message in _node_ids(stage)]
-    found = {*ids, *_prim_findings([*prims, *inner]), *_usd_findings(prims)}
-    return sorted(found, key=lambda f: (f.rule, f.path, f.message))
-
-
 def _own_findings(stage: Usd.Stage) -> list[Finding]:
     findings = []
     for rule, look in _STAGE_RULES.items():
@@ -99,21 +87,20 @@ def _prim_findings(prims: Iterable[Usd.Prim]) -> list[Finding]:
     return findings
 
 
-def _usd_findings(where: Usd.Stage | Sequence[Usd.Prim]) -> list[Finding]:
-    """Errors of USD's own validators in a stage or in prims; their warnings are advice."""
+def _usd_findings(stage: Usd.Stage) -> list[Finding]:
+    """Errors of USD's own validators in a stage; their warnings are advice."""
     findings = []
     # Each of these walks through all files again: CHORD008 has looked for what is missing, and
     # what is no package breaks no rule of packages.
     needless = {"usdUtilsValidators:MissingReferenceValidator"}
-    layer = where.GetRootLayer() if isinstance(where, Usd.Stage) else None
-    if layer is None or not layer.GetFileFormat().IsPackage():
+    if not stage.GetRootLayer().GetFileFormat().IsPackage():
         needless.add("usdUtilsValidators:UsdzPackageValidator")
     validators = [
         one
         for one in UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
         if one.GetMetadata().name not in needless
     ]
-    for error in UsdValidation.ValidationContext(validators).Validate(where):
+    for error in UsdValidation.ValidationContext(validators).Validate(stage):
         if error.GetType() != UsdValidation.ValidationErrorType.Error:
             continue
         sites = [site.GetPrim() or site.GetProperty() for site in error.GetSites()]

@@ -323,18 +323,23 @@ def _whole(staged: Path, target: Path) -> Iterator[Path]:
         folder = Path(scratch)
         for at in (staged.parent, home):
             for one in at.iterdir():
-                _link(one, folder / one.name, folder)
+                _link(one, folder / one.name)
         yield folder / staged.name
 
 
-def _link(source: Path, link: Path, top: Path) -> None:
+def _link(source: Path, link: Path) -> None:
     """A link to a file or folder; of folders that two places have, one to each thing in them."""
-    if link.parent == top and source.is_dir() and not source.name.startswith("."):
-        link.mkdir(exist_ok=True)
-        for inner in source.iterdir():
-            _link(inner, link / inner.name, top)
-    elif not os.path.lexists(link):
+    if not os.path.lexists(link):
         link.symlink_to(source.absolute())
+    elif source.is_dir() and link.is_dir():
+        if link.is_symlink():
+            first = link.readlink()
+            link.unlink()
+            link.mkdir()
+            for inner in first.iterdir():
+                _link(inner, link / inner.name)
+        for inner in source.iterdir():
+            _link(inner, link / inner.name)
 
 
 def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:

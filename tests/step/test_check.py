@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from chord_usd.cli import DONE, NOT_HELD, main
 from chord_usd.errors import StageError
 from chord_usd.metrics import score_scene
+from chord_usd.scene.chord_json import write_scene
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Box, Facts, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.stage.author import author_stage
@@ -72,14 +74,17 @@ def test_a_sound_house_holds(tmp_path):
 def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
     fields = certificate(check(tmp_path, house(*SOUND)))
     assert list(fields) == [
-        "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
+        "holds", "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
         "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs", "ood",
         "complete", "right", "missing", "home_lacks", "misplaced", "objects", "dressing", "stairs",
-        "holds",
+        "faults",
     ]  # fmt: skip
+    assert fields["holds"] is fields["valid"] is True
     crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))
     (first, *_) = certificate(crowded)["collisions"]
     assert set(first) == {"a", "b", "depth_m"}
+    assert certificate(crowded)["holds"] is certificate(crowded)["valid"] is False
+    assert any(first["a"] in fault for fault in certificate(crowded)["faults"])
 
 
 def test_out_of_distribution_scores_travel_to_the_report(tmp_path):
@@ -285,3 +290,16 @@ def test_a_toilet_hangs_on_its_wall_and_nowhere_else(tmp_path):
     assert check(tmp_path, house(BED, toilet)).unsupported == ()
     away = replace(toilet, box=replace(toilet.box, center_m=(2.0, 1.5, 0.1)))
     assert check(tmp_path, house(BED, away)).unsupported != ()
+
+
+def test_a_stage_whose_certificate_does_not_hold_is_written_and_reported_first(tmp_path, capsys):
+    scene, stage = tmp_path / "scene.json", tmp_path / "house.usda"
+    write_scene(house(*SOUND, item("wardrobe", "cabinet", 3.6, 4.5, (0.6, 0.6, 2.0))), scene)
+    words = ["stage", str(scene), "-o", str(stage), "--no-arrange", "--progress", "none"]
+    assert main(words) == NOT_HELD
+    first, *_ = capsys.readouterr().out.splitlines()
+    assert first.startswith("certificate does not hold: ")
+    assert "Cabinet_0" in first
+    assert not check_stage(stage).holds
+    assert main([*words, "--no-check"]) == DONE
+    assert main(["check", str(stage), "--progress", "none"]) == NOT_HELD

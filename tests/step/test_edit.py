@@ -11,14 +11,14 @@ from pxr import Gf, Sdf, Usd
 
 import chord_usd
 from chord_usd.arrange.asked_places import Floor
-from chord_usd.cli import main
+from chord_usd.cli import DONE, NOT_HELD, main
 from chord_usd.errors import ChordError, OutputError, StageError
 from chord_usd.pipeline.edit_house import edit, read_sentence
 from chord_usd.runtime.alone import alone_with
 from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.scene.units import wrap_deg
 from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import faults_in
+from chord_usd.stage.check import check_stage, worse
 from chord_usd.stage.refurnish import read_house
 from tests.bare_stage import write_bare_stage
 
@@ -61,13 +61,13 @@ def only(path: Path, category: str, room: str) -> Item:
 def test_rooms_that_are_not_meant_stay_byte_for_byte(
     sentence: str, rooms: set[str], house: Path
 ) -> None:
-    before, beside = prims(house), files(house)
-    faults = set(faults_in(house, before))
-    reading, _ = edit(house, sentence, house)
+    before, beside, report = prims(house), files(house), check_stage(house)
+    reading, _, done = edit(house, sentence, house)
     after = prims(house)
     assert set(reading.rooms) == {name for name in before if after[name] != before[name]} == rooms
     assert files(house).items() >= beside.items()
-    assert set(faults_in(house, after)) <= faults
+    assert done == check_stage(house)
+    assert not worse(report, done)
 
 
 def test_a_piece_is_turned_where_it_stands_with_all_that_it_wears(house: Path) -> None:
@@ -85,7 +85,7 @@ def test_what_would_break_the_certificate_changes_nothing(
 ) -> None:
     monkeypatch.setattr(Floor, "in_the_way", lambda *_: "")
     text, beside = house.read_bytes(), files(house)
-    with pytest.raises(StageError, match="certificate would not hold"):
+    with pytest.raises(StageError, match=r"worse: .*Sofa_0 runs into .*CoffeeTable_0"):
         edit(house, "move the coffee table 0.5 m towards the sofa", house)
     assert (house.read_bytes(), files(house)) == (text, beside)
 
@@ -116,7 +116,7 @@ def test_rooms_are_written_as_a_layer_of_edits_shows_them(house: Path, tmp_path:
     stage.GetRootLayer().Save()
     path, shown_m = sofa.GetPath(), sofa.GetAttribute("xformOp:translate").Get()
     before = prims(house)
-    _, done = edit(house, "remove the coffee table", house, edits=edits)
+    _, done, _ = edit(house, "remove the coffee table", house, edits=edits)
     written = Sdf.Layer.FindOrOpen(str(house)).GetPrimAtPath(path)
     assert written.attributes["xformOp:translate"].default == pytest.approx(shown_m)
     assert str(path) in done.taken_over
@@ -134,13 +134,41 @@ def test_a_dry_run_says_what_is_understood_and_writes_nothing(
     house: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = house.read_bytes()
-    words = ["edit", str(house), "remvoe the sofa", "--dry-run", "--json", "--progress", "none"]
-    assert main(words) == 0
+    words = ["edit", str(house), "remvoe the coffee table", "--dry-run", "--json"]
+    held = check_stage(house).holds
+    assert main([*words, "--progress", "none"]) == (DONE if held else NOT_HELD)
     told = json.loads(capsys.readouterr().out)
-    assert [one["told"] for one in told["understood"]] == ["remove 1 × sofa from Living Room 1"]
+    assert [one["told"] for one in told["understood"]] == [
+        "remove 1 × coffee table from Living Room 1"
+    ]
     assert told["rooms"] == ["LivingRoom_0"]
     assert told["read_as"] == ["'remvoe' as 'remove'"]
+    assert (told["written"], told["certificate"]["holds"]) == (False, held)
     assert house.read_bytes() == text
+
+
+@pytest.mark.parametrize(
+    ("sentence", "why"),
+    [
+        ("replace the toilet by a washing machine", "Bathroom_0 lacks toilet"),
+        ("turn the sofa to the window", "Sofa_0 is turned away"),
+        ("move the coffee table 5 m west", "in the way"),
+    ],
+)
+def test_what_makes_a_house_worse_is_refused_with_its_place_unless_forced(
+    sentence: str, why: str, house: Path
+) -> None:
+    text, beside = house.read_bytes(), files(house)
+    with pytest.raises(ChordError, match=why) as refused:
+        edit(house, sentence, house)
+    with pytest.raises(ChordError) as tried:
+        edit(house, sentence, house, dry_run=True)
+    assert str(tried.value) == str(refused.value)
+    assert (house.read_bytes(), files(house)) == (text, beside)
+    if "worse" in str(refused.value):
+        *_, report = edit(house, sentence, house, force=True)
+        assert any(why in flaw for flaw in report.flaws)
+        assert house.read_bytes() != text
 
 
 def test_a_refusal_is_one_line_and_an_exit_code(
@@ -166,7 +194,7 @@ def test_a_house_by_another_program_is_refused(furnished_house: SceneGraph, tmp_
 
 def test_what_is_new_in_a_house_that_opens_opens(staged_graph: SceneGraph, tmp_path: Path) -> None:
     path = author_stage(staged_graph, tmp_path / "house.usda", seed=3, articulation="jointed").path
-    _, done = edit(path, "put a chest of drawers in the corridor", path)
+    _, done, report = edit(path, "put a chest of drawers in the corridor", path)
     (new,) = done.added
     house = read_house(path)
     (at,) = (one for one, item_id in house.item_ids.items() if item_id == new)
@@ -174,4 +202,4 @@ def test_what_is_new_in_a_house_that_opens_opens(staged_graph: SceneGraph, tmp_p
     prim = stage.GetPrimAtPath(at)
     assert prim.GetVariantSet("articulation").GetVariantSelection() == "jointed"
     assert prim.GetChild("Joints").GetChildren()
-    assert not [one for one in faults_in(path, ["Corridor_0"]) if at in one]
+    assert not [one for one in (*report.faults, *report.flaws) if at in one]
