@@ -80,6 +80,7 @@ def define_cameras(stage: Usd.Stage) -> None:
 
 def write_house(path: Path) -> Path:
     """One room with a red floor, a ceiling, four walls, a blue box, a lamp and two cameras."""
+    path.parent.mkdir(exist_ok=True)
     stage = Usd.Stage.CreateNew(str(path))
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -50,10 +52,10 @@ class Maker:
     def __call__(self, unit: Unit) -> None:
         """As Make."""
         house = self._order.folder / unit.name
-        if not finished(house / HOUSE_RECORD, unit.recipe, self._digests):
-            self._furnish(unit, house)
+        record = finished(house / HOUSE_RECORD, unit.recipe, self._digests)
+        record = record or self._furnish(unit, house)
         if self._order.renders:
-            _render(house, self._order.renders, self._digests)
+            _render(house, record, self._order.renders, self._digests)
 
     @cached_property
     def _models(self) -> Models:
@@ -61,7 +63,7 @@ class Maker:
 
         return load_models(self._order.settings)
 
-    def _furnish(self, unit: Unit, target: Path) -> None:
+    def _furnish(self, unit: Unit, target: Path) -> Record:
         """Write the house, whole or not at all."""
         from chord_usd.pipeline import generate
         from chord_usd.stage.check import check_stage
@@ -78,29 +80,34 @@ class Maker:
             share_files(folder, target.parent)
             files = hashes_of(files_in(folder), folder)
             told = _told(unit, house, report, watch)
-            write_record(Record(unit.recipe, files, told), folder / HOUSE_RECORD)
+            record = Record(unit.recipe, files, told)
+            write_record(record, folder / HOUSE_RECORD)
             # What was rendered of the very same stage needs not be rendered again.
             old = target / STAGE_FILE
             if old.is_file() and hash_file(old) == files[STAGE_FILE]:
                 keep_pictures(target, folder, PICTURES_FOLDER)
+        return record
 
 
-def pictures_recipe(house: Path, options: RenderOptions, digests: Digests) -> Mapping[str, Any]:
-    """All that decides the pictures of a house that is there."""
-    made = options.made(digests.of(house / STAGE_FILE))
+def pictures_recipe(record: Record, options: RenderOptions) -> Mapping[str, Any]:
+    """All that decides the pictures of a finished house, by its record."""
+    from chord_usd.image.made import settings_record
+
+    house = json.dumps(sorted(record.files.items()))
     return {
-        **made,
+        "house_sha256": hashlib.sha256(house.encode()).hexdigest(),
+        **settings_record(options),
         "cameras": options.cameras,
         "walkthrough": options.walkthrough,
         "label_set": options.label_set,
     }
 
 
-def _render(house: Path, options: RenderOptions, digests: Digests) -> None:
+def _render(house: Path, made: Record, options: RenderOptions, digests: Digests) -> None:
     """Take the pictures that are not there; those of a camera appear together."""
     from chord_usd.image.render import render_stage
 
-    recipe = pictures_recipe(house, options, digests)
+    recipe = pictures_recipe(made, options)
     record = house / PICTURES_RECORD
     if finished(record, recipe, digests):
         return

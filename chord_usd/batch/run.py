@@ -98,7 +98,7 @@ def find_due(
         house = order.folder / unit.name
         record = finished(house / HOUSE_RECORD, unit.recipe, digests)
         if record and order.renders:
-            recipe = pictures_recipe(house, order.renders, digests)
+            recipe = pictures_recipe(record, order.renders)
             record = finished(house / PICTURES_RECORD, recipe, digests)
         if not record:
             due.append(unit)

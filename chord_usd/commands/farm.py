@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import json
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from chord_usd import __version__
 from chord_usd.commands.common import (
     Outcome,
+    UsageError,
     Verbs,
     add_group,
     add_output_folder,
@@ -15,7 +21,15 @@ from chord_usd.commands.common import (
     folder_mode,
     whole_number,
 )
-from chord_usd.commands.render import add_how, add_what, render_options, words_of
+from chord_usd.commands.render import (
+    add_how,
+    add_what,
+    named_files,
+    parsed,
+    picture_options,
+    render_options,
+    words_of,
+)
 
 
 def add(verbs: Verbs) -> None:
@@ -38,9 +52,22 @@ def add(verbs: Verbs) -> None:
         "--sample-blocks", type=whole_number(1, 1000), default=1, metavar="N",
         help="equal shares of the samples (1)",
     )  # fmt: skip
-    parts.add_argument("--gpu", action="store_true", help="ask for workers with a GPU")
+    parts.add_argument(
+        "--gpu",
+        action="store_true",
+        help="ask for workers with a GPU, and fail without",
+    )
+    parts.add_argument(
+        "--timeout", type=whole_number(1, 10_080), default=1440, metavar="MINUTES",
+        help="end a task that takes longer (1440)",
+    )  # fmt: skip
     add_what(parser)
     add_how(parser)
+    due = add_verb(group, "due", run_due, "list the tasks of a bundle that are not finished")
+    due.add_argument("job", type=Path, metavar="JOB", help="folder of a bundle")
+    due.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="PATH", help="folder of its pictures"
+    )
 
 
 def run_bundle(options: argparse.Namespace) -> Outcome:
@@ -48,23 +75,90 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
     from dataclasses import replace
 
     from chord_usd.farm.bundle import Work, write_bundle
+    from chord_usd.image.made import require_files
     from chord_usd.image.render import camera_names
-    from chord_usd.image.stage_cameras import stage_files
+    from chord_usd.runtime.stages import files_of
 
     stage = existing_file(options.stage)
+    _ask_for_gpu(options)
     wanted = render_options(options)
     # Refuses what no task could render before a farm is asked to.
     replace(wanted, tile=(0, options.tiles), sample_block=(0, options.sample_blocks))
+    files = files_of(stage)
+    require_files(stage, files)
+    words, extra = _portable_words(options)
     work = Work(
         stage=stage,
-        files=tuple(stage_files(stage)),
+        files=files,
         cameras=tuple(camera_names(stage, wanted)),
-        words=tuple(words_of(options)),
+        words=tuple(words),
         tiles=options.tiles,
         blocks=options.sample_blocks,
         gpu=options.gpu,
+        lists_all="instance" in options.passes,
+        timeout_s=60 * options.timeout,
+        extra=extra,
     )
-    files = write_bundle(work, options.output, folder_mode(options))
+    written = write_bundle(work, options.output, folder_mode(options))
     tasks = len(work.tasks())
-    text = f"{options.output}: {tasks} tasks and a merge. Try: openjd run {files[0]}"
-    return Outcome(text, {"template": str(files[0]), "tasks": tasks})
+    last = " and a merge" if work.has_last_step else ""
+    text = f"{options.output}: {tasks} tasks{last}. Try: openjd run {written[0]}"
+    return Outcome(text, {"template": str(written[0]), "tasks": tasks})
+
+
+def _ask_for_gpu(options: argparse.Namespace) -> None:
+    """--device auto would take the CPU of a worker without a GPU. Raises UsageError."""
+    if options.gpu and options.device == "cpu":
+        raise UsageError("contradicts --gpu", where="--device cpu", try_="--device gpu")
+    if options.gpu and options.device == "auto":
+        options.device = "gpu"
+
+
+def _portable_words(options: argparse.Namespace) -> tuple[list[str], tuple[Path, ...]]:
+    """Words for every task, and the files that they name, which the bundle takes along."""
+    from chord_usd.farm.bundle import place_of
+
+    named = named_files(options)
+    places = {name: place_of(file) for name, file in named.items()}
+    words = words_of(argparse.Namespace(**{**vars(options), **places}))
+    return [*words, "--require-version", __version__], tuple(named.values())
+
+
+def run_due(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from dataclasses import replace
+
+    from chord_usd.farm.bundle import SCENE_FOLDER, tasks_of
+    from chord_usd.image.job import Part
+    from chord_usd.image.render import unfinished
+
+    words, tasks = tasks_of(options.job)
+    values = {"Param.Scene": options.job / SCENE_FOLDER, "Param.OutputDir": options.output}
+    asked = parsed(_filled(words, {**values, **_of_task(tasks[0])}))
+    wanted = picture_options(asked)
+    division = wanted.part
+
+    def part_of(task: dict[str, Any]) -> Part | None:
+        if division is None:
+            return None
+        tiles, blocks = division.tile[1], division.block[1]
+        return Part((task["Tile"], tiles), (task["Block"], blocks))
+
+    cameras = tuple(dict.fromkeys(task["Camera"] for task in tasks))
+    parts = list(dict.fromkeys(part_of(task) for task in tasks))
+    wanted = replace(wanted, cameras=cameras)
+    left = set(unfinished(asked.stage, options.output, wanted, parts))
+    due = [json.dumps(task) for task in tasks if (task["Camera"], part_of(task)) in left]
+    return Outcome("\n".join(due) or None, {"due": len(due), "tasks": len(tasks)})
+
+
+def _of_task(task: dict[str, Any]) -> dict[str, Any]:
+    return {f"Task.Param.{name}": value for name, value in task.items()}
+
+
+def _filled(words: Sequence[str], values: Mapping[str, Any]) -> list[str]:
+    """Words with the values of what they name in double braces."""
+    return [
+        re.sub(r"\{\{([\w.]+)\}\}", lambda match: str(values.get(match[1], match[0])), word)
+        for word in words
+    ]

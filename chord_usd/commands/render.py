@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd import __version__
 from chord_usd.commands.common import (
     Options,
     Outcome,
     Parser,
+    UsageError,
     Verbs,
     add_output,
     add_verb,
@@ -38,6 +41,7 @@ def add(verbs: Verbs) -> None:
     add_output(parser, "folder for the pictures: CAMERA.png, other passes beside it", output_place)
     add_what(parser)
     add_how(parser)
+    _add_missing(parser)
     _add_parts(parser)
 
 
@@ -139,6 +143,15 @@ def add_how(parser: Parser) -> None:
     )  # fmt: skip
 
 
+def _add_missing(parser: Parser) -> None:
+    """Not for farms: thousands of tasks would paint plain colours, and nobody would look."""
+    group = parser.add_argument_group("stages that are not whole")
+    group.add_argument(
+        "--allow-missing", action="store_true",
+        help="paint plain colours where the stage lacks files, instead of refusing it",
+    )  # fmt: skip
+
+
 def _add_parts(parser: Parser) -> None:
     group = parser.add_argument_group("parts, for render farms")
     group.add_argument(
@@ -150,6 +163,10 @@ def _add_parts(parser: Parser) -> None:
     group.add_argument(
         "--merge", action="store_true",
         help="make the pictures of the parts in the folder; give the options they were made with",
+    )  # fmt: skip
+    group.add_argument(
+        "--require-version", metavar="VERSION",
+        help="refuse to render with another version of chord-usd than this",
     )  # fmt: skip
 
 
@@ -194,18 +211,46 @@ def words_of(options: argparse.Namespace) -> list[str]:
     return [str(word) for pair in words.items() for word in pair if pair[1] not in (None, "")]
 
 
-def run(options: argparse.Namespace) -> Outcome:
-    """Runs the verb."""
+def named_files(options: argparse.Namespace) -> dict[str, Path]:
+    """Files besides the stage that options name, by the option. Raises ChordError."""
+    from chord_usd.scene.skies import sky_named
+
+    sky = sky_named(options.sky).file
+    return {"sky": sky} if sky else {}
+
+
+def parsed(words: Sequence[str]) -> argparse.Namespace:
+    """A command line of chord-usd that begins with render. Raises UsageError."""
+    parser = Parser()
+    add(parser.add_subparsers())
+    return parser.parse_args(words)
+
+
+def picture_options(options: argparse.Namespace) -> RenderOptions:
+    """All options of the verb. Raises RenderError."""
     from dataclasses import replace
 
-    from chord_usd.image.render import render_stage
-
-    wanted = replace(
+    return replace(
         render_options(options),
         tile=options.tile,
         sample_block=options.sample_block,
         merge=options.merge,
+        allow_missing=options.allow_missing,
     )
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.image.render import render_stage
+
+    if options.require_version not in (None, __version__):
+        raise UsageError(
+            f"this is chord-usd {__version__}",
+            where="--require-version",
+            expected=f"{options.require_version}, which made the job",
+            try_=f"pip install chord-usd=={options.require_version}",
+        )
+    wanted = picture_options(options)
     stage = existing_file(options.stage)
     watch = stopwatch(options)
     with watch.step("render") as progress:

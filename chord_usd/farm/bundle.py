@@ -11,27 +11,30 @@ import json
 import os
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import RenderError
+from chord_usd.farm.slurm import Host, slurm_scripts
 from chord_usd.runtime.files import output_folder
+from chord_usd.runtime.stages import StageFiles
 from chord_usd.runtime.targets import FolderMode
 
 TEMPLATE_FILE = "template.json"
 TASKS_FILE = "tasks.jsonl"
-ARRAY_FILE = "slurm_array.sh"
-MERGE_FILE = "slurm_merge.sh"
-SUBMIT_FILE = "slurm_submit.sh"
 SCENE_FOLDER = "scene"
+EXTRA_FOLDER = "extra"
+"""In the scene's folder: files that options name."""
 
 MOST_VALUES = 1024
 """Of one task parameter, by the specification."""
 
-_CORES = 2
-_MEMORY_MIB = 4096
+TIMEOUT_S = 24 * 3600
+"""Of a task, where nothing else is asked for: longer than any picture takes, shorter than ever."""
+
+HOST = Host(cores=2, memory_mib=4096)
 """What a worker should have; a task takes more cores where there are more."""
 
 
@@ -40,20 +43,31 @@ class Work:
     """What a farm shall render."""
 
     stage: Path
-    files: tuple[Path, ...]
+    files: StageFiles
     """All files the stage is made of, itself included."""
     cameras: tuple[str, ...]
     words: tuple[str, ...]
-    """Options of `chord-usd render` that hold for every task."""
+    """Options of `chord-usd render` that hold for every task; files as place_of has them."""
     tiles: int = 1
     blocks: int = 1
     gpu: bool = False
     """Whether every worker must have a GPU."""
+    lists_all: bool = False
+    """Whether a last step lists all pictures in one data set."""
+    timeout_s: int = TIMEOUT_S
+    """Of a task."""
+    extra: tuple[Path, ...] = field(default=())
+    """Files that the words name."""
 
     @property
     def divided(self) -> bool:
         """Whether pictures come in parts."""
         return self.tiles * self.blocks > 1
+
+    @property
+    def has_last_step(self) -> bool:
+        """Whether something is made of what all tasks leave."""
+        return self.divided or self.lists_all
 
     def tasks(self) -> list[dict[str, str | int]]:
         """Parameters of every rendering task, in the order of the template."""
@@ -61,19 +75,22 @@ class Work:
         return [{"Camera": c, "Tile": t, "Block": b} for c, t, b in everything]
 
 
+def place_of(file: Path) -> str:
+    """Where a task has a file that an option names, as a word of the template."""
+    return f"{{{{Param.Scene}}}}/{EXTRA_FOLDER}/{file.name}"
+
+
 def write_bundle(work: Work, folder: Path, mode: FolderMode = "new") -> list[Path]:
     """Write the bundle, whole or not at all; returns its own files, without the stage's.
 
-    Raises RenderError for more than a template can say or a stage that points out of its folder,
-    OutputError.
+    Raises RenderError for more than a template can say and for a stage that points out of its
+    folder, OutputError.
     """
     _check(work)
     written = {
         TEMPLATE_FILE: json.dumps(template(work), indent=2) + "\n",
         TASKS_FILE: "".join(json.dumps(task) + "\n" for task in work.tasks()),
-        ARRAY_FILE: _array_script(work),
-        MERGE_FILE: _merge_script(),
-        SUBMIT_FILE: _submit_script(),
+        **slurm_scripts(HOST, TASKS_FILE, TEMPLATE_FILE, gpu=work.gpu, merge=work.has_last_step),
     }
     with output_folder(folder, mode) as bundle:
         _copy_stage(work, bundle / SCENE_FOLDER)
@@ -84,6 +101,22 @@ def write_bundle(work: Work, folder: Path, mode: FolderMode = "new") -> list[Pat
     return [folder / name for name in written]
 
 
+def tasks_of(folder: Path) -> tuple[list[str], list[dict[str, Any]]]:
+    """Words of a bundle's task, `chord-usd` left out, and the parameters of every task.
+
+    The words name tasks' parameters as the template does. Raises RenderError for no bundle.
+    """
+    try:
+        steps = json.loads((folder / TEMPLATE_FILE).read_text())["steps"]
+        words = [str(word) for word in steps[0]["script"]["actions"]["onRun"]["args"]]
+        tasks = [json.loads(line) for line in (folder / TASKS_FILE).read_text().splitlines()]
+    except (OSError, ValueError, LookupError, TypeError) as error:
+        raise RenderError(
+            "is no bundle", where=str(folder), try_="chord-usd farm bundle STAGE -o FOLDER"
+        ) from error
+    return words, tasks
+
+
 def template(work: Work) -> dict[str, Any]:
     """The job template, as plain values."""
     return {
@@ -91,7 +124,8 @@ def template(work: Work) -> dict[str, Any]:
         "name": f"Render {work.stage.stem}"[:128],
         "description": "Pictures of an OpenUSD house, by chord-usd and Blender Cycles.",
         "parameterDefinitions": [
-            _path("Stage", "FILE", "IN", f"{SCENE_FOLDER}/{work.stage.name}", "the house"),
+            # A folder, since farms copy what a parameter names, and not what a stage points to.
+            _path("Scene", "DIRECTORY", "IN", SCENE_FOLDER, "the house with all its files"),
             _path("OutputDir", "DIRECTORY", "OUT", "pictures", "where pictures go"),
             {
                 "name": "Program",
@@ -100,7 +134,7 @@ def template(work: Work) -> dict[str, Any]:
                 "description": "chord-usd on the workers",
             },
         ],
-        "steps": [_render_step(work), _merge_step(work)],
+        "steps": [_render_step(work), *([_merge_step(work)] if work.has_last_step else [])],
     }
 
 
@@ -131,7 +165,7 @@ def _render_step(work: Work) -> dict[str, Any]:
             "combination": "Camera * Tile * Block",
         },
         "hostRequirements": _requirements(work.gpu),
-        "script": _script([*words, "--skip-existing"]),
+        "script": _script(work, [*words, "--skip-existing"]),
     }
 
 
@@ -143,65 +177,23 @@ def _merge_step(work: Work) -> dict[str, Any]:
         "name": "Merge",
         "dependencies": [{"dependsOn": "Render"}],
         "hostRequirements": _requirements(gpu=False),
-        "script": _script([*work.words, *cameras, *last]),
+        "script": _script(work, [*work.words, *cameras, *last]),
     }
 
 
 def _requirements(gpu: bool) -> dict[str, Any]:
     amounts = [
-        {"name": "amount.worker.vcpu", "min": _CORES},
-        {"name": "amount.worker.memory", "min": _MEMORY_MIB},
+        {"name": "amount.worker.vcpu", "min": HOST.cores},
+        {"name": "amount.worker.memory", "min": HOST.memory_mib},
     ]
     return {"amounts": [*amounts, *([{"name": "amount.worker.gpu", "min": 1}] if gpu else [])]}
 
 
-def _script(words: Sequence[str]) -> dict[str, Any]:
-    whole = ["render", "{{Param.Stage}}", "-o", "{{Param.OutputDir}}", *words]
-    run = {"command": "{{Param.Program}}", "args": [*whole, "--progress", "openjd"]}
+def _script(work: Work, words: Sequence[str]) -> dict[str, Any]:
+    stage = f"{{{{Param.Scene}}}}/{work.stage.name}"
+    whole = ["render", stage, "-o", "{{Param.OutputDir}}", *words, "--progress", "openjd"]
+    run = {"command": "{{Param.Program}}", "args": whole, "timeout": work.timeout_s}
     return {"actions": {"onRun": run}}
-
-
-# --- Slurm --------------------------------------------------------------------------------------
-
-_HEAD = """#!/bin/bash
-#SBATCH --job-name=chord-usd
-#SBATCH --cpus-per-task={cores}
-#SBATCH --mem={memory}M
-"""
-
-_RUN = """set -euo pipefail
-# Slurm runs a copy of this script; the bundle is where it was submitted.
-cd "${SLURM_SUBMIT_DIR:-$(dirname "$0")}"
-OUTPUT=${OUTPUT:-$PWD/pictures}
-"""
-
-
-def _array_script(work: Work) -> str:
-    head = _HEAD.format(cores=_CORES, memory=_MEMORY_MIB)
-    gpu = "#SBATCH --gres=gpu:1\n" if work.gpu else ""
-    return (
-        f"{head}{gpu}#SBATCH --array=0-{len(work.tasks()) - 1}\n"
-        "# One task of the bundle for each element of the array.\n"
-        f"{_RUN}"
-        f'task=$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" {TASKS_FILE})\n'
-        f'openjd run {TEMPLATE_FILE} --step Render --tasks "[$task]" -p OutputDir="$OUTPUT"\n'
-    )
-
-
-def _merge_script() -> str:
-    head = _HEAD.format(cores=_CORES, memory=_MEMORY_MIB)
-    return f'{head}{_RUN}openjd run {TEMPLATE_FILE} --step Merge -p OutputDir="$OUTPUT"\n'
-
-
-def _submit_script() -> str:
-    return (
-        "#!/bin/bash\n"
-        "# Submits the array, and the merge for when all of it is done.\n"
-        "set -euo pipefail\n"
-        'cd "$(dirname "$0")"\n'
-        f"array=$(sbatch --parsable {ARRAY_FILE})\n"
-        f'sbatch --dependency="afterok:$array" {MERGE_FILE}\n'
-    )
 
 
 # --- files --------------------------------------------------------------------------------------
@@ -218,25 +210,33 @@ def _check(work: Work) -> None:
                 f"{count} {what}", where=work.stage.name, expected=f"1 to {MOST_VALUES} in one job"
             )
     root = _root(work)
-    root = _root(work)
-    outside = [file for file in work.files if not file.is_relative_to(root)]
+    outside = [file for file in _files(work) if not file.is_relative_to(root)]
     # A link in the folder may lead to anything; the stage itself is what the user named.
-    real = {file: file.resolve() for file in work.files[1:]}
-    outside += [file for file in real if not real[file].is_relative_to(root.resolve())]
-    if outside:
+    linked = work.files.outside([root])
+    if outside or linked:
         raise RenderError(
-            f"points to {outside[0]}",
+            f"points to {outside[0] if outside else linked}",
             where=str(work.stage),
             expected="a stage whose files lie in its own folder, so that it can travel",
             try_="chord-usd export, which packs a stage into one file",
         )
+    taken = {root / EXTRA_FOLDER / file.name for file in work.extra}.intersection(_files(work))
+    if taken:
+        raise RenderError(
+            "has the name of a file of the stage", where=str(min(taken)), try_="another name"
+        )
 
 
 def _copy_stage(work: Work, folder: Path) -> None:
-    for file in work.files:
-        target = folder / file.relative_to(_root(work))
+    copies = {folder / file.relative_to(_root(work)): file for file in _files(work)}
+    copies |= {folder / EXTRA_FOLDER / file.name: file for file in work.extra}
+    for target, file in copies.items():
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(file, target)
+
+
+def _files(work: Work) -> tuple[Path, ...]:
+    return (*work.files.layers, *work.files.others)
 
 
 def _root(work: Work) -> Path:

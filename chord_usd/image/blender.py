@@ -14,7 +14,7 @@ from typing import Any, TextIO
 
 import chord_usd
 from chord_usd.errors import RenderError
-from chord_usd.image.job import EXIT_NO_DEVICE, Job, write_job
+from chord_usd.image.job import EXIT_NO_DEVICE, EXIT_UNREADABLE, Job, write_job
 from chord_usd.runtime.scratch import scratch_folder
 
 STOP_SECONDS = 0.8
@@ -110,6 +110,10 @@ def _failure(code: int, said: str) -> RenderError:
     last = lines[-1] if lines else "it said nothing"
     if code == EXIT_NO_DEVICE:
         return RenderError(last, where="--device", expected="a device of this machine", try_="cpu")
+    if code == EXIT_UNREADABLE:
+        return RenderError(
+            last, expected="pictures that Blender reads", try_="--allow-missing for plain colours"
+        )
     if code < 0:
         return RenderError(
             f"Blender was ended by signal {-code}; its last words: {last}",

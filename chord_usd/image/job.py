@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from chord_usd.image.stage_cameras import StageCamera
 
 EXIT_NO_DEVICE = 3
+EXIT_UNREADABLE = 4
 
 PICTURE_FILE = "{}.png"
 COLOUR_FILE = "{}.exr"
@@ -112,6 +113,8 @@ class Job:
     """Whether the stage brings its own sky."""
     exposure_ev: float | None = None
     """Fixed exposure for all pictures; None meters each one."""
+    allow_missing: bool = False
+    """Let plain colours stand in for pictures that cannot be read."""
     negatives: tuple[Negative, ...] = ()
     """To develop, without a stage."""
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from chord_usd.errors import RenderError
 from chord_usd.image.job import Part, Quality
@@ -63,6 +62,8 @@ class RenderOptions:
     """Put tiles and sample blocks together that lie in the folder, instead of rendering."""
     skip_existing: bool = False
     """Leave pictures alone that are there already, whole, and made in the same way."""
+    allow_missing: bool = False
+    """Render plain colours in place of files that the stage lacks, instead of refusing it."""
     exposure_ev: float | None = None
     """Exposure in stops for every picture; None meters each one."""
     lighting: str = ""
@@ -94,22 +95,6 @@ class RenderOptions:
     def data(self) -> bool:
         """Whether any pass but rgb is asked for."""
         return any(name != "rgb" for name in self.passes)
-
-    def made(self, stage_hash: str) -> dict[str, Any]:
-        """How the pixels come to be, for the files' own records; the same for all parts."""
-        return {
-            "stage_sha256": stage_hash,
-            "lighting": self.lighting,
-            "sky": self.sky,
-            **({"roof": self.roof} if self.roof else {}),
-            "width_px": self.resolution_px[0],
-            "height_px": self.resolution_px[1],
-            "passes": [name for name in PASSES if name in self.passes],
-            "quality": asdict(self.traced),
-            "seed": self.seed,
-            "exposure_ev": self.exposure_ev,
-            "parts": self.merge or self.part is not None,
-        }
 
 
 def _check_numbers(options: RenderOptions) -> None:

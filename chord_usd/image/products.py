@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,11 +19,15 @@ from chord_usd.image.annotations import (
     semantic_mask,
     thing_records,
 )
-from chord_usd.image.exr import write_exr
+from chord_usd.image.exr import colour_channels, write_exr
 from chord_usd.image.marks import Thing
+from chord_usd.image.png import with_notes
 from chord_usd.image.takes import Take
 from chord_usd.runtime.files import deliver, hash_file, write_atomic
 from chord_usd.scene.label_sets import OWN
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 PASSES = ("rgb", "depth", "normal", "instance", "semantic")
 
@@ -36,6 +41,9 @@ FILES_OF_PASS = {
 """Of each camera; beside them its sidecar `<camera>.json`, and `coco.json` for all together."""
 
 COCO_FILE = "coco.json"
+
+MADE_NOTE = "chordMade"
+"""Text of a PNG, attribute of an EXR: what the picture was made from (image/made.py), as JSON."""
 
 BACKDROP_RGB = (240, 241, 243)
 """8-bit paper on which a house seen from above lies, instead of in the sky."""
@@ -52,14 +60,16 @@ def write_products(
 ) -> list[Path]:
     """Write all files of a take at once, and its sidecar; returns them without the sidecar.
 
-    made: how it was made, for the sidecar. Raises OutputError; then none of the files is there.
+    made: what it was made from, noted in sidecar and pictures. Raises OutputError; then none
+    of the files is there.
     """
     targets = product_files(folder, take.view.name, passes)
     with deliver() as delivery:
         ours = partial(_is_product, take.view.name)
         placed = {target.name: delivery.place(target, asked=False, ours=ours) for target in targets}
-        _write_colour(take, placed)
-        _write_data(take, placed, things)
+        notes = {MADE_NOTE: json.dumps(made)}
+        _write_colour(take, placed, notes)
+        _write_data(take, placed, things, notes)
         sidecar = _sidecar(take, passes, things, made)
         sidecar["files"] = {name: hash_file(path) for name, path in placed.items()}
         # Placed last, so that it is moved last: what it lists is there when it is.
@@ -130,45 +140,43 @@ def read_mask(path: Path) -> MaskArray:
         return np.asarray(picture).astype(np.uint16)
 
 
-def _write_colour(take: Take, placed: dict[str, Path]) -> None:
+def _write_colour(take: Take, placed: dict[str, Path], notes: dict[str, str]) -> None:
     png, exr = (placed.get(name.format(take.view.name)) for name in FILES_OF_PASS["rgb"])
     if png is None or exr is None:
         return
     assert take.picture is not None
     assert take.colour is not None
-    _on_paper(take.picture, png)
-    channels = {
-        name: take.colour[..., at] for at, name in enumerate("RGBA"[: take.colour.shape[2]])
-    }
-    write_exr(exr, channels, half=True)
+    png.write_bytes(with_notes(_on_paper(take.picture), notes))
+    write_exr(exr, colour_channels(take.colour), notes, half=True)
 
 
-def _on_paper(picture: Path, target: Path) -> None:
-    """Lay a picture with a transparent background on paper; others are taken as they are."""
+def _on_paper(picture: Path) -> bytes:
+    """A picture with a transparent background laid on paper; others are taken as they are."""
     from PIL import Image
 
     with Image.open(picture) as image:
         image.load()  # a file that was cut short is found out here
         if image.mode != "RGBA":
-            target.write_bytes(picture.read_bytes())
-            return
+            return picture.read_bytes()
         backdrop = Image.new("RGBA", image.size, (*BACKDROP_RGB, 255))
         backdrop.alpha_composite(image)
-    backdrop.convert("RGB").save(target, format="PNG")
+    return _png(backdrop.convert("RGB"))
 
 
-def _write_data(take: Take, placed: dict[str, Path], things: Sequence[Thing]) -> None:
+def _write_data(
+    take: Take, placed: dict[str, Path], things: Sequence[Thing], notes: dict[str, str]
+) -> None:
     name = take.view.name
     if path := placed.get(f"{name}.depth.exr"):
         assert take.depth_m is not None
-        write_exr(path, {"Z": take.depth_m})
+        write_exr(path, {"Z": take.depth_m}, notes)
     if path := placed.get(f"{name}.normal.exr"):
         assert take.normal is not None
-        write_exr(path, {axis: take.normal[..., at] for at, axis in enumerate("XYZ")})
+        write_exr(path, {axis: take.normal[..., at] for at, axis in enumerate("XYZ")}, notes)
     if path := placed.get(f"{name}.instance.png"):
-        _write_mask(path, _numbers(take))
+        _write_mask(path, _numbers(take), notes)
     if path := placed.get(f"{name}.semantic.png"):
-        _write_mask(path, semantic_mask(_numbers(take), things))
+        _write_mask(path, semantic_mask(_numbers(take), things), notes)
 
 
 def _numbers(take: Take) -> MaskArray:
@@ -176,10 +184,16 @@ def _numbers(take: Take) -> MaskArray:
     return take.numbers.astype(np.uint16)
 
 
-def _write_mask(path: Path, mask: MaskArray) -> None:
+def _write_mask(path: Path, mask: MaskArray, notes: dict[str, str]) -> None:
     from PIL import Image
 
-    Image.fromarray(mask).save(path, format="PNG")
+    path.write_bytes(with_notes(_png(Image.fromarray(mask)), notes))
+
+
+def _png(image: Image.Image) -> bytes:
+    held = io.BytesIO()
+    image.save(held, format="PNG")
+    return held.getvalue()
 
 
 def _sidecar(

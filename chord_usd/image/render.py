@@ -7,7 +7,7 @@ usd-core, `worker` renders it, and what comes back becomes files here.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -16,8 +16,16 @@ from typing import Any
 from chord_usd.errors import DiskFullError, RenderError
 from chord_usd.image.blender import run_blender
 from chord_usd.image.exr import colour_channels, write_exr
-from chord_usd.image.job import PICTURE_FILE, Job, Negative
+from chord_usd.image.job import PICTURE_FILE, Job, Negative, Part
 from chord_usd.image.joined import joined_rooms
+from chord_usd.image.made import (
+    missing_files,
+    missing_words,
+    picture_record,
+    require_files,
+    settings_record,
+    stage_digest,
+)
 from chord_usd.image.marks import Marks, marked_stage, read_marks
 from chord_usd.image.options import RenderOptions
 from chord_usd.image.picture_layers import lit_stage
@@ -27,13 +35,13 @@ from chord_usd.image.stage_cameras import (
     DEFAULT_CAMERA,
     StageCamera,
     StageViews,
-    missing_files,
     read_views,
 )
 from chord_usd.image.takes import Take, read_take
-from chord_usd.runtime.files import folder_for_many, hash_file
+from chord_usd.runtime.files import folder_for_many
 from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.scratch import scratch_folder
+from chord_usd.runtime.stages import StageFiles, files_of
 
 _NO_MARKS = Marks((), ())
 
@@ -65,39 +73,57 @@ def render_stage(
 
     progress: called with the samples done and the samples of all pictures together. The files of
     a camera appear together or not at all; an interrupt ends Blender and leaves no part of one.
-    Raises StageError for a stage that cannot be read, RenderError for a camera or room that is not
-    in it, for a missing device and for a failure inside Blender, OutputError for a folder that
-    cannot be written or a full disk.
+    Raises StageError for a stage that cannot be read, RenderError for files that it lacks, a camera
+    or room that is not in it, a missing device and a failure inside Blender, OutputError for a
+    folder that cannot be written or a full disk.
     """
-    with lit_stage(stage, options.lighting, options.sky, options.roof) as lit:
-        views = read_views(lit)
-        cameras = _chosen(stage, lit, views, options)
-        run = _Run(stage, lit, folder, views, options)
-        due = [camera for camera in cameras if not run.is_finished(camera.name)]
+    with _opened(stage, folder, options) as run:
+        cameras = run.cameras
+        due = [
+            camera
+            for camera in cameras
+            if not (options.skip_existing and run.is_finished(camera, options.part))
+        ]
         if due and options.merge:
             _merge(run, due)
         elif due:
             with folder_for_many(folder):
                 _render(run, due, progress)
-    files = [file for camera in cameras for file in run.files(camera.name)]
+    made = [file for camera in cameras for file in run.files(camera.name)]
     if "instance" in options.passes and options.part is None:
         names = [camera.name for camera in cameras]
-        files.append(write_coco(folder, names, options.label_set))
-    return Rendered(tuple(files), len(due), run.device, tuple(_warnings(stage, views)))
+        made.append(write_coco(folder, names, options.label_set))
+    return Rendered(tuple(made), len(due), run.device, tuple(_warnings(run)))
 
 
-def _warnings(stage: Path, views: StageViews) -> Iterator[str]:
-    missing = missing_files(stage)
-    if missing:
-        named = ", ".join(missing[:3]) + (", ..." if len(missing) > 3 else "")
-        yield f"{stage}: {len(missing)} files are missing ({named}); plain colours stand in"
-    if [camera.name for camera in views.cameras] == [DEFAULT_CAMERA]:
-        yield f"{stage}: has no camera; took a view of everything"
+def unfinished(
+    stage: Path, folder: Path, options: RenderOptions, parts: Sequence[Part | None] = (None,)
+) -> list[tuple[str, Part | None]]:
+    """(camera, part) of all that is not in the folder yet, whole and made from the same.
+
+    options: with a tile or a sample block where parts are asked for. Raises as render_stage does,
+    but for what Blender says.
+    """
+    with _opened(stage, folder, options) as run:
+        return [
+            (camera.name, part)
+            for camera in run.cameras
+            for part in parts
+            if not run.is_finished(camera, part)
+        ]
+
+
+def _warnings(run: _Run) -> Iterator[str]:
+    if missing := missing_files(run.stage_files):
+        yield f"{run.stage}: {missing_words(missing)}; plain colours stand in"
+    if [camera.name for camera in run.views.cameras] == [DEFAULT_CAMERA]:
+        yield f"{run.stage}: has no camera; took a view of everything"
 
 
 def camera_names(stage: Path, options: RenderOptions) -> list[str]:
     """The cameras that render_stage would use. Raises StageError, RenderError."""
-    return [camera.name for camera in _chosen(stage, stage, read_views(stage), options)]
+    with lit_stage(stage, options.lighting, options.sky, options.roof) as lit:
+        return [camera.name for camera in _chosen(stage, lit, read_views(lit), options)]
 
 
 @dataclass
@@ -110,11 +136,22 @@ class _Run:
     folder: Path
     views: StageViews
     options: RenderOptions
+    stage_files: StageFiles
+    cameras: list[StageCamera] = field(init=False)
     device: str = ""
-    made: dict[str, Any] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.made = self.options.made(hash_file(self.stage))
+        self.cameras = _chosen(self.stage, self.lit, self.views, self.options)
+        self._settings = settings_record(self.options)
+        self._stage_sha256 = stage_digest(self.stage_files)
+        self._made: dict[str, dict[str, Any]] = {}
+
+    def made(self, camera: StageCamera) -> dict[str, Any]:
+        """What a camera's picture is made from."""
+        if camera.name not in self._made:
+            record = picture_record(self._settings, self._stage_sha256, camera)
+            self._made[camera.name] = record
+        return self._made[camera.name]
 
     def files(self, camera: str) -> list[Path]:
         """What a camera's picture is written to."""
@@ -122,20 +159,30 @@ class _Run:
             return [part_file(self.folder, camera, self.options.part)]
         return product_files(self.folder, camera, self.options.passes)
 
-    def is_finished(self, camera: str) -> bool:
-        """Whether an earlier run left it whole and the user wants to keep it."""
-        if not self.options.skip_existing:
-            return False
-        if self.options.part is not None:
-            return is_finished_part(self.folder, camera, self.options.part, self.made)
-        return are_finished(self.folder, camera, self.made)
+    def is_finished(self, camera: StageCamera, part: Part | None) -> bool:
+        """Whether an earlier run left it whole, made from the same."""
+        made = self.made(camera)
+        if part is not None:
+            return is_finished_part(self.folder, camera.name, part, made)
+        return are_finished(self.folder, camera.name, made)
 
     def write(self, take: Take, marks: Marks) -> None:
         """Write what was taken."""
+        made = self.made(take.view)
         if self.options.part is not None:
-            write_part(take, self.folder, self.options.part, self.made)
+            write_part(take, self.folder, self.options.part, made)
         else:
-            write_products(take, self.folder, self.options.passes, marks.things, self.made)
+            write_products(take, self.folder, self.options.passes, marks.things, made)
+
+
+@contextmanager
+def _opened(stage: Path, folder: Path, options: RenderOptions) -> Iterator[_Run]:
+    """What is asked of a stage. Raises StageError, RenderError."""
+    files = files_of(stage)
+    if not options.allow_missing:
+        require_files(stage, files)
+    with lit_stage(stage, options.lighting, options.sky, options.roof) as lit:
+        yield _Run(stage, lit, folder, read_views(lit), options, files)
 
 
 def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) -> None:
@@ -150,7 +197,7 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
         job = Job(
             folder=str(raw),
             stage=str(seen.absolute()),
-            cameras=tuple(camera.framed(options.resolution_px) for camera in cameras),
+            cameras=tuple(cameras),
             width_px=options.resolution_px[0],
             height_px=options.resolution_px[1],
             quality=options.traced,
@@ -163,6 +210,7 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
             joined=joined_rooms(run.lit) if colour else (),
             has_dome=run.views.has_dome,
             exposure_ev=options.exposure_ev,
+            allow_missing=options.allow_missing,
         )
         run_blender(job, _Follower(run, job, marks, progress))
 
@@ -215,7 +263,7 @@ class _Follower:
 def _merge(run: _Run, cameras: list[StageCamera]) -> None:
     marks = read_marks(run.lit) if run.options.data else _NO_MARKS
     with scratch_folder() as raw:
-        takes = [merge_parts(run.folder, view, run.made) for view in cameras]
+        takes = [merge_parts(run.folder, view, run.made(view)) for view in cameras]
         negatives = []
         for take in takes:
             if take.colour is None:
@@ -235,7 +283,7 @@ def _merge(run: _Run, cameras: list[StageCamera]) -> None:
 
 
 def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -> list[StageCamera]:
-    """The cameras the options name. Raises RenderError with the names there are."""
+    """The cameras the options name, framed. Raises RenderError with the names there are."""
     if options.walkthrough:
         from chord_usd.image.walkthrough import walk_cameras
 
@@ -253,7 +301,7 @@ def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -
     _check_names(stage, "camera", options.cameras, [camera.name for camera in there])
     _check_names(stage, "room", options.rooms, views.rooms)
     chosen = [
-        camera
+        camera.framed(options.resolution_px)
         for camera in there
         if (not options.cameras or camera.name in options.cameras)
         and (not options.rooms or camera.room in options.rooms)

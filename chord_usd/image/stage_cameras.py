@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chord_usd.runtime.stages import files_of, open_stage, reading, room_prims, silence
+from chord_usd.runtime.stages import open_stage, reading, room_prims
 
 if TYPE_CHECKING:
     from pxr import Gf, Sdf, Usd
@@ -105,21 +105,6 @@ def _distinct_names(paths: list[Sdf.Path]) -> list[str]:
         path.name if count[path.name] == 1 else name
         for path, name in zip(paths, whole, strict=True)
     ]
-
-
-def missing_files(path: Path) -> list[str]:
-    """Files a stage points to and that are not there."""
-    from pxr import UsdUtils
-
-    silence()
-    _, _, missing = UsdUtils.ComputeAllDependencies(str(path))
-    return sorted(missing)
-
-
-def stage_files(path: Path) -> list[Path]:
-    """All files a stage is made of, itself first, absolute. Raises StageError."""
-    files = files_of(path)
-    return [*files.layers, *files.others]
 
 
 def _top_m(stage: Usd.Stage) -> float:

@@ -192,13 +192,14 @@ _remembered: dict[Path, tuple[StageFiles, tuple[_State, ...]]] = {}
 
 
 def _is_remembered(path: Path) -> bool:
-    """Whether the stage was looked through, and none of its layers has changed since."""
+    """Whether the stage was looked through, and none of its files has changed since; where some
+    are missing, they may have come."""
     known = _remembered.get(path.absolute())
-    return known is not None and known[1] == _states(known[0])
+    return known is not None and not known[0].missing and known[1] == _states(known[0])
 
 
 def _states(files: StageFiles) -> tuple[_State, ...]:
-    return tuple(_state(layer) for layer in files.layers)
+    return tuple(_state(file) for file in (*files.layers, *files.others))
 
 
 def _state(path: Path) -> _State:

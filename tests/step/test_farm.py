@@ -8,12 +8,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from render_house import write_house
 
 from chord_usd.errors import RenderError
-from chord_usd.farm.bundle import Work, template, write_bundle
+from chord_usd.farm.bundle import Work, tasks_of, template, write_bundle
+from chord_usd.image.exr import write_exr
 from chord_usd.image.products import read_mask
+from chord_usd.runtime.stages import StageFiles
 
 BUNDLE = [
     "--camera", "Bedroom_0", "--resolution", "16x9", "--samples", "2", "--tiles", "2",
@@ -28,14 +31,18 @@ SCRIPTS = Path(sys.executable).parent
 def bundle(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("farm")
     house = write_house(folder / "house.usda")
-    command = [sys.executable, "-m", "chord_usd.cli", "farm", "bundle", str(house), *BUNDLE]
-    done = subprocess.run(
-        [*command, "-o", str(folder / "job"), "--json"], capture_output=True, text=True, check=True
-    )
+    done = bundled(house, folder / "job", *BUNDLE)
     assert json.loads(done.stdout)["tasks"] == 2
     # The bundle is whole: the house it came from may go.
     house.unlink()
+    (folder / "maps" / "red.png").unlink()
     return folder / "job"
+
+
+def bundled(house: Path, job: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """What farm bundle says."""
+    command = [sys.executable, "-m", "chord_usd.cli", "farm", "bundle", str(house), *words]
+    return subprocess.run([*command, "-o", str(job), "--json"], capture_output=True, text=True)
 
 
 def run(command: list[str], folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -55,14 +62,42 @@ def test_openjd_accepts_the_template(bundle: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_every_file_lies_in_a_folder_that_a_farm_copies(staged_house: Path, tmp_path: Path) -> None:
+    """Deadline Cloud uploads what parameters of type PATH name, and nothing else."""
+    sky, job = tmp_path / "studio.exr", tmp_path / "job"
+    rows = np.linspace(1.0, 0.1, 64, dtype=np.float32)
+    write_exr(sky, dict.fromkeys("RGB", np.tile(rows[:, None], 128)))
+    done = bundled(staged_house, job, "--sky", str(sky))
+    assert done.returncode == 0, done.stderr
+    parameters = json.loads((job / "template.json").read_text())["parameterDefinitions"]
+    sent = [
+        job / one["default"]
+        for one in parameters
+        if one["type"] == "PATH" and one["dataFlow"] == "IN" and one["objectType"] == "DIRECTORY"
+    ]
+    files = {file for file in job.rglob("*") if file.is_file() and file.parent != job}
+    assert len(files) > 20
+    assert all(any(file.is_relative_to(folder) for folder in sent) for file in files)
+    words, _ = tasks_of(job)
+    named = words[words.index("--sky") + 1].replace("{{Param.Scene}}", str(job / "scene"))
+    assert Path(named).read_bytes() == sky.read_bytes()
+
+
+def due(bundle: Path) -> list[dict[str, object]]:
+    done = run(["chord-usd", "farm", "due", ".", "-o", "pictures"], bundle)
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
 def test_the_slurm_scripts_run_the_tasks_and_the_merge(bundle: Path) -> None:
     """As the elements of an array would, one after the other, through openjd."""
     pytest.importorskip("openjd.sessions", reason="the extra farm is not installed")
+    assert [task["Tile"] for task in due(bundle)] == [0, 1]
     for element in range(2):
         done = run(["bash", "slurm_array.sh"], bundle, SLURM_ARRAY_TASK_ID=str(element))
         assert done.returncode == 0, done.stdout + done.stderr
         assert "openjd_progress: 100.0" in done.stdout
-    assert len(list((bundle / "pictures").glob("*.tile-*-of-2.block-0-of-1.exr"))) == 2
+        assert [task["Tile"] for task in due(bundle)] == [1][element:]
     done = run(["bash", "slurm_merge.sh"], bundle)
     assert done.returncode == 0, done.stdout + done.stderr
     assert read_mask(bundle / "pictures" / "Bedroom_0.instance.png").shape == (9, 16)
@@ -72,8 +107,49 @@ def test_the_slurm_scripts_run_the_tasks_and_the_merge(bundle: Path) -> None:
     assert "rendered on" not in again.stdout
 
 
+def test_an_element_of_an_array_runs_several_tasks_and_passes_over_failures(bundle: Path) -> None:
+    pytest.importorskip("openjd.sessions", reason="the extra farm is not installed")
+    words = {"SLURM_ARRAY_TASK_ID": "0", "EACH": "2", "PROGRAM": "false"}
+    done = run(["bash", "slurm_array.sh"], bundle, **words)
+    assert done.returncode == 1
+    assert done.stdout.count("Tile(INT) = ") == 2
+
+
+def test_a_job_of_another_version_is_refused_by_its_worker(bundle: Path) -> None:
+    words = ["render", "scene/house.usda", "-o", "other", "--require-version", "0.0.1"]
+    done = run(["chord-usd", *words], bundle)
+    assert done.returncode == 2
+    assert "expected 0.0.1, which made the job" in done.stderr
+
+
+def test_a_stage_without_a_file_is_not_sent(tmp_path: Path) -> None:
+    house = write_house(tmp_path / "house.usda")
+    (tmp_path / "maps" / "red.png").unlink()
+    done = bundled(house, tmp_path / "job")
+    assert done.returncode == 2
+    assert "1 file is missing" in done.stderr
+    assert not (tmp_path / "job").exists()
+
+
+@pytest.mark.parametrize(("device", "code"), [("auto", 0), ("cuda", 0), ("cpu", 2)])
+def test_tasks_that_ask_for_a_gpu_take_no_other_device(
+    tmp_path: Path, device: str, code: int
+) -> None:
+    house, job = write_house(tmp_path / "house.usda"), tmp_path / "job"
+    done = bundled(house, job, "--gpu", "--device", device)
+    assert done.returncode == code
+    if code == 0:
+        words, tasks = tasks_of(job)
+        assert words[words.index("--device") + 1] == {"auto": "gpu"}.get(device, device)
+        assert len(tasks) == 2
+        # Whole pictures, and no data set of all: nothing is left to do after the tasks.
+        assert not (job / "slurm_merge.sh").exists()
+
+
 def test_there_is_a_task_for_each_camera_tile_and_block() -> None:
-    work = Work(Path("house.usda"), (), ("A", "B"), ("--seed", "1"), tiles=3, blocks=2, gpu=True)
+    nothing = StageFiles((), (), ())
+    words = ("--seed", "1")
+    work = Work(Path("house.usda"), nothing, ("A", "B"), words, tiles=3, blocks=2, gpu=True)
     assert len(work.tasks()) == 12
     render, merge = template(work)["steps"]
     space = render["parameterSpace"]
@@ -87,13 +163,14 @@ def test_there_is_a_task_for_each_camera_tile_and_block() -> None:
 
 def test_a_stage_that_points_out_of_its_folder_cannot_travel(tmp_path: Path) -> None:
     stage = tmp_path / "in" / "house.usda"
-    work = Work(stage, (stage, tmp_path / "elsewhere.png"), ("A",), ())
+    files = StageFiles((stage,), (tmp_path / "elsewhere.png",), ())
+    work = Work(stage, files, ("A",), ())
     with pytest.raises(RenderError, match=r"points to .*elsewhere\.png"):
         write_bundle(work, tmp_path / "job")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_job_has_as_many_tasks_as_a_template_may_have(tmp_path: Path) -> None:
-    work = Work(tmp_path / "house.usda", (), ("A",), (), tiles=2000)
+    work = Work(tmp_path / "house.usda", StageFiles((), (), ()), ("A",), (), tiles=2000)
     with pytest.raises(RenderError, match="2000 tiles"):
         write_bundle(work, tmp_path / "job")

@@ -20,7 +20,7 @@ from strangers import WAYS, edited, names, victim_in, with_reference, with_subla
 from chord_usd import cli
 from chord_usd.errors import ChordError, StageError
 from chord_usd.farm.bundle import Work, write_bundle
-from chord_usd.image.stage_cameras import read_views, stage_files
+from chord_usd.image.stage_cameras import read_views
 from chord_usd.runtime import stages
 from chord_usd.scene.types import Asset, Provenance
 from chord_usd.stage.check import check_stage
@@ -96,7 +96,7 @@ def test_what_a_stage_names_elsewhere_is_not_copied(
         for package, suffix in (("web", ".usdz"), ("gltf", ".glb")):
             with pytest.raises(StageError, match="points to"):
                 export_stage(evil, out / f"out{suffix}", package)
-        work = Work(evil, tuple(stage_files(evil)), ("Camera",), ())
+        work = Work(evil, stages.files_of(evil), ("Camera",), ())
         with pytest.raises(ChordError, match="points to"):
             write_bundle(work, out / "job")
         assert list(out.iterdir()) == []

@@ -25,11 +25,15 @@ from chord_usd import cli
 from chord_usd.assets.look_library import StyleLooks
 from chord_usd.errors import OutputError, RenderError, StageError
 from chord_usd.image.exr import read_exr
+from chord_usd.image.made import picture_record, stage_digest
 from chord_usd.image.options import RenderOptions
-from chord_usd.image.products import are_finished
-from chord_usd.image.render import Rendered, render_stage
+from chord_usd.image.products import MADE_NOTE, are_finished
+from chord_usd.image.render import Rendered, render_stage, unfinished
 from chord_usd.image.stage_cameras import read_views
+from chord_usd.image.turntable import turn_cameras
+from chord_usd.image.walkthrough import walk_cameras
 from chord_usd.runtime.manifest import MANIFEST_FILE
+from chord_usd.runtime.stages import StageFiles
 from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.author import author_stage
 
@@ -112,11 +116,83 @@ def test_the_same_seed_gives_the_same_picture_and_finished_ones_are_skipped(
 ):
     options = replace(TINY, cameras=("Bedroom_0",), skip_existing=True)
     again = render_stage(house, tmp_path, options)
-    # Pixels, not bytes: Cycles writes its render times into the file.
-    np.testing.assert_array_equal(rgb(again.pictures[0]), rgb(pictures[0]))
+    for suffix in (".png", ".exr", ".json"):
+        ours, theirs = (
+            run[0].with_suffix(suffix).read_bytes() for run in (again.pictures, pictures)
+        )
+        assert ours == theirs
     written = again.pictures[0].stat().st_mtime_ns
     assert render_stage(house, tmp_path, options).rendered == 0
     assert again.pictures[0].stat().st_mtime_ns == written
+
+
+def test_a_picture_says_what_it_was_made_from(pictures):
+    made = json.loads(pictures[0].with_suffix(".json").read_text())["made"]
+    with Image.open(pictures[0]) as picture:
+        assert json.loads(picture.text.pop(MADE_NOTE)) == made
+        assert picture.text == {}  # no date, no time
+    assert json.loads(read_exr(pictures[0].with_suffix(".exr"))[1][MADE_NOTE]) == made
+
+
+def change_texture(house: Path) -> None:
+    Image.new("RGB", (4, 4), (40, 200, 40)).save(house.parent / "maps" / "red.png")
+
+
+def test_pictures_with_other_textures_are_not_finished(pictures, tmp_path):
+    house = write_house(tmp_path / "moved" / "house.usda")
+    assert unfinished(house, pictures[0].parent, TINY) == []
+    change_texture(house)
+    assert len(unfinished(house, pictures[0].parent, TINY)) == 2
+
+
+def test_any_file_of_a_stage_counts_and_its_place_does_not(tmp_path):
+    def digest(folder: Path, change: str = "") -> str:
+        folder.mkdir()
+        files = [folder / name for name in ("house.usda", "walls.usda", "wood.png")]
+        for file in files:
+            file.write_text("changed" if file.name == change else file.stem)
+        return stage_digest(StageFiles(tuple(files[:2]), tuple(files[2:]), ()))
+
+    same = digest(tmp_path / "a")
+    assert digest(tmp_path / "b") == same
+    changed = [digest(tmp_path / name, name) for name in ("house.usda", "walls.usda", "wood.png")]
+    assert len({same, *changed}) == 4
+
+
+def test_views_of_walks_and_turntables_of_one_name_are_told_apart(staged_house: Path) -> None:
+    """Walk_001 of two views is the last, of four the second."""
+    room, other = read_views(staged_house).rooms[:2]
+    views = [
+        *(walk_cameras(staged_house, count)[1] for count in (2, 4)),
+        *(turn_cameras(staged_house, name, 2)[1] for name in (room, other)),
+    ]
+    records = [picture_record({}, "", view)["sha256"] for view in views]
+    assert len(set(records)) == 4
+
+
+def test_a_stage_without_a_file_is_refused_until_it_comes(house, pictures, tmp_path):
+    lacking = write_house(tmp_path / "house.usda")
+    texture = tmp_path / "maps" / "red.png"
+    data = texture.read_bytes()
+    texture.unlink()
+    with pytest.raises(
+        RenderError, match=r"1 file is missing \(.*maps/red\.png\).*--allow-missing"
+    ):
+        render_stage(lacking, tmp_path / "pictures", TINY)
+    assert not (tmp_path / "pictures").exists()
+    options = replace(TINY, cameras=("Top",), allow_missing=True, skip_existing=True)
+    plain = render_stage(lacking, tmp_path / "pictures", options)
+    assert "1 file is missing" in plain.warnings[0]
+    texture.write_bytes(data)
+    assert render_stage(lacking, tmp_path / "pictures", options).rendered == 1
+
+
+def test_a_texture_that_cannot_be_read_is_named(tmp_path):
+    house = write_house(tmp_path / "house.usda")
+    (tmp_path / "maps" / "red.png").write_bytes(b"no picture")
+    with pytest.raises(RenderError, match=r"textures that cannot be read: 1 \(red\.png\)"):
+        render_stage(house, tmp_path / "pictures", TINY)
+    assert list((tmp_path / "pictures").glob("*.png")) == []
 
 
 @pytest.mark.parametrize("harm", ["cut", "zeroed", "flipped", "other options", "sidecar lost"])
@@ -189,9 +265,9 @@ def test_a_stage_of_anybody_is_rendered_with_a_camera_and_light_of_our_own(tmp_p
     paint_red(stage, "/House/Lost", tmp_path / "maps" / "red.png")
     stage.Save()
     shutil.rmtree(tmp_path / "maps")
-    made = render_stage(path, tmp_path / "pictures", TINY)
+    made = render_stage(path, tmp_path / "pictures", replace(TINY, allow_missing=True))
     assert [file.name for file in made.pictures] == ["Default.png"]
-    assert "1 files are missing (" in made.warnings[0]
+    assert "1 file is missing (" in made.warnings[0]
     assert "has no camera" in made.warnings[1]
     picture = rgb(made.pictures[0])
     red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]

@@ -13,6 +13,7 @@ from render_house import TINY, write_house
 
 from chord_usd.errors import RenderError
 from chord_usd.image.exr import read_exr, write_exr
+from chord_usd.image.made import settings_record
 from chord_usd.image.options import RenderOptions
 from chord_usd.image.products import read_mask
 from chord_usd.image.render import render_stage
@@ -157,9 +158,18 @@ def test_two_divisions_in_one_folder_are_refused(house: Path, parts: Path, tmp_p
         render_stage(house, tmp_path, replace(WANTED, merge=True))
 
 
-def test_a_part_says_nothing_of_a_whole_picture(house: Path, tmp_path: Path) -> None:
+def test_a_part_says_nothing_of_a_whole_picture() -> None:
     """Options of a part and of a whole picture are never taken for one another."""
-    options = RenderOptions(tile=(0, 2))
-    assert options.made("x") != RenderOptions().made("x")
-    assert options.made("x") == RenderOptions(tile=(1, 2)).made("x")
-    assert options.made("x") == RenderOptions(merge=True).made("x")
+    tile = settings_record(RenderOptions(tile=(0, 2)))
+    assert tile != settings_record(RenderOptions())
+    assert tile == settings_record(RenderOptions(tile=(1, 2)))
+    assert tile == settings_record(RenderOptions(merge=True))
+
+
+def test_a_sky_s_file_counts_by_its_content(tmp_path: Path) -> None:
+    records = []
+    for name, content in (("a", "x"), ("b", "x"), ("c", "y")):
+        sky = tmp_path / f"{name}.hdr"
+        sky.write_text(content)
+        records.append(settings_record(RenderOptions(sky=str(sky)))["sky"])
+    assert records[0] == records[1] != records[2]

@@ -5,7 +5,8 @@ One JSON object per line: `{"device": "CPU"}` once, `{"progress": {"camera": …
 "cpu_s": …}`. Whatever Blender itself prints goes
 to standard error. bpy must be imported and used on the main thread: elsewhere it crashes at exit.
 
-Exit codes: 0 all is taken; 1 Blender failed; 3 the wanted device is not there.
+Exit codes: 0 all is taken; 1 Blender failed; 3 the wanted device is not there; 4 a texture cannot
+be read.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from chord_usd.image.job import EXIT_NO_DEVICE, read_job
+from chord_usd.image.job import EXIT_NO_DEVICE, EXIT_UNREADABLE, read_job
 from chord_usd.image.worker.devices import DeviceMissingError
+from chord_usd.image.worker.scene import UnreadableError
 from chord_usd.image.worker.shoot import develop, shoot
 
 
@@ -36,6 +38,9 @@ def main() -> int:
     except DeviceMissingError as error:
         sys.stderr.write(f"{error}\n")
         return EXIT_NO_DEVICE
+    except UnreadableError as error:
+        sys.stderr.write(f"{error}\n")
+        return EXIT_UNREADABLE
     return 0
 
 

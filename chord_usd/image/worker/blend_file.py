@@ -4,12 +4,13 @@ import sys
 
 import bpy
 
-from chord_usd.image.worker.scene import bring_in
+from chord_usd.image.worker.scene import bring_in, drop_missing_textures
 
 
 def main(stage: str, target: str) -> None:
     """Write the file, its pictures within."""
     scene = bring_in(stage, cameras=True)
+    drop_missing_textures()
     scene.camera = next((one for one in scene.objects if one.type == "CAMERA"), None)
     scene.render.engine = "CYCLES"
     bpy.ops.file.pack_all()

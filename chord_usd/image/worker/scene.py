@@ -37,9 +37,17 @@ SKY_STOPS = (
 over pale ground, so that one does not look into a void through a window."""
 
 
+class UnreadableError(Exception):
+    """Textures of the stage are damaged, or of a kind that Blender does not read."""
+
+
 def import_stage(job: Job) -> Any:
-    """A new scene with the stage and a camera in it."""
+    """A new scene with the stage and a camera in it. Raises UnreadableError."""
     scene = bring_in(job.stage, cameras=False)
+    lost = drop_missing_textures()
+    if lost and not job.allow_missing:
+        named = ", ".join(lost[:3]) + (", ..." if len(lost) > 3 else "")
+        raise UnreadableError(f"the stage has textures that cannot be read: {len(lost)} ({named})")
     if not job.has_dome:
         _paint_sky(scene.world)
     camera = bpy.data.objects.new("ShotCamera", bpy.data.cameras.new("ShotCamera"))
@@ -68,19 +76,24 @@ def bring_in(stage: str, *, cameras: bool) -> Any:
     for light in bpy.data.lights:
         if light.type == "SUN":
             light.energy /= SUN_IMPORT
-    _drop_missing_textures()
     return scene
 
 
-def _drop_missing_textures() -> None:
-    """Let materials fall back to plain colours where Blender would paint a loud magenta."""
+def drop_missing_textures() -> list[str]:
+    """Let materials fall back to plain colours where Blender would paint a loud magenta.
+
+    Returns the names of the textures, or of their materials.
+    """
+    lost: dict[str, None] = {}
     for material in bpy.data.materials:
         if material.node_tree is None:
             continue
         for node in list(material.node_tree.nodes):
             # size is what makes Blender look for the file; without one it stays (0, 0).
             if node.type == "TEX_IMAGE" and (node.image is None or not node.image.size[0]):
+                lost[node.image.name if node.image else material.name] = None
                 material.node_tree.nodes.remove(node)
+    return list(lost)
 
 
 def _paint_sky(world: Any) -> None:
