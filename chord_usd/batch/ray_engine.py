@@ -1,4 +1,4 @@
-"""Workers as actors on a Ray cluster: as many as there are cores or GPUs for, on any node.
+"""Units as tasks of a Ray cluster: as many at a time as there are cores or GPUs for, on any node.
 
 All nodes see the folder of the batch at the same path and have chord-usd installed. Houses go
 straight to that folder; only what became of them travels through Ray.
@@ -7,14 +7,19 @@ straight to that folder; only what became of them travels through Ray.
 from __future__ import annotations
 
 import os
+import pickle
 import socket
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from chord_usd.batch.engine import Load, Queue, Result, attempt
+from chord_usd.batch.engine import MOST_TRIES, Load, Result, attempt
 from chord_usd.batch.lock import LOCK_FILE
+from chord_usd.batch.make import Make
 from chord_usd.batch.work_units import Unit
 from chord_usd.errors import ChordError, OutputError
 from chord_usd.runtime.extras import needed_for
@@ -22,6 +27,12 @@ from chord_usd.runtime.offline import refuse_telemetry, stay_offline
 
 KNOCK_SECONDS = 10.0
 """How long a head node may take to answer."""
+
+PLACE_SECONDS = 60.0
+"""How long a worker may wait for room: nodes may be starting, or busy with other work."""
+
+LOOK_SECONDS = 5.0
+"""How often the nodes are counted while nothing else happens."""
 
 _ALONE = {
     # Loopback is this node's address, and where its services listen: what Ray does by itself where
@@ -36,21 +47,22 @@ _ALONE = {
 
 
 class RayEngine:
-    """Actors of a Ray cluster."""
+    """Tasks of a Ray cluster, one for each unit; Ray retries those whose worker or node dies."""
 
     def __init__(
         self, address: str | None, workers: int | None, cpus: int, gpus: float, folder: Path
     ) -> None:
         """address: of the cluster; None starts one on this machine for as long as it is needed.
 
-        workers: how many; None for as many as there is room for. cpus, gpus: what each takes, gpus
-        may be a fraction. folder: of the batch.
+        workers: how many at most; None for as many as there is room for. cpus, gpus: what each
+        takes, gpus may be a fraction. folder: of the batch.
         """
-        self._address, self._workers, self._cpus, self._gpus = address, workers, cpus, gpus
-        self._folder = folder
+        self._address, self._workers, self._folder = address, workers, folder
+        self._need = {"CPU": float(cpus), **({"GPU": gpus} if gpus else {})}
 
     def run(self, units: Sequence[Unit], load: Load) -> Iterator[Result]:
-        """As Engine.run. Raises MissingExtraError without ray, ChordError without a cluster."""
+        """As Engine.run. Raises MissingExtraError without ray, ChordError without a cluster or
+        where no worker can be placed on it."""
         if not units:
             return
         with _environment(_ALONE if self._address is None else {}):
@@ -58,104 +70,116 @@ class RayEngine:
             connection = ExitStack()
             connection.enter_context(_connected(ray, self._address))
         with connection:
-            count = min(self._workers or self._room(ray), len(units))
-            team = _Team(ray, self._actor_class(ray), (load, self._seen()))
-            try:
-                yield from _spread(ray, team, Queue(units), count)
-            finally:
-                team.dismiss()
+            lock = self._folder / LOCK_FILE
+            seen = (lock, lock.read_text())
+            self._place(ray)
+            yield from self._spread(ray, deque(units), (pickle.dumps(load), seen))
+
+    def _task(self, ray: Any, function: Callable[..., Any]) -> Any:
+        # The cores also say how many threads a worker has: Ray sets OMP_NUM_THREADS to them.
+        return ray.remote(
+            num_cpus=self._need["CPU"],
+            num_gpus=self._need.get("GPU", 0.0),
+            max_retries=MOST_TRIES - 1,
+            max_calls=0,  # else a worker with a GPU ends after each unit, its networks with it
+            scheduling_strategy="SPREAD",
+        )(function)
+
+    def _place(self, ray: Any) -> None:
+        """Wait until a worker has found room. Raises ChordError."""
+        first = self._task(ray, _nothing).remote()
+        placed, _ = ray.wait(
+            [first], timeout=PLACE_SECONDS if self._address or self._room(ray) else 0.0
+        )
+        if not placed:
+            ray.cancel(first, force=True)
+            raise self._no_room(ray)
+
+    def _spread(
+        self, ray: Any, waiting: deque[Unit], common: tuple[bytes, Seen]
+    ) -> Iterator[Result]:
+        task = self._task(ray, _attempt)
+        running: dict[Any, Unit] = {}
+        room_at = time.monotonic()
+        try:
+            while waiting or running:
+                while waiting and len(running) < (self._workers or 2 * self._room(ray) or 1):
+                    unit = waiting.popleft()
+                    running[task.remote(*common, unit)] = unit
+                done, _ = ray.wait(list(running), timeout=LOOK_SECONDS)
+                for answer in done:
+                    yield _result(ray, running.pop(answer), answer)
+                if done or self._room(ray):
+                    room_at = time.monotonic()
+                elif time.monotonic() - room_at > PLACE_SECONDS:
+                    raise self._no_room(ray)
+        finally:
+            for answer in running:
+                ray.cancel(answer, force=True)
 
     def _room(self, ray: Any) -> int:
-        """Workers that the cluster has room for."""
-        there = ray.cluster_resources()
-        room = there.get("CPU", 0.0) // self._cpus
-        if self._gpus:
-            room = min(room, there.get("GPU", 0.0) // self._gpus)
-        if room < 1:
-            raise ChordError(
-                f"no node has room for a worker of --cpus {self._cpus} --gpus {self._gpus:g}",
-                where=self._address or "this machine",
-                try_="smaller --cpus and --gpus",
-            )
-        return int(room)
+        """Workers that the nodes which are alive have room for."""
+        return sum(
+            int(min(node["Resources"].get(name, 0.0) // much for name, much in self._need.items()))
+            for node in ray.nodes()
+            if node["Alive"]
+        )
 
-    def _actor_class(self, ray: Any) -> Any:
-        # An actor's cores also say how many threads it starts: Ray sets OMP_NUM_THREADS to them.
-        return ray.remote(
-            num_cpus=self._cpus, num_gpus=self._gpus, max_restarts=0, scheduling_strategy="SPREAD"
-        )(RayWorker)
-
-    def _seen(self) -> tuple[Path, str]:
-        """What a worker must see to be at work in the right folder."""
-        lock = self._folder / LOCK_FILE
-        return lock, lock.read_text()
+    def _no_room(self, ray: Any) -> ChordError:
+        words = [
+            f"{much:g} {name} ({ray.available_resources().get(name, 0.0):g} of "
+            f"{ray.cluster_resources().get(name, 0.0):g} free)"
+            for name, much in self._need.items()
+        ]
+        return ChordError(
+            f"no node has room for a worker of {' and '.join(words)}",
+            where=self._address or "this machine",
+            try_="smaller --cpus and --gpus, or wait until the cluster is free",
+        )
 
 
-class RayWorker:
-    """One actor."""
-
-    def __init__(self, load: Load, seen: tuple[Path, str]) -> None:
-        stay_offline()
-        self._seen = seen
-        self._make = load()
-
-    def attempt(self, unit: Unit) -> Result:
-        """As engine.attempt."""
-        file, text = self._seen
-        if not file.is_file() or file.read_text() != text:
-            error = OutputError(
-                f"is not seen by {os.uname().nodename}",
-                where=str(file.parent),
-                expected="a folder that all nodes share, at the same path",
-                try_="-o on a network file system",
-            )
-            return Result(unit, str(error), fatal=error)
-        return attempt(self._make, unit)
+Seen = tuple[Path, str]
+"""A file in the batch's folder and what it holds: by it a worker knows the folder."""
 
 
-class _Team:
-    """The actors that are alive."""
-
-    def __init__(self, ray: Any, actor_class: Any, arguments: tuple[Any, ...]) -> None:
-        self._ray, self._class, self._arguments = ray, actor_class, arguments
-        self._idle: list[Any] = []
-        self._all: list[Any] = []
-
-    def borrow(self) -> Any:
-        """An actor that has nothing to do."""
-        if not self._idle:
-            self._idle.append(self._class.remote(*self._arguments))
-            self._all.append(self._idle[-1])
-        return self._idle.pop()
-
-    def give_back(self, actor: Any) -> None:
-        """It is done with its unit."""
-        self._idle.append(actor)
-
-    def dismiss(self) -> None:
-        """End all of them, whatever they are at."""
-        for actor in self._all:
-            self._ray.kill(actor)
+def _nothing() -> None:
+    """What is run to see whether a worker finds room."""
 
 
-def _spread(ray: Any, team: _Team, queue: Queue, count: int) -> Iterator[Result]:
-    running: dict[Any, tuple[Any, Unit]] = {}
-    while queue or running:
-        while queue and len(running) < count:
-            actor, unit = team.borrow(), queue.take()
-            running[actor.attempt.remote(unit)] = actor, unit
-        (answer,), _ = ray.wait(list(running), num_returns=1)
-        actor, unit = running.pop(answer)
-        result: Result | None
-        try:
-            result = ray.get(answer)
-            team.give_back(actor)
-        except ray.exceptions.RayActorError as error:
-            told = [line.strip() for line in str(error).splitlines() if line.strip()]
-            result = _unable(unit, told[-1]) if error.actor_init_failed else None
-            result = result or queue.died(unit, told[0])
-        if result:
-            yield result
+def _attempt(load: bytes, seen: Seen, unit: Unit) -> Result:
+    """As engine.attempt, in a worker of Ray."""
+    stay_offline()
+    file, text = seen
+    if not file.is_file() or file.read_text() != text:
+        error = OutputError(
+            f"is not seen by {os.uname().nodename}",
+            where=str(file.parent),
+            expected="a folder that all nodes share, at the same path",
+            try_="-o on a network file system",
+        )
+        return Result(unit, str(error), fatal=error)
+    return attempt(_loaded(load), unit)
+
+
+@lru_cache(maxsize=1)
+def _loaded(load: bytes) -> Make:
+    """What makes units; a worker keeps it, with its networks, from one unit to the next."""
+    loader: Load = pickle.loads(load)
+    return loader()
+
+
+def _result(ray: Any, unit: Unit, answer: Any) -> Result:
+    try:
+        result: Result = ray.get(answer)
+    except ray.exceptions.RayTaskError as error:
+        return _unable(unit, _lines(error)[-1])
+    except ray.exceptions.RayError as error:
+        return Result(unit, f"its worker died {MOST_TRIES} times: {_lines(error)[0]}")
+    return result
+
+
+def _lines(error: Exception) -> list[str]:
+    return [line.strip() for line in str(error).splitlines() if line.strip()] or ["no reason told"]
 
 
 def _unable(unit: Unit, how: str) -> Result:
@@ -203,9 +227,14 @@ def _connected(ray: Any, address: str | None) -> Iterator[None]:
             log_to_driver=False,
             logging_level="ERROR",
         )
-    except (OSError, RuntimeError, ValueError) as error:
+    except Exception as error:  # Ray raises that itself where a node of this machine does not start
+        why = _lines(error)[0]
+        if address is None:
+            raise ChordError(
+                f"a Ray cluster cannot start ({why})", where="this machine", try_="--engine local"
+            ) from error
         raise ChordError(
-            f"no Ray cluster answers ({str(error).strip().splitlines()[0]})",
+            f"no Ray cluster answers ({why})",
             where=f"--address {address}",
             expected="HOST:PORT of a head node, and its token where it asks for one",
             try_="ray start --head",
