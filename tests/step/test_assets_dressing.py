@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 import trimesh
 
 from chord_usd.assets.dressing import designs
@@ -13,6 +12,7 @@ from chord_usd.assets.model import Design, Part
 from chord_usd.scene.palette import CATEGORIES, Mount, category
 from chord_usd.scene.styles import STYLES
 from tests.design_forms import forms
+from tests.every import for_every
 from tests.whole_meshes import is_manifold, points_differ
 
 ALL = designs()
@@ -47,7 +47,7 @@ def test_ids_are_unique_and_sizes_lie_in_the_range_of_the_palette() -> None:
         assert set(design.styles) <= set(STYLES), design.id
 
 
-@pytest.mark.parametrize("design", [form[0] for form in forms(ALL)], ids=lambda design: design.id)
+@for_every("design", [form[0] for form in forms(ALL)], ids=lambda design: design.id)
 def test_a_design_is_sound(design: Design) -> None:
     parts = design.parts()
     mount, (length, width, height) = CATEGORIES[design.category].mount, design.size_m

@@ -21,6 +21,7 @@ from chord_usd.data.houses import random_plan
 from chord_usd.errors import AssetError
 from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
 from tests.design_forms import ends
+from tests.every import for_every
 from tests.whole_meshes import is_manifold, points_differ
 
 ALL = tuple(
@@ -31,7 +32,7 @@ MOST_TRIANGLES = 13_000
 
 
 BY_ID = {design.id: design for design in ALL}
-every_design = pytest.mark.parametrize("design", ends(ALL), ids=lambda design: design.id)
+every_design = for_every("design", ends(ALL), ids=lambda design: design.id)
 
 
 @cache

@@ -16,11 +16,12 @@ from chord_usd.assets.look_package import map_file, write_material
 from chord_usd.scene.look_families import Family, load_families
 from chord_usd.scene.styles import STYLES
 from chord_usd.scene.types import FloatArray, Room
+from tests.every import for_every
 
 FAMILIES = load_families()
 PX = 256
-every_family = pytest.mark.parametrize("family", FAMILIES.values(), ids=lambda one: one.name)
-every_form = pytest.mark.parametrize(
+every_family = for_every("family", FAMILIES.values(), ids=lambda one: one.name)
+every_form = for_every(
     ("name", "settings"),
     [
         (family.name, {parameter.name: choice})

@@ -29,12 +29,13 @@ from chord_usd.assets.surface_maps import (
 from chord_usd.errors import AssetError
 from chord_usd.stage.packages import Packages
 from tests.design_forms import forms
+from tests.every import for_every
 
 PX = 256
 DRAWN = {name: finish for name, finish in FINISHES.items() if has_maps(finish)}
 
 
-@pytest.mark.parametrize("surface", sorted(SURFACES))
+@for_every("surface", sorted(SURFACES))
 def test_tiles_meet_at_their_edges(surface: str) -> None:
     """Over the edge, neighbours differ no more than they do within the tile."""
     pattern = pattern_of(surface, PX)
@@ -46,7 +47,7 @@ def test_tiles_meet_at_their_edges(surface: str) -> None:
             assert over <= steps.max() * 1.5 + 1e-9
 
 
-@pytest.mark.parametrize("name", sorted(DRAWN))
+@for_every("name", sorted(DRAWN))
 def test_colours_keep_to_their_finish_and_yet_vary(name: str) -> None:
     rgb = colour_map(DRAWN[name], PX)
     assert np.abs(rgb.mean(axis=(0, 1)) - DRAWN[name].rgb).max() < 4.0

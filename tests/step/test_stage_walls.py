@@ -19,6 +19,7 @@ from chord_usd.stage.walls import (
     top_faces,
     wall_faces,
 )
+from tests.every import for_every
 
 
 def rectangle(room_id: str, x0: float, y0: float, x1: float, y1: float) -> Room:
@@ -63,7 +64,7 @@ def crossings(faces: list[Face], start: np.ndarray, end: np.ndarray) -> int:
     return count
 
 
-@pytest.mark.parametrize("seed", range(20))
+@for_every("seed", range(20))
 def test_faces_enclose_the_walls_less_their_holes_exactly_once(seed: int) -> None:
     walls = build_walls(random_plan(np.random.default_rng(seed)))
     holes = sum(t.area_m.area * (t.high_m - t.low_m) for t in walls.cuts())
@@ -71,7 +72,7 @@ def test_faces_enclose_the_walls_less_their_holes_exactly_once(seed: int) -> Non
     assert enclosed_m3(all_faces(walls)) == pytest.approx(expected, abs=2e-3)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@for_every("seed", range(20))
 def test_every_face_looks_out_of_the_wall_into_the_space_that_owns_it(seed: int) -> None:
     walls = build_walls(random_plan(np.random.default_rng(seed)))
     for line in walls.lines:
@@ -82,7 +83,7 @@ def test_every_face_looks_out_of_the_wall_into_the_space_that_owns_it(seed: int)
         assert owners == ([] if line.room is None else [line.room])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@for_every("seed", range(20))
 def test_the_facade_has_no_corner_in_the_middle_of_an_edge(seed: int) -> None:
     """Such corners open hairline cracks, and other programs call the mesh non-manifold."""
     walls = build_walls(random_plan(np.random.default_rng(seed)))
@@ -96,7 +97,7 @@ def test_the_facade_has_no_corner_in_the_middle_of_an_edge(seed: int) -> None:
         assert not np.any((off < 1e-6) & (along > 1e-6) & (along < 1 - 1e-6))
 
 
-@pytest.mark.parametrize("seed", range(30))
+@for_every("seed", range(30))
 def test_the_tops_of_the_walls_hang_together_at_their_corners(seed: int) -> None:
     """No corner lies in the middle of an edge of another triangle."""
     mesh = mesh_of(top_faces(build_walls(random_plan(np.random.default_rng(seed)))))
@@ -108,7 +109,7 @@ def test_the_tops_of_the_walls_hang_together_at_their_corners(seed: int) -> None
         assert not np.any((off < 1e-6) & (along > 1e-4) & (along < 1 - 1e-4))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@for_every("seed", range(10))
 def test_doors_windows_and_passages_are_real_holes(seed: int) -> None:
     plan = random_plan(np.random.default_rng(seed), rooms=6)
     walls = build_walls(plan)

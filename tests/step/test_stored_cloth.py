@@ -10,13 +10,14 @@ import trimesh
 
 from chord_usd.assets.cloth.stored import FOLDER, names, save, stored
 from chord_usd.errors import AssetError
+from tests.every import for_every
 
 SHEETS = ("coat_", "curtain_")
 """Coats are open at collar and hem."""
 MOST_TRIANGLES = 6000
 MOST_BYTES = 1_500_000
 
-every_cloth = pytest.mark.parametrize("name", names())
+every_cloth = for_every("name", names())
 
 
 @every_cloth

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
-import pytest
+from tests.every import for_every
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "chord_usd"
@@ -123,7 +123,7 @@ def only_for_types(tree: ast.Module) -> set[ast.stmt]:
     }
 
 
-@pytest.mark.parametrize("file", MODULES, ids=name_of)
+@for_every("file", MODULES, ids=name_of)
 def test_imports_point_one_way(file: Path) -> None:
     part = part_of(file)
     foreign = parts_imported(file) - {part}
@@ -132,7 +132,7 @@ def test_imports_point_one_way(file: Path) -> None:
     assert foreign <= allowed, f"{part} imports {foreign - allowed}"
 
 
-@pytest.mark.parametrize("file", MODULES, ids=name_of)
+@for_every("file", MODULES, ids=name_of)
 def test_heavy_libraries_stay_in_their_step(file: Path) -> None:
     part = part_of(file)
     tree = parsed(file)
@@ -141,9 +141,7 @@ def test_heavy_libraries_stay_in_their_step(file: Path) -> None:
     assert not wrong, f"{part} imports {wrong}"
 
 
-@pytest.mark.parametrize(
-    "file", [f for f in MODULES if part_of(f) not in (*STEPS, *WORKSHOP)], ids=name_of
-)
+@for_every("file", [f for f in MODULES if part_of(f) not in (*STEPS, *WORKSHOP)], ids=name_of)
 def test_the_line_and_the_base_import_steps_only_inside_functions(file: Path) -> None:
     """So that `chord-usd --help` does not wait for numpy, let alone torch."""
     tree = parsed(file)
@@ -160,12 +158,12 @@ def test_the_line_and_the_base_import_steps_only_inside_functions(file: Path) ->
             assert not (line and parts[0] in ("numpy", "PIL", "cv2", "shapely")), name
 
 
-@pytest.mark.parametrize("file", CODE, ids=name_of)
+@for_every("file", CODE, ids=name_of)
 def test_files_are_short_enough_to_read(file: Path) -> None:
     assert len(file.read_text().splitlines()) < LONGEST_FILE_LINES
 
 
-@pytest.mark.parametrize(
+@for_every(
     "file",
     [
         *CODE,

@@ -25,6 +25,7 @@ from chord_usd.runtime.checksums import (
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import CHECKPOINTS_VARIABLE, checkpoint_folder
 from chord_usd.runtime.networks import content_hash, granted_threads
+from tests.every import for_every
 
 SHIPPED = Path(__file__).parents[2] / "checkpoints"
 NAMES = sorted(folder.name for folder in SHIPPED.iterdir())
@@ -46,7 +47,7 @@ def flip(path: Path, bit: int) -> None:
     path.write_bytes(data)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_every("name", NAMES)
 def test_what_ships_is_what_its_hashes_say(name: str) -> None:
     """Whoever changes a checkpoint by hand runs `sha256sum` on the three files again."""
     lines = (SHIPPED / name / SUMS_FILE).read_text().splitlines()
@@ -131,7 +132,7 @@ def _keys(values: dict) -> list[tuple[str, ...]]:
 CONFIG = json.loads((SHIPPED / "plan2layout" / "config.json").read_text())
 
 
-@pytest.mark.parametrize("path", _keys(CONFIG), ids=".".join)
+@for_every("path", _keys(CONFIG), ids=".".join)
 def test_a_config_of_other_types_is_told_or_means_the_same(
     path: tuple[str, ...], tmp_path: Path
 ) -> None:

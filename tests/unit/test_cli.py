@@ -18,6 +18,7 @@ from chord_usd.commands.common import Outcome
 from chord_usd.commands.render import look_of, words_of
 from chord_usd.errors import ChordError
 from chord_usd.runtime import interrupts
+from tests.every import for_every
 from tests.verbs import ACTIONS
 
 
@@ -79,9 +80,7 @@ def test_whole_numbers_are_read_in_one_way() -> None:
     assert not [prog for prog, action in ACTIONS if action.type in (int, float)]
 
 
-@pytest.mark.parametrize(
-    ("prog", "action"), INTEGERS, ids=[f"{p} {a.option_strings[-1]}" for p, a in INTEGERS]
-)
+@for_every(("prog", "action"), INTEGERS, ids=lambda case: f"{case[0]} {case[1].option_strings}")
 def test_every_whole_number_has_a_range(prog: str, action: argparse.Action) -> None:
     """Told before a model is loaded, in a short line."""
     assert callable(action.type)

@@ -7,9 +7,8 @@ import shlex
 import tomllib
 from pathlib import Path
 
-import pytest
-
 from chord_usd.cli import build_parser
+from tests.every import for_every
 from tests.verbs import ACTIONS, VERBS
 
 ROOT = Path(__file__).parents[2]
@@ -76,7 +75,7 @@ def test_targets_of_make_that_are_named_exist() -> None:
     assert {name_of(d): wrong for d, targets in named.items() if (wrong := targets - exist)} == {}
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+@for_every("document", DOCUMENTS, ids=name_of)
 def test_commands_can_be_typed(document: Path) -> None:
     """Whole ones parse; of those that are only mentioned, verbs and options exist."""
     text = document.read_text()
@@ -90,7 +89,7 @@ def test_commands_can_be_typed(document: Path) -> None:
             assert named <= OPTIONS | OF_OTHERS, span
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+@for_every("document", DOCUMENTS, ids=name_of)
 def test_extras_and_links_lead_somewhere(document: Path) -> None:
     text = document.read_text()
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -107,7 +106,7 @@ def test_extras_and_links_lead_somewhere(document: Path) -> None:
             assert anchor in {re.sub(r"[^\w -]", "", t.lower()).replace(" ", "-") for t in titles}
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+@for_every("document", DOCUMENTS, ids=name_of)
 def test_modules_that_are_named_exist(document: Path) -> None:
     """Paths of this repository in backticks; a part of a path will do inside the package."""
     for span in re.findall(r"`([\w/.]+\.py|chord_usd/[\w/.]+)`", document.read_text()):
@@ -117,7 +116,7 @@ def test_modules_that_are_named_exist(document: Path) -> None:
         assert any(path.exists() for path in near) or any(ROOT.glob(f"*/**/{span}")), span
 
 
-@pytest.mark.parametrize("document", LONGEST, ids=name_of)
+@for_every("document", LONGEST, ids=name_of)
 def test_documents_are_short_enough_to_read(document: Path) -> None:
     lines = len(document.read_text().splitlines())
     assert lines <= LONGEST[document]

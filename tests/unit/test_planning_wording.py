@@ -17,6 +17,7 @@ from chord_usd.planning.words import (
     condition_words,
 )
 from chord_usd.scene.wish import Wish
+from tests.every import for_every
 
 READ = {
     "This is a 40-square-meter flat with 0 living rooms, 1 bedroom, 0 kitchens, and 1 bathroom.": (
@@ -90,7 +91,7 @@ def test_what_cannot_be_built_is_refused_with_what_was_understood(text: str) -> 
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@for_every("seed", range(60))
 def test_descriptions_mean_what_they_stand_for(seed: int) -> None:
     """What the model learns to hear is what the reader reads."""
     said = describe(random_plan(np.random.default_rng(seed)), np.random.default_rng(seed + 7))

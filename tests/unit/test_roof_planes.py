@@ -14,6 +14,7 @@ from chord_usd.errors import PlanError
 from chord_usd.scene.roof_planes import OVERHANG_M, RoofPlane, roof_planes
 from chord_usd.stage.slabs import covered as covered_by
 from chord_usd.stage.walls import build_walls
+from tests.every import for_every
 
 
 def outline(seed: int) -> BaseGeometry:
@@ -32,7 +33,7 @@ def covered(planes: list[RoofPlane]) -> BaseGeometry:
 
 
 @pytest.mark.parametrize("form", ["gable", "hip"])
-@pytest.mark.parametrize("seed", range(25))
+@for_every("seed", range(25))
 def test_a_roof_covers_all_and_nothing_twice(seed: int, form: str) -> None:
     shape = outline(seed)
     planes = roof_planes(shape, form)  # type: ignore[arg-type]
@@ -42,7 +43,7 @@ def test_a_roof_covers_all_and_nothing_twice(seed: int, form: str) -> None:
     assert eaves.difference(whole.buffer(1e-6)).area < 1e-3
 
 
-@pytest.mark.parametrize("seed", range(25))
+@for_every("seed", range(25))
 def test_planes_of_a_hip_roof_meet_at_one_height_and_begin_at_one(seed: int) -> None:
     planes = roof_planes(outline(seed), "hip")
     whole = covered(planes).buffer(1e-4, join_style="mitre").buffer(-1e-4, join_style="mitre")
@@ -58,7 +59,7 @@ def test_planes_of_a_hip_roof_meet_at_one_height_and_begin_at_one(seed: int) -> 
         assert np.allclose(heights[on_rim], plane.foot_m, atol=1e-4)
 
 
-@pytest.mark.parametrize("seed", [90016, 90085])
+@for_every("seed", [90016, 90085])
 def test_outer_walls_that_touch_at_a_corner_get_a_roof(seed: int) -> None:
     """What is left of a plane is an area and a line, which overlays do not take."""
     walls = build_walls(random_plan(np.random.default_rng(seed)))

@@ -15,6 +15,7 @@ from chord_usd.scene.stair_elements import GOING_M, HEADROOM_M, RISE_M, Stair, T
 from chord_usd.scene.stair_forms import BuiltStair, build_stair, least_square_m
 from chord_usd.scene.stair_spirals import POLE_M, RIM_M, SPIRAL_THICK_M, is_round
 from chord_usd.scene.types import Box
+from tests.every import for_every
 
 SIZES = {
     "straight": (0.95, 4.0), "U": (2.0, 3.0), "L": (2.8, 3.0), "winder_L": (1.7, 3.0),
@@ -29,7 +30,7 @@ def built(form: str, turn: str, yaw_deg: float, height_m: float) -> BuiltStair:
     return build_stair(Stair("stair", form, box, turn), height_m)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("case", CASES, ids=str)
+@for_every("case", CASES, ids=str)
 def test_walking_a_stair_is_even_steps_of_the_rule(case: tuple[str, str, float, float]) -> None:
     stair = built(*case)
     assert RISE_M[0] - 1e-9 <= stair.rise_m <= RISE_M[1] + 1e-9

@@ -1,0 +1,49 @@
+"""Many cases in one test: all of them run, and the message names each that fails."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Any
+
+MOST_SHOWN = 20
+"""Failures that a message describes; it counts the others."""
+
+
+def for_every(
+    names: str | tuple[str, ...], cases: Iterable[Any], ids: Callable[[Any], str] = str
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """As pytest.mark.parametrize, but one test: a loop over all cases, which share its fixtures.
+
+    For cases that state one property of many files, designs or seeds.
+
+    Args:
+        names: the parameter that takes a case, or the parameters that take its members.
+        cases: the cases; at least one.
+        ids: the name of a case in the message.
+    """
+    every = list(cases)
+    assert every, "a loop over nothing proves nothing"
+    taken = (names,) if isinstance(names, str) else names
+
+    def decorate(test: Callable[..., None]) -> Callable[..., None]:
+        @wraps(test)
+        def run(**fixtures: Any) -> None:
+            faults = []
+            for case in every:
+                members = (case,) if isinstance(names, str) else case
+                try:
+                    test(**dict(zip(taken, members, strict=True)), **fixtures)
+                except Exception as error:
+                    faults.append(f"{ids(case)}: {type(error).__name__}: {error}")
+            shown = "\n".join(faults[:MOST_SHOWN])
+            assert not faults, f"{len(faults)} of {len(every)} cases fail:\n{shown}"
+
+        signature = inspect.signature(test)
+        kept = [p for name, p in signature.parameters.items() if name not in taken]
+        run.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
+        del run.__wrapped__  # type: ignore[attr-defined]
+        return run
+
+    return decorate
