@@ -131,10 +131,7 @@ def test_what_is_no_plan_is_refused_or_doubted(name: str) -> None:
 def test_a_plan_cut_through_a_room_says_so() -> None:
     whole = drawn("agent", 5)
     cut = whole.rgb[:, : round(0.6 * whole.rgb.shape[1])]
-    try:
-        plan = read_drawing(cut, whole.frame.m_per_px)
-    except PlanError:
-        return
+    plan = read_drawing(cut, whole.frame.m_per_px)
     assert any("cut off" in warning for warning in plan.extra[WARNINGS])
 
 
