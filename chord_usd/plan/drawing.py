@@ -76,6 +76,8 @@ class Known:
     """What is printed on it; empty where that has to be read from the pixels, too."""
     stated_m_per_px: float | None = None
     """By a scale such as 1:100 and the size of the paper."""
+    paper_m_per_px: float | None = None
+    """Of the sheet of paper, whatever its scale is."""
 
 
 def read_drawing(
@@ -153,7 +155,7 @@ def _page(
     light = on_white(sheet.rgb)
     segments = (reader or _reader()).read(light)
     texts = _texts(sheet, known)
-    return _Page(sheet, segments, texts, m_per_px, part, known.stated_m_per_px)
+    return _Page(sheet, segments, texts, m_per_px, part, known)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +168,7 @@ class _Page:
     texts: tuple[Text, ...]
     m_per_px: float | None
     part: int
-    stated_m_per_px: float | None
+    known: Known = Known()
     is_home: bool = True
     """Whether the sheet's plan is all of a home, and no storey of one."""
 
@@ -267,12 +269,14 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
 def _scale(reading: SeenReading, page: _Page) -> Scale:
     polygons = [outline.polygon_px for outline in reading.outlines]
     printed = estimates(page.texts, polygons, page.ink)
-    if page.stated_m_per_px:
-        printed.append(Estimate(STATED, page.stated_m_per_px / page.sheet.shrink, "1:n"))
+    known, shrink = page.known, page.sheet.shrink
+    if known.stated_m_per_px:
+        printed.append(Estimate(STATED, known.stated_m_per_px / shrink, "1:n"))
+    paper = known.paper_m_per_px and known.paper_m_per_px / shrink
     walls = WALL_THICKNESS_M / max(reading.regions.thickness_px, 1.0)
     kinds = [room.kind for room in _labelled_rooms(reading, page, reading.frame)]
     rooms = scale_by_rooms(kinds, [Polygon(polygon).area for polygon in polygons])
-    return choose_scale(printed, reading.doors_m_per_px, walls, page.given, rooms)
+    return choose_scale(printed, reading.doors_m_per_px, walls, page.given, rooms, paper)
 
 
 def _plan(reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds) -> Plan:

@@ -21,8 +21,9 @@ from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, WARNINGS, frame_of, straightening_of
 from chord_usd.plan.sheet import straightened
 from chord_usd.plan.vector.backdrop import backdrop
-from chord_usd.plan.vector.formats import is_vector
+from chord_usd.plan.vector.formats import is_svg, is_vector
 from chord_usd.plan.vector.pdf import read_pages
+from chord_usd.plan.vector.svg_page import read_page
 from chord_usd.raster.lettering import text_size, write_text
 from chord_usd.runtime.files import write_atomic
 from chord_usd.scene import palette
@@ -108,15 +109,21 @@ def drawing_of(plan: Plan, source: Path) -> tuple[Plan, ByteArray]:
 
     Raises ChordError.
     """
+    if is_svg(source) and frame_of(plan) is not None:
+        return plan, _upright(plan, read_page(source).rgb)
     if is_vector(source):
         rgb, entry = backdrop(source, plan)
         return replace(plan, extra={**plan.extra, **entry}), rgb
     if source.suffix.lower() == ".pdf":
         number = int(plan.extra.get(PAGE, 1))
         return plan, next(p.rgb for p in read_pages(source) if p.number == number)
+    return plan, _upright(plan, read_picture(source).rgb)
+
+
+def _upright(plan: Plan, rgb: ByteArray) -> ByteArray:
+    """A picture as it was straightened before the plan was read from it."""
     done = straightening_of(plan)
-    rgb = read_picture(source).rgb
-    return plan, straightened(rgb, done, rgb.shape) if done.entry() else rgb
+    return straightened(rgb, done, rgb.shape) if done.entry() else rgb
 
 
 def write_drawing(plan: Plan, source: Path, target: Path) -> PixelFrame | None:

@@ -13,8 +13,10 @@ from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.drawing import Known, read_drawing, read_sheet
 from chord_usd.plan.picture import read_picture
 from chord_usd.plan.placement import PAGE, WARNINGS
-from chord_usd.plan.vector.formats import is_vector, read_vector, read_vector_storeys
+from chord_usd.plan.scale_choice import SCALE, per_unit
+from chord_usd.plan.vector.formats import is_svg, is_vector, read_vector, read_vector_storeys
 from chord_usd.plan.vector.pdf import PdfPage, read_pages
+from chord_usd.plan.vector.svg_page import read_page
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.scene import palette
 from chord_usd.scene.chord_json import read_plan
@@ -62,6 +64,8 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
     refuse_odd_file(path, PlanError)
     if is_vector(path):
         plans = read_vector_storeys(path, scale)
+        if is_svg(path) and not any(plan.openings for plan, _ in plans):
+            return [StoreyPlan(read_plan_file(path, scale))]
         return [StoreyPlan(plan, name, (0.0, 0.0) if index else None)
                 for index, (plan, name) in enumerate(plans)]  # fmt: skip
     if path.suffix.lower() == ".pdf" or _is_json(path):
@@ -80,7 +84,12 @@ def _read(path: Path, scale: float | None, part: int) -> Plan:
     if path.suffix.lower() == ".pdf":
         return _plan_of_pdf(path, scale, part)
     if is_vector(path):
-        return read_vector(path, scale, part)
+        named = read_vector(path, scale, part)
+        return (
+            named
+            if named and (named.openings or not is_svg(path))
+            else _plan_of_looks(path, scale, part, named)
+        )
     return read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part)
 
 
@@ -109,12 +118,31 @@ def _plan_of_picture(path: Path, scale: float | None, part: int) -> Plan:
     return plan
 
 
+def _plan_of_looks(path: Path, scale: float | None, part: int, named: Plan | None) -> Plan:
+    """The plan of an SVG that names no openings, by its looks, or else the one that it names."""
+    try:
+        page = read_page(path)
+        known = Known((), page.stated_m_per_px, page.paper_m_per_px)
+        plan = read_drawing(page.rgb, scale and scale * page.units_per_px, part, known)
+    except PlanError as error:
+        if named:
+            return named
+        told = f"names neither walls nor rooms that close, and by its looks {error.what}"
+        raise PlanError(told, where=str(path), expected=error.expected, try_=error.try_) from error
+    if named and not plan.openings:
+        return named
+    missing = "doors or windows" if named else "walls or rooms"
+    told = f"the SVG names no {missing}: it was read by its looks"
+    scales = per_unit(plan.extra[SCALE], page.units_per_px)
+    return replace(plan, extra={**plan.extra, SCALE: scales, WARNINGS: [told, *_told(plan)]})
+
+
 def _plan_of_pdf(path: Path, scale: float | None, part: int) -> Plan:
     """The plan on the first page that shows one."""
     first: PlanError | None = None
     for page in _pages(path):
         try:
-            known = Known(page.texts, page.stated_m_per_px)
+            known = Known(page.texts, page.stated_m_per_px, page.paper_m_per_px)
             plan = read_drawing(page.rgb, scale, part, known)
         except PlanError as error:
             first = first or error

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from chord_usd.plan.paper import usual_scale
 from chord_usd.plan.printed import Estimate
 from chord_usd.scene.types import BoolArray, FloatArray
 
@@ -36,7 +37,7 @@ _TRUST = {
 }  # fmt: skip
 """Areas are rounded, and count wardrobes in one country and not in the other."""
 
-_CONFIDENCE = {"given": 1.0, "file": 1.0, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
+_CONFIDENCE = {"given": 1.0, "file": 1.0, "paper": 0.7, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
 
 _SPREAD = {"doors": 0.2, "walls": 0.45}
 """Standard deviation of the logarithm of what they say."""
@@ -48,7 +49,7 @@ class Scale:
 
     m_per_px: float
     witness: str
-    """Given, file, doors, rooms, walls, or a printed measure: see printed.Estimate."""
+    """Given, file, paper, doors, rooms, walls, or a printed measure: see printed.Estimate."""
     count: int = 1
     """How many measures speak for it."""
     agreement: float = 1.0
@@ -100,17 +101,25 @@ class Scale:
         return []
 
 
+def per_unit(report: Mapping[str, Any], units_per_px: float) -> dict[str, Any]:
+    """Scale.report of a picture, for the units of the file that the picture was drawn from."""
+    says = {name: round(value / units_per_px, 6) for name, value in report["says"].items()}
+    return {**report, "mPerPx": round(report["mPerPx"] / units_per_px, 6), "says": says}
+
+
 def choose_scale(
     printed: Sequence[Estimate],
     doors: float | None,
     walls: float,
     given: float | None = None,
     rooms: tuple[float, float] | None = None,
+    paper: float | None = None,
 ) -> Scale:
     """The scale by the best witness: the one given, printed measures, or what doors, usual sizes of
     rooms (scene.room_areas.scale_by_rooms) and walls say together.
 
-    All in metres per pixel. Printed measures count where they agree with one another, or, alone,
+    All in metres per pixel. paper: of the sheet, whose usual scale is taken where it is near what
+    the others say. Printed measures count where they agree with one another, or, alone,
     where the others find them believable.
     """
     unprinted = {"walls": (walls, _SPREAD["walls"])}
@@ -132,6 +141,9 @@ def choose_scale(
     told = ""
     if found is not None:
         told = f"only {found.agreement:.0%} of the printed {found.witness} agree"
+    on_paper = paper and usual_scale(rough, paper)
+    if on_paper:
+        return Scale(on_paper, "paper", others=others, disagreement=told)
     witness = next(name for name in ("doors", "rooms", "walls") if name in unprinted)
     return Scale(rough, witness, others=others, disagreement=told)
 

@@ -271,10 +271,3 @@ def test_no_file_that_an_svg_names_is_opened(reference: str, tmp_path: Path) -> 
     (tmp_path / "plan.svg").write_text(f"{sheet}{outside}<svg {names}>{room}{inner}</svg>")
     plan = read_plan_file(tmp_path / "plan.svg", 0.01)
     assert [room.polygon_m.shape for room in plan.rooms] == [(4, 2)]
-
-
-def test_uses_are_not_followed(tmp_path: Path) -> None:
-    bomb = "".join(f'<g id="g{n}">' + f'<use href="#g{n - 1}"/>' * 10 + "</g>" for n in range(1, 9))
-    room = '<rect id="g0" class="room" width="400" height="300"/>'
-    (tmp_path / "plan.svg").write_text(f"<svg>{room}{bomb}</svg>")
-    assert len(read_plan_file(tmp_path / "plan.svg", 0.01).rooms) == 1

@@ -16,8 +16,9 @@ from shapely.ops import unary_union
 from chord_usd.errors import PlanError
 from chord_usd.plan.home_uses import part_open_plans
 from chord_usd.plan.labels import named_by_texts, numbered, uses_named
+from chord_usd.plan.paper import stated_ratio
 from chord_usd.plan.placement import WARNINGS
-from chord_usd.plan.printed import estimates
+from chord_usd.plan.printed import STATED, Estimate, estimates
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.plan.text import Text
 from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
@@ -125,7 +126,11 @@ def _scale(drawing: VectorDrawing, where: str, given: float | None) -> Scale:
             "does not say how large it is", where=where, expected="units, doors or walls",
             try_="--scale",
         )  # fmt: skip
-    return choose_scale(printed, doors, WALL_THICKNESS_M / thickness if thickness else doors or 1.0)
+    paper = drawing.paper_m_per_unit
+    if paper and (ratio := stated_ratio(label.text for label in drawing.labels)):
+        printed.append(Estimate(STATED, ratio * paper, f"1:{ratio}"))
+    usual = WALL_THICKNESS_M / thickness if thickness else doors or 1.0
+    return choose_scale(printed, doors, usual, paper=paper)
 
 
 def _thickness(wall: Polygon) -> float:

@@ -40,6 +40,11 @@ def is_vector(path: Path) -> bool:
     return path.suffix.lower() in _READERS
 
 
+def is_svg(path: Path) -> bool:
+    """Whether a vector file is drawn for the eye, too, and can be read by its looks."""
+    return path.suffix.lower() == ".svg"
+
+
 def read_drawings(path: Path) -> list[VectorDrawing]:
     """The storeys or sheets in a vector file. Raises PlanError, and MissingExtraError.
 
@@ -61,8 +66,8 @@ def read_drawings(path: Path) -> list[VectorDrawing]:
     return drawings
 
 
-def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> Plan:
-    """The plan in a vector file, read in a process of its own.
+def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> Plan | None:
+    """The plan in a vector file, read in a process of its own; None of an SVG that names none.
 
     m_per_unit overrides the file's own units; part: which storey, the one with most rooms that
     doors lead into being 1. Raises PlanError.
@@ -70,7 +75,7 @@ def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> P
     return confined(_read_plan, path, m_per_unit, part, where=str(path), error=PlanError)
 
 
-def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan:
+def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan | None:
     drawings = read_drawings(path)
     plans, reasons = [], []
     for drawing in drawings:
@@ -79,7 +84,8 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan:
         except PlanError as error:
             reasons.append(error)
     if not plans:
-        raise reasons[0]
+        _refuse_nothing(path, reasons)
+        return None
     plans.sort(key=lambda row: _homeliness(row[0]), reverse=True)
     if part > len(plans):
         holds = "one storey" if len(plans) == 1 else f"{len(plans)} storeys"
@@ -98,8 +104,18 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan:
     return Plan(plan.rooms, plan.openings, extra)
 
 
+def _refuse_nothing(path: Path, reasons: Sequence[PlanError]) -> None:
+    """Raises PlanError for a file that holds no plan, but not for an SVG: it has looks, too."""
+    if is_svg(path):
+        return
+    if reasons:
+        raise reasons[0]
+    raise PlanError("has no storey with rooms that doors lead into", where=str(path))
+
+
 def read_vector_storeys(path: Path, m_per_unit: float | None = None) -> list[tuple[Plan, str]]:
-    """The storeys of a vector file that rooms with doors are on, and their names, the lowest first.
+    """The storeys of a vector file that rooms with doors are on, and their names, the lowest first;
+    none of an SVG that names none.
 
     Where they lie on each other is as in the file. Raises PlanError.
     """
@@ -122,11 +138,8 @@ def _read_storeys(path: Path, m_per_unit: float | None) -> list[tuple[Plan, str]
         if _homeliness(row[1])[0] and _floor_m2(row[1]) >= _LEAST_STOREY * most
     ]  # fmt: skip
     if not homes:
-        raise (
-            reasons[0]
-            if reasons
-            else PlanError("has no storey with rooms that doors lead into", where=str(path))
-        )
+        _refuse_nothing(path, reasons)
+        return []
     homes.sort(key=lambda row: row[0])
     plans = [plan for _, plan, _ in homes]
     for index, (_, plan, drawing) in enumerate(homes[:-1]):

@@ -6,7 +6,6 @@ picture; text and a stated scale ("1:100") are exact.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import PlanError
+from chord_usd.plan.paper import M_PER_POINT, stated_ratio
 from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.text import Text
 from chord_usd.runtime.confined import confined
@@ -27,8 +27,6 @@ _LARGEST_BYTES = 256 * 2**20
 _MOST_SEGMENTS = 800_000
 """Of all paths on a page: plans drawn by CAD programs have some ten thousand, hatched ones ten
 times as many. Each takes up to 0.1 ms to draw."""
-_M_PER_POINT = 0.0254 / 72.0
-_STATED = re.compile(r"\b1\s*[:：]\s*(20|25|33|40|50|75|100|125|150|200|250|300|400|500)\b")
 _EXPECTED = "a PDF page with a floor plan"
 
 
@@ -46,6 +44,8 @@ class PdfPage:
     """What is written on it, in pixels; empty for a scan."""
     stated_m_per_px: float | None
     """By a scale printed on the page."""
+    paper_m_per_px: float
+    """Of the sheet of paper."""
 
 
 def read_pages(path: Path) -> Iterator[PdfPage]:
@@ -98,9 +98,11 @@ def _page(page: Any, number: int, count: int, path: Path) -> PdfPage:
     rgb = page.render(scale=px_per_pt, rev_byteorder=True).to_numpy()[:, :, :3]
     # Text boxes are told in the page's own frame, which a turned page does not show.
     texts = tuple(_texts(page, height_pt, px_per_pt)) if page.get_rotation() == 0 else ()
-    match = next((m for text in texts if (m := _STATED.search(text.text))), None)
-    stated = int(match[1]) * _M_PER_POINT / px_per_pt if match else None
-    return PdfPage(number, count, frozen_array(rgb, np.uint8), texts, stated)
+    ratio = stated_ratio(text.text for text in texts)
+    paper = M_PER_POINT / px_per_pt
+    return PdfPage(
+        number, count, frozen_array(rgb, np.uint8), texts, ratio and ratio * paper, paper
+    )  # fmt: skip
 
 
 def _refuse_endless(page: Any, number: int, path: Path) -> None:

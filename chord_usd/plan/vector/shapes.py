@@ -69,6 +69,8 @@ class VectorDrawing:
     """Of the storey; tells which is above which."""
     notes: Sequence[str] = ()
     """What a user should know of the reading."""
+    paper_m_per_unit: float | None = None
+    """On a sheet of paper, drawn at a scale that the file does not say."""
     extra: Mapping[str, object] = field(default_factory=dict)
 
 

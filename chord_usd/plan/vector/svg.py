@@ -8,7 +8,7 @@ or label, that speaks of walls, doors, windows or rooms.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -17,9 +17,18 @@ import numpy as np
 from shapely.geometry import LineString, Polygon
 
 from chord_usd.errors import PlanError
+from chord_usd.plan.paper import M_PER_POINT
 from chord_usd.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
 from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
-from chord_usd.plan.vector.svg_shapes import IDENTITY, numbers, outlines, transform
+from chord_usd.plan.vector.svg_shapes import (
+    IDENTITY,
+    filled,
+    numbers,
+    outlines,
+    transform,
+    viewport,
+)
+from chord_usd.plan.vector.svg_style import Style, StyleSheet
 from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.room_names import room_kind
 from chord_usd.scene.types import FloatArray, OpeningKind
@@ -37,10 +46,18 @@ _MEANINGS = (
     ("wall", re.compile(r"\bwalls?\b|\bw[aä]nde?\b|\bmurs?\b|\bmuros?\b|parede", re.I)),
     ("room", re.compile(r"\bspace\b|\brooms?\b|\bfloors?\b|\braum\b|\bpi[eè]ce\b", re.I)),
 )
-_M_PER_LENGTH = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+_M_PER_LENGTH = {
+    "mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048, "pt": M_PER_POINT,
+}  # fmt: skip
+_NOT_DRAWN = ("defs", "clipPath", "mask", "pattern", "symbol", "style")
+"""Where they stand; a symbol is drawn where it is used."""
+_HREF = ("href", "{http://www.w3.org/1999/xlink}href")
 _MOST_NUMBERS = 200_000
 """In all outlines of walls, rooms and openings: a large house has some thousand."""
+_MOST_USED = 100_000
+"""Elements that `use` repeats."""
 _PLAIN_ROOM = re.compile(r"(?i)space|rooms?|floor|\d*")
+_M_PER_CSS_PX = 0.0254 / 96
 _LEAST_HOUSE_M = 3.0
 """An SVG whose page is smaller is not drawn at full size, whatever its units say."""
 
@@ -48,6 +65,15 @@ _LEAST_HOUSE_M = 3.0
 @dataclass
 class _Found:
     where: str
+    sheet: StyleSheet
+    by_id: dict[str, Element]
+    top: Element
+    used: list[str] = field(default_factory=list)
+    """Ids of what is repeated at present, the outermost first."""
+    shown: Element | None = None
+    """The innermost of these."""
+    repeated: int = 0
+    """Elements that `use` repeated so far."""
     numbers: int = 0
     """In the outlines so far."""
     rooms: list[RoomShape] = field(default_factory=list)
@@ -56,31 +82,39 @@ class _Found:
     labels: list[Label] = field(default_factory=list)
 
 
-def read_svg(path: Path) -> list[VectorDrawing]:
-    """The drawing in an SVG; one per CubiCasa floor. Raises PlanError."""
+def svg_root(path: Path) -> Element:
+    """The root of an SVG. Raises PlanError."""
     with path.open("rb") as file:
         root = parse_xml(file.read(LARGEST_BYTES + 1), str(path), _EXPECTED)
     if local_name(root) != "svg":
         raise PlanError("is not an SVG", where=str(path), expected=_EXPECTED)
+    return root
+
+
+def read_svg(path: Path) -> list[VectorDrawing]:
+    """What is named in an SVG; one drawing per CubiCasa floor, none where no wall or room is named.
+
+    Raises PlanError.
+    """
+    root = svg_root(path)
     floors = [e for e in root.iter() if _said(e).split(" ")[0] in ("Floor", "Floorplan")]
     known = {id(floor) for floor in floors}
     inner = [e for e in floors if not any(id(child) in known for child in list(e.iter())[1:])]
-    scale = _m_per_unit(root)
+    paper = paper_m_per_unit(root)
+    is_full_size = paper is not None and is_house(root, paper)
+    sheet, by_id = StyleSheet(root), {e.get("id", ""): e for e in root.iter()}
     drawings = []
     for top in inner or [root]:
-        found = _Found(str(path))
+        found = _Found(str(path), sheet, by_id, root)
         _visit(top, _matrix_above(root, top), "", found)
         if found.rooms or found.walls:
             drawings.append(
                 VectorDrawing(
-                    found.rooms, found.walls, found.openings, found.labels, scale, _said(top)
+                    found.rooms, found.walls, found.openings, found.labels,
+                    paper if is_full_size else None, _said(top),
+                    paper_m_per_unit=None if is_full_size else paper,
                 )
-            )
-    if not drawings:
-        raise PlanError(
-            "names neither walls nor rooms", where=str(path), expected=_EXPECTED,
-            try_="export it as PNG, which is read by its looks",
-        )  # fmt: skip
+            )  # fmt: skip
     return drawings
 
 
@@ -103,47 +137,58 @@ def _said(element: Element) -> str:
     return " ".join(element.get(key, "") for key in keys).strip()
 
 
-@dataclass(frozen=True)
-class _Style:
-    """What is inherited from group to group."""
-
-    stroke: float = 0.0
-    """Width of lines."""
-    is_filled: bool = True
-
-    def of(self, element: Element) -> _Style:
-        """The style of an element in one of this style."""
-        written = dict(re.findall(r"([\w-]+)\s*:\s*([^;]+)", element.get("style", "")))
-        width = written.get("stroke-width", element.get("stroke-width"))
-        fill = written.get("fill", element.get("fill"))
-        stroke = (numbers(width) or [0.0])[0] if width else self.stroke
-        return _Style(stroke, fill.strip() != "none" if fill else self.is_filled)
-
-
 def _visit(
-    element: Element, matrix: FloatArray, meaning: str, found: _Found, style: _Style | None = None
+    element: Element, matrix: FloatArray, meaning: str, found: _Found, style: Style | None = None
 ) -> None:
     """Collect what this element and all in it draw. Matrix: from its own units to the root's."""
-    if element.get("display") == "none" and meaning != "room":
+    name = local_name(element)
+    style = found.sheet.style(element, style or Style())
+    if not style.is_displayed and meaning != "room":
         return
-    if local_name(element) in ("defs", "clipPath", "mask", "pattern", "symbol", "style"):
+    if name in _NOT_DRAWN and element is not found.shown:
         return
     matrix = matrix @ transform(element)
-    style = (style or _Style()).of(element)
     said = _meaning(element)
     own = said or meaning
     if own == "skip":
         return
-    if local_name(element) == "text":
+    if name == "text":
         _add_label(element, matrix, found)
         return
-    if said and local_name(element) == "g" and _is_thing(element, said):
+    if name == "use":
+        _visit_used(element, matrix, own, found, style)
+        return
+    if name == "svg" and element not in (found.top, found.shown):
+        matrix = matrix @ viewport(element)
+    if said and name == "g" and _is_thing(element, said):
         _add_group(element, matrix, said, found)
         return
-    for points in _outlines(element, found) if own else ():
-        _add(own, _mapped(points, matrix), _said(element), style, found)
+    if own and style.is_visible:
+        _add_shape(element, matrix, own, found, style)
     for child in element:
         _visit(child, matrix, own, found, style)
+
+
+def _visit_used(
+    use: Element, matrix: FloatArray, meaning: str, found: _Found, style: Style
+) -> None:
+    """What a use repeats. Raises PlanError where all uses together repeat too much."""
+    name = next((use.get(key, "") for key in _HREF if use.get(key)), "")
+    shown = found.by_id.get(name.removeprefix("#")) if name.startswith("#") else None
+    if shown is None or name in found.used:
+        return
+    found.repeated += sum(1 for _ in shown.iter())
+    if found.repeated > _MOST_USED:
+        raise PlanError(
+            f"repeats more than {_MOST_USED:,} elements", where=found.where, expected=_EXPECTED,
+            try_="flatten it, or export it as PNG",
+        )  # fmt: skip
+    outer, found.shown = found.shown, shown
+    found.used.append(name)
+    is_sheet = local_name(shown) in ("symbol", "svg")
+    _visit(shown, matrix @ viewport(use, shown if is_sheet else use), meaning, found, style)
+    found.used.pop()
+    found.shown = outer
 
 
 def _outlines(element: Element, found: _Found) -> Iterator[FloatArray]:
@@ -172,7 +217,7 @@ def _add_group(group: Element, matrix: FloatArray, meaning: str, found: _Found) 
     """A group's first shape is the thing itself; the rest draws leaves and names."""
     shape = next(e for e in group if local_name(e) in ("polygon", "polyline", "rect", "path"))
     for points in _outlines(shape, found):
-        _add(meaning, _mapped(points, matrix @ transform(shape)), _said(group), _Style(), found)
+        _add(meaning, _mapped(points, matrix @ transform(shape)), _said(group), found)
     for text in (e for e in group.iter() if local_name(e) == "text"):
         # Its place in a nested group is of no weight: it lies in the room it names.
         inner = _matrix_above(group, text)
@@ -188,14 +233,33 @@ def _mapped(points: FloatArray, matrix: FloatArray) -> FloatArray:
     return mapped * (1.0, -1.0)
 
 
-def _add(meaning: str, points: FloatArray, said: str, style: _Style, found: _Found) -> None:
-    closed = len(points) >= 3
-    if meaning == "wall" and closed and style.is_filled:
-        found.walls += polygons_of(Polygon(points).buffer(0))
-    elif meaning == "wall" and style.stroke > 0.0:
-        line = LineString(points).buffer(style.stroke / 2, cap_style="square", join_style="mitre")
-        found.walls += polygons_of(line)
-    elif meaning == "room" and closed:
+def _add_shape(
+    element: Element, matrix: FloatArray, meaning: str, found: _Found, style: Style
+) -> None:
+    """Add what one element draws."""
+    drawn = [_mapped(points, matrix) for points in _outlines(element, found)]
+    if meaning == "wall":
+        size = float(np.sqrt(abs(np.linalg.det(matrix[:2, :2]))))
+        found.walls += _walls(drawn, style, size)
+        return
+    for points in drawn:
+        _add(meaning, points, _said(element), found)
+
+
+def _walls(drawn: Sequence[FloatArray], style: Style, size: float) -> list[Polygon]:
+    """Filled outlines, or lines as wide as drawn. size: units of the root in one of the element."""
+    if style.is_filled and any(len(points) >= 3 for points in drawn):
+        return filled(drawn, is_even_odd=style.is_even_odd)
+    if style.stroke <= 0.0:
+        return []
+    half = style.stroke * size / 2
+    lines = (LineString(points) for points in drawn)
+    areas = (line.buffer(half, cap_style="square", join_style="mitre") for line in lines)
+    return [polygon for area in areas for polygon in polygons_of(area)]
+
+
+def _add(meaning: str, points: FloatArray, said: str, found: _Found) -> None:
+    if meaning == "room" and len(points) >= 3:
         found.rooms.append(RoomShape(Polygon(points), _room_name(said)))
     elif meaning in ("door", "window", "passage"):
         opening = _opening(meaning, points)
@@ -238,11 +302,19 @@ def _words(element: Element) -> Iterator[str]:
     return (part for part in element.itertext())
 
 
-def _m_per_unit(root: Element) -> float | None:
-    """From a width with a unit and the view box, where that is a house at full size."""
-    match = re.fullmatch(r"\s*([\d.]+)\s*(mm|cm|m|in|ft)\s*", root.get("width", ""))
-    box = numbers(root.get("viewBox", ""))
-    if not match or len(box) != 4 or box[2] <= 0.0:
+def paper_m_per_unit(root: Element) -> float | None:
+    """Metres on the page per unit of the root; None where its width is no length, as 100%."""
+    match = re.fullmatch(r"\s*([\d.]+)\s*([a-z]+)\s*", root.get("width", ""))
+    if not match or match[2] not in _M_PER_LENGTH:
         return None
+    box = numbers(root.get("viewBox", ""))
+    if not box:
+        return _M_PER_CSS_PX
     width_m = float(match[1]) * _M_PER_LENGTH[match[2]]
-    return width_m / box[2] if width_m >= _LEAST_HOUSE_M else None
+    return width_m / box[2] if len(box) == 4 and min(width_m, box[2]) > 0.0 else None
+
+
+def is_house(root: Element, m_per_unit: float) -> bool:
+    """Whether a page is as wide as a house, and so is drawn at full size."""
+    box = numbers(root.get("viewBox", ""))
+    return len(box) == 4 and box[2] * m_per_unit >= _LEAST_HOUSE_M

@@ -1,20 +1,26 @@
-"""Geometry of SVG elements: transforms, paths and basic shapes as points, y down."""
+"""Geometry of SVG elements: transforms, paths, basic shapes and filled areas, y down."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from xml.etree.ElementTree import Element
 
 import numpy as np
+from shapely.geometry import LineString, Polygon
+from shapely.ops import polygonize, unary_union
 
 from chord_usd.plan.vector.safe_xml import local_name
+from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import FloatArray
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _COMMAND = re.compile(r"([MmLlHhVvCcSsQqTtAaZz])([^MmLlHhVvCcSsQqTtAaZz]*)")
-_TRANSFORM = re.compile(r"(matrix|translate|scale|rotate)\s*\(([^)]*)\)")
+_ARC = re.compile(rf"({_NUMBER.pattern})[\s,]*" * 3 + r"([01])[\s,]*" * 2
+                  + rf"({_NUMBER.pattern})[\s,]*" * 2)  # fmt: skip
+"""Flags of arcs may stand together with what follows: "a5 5 0 01.5-3"."""
+_TRANSFORM = re.compile(r"(matrix|translate|scale|rotate|skewX|skewY)\s*\(([^)]*)\)")
 _ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 _CURVE_POINTS = 8
 IDENTITY = np.eye(3)
@@ -47,7 +53,60 @@ def _matrix(name: str, v: list[float]) -> FloatArray:
             there, back = _matrix("translate", v[1:]), _matrix("translate", [-v[1], -v[2]])
             return there @ turn @ back
         return turn
+    if name.startswith("skew") and v:
+        tangent, is_x = math.tan(math.radians(v[0])), name == "skewX"
+        return np.array([[1, tangent * is_x, 0], [tangent * (not is_x), 1, 0], [0, 0, 1]])
     return IDENTITY
+
+
+def viewport(element: Element, shown: Element | None = None) -> FloatArray:
+    """(3, 3) from the units inside a nested svg, symbol or use to those around it.
+
+    element: says where it lies and how large it is; shown: whose view box that is, if another's.
+    """
+    x, y = (_length(element, key) for key in ("x", "y"))
+    matrix = np.array([[1.0, 0, x], [0, 1, y], [0, 0, 1]])
+    box = numbers((element if shown is None else shown).get("viewBox", ""))
+    if len(box) != 4 or min(box[2:]) <= 0.0:
+        return matrix
+    sizes = [_length(element, key) for key in ("width", "height")]
+    shares = [size / side for size, side in zip(sizes, box[2:], strict=True) if size > 0.0]
+    share = min(shares, default=1.0)
+    return matrix @ np.diag([share, share, 1.0]) @ _matrix("translate", [-box[0], -box[1]])
+
+
+def _length(element: Element, key: str) -> float:
+    """A length in the units around; 0 without one and for a share of what is around."""
+    text = element.get(key, "")
+    return (numbers(text) or [0.0])[0] if "%" not in text else 0.0
+
+
+def filled(outlines: Sequence[FloatArray], *, is_even_odd: bool) -> list[Polygon]:
+    """What the outlines of one path fill together, each (N, 2), closed or not.
+
+    Outlines within one another are holes by the even-odd rule, or by their directions.
+    """
+    rings = [np.vstack([ring, ring[:1]]) for ring in outlines if len(ring) >= 3]
+    if len(rings) == 1:
+        return polygons_of(Polygon(rings[0]).buffer(0))
+    cells = polygonize(unary_union([LineString(ring) for ring in rings]))
+    kept = [cell for cell in cells if _is_inside(cell, rings, is_even_odd=is_even_odd)]
+    return polygons_of(unary_union(kept))
+
+
+def _is_inside(cell: Polygon, rings: Sequence[FloatArray], *, is_even_odd: bool) -> bool:
+    point = np.array(cell.representative_point().coords[0])
+    turns = sum(_turns_round(point, ring) for ring in rings)
+    return turns % 2 == 1 if is_even_odd else turns != 0
+
+
+def _turns_round(point: FloatArray, ring: FloatArray) -> int:
+    """How often a closed ring, its first corner repeated, goes round a point."""
+    (x0, y0), (x1, y1) = (ring[:-1] - point).T, (ring[1:] - point).T
+    side = x0 * y1 - x1 * y0
+    up = (y0 <= 0.0) & (y1 > 0.0) & (side > 0.0)
+    down = (y0 > 0.0) & (y1 <= 0.0) & (side < 0.0)
+    return int(up.sum()) - int(down.sum())
 
 
 def outlines(element: Element) -> Iterator[FloatArray]:
@@ -55,11 +114,12 @@ def outlines(element: Element) -> Iterator[FloatArray]:
     name = local_name(element)
     if name in ("polygon", "polyline"):
         values = numbers(element.get("points", ""))
-        yield np.array(values[: len(values) // 2 * 2]).reshape(-1, 2)
+        points = np.array(values[: len(values) // 2 * 2]).reshape(-1, 2)
+        yield np.vstack([points, points[:1]]) if name == "polygon" else points
     elif name == "rect":
         x, y, w, h = (float((numbers(element.get(k, "0")) or [0.0])[0])
                       for k in ("x", "y", "width", "height"))  # fmt: skip
-        yield np.array([[x, y], [x + w, y], [x + w, y + h], [x, y + h]])
+        yield np.array([[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y]])
     elif name == "line":
         ends = [(numbers(element.get(k, "0")) or [0.0])[0] for k in ("x1", "y1", "x2", "y2")]
         yield np.array(ends).reshape(2, 2)
@@ -71,7 +131,7 @@ def _path(data: str) -> Iterator[list[tuple[float, float]]]:
     points: list[tuple[float, float]] = []
     place = (0.0, 0.0)
     for letter, arguments in _COMMAND.findall(data):
-        values, size = numbers(arguments), _ARGUMENTS[letter.upper()]
+        values, size = _values(letter, arguments), _ARGUMENTS[letter.upper()]
         if letter in "Zz":
             if points:
                 place = points[0]
@@ -93,6 +153,12 @@ def _path(data: str) -> Iterator[list[tuple[float, float]]]:
             place = reached[-1]
     if points:
         yield points
+
+
+def _values(letter: str, arguments: str) -> list[float]:
+    if letter in "Aa":
+        return [float(value) for arc in _ARC.findall(arguments) for value in arc]
+    return numbers(arguments)
 
 
 def _stretch(
