@@ -5,17 +5,19 @@ Every word has to have a part in its clause: what has none makes the whole sente
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from chord_usd.errors import ChordError
-from chord_usd.lists.edit_words import Thing, Token, mended, tokens, words_of
+from chord_usd.lists.edit_words import WISHES, Thing, Token, mended, tokens, words_of
+from chord_usd.lists.speech_acts import Act, acts_of, separates
 from chord_usd.scene.numbers_said import plain_text
 from chord_usd.scene.room_names import kind_of_word, room_kind
 from chord_usd.scene.types import Room
 
 MOST_CHARACTERS = 1000
 WHERE = "the sentence"
+_EXAMPLE = 'chord-usd edit HOUSE "put a plant in bedroom 1, no rug in the hall" --dry-run'
 
 _LONGEST_ROOM = 5
 _ROOM_WORDS = frozenset((
@@ -52,6 +54,7 @@ class Noun:
 class Clause:
     """One verb and what goes with it."""
 
+    act: Act = "order"
     said: list[str] = field(default_factory=list)
     verb: str = ""
     verb_said: str = ""
@@ -93,11 +96,17 @@ def not_understood(said: str, why: str, expected: str = "", try_: str = "") -> C
     )
 
 
-def clauses_of(sentence: str, rooms: Mapping[str, Room]) -> tuple[list[Clause], list[str]]:
+Answer = Callable[[Sequence[Token]], str]
+"""What a house has of the pieces that a question names, in words."""
+
+
+def clauses_of(
+    sentence: str, rooms: Mapping[str, Room], answer: Answer
+) -> tuple[list[Clause], list[str]]:
     """The clauses of a sentence, in its order, and which words were read as which others.
 
     rooms: by the names of their prims, named as people call them. Raises ChordError for a sentence
-    that is empty, too long, or holds words that have no meaning here.
+    that is empty, too long, holds words that have no meaning here, asks, or orders nothing.
     """
     if not sentence.strip():
         raise ChordError("is empty", where=WHERE, expected="what shall be changed, in English")
@@ -111,8 +120,27 @@ def clauses_of(sentence: str, rooms: Mapping[str, Room]) -> tuple[list[Clause], 
     slips = [f"{was!r} as {is_!r}" for was, is_ in zip(words, corrected, strict=True) if was != is_]
     if slips:
         read = list(tokens(corrected, _rooms_in(corrected, rooms)))
+    acts = acts_of(read)
+    _refuse_no_order(acts, read, sentence, answer)
     _refuse_unknown(read, sentence)
-    return _joined(list(_split(read))), slips
+    return _joined(list(_split(read, acts))), slips
+
+
+def _refuse_no_order(
+    acts: Sequence[Act], read: Sequence[Token], sentence: str, answer: Answer
+) -> None:
+    """Raises ChordError for a question, with its answer, and for statements without an order."""
+    said = " ".join(sentence.split())
+    if "question" in acts:
+        raise ChordError(
+            f"{said!r} is a question, and changes nothing: {answer(read)}", where=WHERE,
+            expected="an order", try_=_EXAMPLE,
+        )  # fmt: skip
+    if acts[-1] == "statement":
+        raise ChordError(
+            f"{said!r} states something, and changes nothing", where=WHERE,
+            expected="an order, also after what it is about", try_=_EXAMPLE,
+        )  # fmt: skip
 
 
 def _rooms_in(words: list[str], rooms: Mapping[str, Room]) -> dict[int, tuple[int, str]]:
@@ -165,23 +193,27 @@ def _refuse_unknown(read: list[Token], sentence: str) -> None:
     raise not_understood(
         " ".join(sentence.split()), f"{told} has no meaning here",
         "pieces, rooms, places, turns, styles and counts, in English",
-        'chord-usd edit HOUSE "move the sofa to the window, no rug in the hall" --dry-run',
+        _EXAMPLE,
     )  # fmt: skip
 
 
-def _split(read: Iterable[Token]) -> Iterator[Clause]:
+def _split(read: Iterable[Token], acts: Iterable[Act]) -> Iterator[Clause]:
     """Clauses between commas and "and"; a verb after a verb with its object begins one, too."""
-    parser = _Parser()
+    parser, act_of_part = _Parser(), iter(acts)
+    act, part = next(act_of_part), list[Token]()
     for token in read:
-        if token.kind == "and" and parser.is_between:
+        if separates(token, part):
+            yield from parser.ended(act)
+            act, part = next(act_of_part), []
+            continue
+        part.append(token)
+        if token.kind == "and":
             parser.goes_on()
             continue
-        if token.kind == "and" or (token.kind == "verb" and parser.is_full(token)):
-            yield from parser.ended()
-            if token.kind == "and":
-                continue
+        if token.kind == "verb" and parser.is_full(token):
+            yield from parser.ended(act)
         parser.take(token)
-    yield from parser.ended()
+    yield from parser.ended(act)
 
 
 def _joined(clauses: list[Clause]) -> list[Clause]:
@@ -217,24 +249,28 @@ class _Parser:
         self.next = Noun(Thing("", ()), "")
         self.prep = self.pending = ""
         self.number: float | None = None
+        self.is_meant = False
+        """Whether more than politeness was said."""
 
     def is_full(self, token: Token) -> bool:
         """Whether a verb belongs to the next clause."""
         own = self.clause.verb
         return bool(own and own != "weak" and token.value != "weak" and not self.clause.is_bare
+                    and not self._is_wished
                     and token.said not in ("up", "face", "get"))  # fmt: skip
 
     @property
-    def is_between(self) -> bool:
-        """Whether the second of two anchors is to come."""
-        return self.clause.relation == "between" and len(self.clause.anchors) == 1
+    def _is_wished(self) -> bool:
+        """Whether what is wished is about to be said: "I want the sofa to"."""
+        return self.clause.verb_said in WISHES and self.prep == "to"
 
     def goes_on(self) -> None:
         """Read the next noun as one more anchor."""
         self.pending = "between"
 
-    def ended(self) -> Iterator[Clause]:
+    def ended(self, act: Act) -> Iterator[Clause]:
         clause = self.clause
+        clause.act = act
         if self.number is not None:
             clause.number = self.number
         if self.pending in ("around",) and clause.verb == "turn":
@@ -245,20 +281,21 @@ class _Parser:
         stays = clause.relation or clause.way or any(prep == "to" for prep, _ in clause.rooms)
         if leaves and not stays and clause.verb_said in _PARTED["out"]:
             clause.verb = "remove"  # "take the sofa out of the living room"
-        if clause.said:
+        if self.is_meant:
             yield clause
         self._begin()
 
     def take(self, token: Token) -> None:
         clause = self.clause
         clause.said.append(token.said)
+        self.is_meant = self.is_meant or token.kind != ""
         getattr(self, f"on_{token.kind}", self._pass_over)(token)
 
     def _pass_over(self, token: Token) -> None:
         pass
 
     def on_verb(self, token: Token) -> None:
-        if not self.clause.verb or self.clause.verb == "weak":
+        if not self.clause.verb or self.clause.verb == "weak" or self._is_wished:
             self.clause.verb, self.clause.verb_said = token.value, token.said
             self.prep = ""
         elif token.value != "weak" and self.clause.verb != token.value:

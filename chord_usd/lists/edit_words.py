@@ -37,6 +37,19 @@ class Token(NamedTuple):
     thing: Thing | None = None
 
 
+WISHES = frozenset((
+    "need", "needs", "want", "wants", "would like", "id like", "wed like", "would love", "id love",
+    "wed love", "there should be", "there must be", "there shall be",
+))  # fmt: skip
+"""Verbs that order by saying what somebody wishes."""
+
+_CONTRACTIONS = (
+    (r"\b(there|that|here|what|where|who|how)['’]?s\b", r"\1 is"),
+    (r"\b(it|he|she)['’]s\b", r"\1 is"),
+    (r"\b(i|we|you|they)['’]?ve\b", r"\1 have"),
+    (r"\b(we|you|they)['’]re\b", r"\1 are"),
+)
+
 _NUMBERS = (
     "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven",
     "twelve",
@@ -44,7 +57,8 @@ _NUMBERS = (
 
 _TABLE: tuple[tuple[str, str, str], ...] = (
     ("verb", "add", "add|install|insert|provide|include|buy|get|need|needs|give|want|would like|id"
-     " like|there should be|there must be|there shall be|bring in|furnish with|equip with|wants"),
+     " like|wed like|would love|id love|wed love|there should be|there must be|there shall be|bring in"
+     "|furnish with|equip with|wants"),
     ("verb", "put", "put|place|stand|set|lay|hang|position|arrange|put up|set up|stands|be placed"),
     ("verb", "remove", "remove|delete|get rid of|throw out|throw away|throw|take away|take out|take"
      " down|take off|discard|drop|eliminate|ditch|scrap|dispose of|do away with|clear|clear out"
@@ -67,7 +81,8 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
      " move|stay|stays|stay put|stays put|stay where it is|stays where it is|stay where they are"
      "|remains where it is|must not move|may not move|leave alone|anchor|secure"),
     ("verb", "unlock", "unlock|unpin|unfreeze|release"),
-    ("verb", "weak", "make|have|let|should|shall|must|could|can|ought to|may|turn into"),
+    ("verb", "weak", "make|have|let|should|shall|must|could|can|ought to|may|turn into|has to"
+     "|have to|needs to|need to|is to|are to"),
     ("relation", "by", "next to|beside|near|near to|near of|close to|by|by the side of|alongside"
      "|adjacent to|at|around|against|right by|up to|for|to the side of"),
     ("relation", "away from", "away from|far from|further from|farther from|further away from|clear"
@@ -123,10 +138,13 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("and", "", "and|as well as|then|also|but|so that|&|+|,|;|.|!|?|:|\n"),
     ("cannot", "", "paint|blue|red|green|yellow|white|black|grey|gray|brown|pink|orange|purple"
      "|beige|colour|color|wallpaper|tiles|parquet|knock down|tear down|build|demolish|left|right"
-     "|not|never|dont|upside down|ceiling|nice|nicer|cosy|better|if|unless|maybe|or|except|half of"
-     "|leave"),
+     "|not|never|dont|no need|upside down|ceiling|nice|nicer|cosy|better|if|unless|maybe|or|except"
+     "|half of|leave"),
     ("", "", "please|kindly|would|you|i|we|like|be|is|are|some|me|us|too|again|now|piece of|pieces"
-     " of|hello|hi|thanks|instead|could you|can you|would you|do|so"),
+     " of|hello|hi|thanks|instead|where it is|where they are|could you|can you|would you|will you"
+     "|do|so|lets|let us|i want to"
+     "|we want to|i would like to|we would like to|id like to|wed like to|i need to|we need to"
+     "|i want you to|we want you to|i would like you to|id like you to|i need you to"),
 )  # fmt: skip
 """What a phrase is for, of which sort, and the phrases."""
 
@@ -220,7 +238,10 @@ def _is_slip(word: str, meant: str) -> bool:
 
 def words_of(sentence: str) -> list[str]:
     """Its words, numbers and signs, in lower case."""
-    plain = plain_text(sentence).replace("'", "").replace("’", "")
+    plain = plain_text(sentence)
+    for short, whole in _CONTRACTIONS:
+        plain = re.sub(short, whole, plain)
+    plain = plain.replace("'", "").replace("’", "")
     plain = re.sub(r"(?<=[^\W\d])[-_/](?=[^\W\d])", " ", plain)
     return re.findall(r"[^\W\d_]+|\d+(?:[.,]\d+)?|[^\w\s]|\n", plain)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from chord_usd.lists.clauses import WHERE, Clause, Noun, not_understood
+from chord_usd.lists.edit_words import Token
 from chord_usd.lists.piece_words import HERE
 from chord_usd.lists.wishes import SLACK_M, rooms_meant
 from chord_usd.scene.geometry import footprint_polygon
@@ -30,6 +32,19 @@ class Referents:
         """Id of the room last spoken of."""
         self.last: tuple[str, ...] = ()
         """Ids of the pieces last spoken of."""
+
+    def answer(self, tokens: Sequence[Token]) -> str:
+        """What the house has of the things that a question names, in the rooms that it names."""
+        said = [token.value for token in tokens if token.kind == "room"]
+        rooms = [room.id for name in said for room in rooms_meant(name, self._rooms, WHERE)]
+        told = []
+        for token in tokens:
+            if token.thing is not None:
+                own = self.there(Noun(token.thing, token.said), rooms)
+                counts = Counter(self.name(one.room_id) for one in own)
+                places = [f"{count} in {room}" for room, count in counts.items()]
+                told.append(f"{token.thing.word}: {', '.join(places) or 'none there'}")
+        return "; ".join(dict.fromkeys(told)) or "it names no piece"
 
     def rooms_of(self, clause: Clause, *preps: str) -> list[str]:
         """Ids of the rooms that a clause names with one of these prepositions."""

@@ -38,8 +38,8 @@ def understand(sentence: str, graph: SceneGraph, rooms: Mapping[str, Room]) -> U
 
     rooms: of the house, by the names of their prims, named as people call them. Raises ChordError.
     """
-    clauses, slips = clauses_of(sentence, rooms)
     reader = _Reader(graph, rooms)
+    clauses, slips = clauses_of(sentence, rooms, reader.answer)
     intents: list[Intent] = []
     for at, clause in enumerate(clauses):
         following = clauses[at + 1 :]
@@ -111,8 +111,8 @@ class _Reader(Referents):
                 raise not_understood(clause.words, "it names no piece and no room")
             self.room_said, self._verb = rooms[0], ""  # "kitchen: a fridge"
             return []
-        if verb == "dislike":
-            return self._disliked(clause, following)
+        if clause.act == "statement":
+            return self._stated(clause, following)
         said, verb = verb, verb or self._implied(clause)
         if said:
             self._verb = said
@@ -159,12 +159,11 @@ class _Reader(Referents):
 
     # Verbs ----------------------------------------------------------------------------------------
 
-    def _disliked(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
-        """Nothing yet: what follows says what shall be done with it."""
-        own = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
-        if not following:
-            raise not_understood(clause.words, "what shall be done with it?", "a verb after it")
-        self.last, self.room_said = tuple(one.id for one in own), own[0].room_id
+    def _stated(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
+        """Nothing: an order that follows says what shall be done with the pieces it is about."""
+        if not any(noun.is_denied for noun in clause.nouns):
+            own = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
+            self.last, self.room_said = tuple(one.id for one in own), own[0].room_id
         return []
 
     def _add(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:

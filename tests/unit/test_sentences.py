@@ -123,7 +123,7 @@ def test_what_cannot_be_is_refused_and_named(
         ("remove all the chairs except two", "'except'"),
         ("add a classic armchair to the living room", "single piece"),
         ("remove a chair next to the window", "there already"),
-        ("I hate the sofa", "what shall be done"),
+        ("I hate the sofa", "states something"),
         ("turn the sofa down", "'down' after 'turn'"),
         ("pull the sofa out", "'out' after 'pull'"),
         ("mettez le canapé à la fenêtre", "mettez"),
