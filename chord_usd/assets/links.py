@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from chord_usd.assets.clearance import CLEAR_M
 from chord_usd.assets.hollows import Front, Inner, open_up
 from chord_usd.assets.model import Part
 from chord_usd.assets.moves import Leaf, Motion, leaves_of
@@ -21,6 +22,9 @@ _GRIPPED = "handle"
 
 _PLAY_M = 0.001
 """Colliders of what moves are so much smaller on all sides, so that nothing touches when shut."""
+
+_THINNEST = 1 / 6
+"""Largest share of its thickness that the collider of a front gives up behind."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +122,21 @@ def _moving_piece(part: Part, leaf: Leaf, *, is_front: bool) -> Piece:
     if not felt and part.slot == _GRIPPED:
         felt = separate(solid)
     made = replace(part, solid=solid, uvs=None)
-    return Piece(made, tuple(_shrunk(one.bounds_m(), _PLAY_M) for one in felt))
+    boxes = [_shrunk(one.bounds_m(), _PLAY_M) for one in felt]
+    if is_front:
+        boxes = [_cleared_behind(box, leaf.motion) for box in boxes]
+    return Piece(made, tuple(boxes))
+
+
+def _cleared_behind(bounds_m: FloatArray, motion: Motion) -> FloatArray:
+    """The collider of a front with CLEAR_M to what its back leans on when it is shut."""
+    way = motion.starts(bounds_m.mean(axis=0))
+    axis = int(np.abs(way).argmax())
+    behind = 0 if way[axis] > 0.0 else 1
+    inset = min(CLEAR_M - _PLAY_M, _THINNEST * float(np.ptp(bounds_m[:, axis])))
+    made = bounds_m.copy()
+    made[behind, axis] += inset if behind == 0 else -inset
+    return made
 
 
 def _shrunk(bounds_m: FloatArray, by_m: float) -> FloatArray:

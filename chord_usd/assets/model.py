@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from chord_usd.assets.clearance import with_clearance
 from chord_usd.assets.finishes import FINISHES, Finish
 from chord_usd.assets.moves import Leaf, Moving, fitted_leaf
 from chord_usd.assets.solids import Solid, joined
@@ -104,12 +105,12 @@ class Design:
     """Where it shines from, if it is a lamp."""
 
     def parts(self) -> tuple[Part, ...]:
-        """The parts, brought to exactly the nominal size.
+        """The parts, brought to exactly the nominal size; what opens has its clearance.
 
         Raises AssetError where the drawing misses it by more than FIT_TOLERANCE: stretching a
         bevel is harmless, stretching a wrong model would hide the mistake.
         """
-        return fitted(self.draw(self.size_m), self.size_m, self.id)
+        return with_clearance(fitted(self.draw(self.size_m), self.size_m, self.id), self.size_m)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -28,6 +29,11 @@ class Hinge:
     opens_deg: float
     """Turn when it is wide open, counter-clockwise looking down the axis; shut is 0."""
 
+    def starts(self, point_m: FloatArray) -> FloatArray:
+        """(3,) the direction, of any length, in which it first moves a point, (3,)."""
+        turn = np.eye(3)["xyz".index(self.axis)] * math.copysign(1.0, self.opens_deg)
+        return np.cross(turn, point_m - np.array(self.at_m))
+
 
 @dataclass(frozen=True)
 class Slide:
@@ -38,6 +44,10 @@ class Slide:
     axis: Axis
     opens_m: float
     """Signed way when it is wide open; shut is 0."""
+
+    def starts(self, point_m: FloatArray) -> FloatArray:
+        """(3,) the direction in which it moves every point."""
+        return np.eye(3)["xyz".index(self.axis)] * math.copysign(1.0, self.opens_m)
 
 
 Motion = Hinge | Slide

@@ -246,9 +246,7 @@ def refrigerator(size_m: Size, *, kind: FridgeKind = "single") -> tuple[Part, ..
     out, thick, base, seal = 0.045, 0.06, 0.045, 0.008
     y = -width / 2 + out
     depth = width - out - thick - seal
-    case = block((length, depth, height - base - 0.006), 0.008).moved(
-        y=width / 2 - depth / 2, z=base
-    )
+    case = block((length, depth, height - base), 0.008).moved(y=width / 2 - depth / 2, z=base)
     feet = block((length - 0.04, depth - 0.04, base + 0.002)).moved(y=width / 2 - depth / 2)
     rows = (0.62, 1.0) if kind == "single" else (0.5, 1.0)
     face = list(cells(length + 0.002, height - base, 1 if kind == "single" else 2, rows, base))

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from chord_usd.assets.clearance import CLEAR_M
 from chord_usd.assets.furniture.ceramics import CERAMIC
 from chord_usd.assets.model import Part, Style, editions, moving_part
 from chord_usd.assets.moves import Hinge, Leaf, Moving, lid
@@ -166,8 +167,9 @@ def _washlet_seat(length: float, width: float, back: float) -> list[Part]:
 def _works_lid(plate: Solid, works_y: float) -> Part:
     """A lid that turns about its upper face where it reaches the works, and goes on into them."""
     low, high = plate.bounds_m()
+    works_y -= CLEAR_M
     leaf = Leaf("Lid", Hinge((0.0, works_y, float(high[2])), "x", -_LID_DEG), inside="nothing")
-    deep = works_y - float(low[1]) - 0.002
+    deep = works_y - float(low[1])
     felt = box((float(high[0] - low[0]), deep, float(high[2] - low[2])))
     felt = felt.moved(y=float(low[1]) + deep / 2, z=float(low[2]))
     return Part("Lid", plate, "seat", moves=(Moving(leaf, plate, (felt,)),))

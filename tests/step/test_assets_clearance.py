@@ -1,0 +1,86 @@
+"""What opens keeps 3 mm free on its whole way, beside neighbours that stand flush."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from chord_usd.assets.clearance import CLEAR_M
+from chord_usd.assets.furniture.catalogue import designs
+from chord_usd.assets.links import Link, links_of, opens
+from chord_usd.assets.model import Design
+from chord_usd.assets.moves import Hinge
+from tests.design_forms import ends
+
+STEPS = 41
+NEIGHBOUR_M = 1.0
+ROUNDING_M = 1e-6
+
+
+def corners(bounds: np.ndarray) -> np.ndarray:
+    """(8, 3) of a box, (2, 3)."""
+    return np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(8, 3)
+
+
+def on_the_way(link: Link, box: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Corners of a box, (8, 3), on the way of its joint, and its axes, (3, 3) rows."""
+    motion = link.motion
+    axis = "xyz".index(motion.axis)
+    if not isinstance(motion, Hinge):
+        for way in np.linspace(0.0, motion.opens_m, STEPS):
+            yield corners(box) + way * np.eye(3)[axis], np.eye(3)
+        return
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    for angle in np.radians(np.linspace(0.0, motion.opens_deg, STEPS)):
+        turn = np.eye(3)
+        turn[first, first] = turn[second, second] = np.cos(angle)
+        turn[first, second], turn[second, first] = -np.sin(angle), np.sin(angle)
+        yield (corners(box) - motion.at_m) @ turn.T + motion.at_m, turn.T
+
+
+def gap_m(points: np.ndarray, axes: np.ndarray, boxes: np.ndarray) -> float:
+    """The least gap, by separating axes, between a turned box and upright ones, (N, 2, 3)."""
+    directions = np.concatenate([np.eye(3), axes])
+    mine = points @ directions.T
+    theirs = np.stack([corners(box) for box in boxes]) @ directions.T
+    apart = np.maximum(theirs.min(axis=1) - mine.max(axis=0), mine.min(axis=0) - theirs.max(axis=1))
+    return float(apart.max(axis=1).min())
+
+
+def neighbours(design: Design, face_y: float) -> np.ndarray:
+    """(2, 2, 3) boxes on both sides of a piece, flush with a face."""
+    length, width, height = design.size_m
+    near, far = length / 2, length / 2 + NEIGHBOUR_M
+    return np.array([
+        [[near, face_y, 0.0], [far, width / 2, height]],
+        [[-far, face_y, 0.0], [-near, width / 2, height]],
+    ])  # fmt: skip
+
+
+def least_gap_m(design: Design) -> float:
+    """The least that any leaf of a design keeps free to what is beside it and behind it."""
+    parts = design.parts()
+    base, *leaves = links_of(parts)
+    still = [box for piece in base.pieces for box in piece.felt_m]
+    fronts = {link.name: link.pieces[0].felt_m for link in leaves}
+    least = np.inf
+    for link in leaves:
+        others = [box for name, boxes in fronts.items() if name != link.name for box in boxes]
+        for box in fronts[link.name]:
+            beside = neighbours(design, float(box[0, 1]))
+            fixed = np.array([*still, *others, *beside])
+            for points, axes in on_the_way(link, box):
+                least = min(least, gap_m(points, axes, fixed))
+    return least
+
+
+OPENING = [design for design in ends(designs()) if opens(design.parts())]
+
+
+@pytest.mark.parametrize("category", sorted({design.category for design in OPENING}))
+def test_leaves_keep_3_mm_free_on_their_whole_way(category: str) -> None:
+    """On all designs: before, leaves of refrigerators swept 3 mm into flush neighbours."""
+    gaps = {one.id: least_gap_m(one) for one in OPENING if one.category == category}
+    assert {name: gap for name, gap in gaps.items() if gap < CLEAR_M - ROUNDING_M} == {}
