@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -84,3 +87,20 @@ def test_leaves_keep_3_mm_free_on_their_whole_way(category: str) -> None:
     """On all designs: before, leaves of refrigerators swept 3 mm into flush neighbours."""
     gaps = {one.id: least_gap_m(one) for one in OPENING if one.category == category}
     assert {name: gap for name, gap in gaps.items() if gap < CLEAR_M - ROUNDING_M} == {}
+
+
+@pytest.mark.parametrize(
+    "design", [one for one in OPENING if one.category == "refrigerator"], ids=lambda one: one.id
+)
+def test_a_refrigerator_between_flush_neighbours_is_pulled_open(
+    design: Design, puller: ModuleType, tmp_path: Path
+) -> None:
+    spec = puller.jointed_spec(puller.written(design, tmp_path))
+    face_y = min(box[0, 1] for box in links_of(design.parts())[1].pieces[0].felt_m)
+    for box in neighbours(design, face_y):
+        size, middle = np.ptp(box, axis=0) / 2, box.mean(axis=0)
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=middle)
+    model = spec.compile()
+    shares = puller.pulled_shares(model)
+    assert len(shares) == model.njnt
+    assert min(shares.values()) >= 0.9
