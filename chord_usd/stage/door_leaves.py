@@ -129,9 +129,8 @@ def _entrance_leaf(leaf: Leaf) -> list[Part]:
     planks = whole.difference(unary_union([*grooves, light]))
     faces = [
         face
-        for plank in getattr(planks, "geoms", [planks])
         for side in (-1.0, 1.0)
-        for face in upright_prism(plank, side * (LEAF_M / 2 - 0.008), side * LEAF_M / 2)
+        for face in upright_prism(planks, side * (LEAF_M / 2 - 0.008), side * LEAF_M / 2)
     ]
     parts = [Part("Boards", core + faces, "EntranceDoor")]
     if light.area > 0.0:
@@ -188,7 +187,8 @@ def _hinges(leaf: Leaf, opens: int) -> list[Face]:
     x = -_edge(leaf) * 0.0015
     y = opens * (LEAF_M / 2 + 0.004)
     faces = []
-    for z in (0.2, leaf.height_m / 2, leaf.height_m - 0.2 - 0.09):
+    inset_m = min(0.2, leaf.height_m / 4)
+    for z in (inset_m, leaf.height_m / 2, leaf.height_m - inset_m - 0.09):
         knuckle = disc(x, y, 0.0075)
         faces += prism(knuckle, z, z + 0.09)
     return faces

@@ -10,8 +10,10 @@ import mapbox_earcut
 import numpy as np
 import numpy.typing as npt
 from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
+from chord_usd.scene.geometry import polygons_of
 from chord_usd.scene.types import BoolArray, FloatArray
 
 IntArray = npt.NDArray[np.int32]
@@ -23,7 +25,10 @@ _ON_SIDE_M = 1e-5
 """A point nearer to the side of a triangle lies on it."""
 
 _SLIVER_M2 = 1e-8
-"""Triangles smaller than this join three corners in a line: they cover nothing."""
+"""Triangles and areas smaller than this are lines or points: they cover nothing."""
+
+_NO_AREA_M2 = 1e-12
+"""Faces whose corners coincide, or lie in a line, once their points are shared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,23 +56,33 @@ class Mesh:
     normals: FloatArray
     """(C, 3), one per corner: faces are flat."""
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to write."""
+        return len(self.counts) == 0
+
     def extent_m(self) -> FloatArray:
         """(2, 3) lowest and highest corner of the bounds."""
         return np.array([self.points_m.min(axis=0), self.points_m.max(axis=0)])
 
 
 def mesh_of(faces: Sequence[Face]) -> Mesh:
-    """One mesh of these faces; equal corners become one point. At least one face."""
-    corners = np.concatenate([face.corners_m for face in faces])
+    """One mesh of these faces; equal corners become one point, faces without area are left out."""
+    counts = np.array([len(face.corners_m) for face in faces], dtype=np.int32)
+    corners = np.concatenate([np.empty((0, 3)), *(face.corners_m for face in faces)])
+    uvs = np.concatenate([np.empty((0, 2)), *(face.uvs_m for face in faces)])
+    kept = np.linalg.norm(_newell(np.round(corners, _SAME_POINT_DECIMALS), counts), axis=1)
+    has_area = kept > 2.0 * _NO_AREA_M2
+    corners, uvs = (rows[np.repeat(has_area, counts)] for rows in (corners, uvs))
+    counts = counts[has_area]
     points, indices = np.unique(
         np.round(corners, _SAME_POINT_DECIMALS), axis=0, return_inverse=True
     )
-    counts = np.array([len(face.corners_m) for face in faces], dtype=np.int32)
     return Mesh(
         points_m=points + 0.0,  # turns -0.0 into 0.0, so that files do not differ by a sign
         counts=counts,
         indices=indices.reshape(-1).astype(np.int32),
-        uvs_m=np.round(np.concatenate([face.uvs_m for face in faces]), _SAME_POINT_DECIMALS) + 0.0,
+        uvs_m=np.round(uvs, _SAME_POINT_DECIMALS) + 0.0,
         normals=corner_normals(corners, counts),
     )
 
@@ -103,19 +118,32 @@ def upright(
     return Face(corners, uvs)
 
 
-def flat(area: Polygon, height_m: float, *, up: bool, cut: bool = False) -> list[Face]:
+def flat(area: BaseGeometry, height_m: float, *, up: bool, cut: bool = False) -> list[Face]:
     """A horizontal sheet that faces up or down; u, v are world x, y. Holes are cut out.
 
-    Convex areas stay one polygon, unless they shall be cut; others become triangles.
+    Convex parts stay one polygon, unless they shall be cut; others become triangles. What has no
+    area gives no face.
     """
-    if cut:
-        return _sheet(_triangles(orient(area)), height_m, up=up)
-    return _sheet(_convex_pieces(orient(area)), height_m, up=up)
+    pieces = _triangles if cut else _convex_pieces
+    return [face for part in _parts(area) for face in _sheet(pieces(part), height_m, up=up)]
 
 
-def prism(area: Polygon, low_m: float, high_m: float) -> list[Face]:
-    """A closed solid: an area of the ground plane raised from low_m to high_m."""
-    area = orient(area)
+def prism(area: BaseGeometry, low_m: float, high_m: float) -> list[Face]:
+    """Closed solids: an area of the ground plane raised from low_m to high_m.
+
+    What has no volume gives no face.
+    """
+    if high_m - low_m <= 10.0**-_SAME_POINT_DECIMALS:
+        return []
+    return [face for part in _parts(area) for face in _prism(part, low_m, high_m)]
+
+
+def _parts(area: BaseGeometry) -> Iterator[Polygon]:
+    """The polygons of an area that cover something, counter-clockwise."""
+    return (orient(part) for part in polygons_of(area) if part.area > _SLIVER_M2)
+
+
+def _prism(area: Polygon, low_m: float, high_m: float) -> list[Face]:
     pieces = _convex_pieces(area)
     faces = _sheet(pieces, high_m, up=True) + _sheet(pieces, low_m, up=False)
     for ring in (area.exterior, *area.interiors):
@@ -153,13 +181,19 @@ def moved(
 
 def corner_normals(corners: FloatArray, counts: IntArray) -> FloatArray:
     """(C, 3) normals by Newell's sum, which does not mind three corners in a line."""
-    starts = np.cumsum(counts) - counts
-    following = np.arange(1, len(corners) + 1)
-    following[starts + counts - 1] = starts
-    sums = np.add.reduceat(np.cross(corners, corners[following]), starts)
+    sums = _newell(corners, counts)
     lengths = np.linalg.norm(sums, axis=1, keepdims=True)
     units = np.round(sums / np.maximum(lengths, 1e-12), _SAME_POINT_DECIMALS) + 0.0
     return np.repeat(units, counts, axis=0)
+
+
+def _newell(corners: FloatArray, counts: IntArray) -> FloatArray:
+    """(F, 3) normals of faces, as long as twice their areas."""
+    starts = np.cumsum(counts) - counts
+    following = np.arange(1, len(corners) + 1)
+    following[starts + counts - 1] = starts
+    sums: FloatArray = np.add.reduceat(np.cross(corners, corners[following]), starts)
+    return sums
 
 
 def _convex_pieces(area: Polygon) -> list[FloatArray]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from shapely.geometry import LineString, Point, Polygon, box
+from shapely.geometry.base import BaseGeometry
 
 from chord_usd.stage.mesh import Face, prism, standing
 
@@ -69,7 +70,7 @@ class Span:
         return (self.front + self.back) / 2
 
 
-def upright_prism(profile: Polygon, front: float, back: float) -> list[Face]:
+def upright_prism(profile: BaseGeometry, front: float, back: float) -> list[Face]:
     """A solid whose profile is drawn as (x, z) and reaches from y = front to y = back, or back."""
     low, high = sorted((front, back))
     return standing(prism(profile, -high, -low))

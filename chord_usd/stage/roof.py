@@ -77,8 +77,7 @@ def raise_roof(
     planes = roof_planes(outline, form)
     component = ShellComponent(folder / f"{ROOF}_{form}.usdc", ROOF, fitout)
     for name, faces, surface in _parts(planes, outline, _THICK_M[form]):
-        if faces:
-            component.mesh(name, moved(faces, np.eye(2), (0.0, 0.0, base_m)), surface)
+        component.mesh(name, moved(faces, np.eye(2), (0.0, 0.0, base_m)), surface)
     component.save()
     house = layer.GetPrimAtPath("/House")
     bare = np.array(house.attributes["extentsHint"].default)

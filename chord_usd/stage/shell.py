@@ -126,14 +126,11 @@ def _draw_room(
     _draw_floor_and_ceiling(component, room, floor, level, above)
     for edge in sorted({line.edge for line in lines}):
         faces = wall_faces([line for line in lines if line.edge == edge])
-        if faces:
-            wall = component.mesh(f"Wall_{edge}", faces, wall_material(room))
-            label(wall, "category", "wall")
+        component.mesh(f"Wall_{edge}", faces, wall_material(room), category="wall")
     shaft = is_shaft(level, room)
     if room.room.kind not in _TILED and not shaft:
         skirting = _skirting(floor, lines, walls.tunnels_near(floor, CASING_M[0]))
-        if skirting:
-            component.mesh("Skirting", skirting, "Trim")
+        component.mesh("Skirting", skirting, "Trim")
     for opening in room.openings:
         _draw_opening(component, opening, room, walls, rooms)
     railings = [tunnel for index, tunnel in walls.railings if index == room.index]
@@ -159,14 +156,10 @@ def _draw_floor_and_ceiling(
     """Both less the holes that stairs go through."""
     holes = level.holes if room.room.id in level.ways else ()
     faces = [face for part in _less(floor, holes) for face in flat(part, 0.0, up=True)]
-    if faces:
-        sheet = component.mesh("Floor", faces, floor_material(room))
-        label(sheet, "category", "floor")
+    component.mesh("Floor", faces, floor_material(room), category="floor")
     holes = above.holes if above and room.room.id in level.rising else ()
     faces = [face for part in _less(floor, holes) for face in flat(part, ROOM_HEIGHT_M, up=False)]
-    if faces:
-        ceiling = component.mesh("Ceiling", faces, "Ceiling")
-        label(ceiling, "category", "ceiling")
+    component.mesh("Ceiling", faces, "Ceiling", category="ceiling")
 
 
 def _less(floor: Polygon, holes: Sequence[Polygon]) -> list[Polygon]:
@@ -233,7 +226,7 @@ def _slab_around(floor: Polygon, holes: Sequence[Polygon]) -> list[list[Face]]:
     left = floor.intersection(unary_union(around)).difference(unary_union(list(holes)))
     return [
         prism(Polygon(piece.corners_m[:, :2]), -_SLAB_M, 0.0)
-        for part in polygons_of(left) for piece in flat(part, 0.0, up=True)
+        for piece in flat(left, 0.0, up=True)
     ]  # fmt: skip
 
 
@@ -386,14 +379,13 @@ def _draw_exterior(
     walls, name = level.walls, level.group or "Exterior"
     component = ShellComponent(folder / f"{name}.usdc", name, fitout)
     facade = wall_faces(walls.lines_of(None))
+    component.mesh("Facade", facade, "Facade")
     if facade:
-        component.mesh("Facade", facade, "Facade")
         component.mesh("WallTop", top_faces(walls), "WallTop")
     if above:
         outside, inside = slab_faces(walls, above.walls, above.holes)
         component.mesh("FacadeSlab", outside, "Facade")
-        if inside:
-            component.mesh("SlabHole", inside, "Ceiling")
+        component.mesh("SlabHole", inside, "Ceiling")
     component.save()
     if not level.group:
         return refer(layer, "/House/Exterior", component)

@@ -32,6 +32,7 @@ from chord_usd.stage.prims import (
     hint_extent,
     identify,
     inherit,
+    label,
     new_layer,
     write_mesh,
 )
@@ -62,18 +63,27 @@ class ShellComponent:
         return define(self._layer, self._root.AppendPath(f"Geometry/{name}"), "Xform")
 
     def mesh(
-        self, name: str, faces: Sequence[Face], material: str, frame: Frame | None = None
-    ) -> Sdf.PrimSpec:
-        """A mesh under Geometry that wears a material of this component.
+        self,
+        name: str,
+        faces: Sequence[Face],
+        material: str,
+        frame: Frame | None = None,
+        *,
+        category: str = "",
+    ) -> None:
+        """A mesh under Geometry that wears a material of this component; none without faces.
 
         frame: where the groups above it stand, if it is not drawn in the world.
         """
         mesh = mesh_of(faces)
+        if mesh.is_empty:
+            return
         prim = write_mesh(self._layer, self._root.AppendPath(f"Geometry/{name}"), mesh)
         bind(prim, self._material(material))
         points = frame.in_world(mesh.points_m) if frame else mesh.points_m
         self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
-        return prim
+        if category:
+            label(prim, "category", category)
 
     def block(
         self, boxes: Sequence[tuple[Box, str]], hulls: Sequence[tuple[Sequence[Face], str]] = ()
@@ -86,7 +96,8 @@ class ShellComponent:
             write_collider(self._layer, path, box, self._material(material))
         for index, (faces, material) in enumerate(hulls):
             path = scope.path.AppendChild(f"Hull_{index}")
-            write_hull(self._layer, path, mesh_of(faces), self._material(material))
+            if not (mesh := mesh_of(faces)).is_empty:
+                write_hull(self._layer, path, mesh, self._material(material))
 
     def guard(self, parent: Sdf.PrimSpec, boxes: Sequence[Box], material: str) -> None:
         """The colliders of a part that is drawn in bars."""

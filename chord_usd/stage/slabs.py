@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
@@ -36,10 +36,8 @@ def slab_faces(
         outside += _sides(part.exterior)
         for ring in part.interiors:
             inside += _sides(ring)
-    for part in _beyond(slab, above):
-        outside += flat(part, STOREY_M, up=True)
-    for part in _beyond(slab, below):
-        outside += flat(part, ROOM_HEIGHT_M, up=False)
+    outside += flat(_beyond(slab, above), STOREY_M, up=True)
+    outside += flat(_beyond(slab, below), ROOM_HEIGHT_M, up=False)
     return outside, inside
 
 
@@ -48,10 +46,10 @@ def covered(walls: Walls) -> BaseGeometry:
     return unary_union([walls.solid_m, *walls.floors_m]).buffer(0)
 
 
-def _beyond(slab: BaseGeometry, storey: BaseGeometry) -> list[Polygon]:
+def _beyond(slab: BaseGeometry, storey: BaseGeometry) -> MultiPolygon:
     """What of the slab lies neither over nor under a storey."""
     free = slab.difference(storey.buffer(2 * _JOINT_M, join_style="mitre"))
-    return [part for part in polygons_of(free) if part.area > _LEAST_M2]
+    return MultiPolygon([part for part in polygons_of(free) if part.area > _LEAST_M2])
 
 
 def _sides(ring: BaseGeometry) -> list[Face]:

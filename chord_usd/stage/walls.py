@@ -199,7 +199,7 @@ def _box_behind(start: FloatArray, end: FloatArray, low_m: float, high_m: float)
 
 def top_faces(walls: Walls) -> list[Face]:
     """The tops of all walls: what a picture from above shows once the ceilings are hidden."""
-    return [face for part in walls.solid_m.geoms for face in flat(part, ROOM_HEIGHT_M, up=True)]
+    return flat(walls.solid_m, ROOM_HEIGHT_M, up=True)
 
 
 def free_stretches(line: WallLine, below_m: float) -> list[tuple[FloatArray, FloatArray]]:

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from chord_usd.stage.mesh import flat
+from chord_usd.stage.door_leaves import LeafKind, leaf_parts
+from chord_usd.stage.mesh import flat, mesh_of, prism, upright
+from chord_usd.stage.opening_shapes import Leaf
 
 SLANTED = shapely.Polygon(
     [(0.0, 0.0), (10.4341, 0.0), (9.8286, 11.91), (6.49, 12.59)],
@@ -43,3 +45,33 @@ def test_no_corner_lies_in_the_middle_of_a_side() -> None:
     for side, count in sides.items():
         line = shapely.LineString(sorted(side))
         assert count == (1 if COMB.exterior.covers(line) else 2)
+
+
+@pytest.mark.parametrize(
+    "area",
+    [shapely.Polygon(), shapely.box(0, 0, 1, 0), shapely.box(0, 0, 1, 1e-9), shapely.Point(0, 0)],
+    ids=["nothing", "a line", "a hair", "a point"],
+)
+def test_what_covers_nothing_has_no_faces(area: shapely.Geometry) -> None:
+    assert not prism(area, 0.0, 1.0)
+    assert not flat(area, 0.0, up=True)
+    assert not flat(area, 0.0, up=True, cut=True)
+    assert mesh_of(prism(area, 0.0, 1.0)).is_empty
+
+
+def test_faces_without_area_are_left_out() -> None:
+    point, end = np.zeros(2), np.array([1.0, 0.0])
+    lines = [upright(point, point, 0.0, 1.0), upright(point, end, 1.0, 1.0)]
+    assert mesh_of(lines).is_empty
+    assert mesh_of([*lines, upright(point, end, 0.0, 1.0)]).counts.tolist() == [4]
+    assert not prism(shapely.box(0, 0, 1, 1), 0.5, 0.5)
+
+
+@pytest.mark.parametrize("kind", ["panel", "flush", "glass", "entrance"])
+def test_leaves_of_all_sizes_are_solid(kind: LeafKind) -> None:
+    for width in (0.17, 0.33, 0.34, 0.36, 0.6, 0.72, 0.73, 1.2):
+        for height in (0.2, 0.99, 2.06):
+            for part in leaf_parts(Leaf(width, height, hung_right=width > 0.5), kind=kind, opens=1):
+                mesh = mesh_of(part.faces)
+                assert mesh.counts.min() >= 3
+                assert mesh.points_m[:, 2].min() >= 0.0
