@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from chord_usd.assets.clearance import CLEAR_M
 from chord_usd.assets.hollows import Front, Inner, open_up
+from chord_usd.assets.leaf_clearance import CLEAR_M
 from chord_usd.assets.model import Part
 from chord_usd.assets.moves import Leaf, Motion, leaves_of
 from chord_usd.assets.shading import separate

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.assets.clearance import with_clearance
 from chord_usd.assets.finishes import FINISHES, Finish
+from chord_usd.assets.leaf_clearance import with_clearance
 from chord_usd.assets.moves import Leaf, Moving, fitted_leaf
 from chord_usd.assets.solids import Solid, joined
 from chord_usd.errors import AssetError

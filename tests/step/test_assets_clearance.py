@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from chord_usd.assets.clearance import CLEAR_M
 from chord_usd.assets.furniture.catalogue import designs
+from chord_usd.assets.leaf_clearance import CLEAR_M
 from chord_usd.assets.links import Link, links_of, opens
 from chord_usd.assets.model import Design
 from chord_usd.assets.moves import Hinge

@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.assets.clearance import CLEAR_M
 from chord_usd.assets.furniture.ceramics import CERAMIC
+from chord_usd.assets.leaf_clearance import CLEAR_M
 from chord_usd.assets.model import Part, Style, editions, moving_part
 from chord_usd.assets.moves import Hinge, Leaf, Moving, lid
 from chord_usd.assets.solids import (
