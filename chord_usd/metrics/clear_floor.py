@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import groupby, pairwise
 
 import numpy as np
 import shapely
 
 from chord_usd.metrics.footprints import GRID_M, footprints_of, is_underfoot
 from chord_usd.metrics.overlap import MIN_OVERLAP_M2
-from chord_usd.scene.geometry import footprint_polygon, front_direction, gaps, room_polygon, to_own
+from chord_usd.scene.geometry import (
+    footprint_polygon,
+    front_direction,
+    gaps,
+    room_polygon,
+    seams,
+    to_own,
+)
 from chord_usd.scene.palette import CATEGORIES, Level, Mount
+from chord_usd.scene.stair_cells import is_cell
 from chord_usd.scene.types import WALL_THICKNESS_M, BoolArray, Box, Item, Opening, Room, SceneGraph
 
 MAX_CLEARANCE_M = 0.9
@@ -34,6 +44,11 @@ BORDER_M = 0.05
 
 WAY_M = 0.7
 """An open border is used by one way across it, which is at least so wide."""
+
+LEAST_OPEN_M = 0.5
+"""Rooms that touch along less than this are not open to each other."""
+
+_BORDER_HEIGHT_M = 2.0
 
 
 ClearFloor = tuple[Opening, shapely.Geometry]
@@ -119,6 +134,48 @@ def is_open_border(opening: Opening) -> bool:
     return opening.kind == "passage" and opening.box.size_m[1] < BORDER_M
 
 
+@lru_cache(maxsize=64)  # rules and drafts ask for the same rooms again and again
+def open_borders(
+    rooms: tuple[Room, ...], openings: tuple[Opening, ...] = ()
+) -> tuple[Opening, ...]:
+    """Where rooms touch and no wall parts them: a passage for each straight side.
+
+    Sides of one pair of rooms have one id. Left out are pairs that one of the openings joins as an
+    open border, and stairs, which one steps onto at their passages alone.
+    """
+    rooms = tuple(room for room in rooms if not is_cell(room))
+    floors = [room_polygon(room) for room in rooms]
+    noted = [footprint_polygon(each.box).buffer(BORDER_M) for each in openings
+             if is_open_border(each)]  # fmt: skip
+    borders = []
+    for near, far, seam in seams(floors, TOUCH_M):
+        if any(seam.intersects(shape) for shape in noted):
+            continue
+        ids = rooms[near].id, rooms[far].id
+        for line in _straight(seam):
+            borders.append(_passage_along(line, ids))
+    return tuple(borders)
+
+
+def _straight(seam: shapely.Geometry) -> Iterator[shapely.LineString]:
+    """The straight sides of a seam that are long enough to walk through."""
+    merged = shapely.line_merge(seam) if seam.geom_type == "MultiLineString" else seam
+    for part in shapely.get_parts(merged):
+        corners = shapely.get_coordinates(shapely.simplify(part, TOUCH_M))
+        for side in pairwise(corners):
+            line = shapely.LineString(side)
+            if line.length >= LEAST_OPEN_M:
+                yield line
+
+
+def _passage_along(line: shapely.LineString, ids: tuple[str, str]) -> Opening:
+    start, end = shapely.get_coordinates(line)
+    x_m, y_m = ((start + end) / 2).tolist()
+    yaw_deg = float(np.degrees(np.arctan2(*(end - start)[::-1])))
+    box = Box((x_m, y_m, 0.0), (line.length, TOUCH_M, _BORDER_HEIGHT_M), yaw_deg)
+    return Opening(f"{ids[0]}_{ids[1].rsplit('/', 1)[-1]}", "passage", box, ids)
+
+
 def clearances(rooms: Sequence[Room], openings: Sequence[Opening]) -> Iterator[ClearFloor]:
     """Each opening with the floor that stays free on each of its sides that is a room.
 
@@ -159,8 +216,8 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
 
     The box is as wide as the opening and clearance_depth_m deep, clipped to the room it lies in.
     Items below the sill, above the lintel or underfoot do not block. Dressing counts as items do
-    (is_high_enough). One entry for each pair. An open border is blocked, by all that stands in it,
-    where no way of WAY_M is left across it.
+    (is_high_enough). One entry for each pair. An open border, whether the plan notes it or rooms
+    touch there, is blocked by all that stands in it where no way of WAY_M is left across it.
     """
     things = (*graph.items, *graph.dressing)
     if not things:
@@ -174,11 +231,18 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
             if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
                 found[Blocked(opening=opening.id, item=item.id)] = None
-    for border in filter(is_open_border, graph.openings):
-        near = sorted(tree.query(_across(border), predicate="intersects"))
-        own = [things[index] for index in near if is_high_enough(things[index], border)]
-        if own and not _has_way(border, own):
-            found.update((Blocked(border.id, item.id), None) for item in own)
+    noted = filter(is_open_border, graph.openings)
+    borders = [*noted, *open_borders(graph.rooms, graph.openings)]
+    for border_id, sides in groupby(borders, lambda border: border.id):
+        inside: dict[str, None] = {}
+        for side in sides:
+            near = sorted(tree.query(_across(side), predicate="intersects"))
+            standing = [things[index] for index in near if is_high_enough(things[index], side)]
+            if _has_way(side, standing):
+                break
+            inside.update((item.id, None) for item in standing)
+        else:
+            found.update((Blocked(border_id, item_id), None) for item_id in inside)
     return list(found)
 
 

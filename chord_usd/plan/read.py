@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from chord_usd.errors import PlanError
+from chord_usd.metrics.walk import walk
 from chord_usd.plan.decode import decode_plan
 from chord_usd.plan.drawing import Known, read_drawing, read_sheet
 from chord_usd.plan.picture import read_picture
@@ -20,10 +21,9 @@ from chord_usd.plan.vector.svg_page import read_page
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.scene import palette
 from chord_usd.scene.chord_json import read_plan
-from chord_usd.scene.geometry import extent_m, room_polygon, seams
+from chord_usd.scene.geometry import extent_m
 from chord_usd.scene.json_stairs import StoreyPlan
 from chord_usd.scene.limits import LARGEST_HOUSE_M
-from chord_usd.scene.tunnels import ON_LINE_M
 from chord_usd.scene.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
@@ -198,11 +198,9 @@ def _warnings(plan: Plan) -> list[str]:
     kinds = [opening.kind for opening in plan.openings]
     if "door" not in kinds and "passage" not in kinds:
         warnings.append("no doors were found: rooms cannot be entered")
-    joined = {room_id for opening in plan.openings for room_id in opening.room_ids}
-    if "door" in kinds and len(plan.rooms) > 1:
-        floors = [room_polygon(room) for room in plan.rooms]
-        joined |= {plan.rooms[index].id for pair in seams(floors, ON_LINE_M) for index in pair[:2]}
-        shut = [room.id for room in plan.rooms if room.id not in joined]
+    elif "door" in kinds and len(plan.rooms) > 1:
+        named = " ".join(warnings)
+        shut = [room for room in walk(plan.scene()).doorless if room not in named]
         if shut:
-            warnings.append(f"no opening leads into {', '.join(shut)}")
+            warnings.append(f"no way leads into {', '.join(shut)}: a door may be missing")
     return list(dict.fromkeys(warnings))

@@ -16,6 +16,7 @@ from chord_usd.scene.registration import Registration, register
 from chord_usd.scene.stair_cells import Cell, with_cell
 from chord_usd.scene.stair_elements import CEILING_TO_FLOOR_M, Stair
 from chord_usd.scene.stair_forms import BuiltStair, build_stair
+from chord_usd.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.scene.stair_places import drawn_stairs, grown_stair, seen_on_both
 from chord_usd.scene.types import ROOM_HEIGHT_M, Item, Opening, Plan, Room, SceneGraph
 
@@ -24,6 +25,8 @@ STOREY_M = ROOM_HEIGHT_M + CEILING_TO_FLOOR_M
 
 _SAME_PLACE_M = 0.4
 """Between the middles of a stair as two storeys show it."""
+
+_SLACK_M = 0.005
 
 _ORDINALS = ("Ground floor", "First floor", "Second floor", "Third floor")
 
@@ -98,6 +101,12 @@ def stack(given: Sequence[StoreyPlan]) -> Building:
                 raise _at(error, _title(given, low)) from error
             foot, top = _prefixed_cell(foot, low), _prefixed_cell(top, low + 1)
             climbs.append(Climb(low, built, foot, top))
+            depth_m = landing_depth_m(plans[low + 1], built)
+            if depth_m < LEAST_LANDING_M - _SLACK_M:
+                warnings.append(
+                    f"the landing above stair {stair.id} on {_title(given, low + 1)} is "
+                    f"{depth_m:.2f} m deep, less than {LEAST_LANDING_M:.2f} m"
+                )
     unused = [one.id for one in stairs[-1] if one.leads == "up"]
     if unused:
         warnings.append(f"above stair {', '.join(unused)} is no storey: it is left out")

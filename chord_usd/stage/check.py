@@ -6,18 +6,16 @@ by chord_usd.metrics on the scene that is read back from it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pxr import Usd
 
-from chord_usd.metrics import SceneScores, score_scene
-from chord_usd.metrics.climb import Ascent, climb, without_openings
+from chord_usd.metrics import score_scene
 from chord_usd.metrics.complete import Homely, Misplaced, home_lacks
 from chord_usd.metrics.overlap import Overlap
-from chord_usd.metrics.walk import Walk
 from chord_usd.runtime.stages import open_known, open_stage, reading
 from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.stage.check_contact import Collision, collisions, unsupported
@@ -26,6 +24,7 @@ from chord_usd.stage.check_held import Held, underfoot
 from chord_usd.stage.check_rules import Finding, broken_rules
 from chord_usd.stage.check_scene import StageScene, read_storeys
 from chord_usd.stage.check_stairs import stair_faults
+from chord_usd.stage.stage_walks import stage_walks
 
 
 @dataclass(frozen=True)
@@ -44,6 +43,18 @@ class Missing:
     path: str
     pieces: tuple[str, ...]
     """The most needed first."""
+
+
+@dataclass(frozen=True)
+class Unreachable:
+    """A room that no way leads to from the entrance."""
+
+    path: str
+    shut_by: Literal["furniture", "plan"]
+    """The plan where the empty house has no way in, either."""
+
+
+_SHUT_BY = {"furniture": "pieces shut the way to it", "plan": "the plan gives it no way in"}
 
 
 @dataclass(frozen=True)
@@ -75,6 +86,7 @@ class Report:
     dressing: Dressing
     stairs: tuple[str, ...] = ()
     """Stairs that cannot be walked, and why."""
+    unreachable: tuple[Unreachable, ...] = ()
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -87,6 +99,7 @@ class Report:
             *(f"{one} stands on nothing" for one in self.unsupported),
             *(f"{one} is empty" for one in self.empty_rooms),
             *self.stairs,
+            *(f"{one.path} cannot be reached: {_SHUT_BY[one.shut_by]}" for one in self.unreachable),
         )
 
     @property
@@ -102,8 +115,9 @@ class Report:
     def holds(self) -> bool:
         """Whether the certificate holds: a valid stage of a house in which nothing is amiss.
 
-        walkable, reachable_rooms, por, piou and ood are scores, not conditions: they also judge
-        the plan, which is given. What is missing or misplaced is advice.
+        A room out of reach is amiss, whether furniture shuts it or the plan gives it no way in.
+        walkable, por, piou and ood are scores, not conditions: they also judge the plan, which is
+        given. What is missing or misplaced is advice.
         """
         return not self.faults
 
@@ -135,7 +149,7 @@ def _reported(stage: Usd.Stage) -> Report:
         errors.append(Finding("CHORD015", "/", "has no room with a floor below its Rooms"))
     scores = [score_scene(scene.graph) for scene in storeys]
     faults = stair_faults(storeys)
-    walks = _walks(storeys, scores, faults)
+    walks = stage_walks(storeys, faults) if len(storeys) > 1 else [one.walk for one in scores]
     overlap = Overlap(
         sum(one.overlap.pairs for one in scores),
         tuple(pair for one in scores for pair in one.overlap.overlapping),
@@ -163,26 +177,15 @@ def _reported(stage: Usd.Stage) -> Report:
         objects=count_objects(whole),
         dressing=measure_dressing(stage, storeys),
         stairs=tuple(f"{path} {told}" for path, told in faults.items()),
+        unreachable=tuple(
+            Unreachable(room, "plan" if room in way.doorless else "furniture")
+            for way in walks for room in way.unreachable
+        ),
     )  # fmt: skip
 
 
 def _collisions(scene: StageScene) -> list[Collision]:
     return collisions(scene.items, scene.fixed, underfoot(scene.graph.dressing))
-
-
-def _walks(
-    storeys: Sequence[StageScene], scores: Sequence[SceneScores], faults: Collection[str]
-) -> list[Walk]:
-    """On one storey as it is scored; else over the stairs that can be walked."""
-    if len(storeys) == 1:
-        return [scores[0].walk]
-    ascents = [
-        Ascent(index, tuple(one.walk_m[0, :2].tolist()), tuple(one.walk_m[-1, :2].tolist()))
-        for index, scene in enumerate(storeys)
-        for one in scene.stairs
-        if one.body.path not in faults
-    ]  # fmt: skip
-    return climb([without_openings(one.graph, one.by_stairs) for one in storeys], ascents)
 
 
 def _together(storeys: Sequence[StageScene]) -> SceneGraph:

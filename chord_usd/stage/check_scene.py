@@ -85,6 +85,12 @@ class StageScene:
     holes: tuple[Polygon, ...] = ()
     """What of these has no floor."""
 
+    @property
+    def entered_graph(self) -> SceneGraph:
+        """The graph without openings by which one steps onto stairs: they are no entrances."""
+        kept = (each for each in self.graph.openings if each.id not in self.by_stairs)
+        return replace(self.graph, openings=tuple(kept))
+
 
 @dataclass(frozen=True, eq=False)
 class StageStair:

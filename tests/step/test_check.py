@@ -77,7 +77,7 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
         "holds", "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
         "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs", "ood",
         "complete", "right", "missing", "home_lacks", "misplaced", "objects", "dressing", "stairs",
-        "faults",
+        "unreachable", "faults",
     ]  # fmt: skip
     assert fields["holds"] is fields["valid"] is True
     crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))
@@ -121,8 +121,20 @@ def test_a_wardrobe_at_the_door_blocks_it_and_shuts_the_room(tmp_path):
     (blocked,) = report.blocked_openings
     assert blocked.endswith("/Geometry/Door_1") or blocked.endswith("/Geometry/Door_0")
     assert report.reachable_rooms == 0.5
+    assert [room.shut_by for room in report.unreachable] == ["furniture"]
     assert report.walkable < 1.0
     assert not report.holds
+
+
+def test_a_room_that_the_plan_gives_no_door_is_no_fault_of_furniture(tmp_path):
+    sound = house(*SOUND)
+    report = check(tmp_path, replace(sound, openings=sound.openings[:1]))
+    (room,) = report.unreachable
+    assert room.shut_by == "plan"
+    assert not report.holds
+    assert [line for line in report.faults if line.startswith(room.path)] == [
+        f"{room.path} cannot be reached: the plan gives it no way in"
+    ]
 
 
 @pytest.mark.parametrize("z", [0.05, 1.0])

@@ -18,13 +18,13 @@ from shapely.geometry import Point
 from chord_usd.cli import UNUSABLE, main
 from chord_usd.data.houses import random_plan
 from chord_usd.errors import MissingExtraError, OutputError, StageError
+from chord_usd.metrics.walk import WALKER_RADIUS_M
 from chord_usd.plan.read import read_plan_file
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.exchange.built_house import House, house_of
 from chord_usd.stage.exchange.occupancy import FREE, OCCUPIED, RESOLUTION_M
-from chord_usd.stage.exchange.robot_map import ROBOT_RADIUS_M
 from chord_usd.stage.export import export_stage
 from tests.bare_stage import write_bare_stage
 from tests.plan_alike import likeness
@@ -322,7 +322,7 @@ def test_a_robot_fits_where_it_is_said_to(staged_house: Path, tmp_path: Path) ->
         for pose in seen.spawns["rooms"][room.id]:
             off_x = np.maximum(0, np.maximum(west - pose["x"], pose["x"] - west - RESOLUTION_M))
             off_y = np.maximum(0, np.maximum(south - pose["y"], pose["y"] - south - RESOLUTION_M))
-            assert np.hypot(off_x, off_y).min() >= ROBOT_RADIUS_M - 1e-6
+            assert np.hypot(off_x, off_y).min() >= WALKER_RADIUS_M - 1e-6
             assert room_polygon(room).contains(Point(pose["x"], pose["y"]))
             assert -np.pi <= pose["yaw"] <= np.pi
             poses += 1

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chord_usd.metrics import part_of, rooms_of_kind, score_scene, score_scenes
-from chord_usd.metrics.clear_floor import blocked_openings, rooms_beside
+from chord_usd.metrics.clear_floor import Blocked, blocked_openings, rooms_beside
 from chord_usd.metrics.fidelity import (
     match_items,
     opening_f1,
@@ -20,7 +20,7 @@ from chord_usd.metrics.fidelity import (
 )
 from chord_usd.metrics.overlap import items_overlap, overlaps_by_nature, scene_overlap
 from chord_usd.metrics.rooms import empty_rooms, out_of_room
-from chord_usd.metrics.walk import entrance, walk
+from chord_usd.metrics.walk import entrance, walk, ways_shut
 from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 from chord_usd.scene.units import rotation_2d
 
@@ -281,6 +281,48 @@ def test_rooms_that_touch_are_one_floor():
     )
     assert walk(graph).walkable == 1.0
     assert walk(graph).unreachable == ()
+
+
+def open_corridors(*items):
+    """Two corridors without a wall between, and a store without a door behind the first."""
+    return SceneGraph(
+        rooms=(room("a", "corridor", 0, 0, 1.1, 3), room("b", "corridor", 1.1, 0, 4, 3),
+               room("c", "store", 0, 3.24, 2, 2)),
+        openings=(door("front", 3, -0.12),),
+        items=items,
+    )  # fmt: skip
+
+
+def test_an_open_border_is_a_way_that_furniture_can_shut():
+    assert blocked_openings(open_corridors()) == []
+    beside = item("i", "cabinet", 1.1, 1.0, size=(0.4, 2.0, 2.0))
+    assert blocked_openings(open_corridors(beside)) == []
+    across = item("i", "cabinet", 1.1, 1.4, size=(0.4, 2.7, 2.0))
+    assert blocked_openings(open_corridors(across)) == [Blocked("a_b", "i")]
+    assert walk(open_corridors(across)).shut == ("a",)
+    two_ways = replace(open_corridors(across).openings[0], room_ids=("a",))
+    graph = replace(open_corridors(across), openings=(two_ways,))
+    assert ways_shut(graph, graph.rooms[0]) == 1
+
+
+def test_what_the_plan_gives_no_way_in_is_not_shut_by_furniture():
+    assert walk(open_corridors()).doorless == ("c",)
+    assert walk(open_corridors()).shut == ()
+    duct = replace(open_corridors(), rooms=(*open_corridors().rooms[:2],
+                                            room("c", "store", 0, 3.24, 0.9, 0.9)))  # fmt: skip
+    assert walk(duct).unreachable == ()
+
+
+def test_a_part_with_an_outer_door_is_entered_by_it():
+    garden_door = door("back", 0.5, 5.36)
+    graph = open_corridors()
+    graph = replace(graph, openings=(*graph.openings, garden_door))
+    assert walk(graph).unreachable == ()
+    assert walk(graph).annexes == ("c",)
+    full = replace(
+        graph, items=(item("i", "cabinet", 1.0, 4.24, size=(1.9, 1.9, 2.0), room_id="c"),)
+    )
+    assert walk(full).shut == ("c",)
 
 
 @settings(max_examples=40)

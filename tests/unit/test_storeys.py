@@ -14,14 +14,15 @@ from shapely.ops import unary_union
 from chord_usd.data.storey_houses import random_storeys
 from chord_usd.errors import PlanError
 from chord_usd.metrics.walk import walk
-from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.geometry import polygons_of, room_polygon
 from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, storeys_to_json
 from chord_usd.scene.pose import Pose, posed
 from chord_usd.scene.stair_cells import is_cell
+from chord_usd.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.scene.stair_places import DRAWN_STAIRS
 from chord_usd.scene.stair_spirals import is_round
 from chord_usd.scene.storeys import Building, stack
-from chord_usd.scene.types import Plan
+from chord_usd.scene.types import Plan, Room
 
 HOUSES = 24
 
@@ -168,3 +169,22 @@ REASONS = {
 def test_what_does_not_fit_is_refused_with_the_reason(kind: str) -> None:
     with pytest.raises(PlanError, match=REASONS[kind]):
         stack(spoilt(kind))
+
+
+def test_a_landing_that_is_too_shallow_is_measured() -> None:
+    made = stack(random_storeys(np.random.default_rng(3), 2))
+    climb, plan = made.climbs[0], made.storeys[1].plan
+    assert landing_depth_m(plan, climb.built) == LEAST_LANDING_M
+    edge = climb.built.arrival_m
+    ahead = climb.built.walk_m[-1, :2] - climb.built.walk_m[-2, :2]
+    line = affinity.translate(edge, *(0.62 * ahead / np.hypot(*ahead)))
+    wall = affinity.scale(line, 50.0, 50.0).buffer(0.12, cap_style="flat")
+
+    def cut(room: Room) -> Room:
+        parts = polygons_of(room_polygon(room).difference(wall)) or [room_polygon(room)]
+        part = min(parts, key=edge.distance)
+        return replace(room, polygon_m=np.asarray(part.exterior.coords)[:-1])
+
+    rooms = tuple(room if is_cell(room) else cut(room) for room in plan.rooms)
+    shallow = replace(plan, rooms=rooms, openings=())
+    assert landing_depth_m(shallow, climb.built) == pytest.approx(0.5, abs=0.01)

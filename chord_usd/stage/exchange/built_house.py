@@ -51,6 +51,8 @@ class House:
     """Ids of items are prim paths."""
     bodies: dict[str, Body]
     """What is seen of each item, in the world, by its id."""
+    scene: StageScene
+    """As it was read: paths for ids, stairs apart from rooms."""
     titles: dict[str, str]
     """What people call each room, by its id: names from the plan, else its kind and number."""
     owners: dict[str, str]
@@ -177,6 +179,7 @@ def _room_at(house: House, at_m: FloatArray) -> str:
 
 
 def _storey(stage: Usd.Stage, scene: StageScene) -> House:
+    parted = scene
     scene, inside = whole_rooms(scene)
     names = {room.id: room.name for room in scene.graph.rooms}
     names |= {part: names[whole] for part, whole in inside.items()}
@@ -203,7 +206,7 @@ def _storey(stage: Usd.Stage, scene: StageScene) -> House:
         dressing=tuple(_in_room(item, names) for item in scene.graph.dressing),
     )
     titles = {room.id: room_title(room, shown[room.id], rooms) for room in rooms}
-    return House(graph, {body.path: body for body in scene.items}, titles, owners)
+    return House(graph, {body.path: body for body in scene.items}, parted, titles, owners)
 
 
 def span_in_plan(tunnel: Tunnel) -> Span:

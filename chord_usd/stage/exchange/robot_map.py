@@ -6,27 +6,22 @@ import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
-import scipy.ndimage
-import shapely
 from pxr import Usd
-from shapely.geometry.base import BaseGeometry
 
-from chord_usd.metrics.walk import entrance
-from chord_usd.scene.geometry import footprint_polygon, room_polygon, seams
-from chord_usd.scene.types import BoolArray, FloatArray, Room
+from chord_usd.metrics.clear_floor import open_borders
+from chord_usd.metrics.walk import WALKER_RADIUS_M, Walk, entrance
+from chord_usd.scene.geometry import polygons_of, room_polygon
+from chord_usd.scene.types import BoolArray, FloatArray, Opening, Room
+from chord_usd.stage.check_stairs import stair_faults
 from chord_usd.stage.exchange.built_house import House, houses_of
 from chord_usd.stage.exchange.occupancy import FREE, RESOLUTION_M, Grid, Window
-
-ROBOT_RADIUS_M = 0.25
-
-_TOUCH_M = 0.02
-_LEAST_OPEN_M = 0.5
-"""Rooms that touch along less than this are not open to each other."""
+from chord_usd.stage.stage_walks import stage_walks
 
 _MOST_SPAWNS = 5
 _SPAWNS_APART_M = 0.75
@@ -74,74 +69,38 @@ class _Reach:
     clear: BoolArray
     """(H, W)"""
     joined: BoolArray
-    """(H, W) the part of it that one enters by; without an entrance the largest."""
+    """(H, W) the part of it that the entrance leads to."""
     rooms: dict[str, tuple[Window, BoolArray]]
     """Cells of each room, by id."""
+    shut: frozenset[str]
+    """Ids of the rooms that no way leads to, as the certificate has them."""
 
-    def able(self, room_id: str) -> tuple[Window, BoolArray, bool]:
-        """Where in a room a robot can be, and whether the entrance leads there."""
-        window, own = self.rooms[room_id]
-        joined = own & self.joined[window]
-        is_joined = bool(joined.any())
-        return window, joined if is_joined else own & self.clear[window], is_joined
+    def able(self, room_id: str) -> tuple[Window, BoolArray]:
+        """Where in a room a robot can be: where the entrance leads, if it leads there."""
+        window, cells = self.rooms[room_id]
+        joined = cells & self.joined[window]
+        return window, joined if joined.any() else cells & self.clear[window]
 
 
 def _reaches(grids: Sequence[Grid], houses: Sequence[House]) -> list[_Reach]:
-    """From the grids alone, as a planner would see them, and over the stairs."""
-    clear, parts = [], []
-    for grid in grids:
-        free = (grid.image == FREE).astype(np.uint8)
-        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        # To the corner of the nearest cell that is not free.
-        clear.append((distance - math.sqrt(0.5)) * RESOLUTION_M >= ROBOT_RADIUS_M)
-        parts.append(scipy.ndimage.label(clear[-1])[0])
-    reached = _reached(parts, grids, houses)
-    return [
-        _Reach(
-            free, np.isin(own, sorted(of)),
-            {room.id: grid.cells_in(room_polygon(room)) for room in house.plan.rooms},
-        )
-        for free, own, of, grid, house in zip(clear, parts, reached, grids, houses, strict=True)
-    ]  # fmt: skip
+    """What the certificate's walker reaches, and of that what is free on the grids."""
+    storeys = [house.scene for house in houses]
+    walks = stage_walks(storeys, stair_faults(storeys))
+    return [_reach(*each) for each in zip(grids, houses, walks, strict=True)]
 
 
-def _reached(
-    parts: Sequence[np.ndarray], grids: Sequence[Grid], houses: Sequence[House]
-) -> list[set[int]]:
-    """Numbers of the parts of each storey that one gets to, by the entrance and the stairs; without
-    an entrance from the largest part of the lowest."""
-    reached: list[set[int]] = [set() for _ in parts]
-    doors = [entrance(house.graph) for house in houses]
-    first = next((index for index, door in enumerate(doors) if door is not None), 0)
-    door = doors[first]
-    if door is None:
-        sizes = np.bincount(parts[first].ravel())[1:]
-        reached[first] |= {int(np.argmax(sizes)) + 1} if len(sizes) else set()
-    else:
-        reached[first] |= _part_at(footprint_polygon(door.box), parts[first], grids[first])
-    ways: list[tuple[int, set[int], set[int]]] = []
-    for low, house in enumerate(houses[:-1]):
-        for stair in house.stairs:
-            foot = _part_at(shapely.Point(stair.walk_m[0, :2]), parts[low], grids[low])
-            top = _part_at(shapely.Point(stair.walk_m[-1, :2]), parts[low + 1], grids[low + 1])
-            ways.append((low, foot, top))
-    for _ in houses:
-        for low, foot, top in ways:
-            if foot & reached[low]:
-                reached[low + 1] |= top
-            if top & reached[low + 1]:
-                reached[low] |= foot
-    return reached
-
-
-def _part_at(place: BaseGeometry, parts: np.ndarray, grid: Grid) -> set[int]:
-    """Number of the part nearest to a place, where there is any."""
-    rows, columns = np.nonzero(parts)
-    if not len(rows):
-        return set()
-    middles = shapely.points(*grid.at_m(rows, columns))
-    nearest = int(np.argmin(shapely.distance(place, middles)))
-    return {int(parts[rows[nearest], columns[nearest]])}
+def _reach(grid: Grid, house: House, walked: Walk) -> _Reach:
+    free = (grid.image == FREE).astype(np.uint8)
+    distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # To the corner of the nearest cell that is not free.
+    clear = (distance - math.sqrt(0.5)) * RESOLUTION_M >= WALKER_RADIUS_M
+    joined = np.zeros_like(clear)
+    for part in polygons_of(walked.reached):
+        window, within = grid.cells_in(part)
+        joined[window] |= within & clear[window]
+    rooms = {room.id: grid.cells_in(room_polygon(room)) for room in house.plan.rooms}
+    shut = frozenset(path.rsplit("/", 1)[-1] for path in walked.unreachable)
+    return _Reach(clear, joined, rooms, shut)
 
 
 # Rooms and doors ----------------------------------------------------------------------------------
@@ -168,7 +127,7 @@ def _house(houses: Sequence[House], reaches: Sequence[_Reach]) -> dict[str, Any]
                 "folder": house.storey.lower(), "name": house.storey_title,
                 "elevation": round(house.elevation_m, 4),
                 "rooms": [room.id for room in house.plan.rooms],
-                "reachable": bool(reach.joined.any()),
+                "reachable": any(room.id not in reach.shut for room in house.plan.rooms),
             }
             for house, reach in zip(houses, reaches, strict=True)
         ],
@@ -206,42 +165,34 @@ def _room(
         "area": round(room_polygon(room).area, 3),
         "polygon": np.round(room.polygon_m, 4).tolist(),
         "doors": [door["id"] for door in doors if room.id in door["rooms"]],
-        "reachable": reach.able(room.id)[2],
+        "reachable": room.id not in reach.shut,
     }
 
 
 def _doors(house: House) -> Iterator[dict[str, Any]]:
     """Doors and passages; the outside is no room."""
     for opening in house.plan.openings:
-        if opening.kind == "window":
-            continue
-        x, y, _ = opening.box.center_m
-        yield {
-            "id": opening.id, "kind": opening.kind, "rooms": list(opening.room_ids),
-            "x": round(x, 4), "y": round(y, 4),
-            # Across the wall: the way one drives through.
-            "yaw": _radians(opening.box.yaw_deg + 90.0),
-            "width": round(opening.box.size_m[0], 4), "height": round(opening.box.size_m[2], 4),
-        }  # fmt: skip
+        if opening.kind != "window":
+            yield _door(opening)
+
+
+def _door(opening: Opening) -> dict[str, Any]:
+    x, y, _ = opening.box.center_m
+    return {
+        "id": opening.id, "kind": opening.kind, "rooms": list(opening.room_ids),
+        "x": round(x, 4), "y": round(y, 4),
+        # Across the wall: the way one drives through.
+        "yaw": _radians(opening.box.yaw_deg + 90.0),
+        "width": round(opening.box.size_m[0], 4), "height": round(opening.box.size_m[2], 4),
+    }  # fmt: skip
 
 
 def _open_edges(house: House) -> Iterator[dict[str, Any]]:
-    """Where rooms touch and nothing parts them."""
-    rooms = house.plan.rooms
-    for one, other, seam in seams([room_polygon(room) for room in rooms], _TOUCH_M):
-        seam = shapely.line_merge(seam) if seam.geom_type == "MultiLineString" else seam
-        line = max(shapely.get_parts(seam), key=lambda part: part.length, default=None)
-        if line is None or line.length < _LEAST_OPEN_M:
-            continue
-        middle = line.interpolate(0.5, normalized=True)
-        start, end = np.array(line.coords)[[0, -1]]
-        across = np.degrees(np.arctan2(*(end - start)[::-1])) + 90.0
-        yield {
-            "id": f"{rooms[one].id}_{rooms[other].id}", "kind": "open",
-            "rooms": [rooms[one].id, rooms[other].id],
-            "x": round(middle.x, 4), "y": round(middle.y, 4), "yaw": _radians(float(across)),
-            "width": round(line.length, 4), "height": None,
-        }  # fmt: skip
+    """Where rooms touch and nothing parts them: the longest straight side of each pair."""
+    borders = open_borders(house.plan.rooms, house.plan.openings)
+    for border_id, sides in groupby(borders, lambda border: border.id):
+        border = max(sides, key=lambda side: side.box.size_m[0])
+        yield {**_door(border), "id": border_id, "kind": "open", "height": None}
 
 
 def _radians(yaw_deg: float) -> float:
@@ -257,9 +208,9 @@ def _spawns(house: House, grid: Grid, reach: _Reach) -> dict[str, Any]:
     free = grid.image == FREE
     return {
         "frame": "map",
-        "radius": ROBOT_RADIUS_M,
+        "radius": WALKER_RADIUS_M,
         "rooms": {
-            room.id: list(_poses(*reach.able(room.id)[:2], grid, free)) for room in house.plan.rooms
+            room.id: list(_poses(*reach.able(room.id), grid, free)) for room in house.plan.rooms
         },
     }
 
