@@ -57,8 +57,8 @@ _NUMBERS = (
 
 _TABLE: tuple[tuple[str, str, str], ...] = (
     ("verb", "add", "add|install|insert|provide|include|buy|get|need|needs|give|want|would like|id"
-     " like|wed like|would love|id love|wed love|there should be|there must be|there shall be|bring in"
-     "|furnish with|equip with|wants"),
+     " like|wed like|would love|id love|wed love|there should be|there must be|there shall be"
+     "|bring in|furnish with|equip with|wants"),
     ("verb", "put", "put|place|stand|set|lay|hang|position|arrange|put up|set up|stands|be placed"),
     ("verb", "remove", "remove|delete|get rid of|throw out|throw away|throw|take away|take out|take"
      " down|take off|discard|drop|eliminate|ditch|scrap|dispose of|do away with|clear|clear out"
