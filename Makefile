@@ -23,7 +23,7 @@ PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 # Tests whose limits are so near that they need the machine for themselves.
 ALONE = $(shell grep -rl 'mark\.alone' tests)
 
-.PHONY: setup setup-dev house test test-tools acceptance lint wheel extension clean
+.PHONY: setup setup-dev house test test-tools acceptance acceptance-tools lint wheel extension clean
 
 setup: .venv/.ready
 
@@ -67,7 +67,12 @@ test: test-tools
 	$(PARALLEL) --dist loadfile --no-loadscope-reorder -m 'not alone and not acceptance' tests/end_to_end tests/step
 	$(BIN)/python -m pytest -m 'alone and not acceptance' $(ALONE)
 
-acceptance: test-tools
+# Deadline's client asks for other versions of packages than we have: another environment.
+acceptance-tools: test-tools
+	@command -v slurmctld munged >/dev/null || $(call install,slurm-wlm munge)
+	@test -x .venv/deadline/bin/deadline || ($(PYTHON) -m venv .venv/deadline && .venv/deadline/bin/pip install --quiet deadline)
+
+acceptance: acceptance-tools
 	$(PARALLEL) --dist loadfile -m 'acceptance and not alone' tests
 	$(BIN)/python -m pytest -m 'acceptance and alone' $(ALONE) || test $$? = 5  # 5: there are none
 
