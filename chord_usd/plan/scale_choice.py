@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.plan.paper import usual_scale
+from chord_usd.plan.paper_scale import usual_scale
 from chord_usd.plan.printed import Estimate
 from chord_usd.scene.types import BoolArray, FloatArray
 

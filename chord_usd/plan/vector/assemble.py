@@ -16,7 +16,7 @@ from shapely.ops import unary_union
 from chord_usd.errors import PlanError
 from chord_usd.plan.home_uses import part_open_plans
 from chord_usd.plan.labels import named_by_texts, numbered, uses_named
-from chord_usd.plan.paper import stated_ratio
+from chord_usd.plan.paper_scale import stated_ratio
 from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.printed import STATED, Estimate, estimates
 from chord_usd.plan.scale_choice import SCALE, Scale, choose_scale

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.paper import M_PER_POINT, stated_ratio
+from chord_usd.plan.paper_scale import M_PER_POINT, stated_ratio
 from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.text import Text
 from chord_usd.runtime.confined import confined

@@ -17,7 +17,7 @@ import numpy as np
 from shapely.geometry import LineString, Polygon
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.paper import M_PER_POINT
+from chord_usd.plan.paper_scale import M_PER_POINT
 from chord_usd.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
 from chord_usd.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
 from chord_usd.plan.vector.svg_shapes import (

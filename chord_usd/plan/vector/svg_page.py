@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from chord_usd.errors import PlanError
-from chord_usd.plan.paper import stated_ratio
+from chord_usd.plan.paper_scale import stated_ratio
 from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.vector.safe_xml import local_name
 from chord_usd.plan.vector.svg import is_house, paper_m_per_unit, svg_root
