@@ -22,6 +22,7 @@ STEP_NAMES = {
     "redraw": "Drawing some rooms again",
     "outliers": "Judging the layout",
     "tabletop": "Laying the tables",
+    "settle": "Putting the furniture right",
     "dress": "Dressing the rooms",
     "read": "Reading the house",
     "describe": "Reading the house",

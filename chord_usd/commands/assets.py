@@ -24,6 +24,7 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.commands.paths import output_file, output_place
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver, output_folder
 from chord_usd.scene.styles import MIXED
 
@@ -231,7 +232,7 @@ def run_export(options: argparse.Namespace) -> Outcome:
             write_simready(asset, folder, picture, today)
         progress(len(chosen), len(chosen))
     data = {"folder": str(options.output), "assets": chosen, "seconds": watch.seconds}
-    return Outcome(f"{options.output}: {len(chosen)} packages", data)
+    return Outcome(f"{options.output}: {counted(len(chosen), 'package')}", data)
 
 
 def run_build(options: argparse.Namespace) -> Outcome:
@@ -245,7 +246,7 @@ def run_build(options: argparse.Namespace) -> Outcome:
         if options.pictures:
             _draw_pictures(assets, folder / "pictures", watch)
     data = {"folder": str(options.output), "assets": len(assets)}
-    return Outcome(f"{options.output}: {len(assets)} components", data)
+    return Outcome(f"{options.output}: {counted(len(assets), 'component')}", data)
 
 
 def run_add(options: argparse.Namespace) -> Outcome:
@@ -265,7 +266,7 @@ def run_add(options: argparse.Namespace) -> Outcome:
         "refused": [{"id": refused.id, "why": refused.why} for refused in added.refused],
         "warnings": added.warnings,
     }
-    lines = [f"{folder}: {len(added.assets)} models added, {len(added.refused)} refused"]
+    lines = [f"{folder}: {counted(len(added.assets), 'model')} added, {len(added.refused)} refused"]
     lines += [f"  {refused.id}: {refused.why}" for refused in added.refused]
     if added.assets:
         lines.append("nothing of them opens (articulation): their meshes have no parts that move")

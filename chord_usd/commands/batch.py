@@ -34,6 +34,7 @@ from chord_usd.commands.common import (
 )
 from chord_usd.commands.paths import output_place
 from chord_usd.commands.render import add_look, look_of
+from chord_usd.runtime.counting import counted
 from chord_usd.scene.roof_forms import NO_ROOF
 
 if TYPE_CHECKING:
@@ -239,7 +240,7 @@ def outcome_of(done: Done, options: argparse.Namespace, seconds: dict[str, float
         "seconds": seconds,
     }
     text = (
-        f"{options.output}: {len(done.made)} houses made in {seconds['houses']:.1f} s, "
+        f"{options.output}: {counted(len(done.made), 'house')} made in {seconds['houses']:.1f} s, "
         f"{len(done.kept)} kept, {len(failures)} failed; the certificate of {done.holding} holds"
     )
     if done.not_holding:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+from chord_usd.runtime.counting import counted
 
 if TYPE_CHECKING:
     from chord_usd.stage.check import Report
@@ -49,5 +50,7 @@ def _outliers(ood: list[dict[str, Any]]) -> list[str]:
     if not ood:
         return []
     mean = sum(one["score"] for one in ood) / len(ood)
-    lines = [f"  out of distribution: {mean:.2f} on average over {len(ood)} items; most:"]
+    lines = [
+        f"  out of distribution: {mean:.2f} on average over {counted(len(ood), 'item')}; most:"
+    ]
     return lines + [f"    {one['score']:.2f} {one['path']}" for one in ood[:OUTLIERS_TOLD]]

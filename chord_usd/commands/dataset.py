@@ -28,6 +28,7 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.commands.paths import output_file
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import output_folder, write_atomic
 
 if TYPE_CHECKING:
@@ -150,7 +151,9 @@ def run_synth(options: argparse.Namespace) -> Outcome:
         "folder": str(options.output), "houses": options.count, "lacking": lacks.rooms,
         "seconds": watch.seconds,
     }  # fmt: skip
-    return Outcome(f"{options.output}: {options.count} houses", data, warnings=lacks.warnings())
+    return Outcome(
+        f"{options.output}: {counted(options.count, 'house')}", data, warnings=lacks.warnings()
+    )
 
 
 def run_import(options: argparse.Namespace) -> Outcome:
@@ -184,11 +187,11 @@ def run_import(options: argparse.Namespace) -> Outcome:
         "folder": str(options.output), "houses": reading.count, "lacking": lacks.rooms,
         "seconds": watch.seconds,
     }  # fmt: skip
-    text = f"{options.output}: {reading.count} houses"
+    text = f"{options.output}: {counted(reading.count, 'house')}"
     if options.arrange:
         data["arranged"] = arranged
         text += (
-            f"; of {arranged['pieces']} pieces {arranged['moved']} moved, "
+            f"; of {counted(arranged['pieces'], 'piece')} {arranged['moved']} moved, "
             f"{arranged['left_out']} left out"
         )
     outcome = reading.outcome(text, data)
@@ -241,7 +244,7 @@ def run_clean(options: argparse.Namespace) -> Outcome:
     kept = reading.count - len(dropped)
     told = ", ".join(f"{count} {fault}" for fault, count in sorted(removed.items())) or "none"
     data = {"folder": str(options.output), "houses": kept, "dropped": dropped, "removed": removed}
-    text = f"{options.output}: {kept} of {reading.count} houses; items taken out: {told}"
+    text = f"{options.output}: {kept} of {counted(reading.count, 'house')}; items taken out: {told}"
     return reading.outcome(text, data)
 
 
@@ -274,7 +277,7 @@ def run_draw(options: argparse.Namespace) -> Outcome:
     reading.refuse_none(options.houses)
     draw_sheet(scenes, options.output)
     return reading.outcome(
-        f"{options.output}: {len(scenes)} houses",
+        f"{options.output}: {counted(len(scenes), 'house')}",
         {"sheet": str(options.output), "houses": len(scenes)},
     )
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 from chord_usd.commands.paths import output_file
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
             told = [house.told for house in read_built(options.stage)]
             draw_storeys(told, delivery.place(options.preview))
-    lines = [f"{options.stage}: {len(contents.rooms)} rooms{_told(contents.looks)}"]
+    lines = [f"{options.stage}: {counted(len(contents.rooms), 'room')}{_told(contents.looks)}"]
     for room in contents.rooms:
         lines += _room_lines(room)
     return Outcome("\n".join(lines), {"stage": str(options.stage), **asdict(contents)})

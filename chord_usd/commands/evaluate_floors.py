@@ -22,6 +22,7 @@ from chord_usd.commands.evaluate_options import (
     load_layout_model,
     told,
 )
+from chord_usd.runtime.counting import counted
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.floors import FloorCase, Pairs
@@ -135,7 +136,7 @@ def _run(
         rows = [[planned(case, seed).plan for seed in seeds] for case in cases[:SHEET_ROWS]]
     different = [floors.diversity(row) for row in rows]
     notes = [
-        f"split {split}, {len(cases)} cases; {floors.tried_text(results)}",
+        f"split {split}, {counted(len(cases), 'case')}; {floors.tried_text(results)}",
         f"diversity over {SEEDS} seeds of {len(rows)} wishes: "
         + ", ".join(f"{value:.2f}" for value in different),
     ]

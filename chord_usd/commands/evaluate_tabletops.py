@@ -16,6 +16,7 @@ from chord_usd.commands.evaluate_options import (
     load_layout_model,
     told,
 )
+from chord_usd.runtime.counting import counted
 
 if TYPE_CHECKING:
     from chord_usd.evaluation.tabletop_cases import Case
@@ -99,7 +100,7 @@ def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
         return f"the best of {options.drafts or DRAFTS} lists of each top"
     config = painter.config
     steps = options.steps or config.default_steps
-    return f"{steps} steps of {options.sampler or config.default_sampler}"
+    return f"{counted(steps, 'step')} of {options.sampler or config.default_sampler}"
 
 
 def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Workplace:

@@ -30,6 +30,7 @@ from chord_usd.commands.render import (
     render_options,
     words_of,
 )
+from chord_usd.runtime.counting import counted
 
 
 def add(verbs: Verbs) -> None:
@@ -102,7 +103,7 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
     written = write_bundle(work, options.output, folder_mode(options))
     tasks = len(work.tasks())
     last = " and a merge" if work.has_last_step else ""
-    text = f"{options.output}: {tasks} tasks{last}. Try: openjd run {written[0]}"
+    text = f"{options.output}: {counted(tasks, 'task')}{last}. Try: openjd run {written[0]}"
     return Outcome(text, {"template": str(written[0]), "tasks": tasks})
 
 

@@ -35,6 +35,7 @@ from chord_usd.commands.common import (
 from chord_usd.commands.generate_storeys import run_storeys, storeys_given
 from chord_usd.commands.paths import output_file, output_folder
 from chord_usd.commands.planned import add_sources, plan_source, planned_report, without_scale
+from chord_usd.runtime.counting import counted, counted_rooms
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -232,11 +233,11 @@ def _tabletop(house: House, items: int) -> dict[str, Any]:
 
 def _text(data: dict[str, Any]) -> str:
     carried = data["tabletop"]["items"]
-    small = f" and {carried} items on them" if carried else ""
-    dressed = f", dressed with {data['dressing']} things" if data["dressing"] else ""
+    small = f" and {counted(carried, 'item')} on them" if carried else ""
+    dressed = f", dressed with {counted(data['dressing'], 'thing')}" if data["dressing"] else ""
     return reported(
         data["certificate"],
-        f"{data['stage']}: {data['rooms']} rooms, {data['furniture']} pieces of furniture{small}"
-        f"{dressed}, {data['openings']} doors, windows and passages, "
+        f"{data['stage']}: {counted_rooms(data)}{small}{dressed}, "
+        f"{counted(data['openings'], 'opening')}, "
         f"in {sum(data['seconds'].values()):.1f} s",
     )

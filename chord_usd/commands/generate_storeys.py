@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.certified import certified, holds, reported
 from chord_usd.commands.common import Outcome, UsageError, existing_file
+from chord_usd.runtime.counting import counted, counted_rooms
 from chord_usd.runtime.files import Delivery, deliver
 
 if TYPE_CHECKING:
@@ -154,8 +155,8 @@ def _summary(
 
 def _text(data: dict[str, Any]) -> str:
     lines = [
-        f"{data['stage']}: {len(data['storeys'])} storeys, {data['rooms']} rooms, "
-        f"{data['furniture']} pieces of furniture, in {sum(data['seconds'].values()):.1f} s"
+        f"{data['stage']}: {counted(len(data['storeys']), 'storey')}, {counted_rooms(data)}, "
+        f"in {sum(data['seconds'].values()):.1f} s"
     ]
     lines += [
         f"  {one['name']}: laid over the storey below by its {one['registered_by']}, "

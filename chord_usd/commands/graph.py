@@ -19,6 +19,7 @@ from chord_usd.commands.common import (
     stopwatch,
 )
 from chord_usd.errors import SceneError
+from chord_usd.runtime.counting import counted, counted_rooms
 from chord_usd.runtime.files import deliver
 from chord_usd.scene.limits import LARGEST_HOUSE_M
 
@@ -65,8 +66,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "seconds": watch.seconds,
     }
     return Outcome(
-        f"{options.output}: {data['rooms']} rooms, {data['furniture']} pieces of furniture, "
-        f"{data['openings']} doors, windows and passages",
+        f"{options.output}: {counted_rooms(data)}, {counted(data['openings'], 'opening')}",
         data,
     )
 

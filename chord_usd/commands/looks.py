@@ -19,6 +19,7 @@ from chord_usd.commands.common import (
     style_name,
 )
 from chord_usd.commands.paths import output_file
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def run_sheet(options: argparse.Namespace) -> Outcome:
         draw_looks(cells).save(target, "PNG")
         progress(len(wanted), len(wanted))
     data = {"sheet": str(options.output), "looks": len(cells)}
-    return Outcome(f"{options.output}: {len(cells)} looks", data)
+    return Outcome(f"{options.output}: {counted(len(cells), 'look')}", data)
 
 
 Cell = tuple[str, "Family", dict[str, Any]]

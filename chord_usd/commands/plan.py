@@ -20,6 +20,7 @@ from chord_usd.commands.common import (
     stopwatch,
 )
 from chord_usd.commands.paths import output_file
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -97,8 +98,8 @@ def run_read(options: argparse.Namespace) -> Outcome:
         "warnings": warnings,
     }
     return Outcome(
-        f"{data['plan']}: {data['rooms']} rooms, {data['doors']} doors, "
-        f"{data['windows']} windows, {data['passages']} passages",
+        f"{data['plan']}: {counted(data['rooms'], 'room')}, {counted(data['doors'], 'door')}, "
+        f"{counted(data['windows'], 'window')}, {counted(data['passages'], 'passage')}",
         data,
         warnings=warnings,
     )

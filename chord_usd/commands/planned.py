@@ -23,6 +23,7 @@ from chord_usd.commands.common import (
     scale,
     stopwatch,
 )
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
     data = {"plan": str(options.output), **planned_report(planned), "seconds": watch.seconds}
     told = f", for {data['understood']}" if data["understood"] else ""
     return Outcome(
-        f"{options.output}: {data['rooms']} rooms, {data['area_m2']:.0f} m²{told}",
+        f"{options.output}: {counted(data['rooms'], 'room')}, {data['area_m2']:.0f} m²{told}",
         data,
         warnings=planned.warnings,
     )

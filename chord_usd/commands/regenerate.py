@@ -23,6 +23,7 @@ from chord_usd.commands.common import (
     stopwatch,
 )
 from chord_usd.commands.paths import in_place_of, output_file
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver
 
 
@@ -134,5 +135,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "seconds": watch.seconds,
         "certificate": check,
     }
-    made_told = f"{target}: {len(made.new_items)} new pieces in {options.room}, seed {seed}"
+    made_told = (
+        f"{target}: {counted(len(made.new_items), 'new piece')} in {options.room}, seed {seed}"
+    )
     return Outcome(reported(check, made_told), data, holds(check))

@@ -248,7 +248,7 @@ def run(options: argparse.Namespace) -> Outcome:
             f"this is chord-usd {__version__}",
             where="--require-version",
             expected=f"{options.require_version}, which made the job",
-            try_=f"pip install chord-usd=={options.require_version}",
+            try_=f"pip install . in a clone of chord-usd {options.require_version}",
         )
     wanted = picture_options(options)
     stage = existing_file(options.stage)

@@ -22,6 +22,7 @@ from chord_usd.commands.common import (
     existing_file,
     stopwatch,
 )
+from chord_usd.runtime.counting import counted_rooms
 from chord_usd.runtime.files import deliver
 
 
@@ -78,5 +79,5 @@ def run(options: argparse.Namespace) -> Outcome:
         "seconds": watch.seconds,
         "certificate": check,
     }
-    made = f"{options.output}: {data['rooms']} rooms, {data['furniture']} pieces of furniture"
+    made = f"{options.output}: {counted_rooms(data)}"
     return Outcome(reported(check, made), data, holds(check))

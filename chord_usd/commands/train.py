@@ -35,6 +35,7 @@ from chord_usd.commands.train_options import (
     run_of,
     unseen_of,
 )
+from chord_usd.runtime.counting import counted
 
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
@@ -269,7 +270,7 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
         sketcher = load_sketcher(options.output / "checkpoint")
         draw_sketches(sketcher, held_out_cases(3, aligned=True), options.output / "sheet.png")
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+    return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
 
 
 def run_reader(options: argparse.Namespace) -> Outcome:
@@ -291,7 +292,7 @@ def run_reader(options: argparse.Namespace) -> Outcome:
             config, options.output, crops, progress, start=options.start, flats=flats
         )
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+    return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
 
 
 def _trained(
@@ -308,7 +309,7 @@ def _trained(
         )
     record = {"checkpoint": str(options.output / "checkpoint"), "resumed": resumed, **facts}
     data = {**record, **trainer.training_record()}
-    return Outcome(f"{data['checkpoint']}: {trainer.step} steps", data)
+    return Outcome(f"{data['checkpoint']}: {counted(trainer.step, 'step')}", data)
 
 
 def run_detector(options: argparse.Namespace) -> Outcome:
@@ -348,4 +349,4 @@ def run_detector(options: argparse.Namespace) -> Outcome:
     write_card(options.kind, options.output, facts, scores)
     data = {"checkpoint": str(options.output), "resumed": resumed, **facts, "scores": scores}
     text = f"mAP50 {scores['map50']:.3f}, n = {scores['truths']} {options.kind}"
-    return Outcome(f"{options.output}: {text} in {len(cases)} houses", data)
+    return Outcome(f"{options.output}: {text} in {counted(len(cases), 'house')}", data)

@@ -26,6 +26,7 @@ from chord_usd.commands.train_options import (
     run_of,
     unseen_of,
 )
+from chord_usd.runtime.counting import counted
 
 if TYPE_CHECKING:
     from chord_usd.scene.types import SceneGraph
@@ -77,7 +78,7 @@ def run_lists(options: argparse.Namespace) -> Outcome:
     with stopwatch(options).step("train") as progress:
         facts = train_lists(config, options.output, task, progress, options.start)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+    return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
 
 
 def run_boxes(options: argparse.Namespace) -> Outcome:
@@ -90,7 +91,7 @@ def run_boxes(options: argparse.Namespace) -> Outcome:
     with stopwatch(options).step("train") as progress:
         facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
-    return Outcome(f"{data['checkpoint']}: {facts['steps']} steps", data)
+    return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
 
 
 def _list_training(options: argparse.Namespace, furnished: int) -> ListTraining:

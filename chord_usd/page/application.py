@@ -41,6 +41,7 @@ from chord_usd.page.uploads import (
     refuse_size,
     shown_name,
 )
+from chord_usd.runtime.extras import install_line
 from chord_usd.runtime.warm_calls import WarmVerbs
 from chord_usd.scene.limits import PARTS
 from chord_usd.scene.roof_forms import ROOF_FORMS
@@ -370,7 +371,7 @@ def three_module() -> Path:
     if file is None or not file.is_file():
         raise MissingExtraError(
             "the page needs nicegui, which brings three.js, and is not installed",
-            try_="pip install 'chord-usd[web]'",
+            try_=install_line("web"),
         )
     return file
 

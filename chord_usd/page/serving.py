@@ -15,6 +15,7 @@ from pathlib import Path
 import uvicorn
 
 from chord_usd.errors import ChordError, OutputError, reason_of
+from chord_usd.page.addresses import shown_address
 from chord_usd.page.application import make_application
 from chord_usd.page.gate import LOOPBACK_NAMES
 
@@ -40,7 +41,7 @@ def serve_page(root: Path, host: str, port: int, say: Callable[[str], None]) -> 
             lifespan="on",
             timeout_graceful_shutdown=SHUTDOWN_S,
         )
-        shown = f"[{host}]" if ":" in host else host
+        shown = shown_address(host)
         address = f"http://{shown}:{listener.getsockname()[1]}/"
         say(f"{address}?token={token}" if token else address)
         asyncio.run(_serve(_Server(config), listener))

@@ -106,8 +106,8 @@ def generate(
     """Furnish the plan in plan_file (a picture or CHOrD JSON) and write the stage.
 
     models: those of earlier houses with the same settings, but for the seed; by default they are
-    loaded. The stopwatch times plan, load, list, layout, graph, redraw, outliers, tabletop, dress
-    and stage.
+    loaded. The stopwatch times plan, load, list, layout, graph, redraw, outliers, tabletop, settle,
+    dress and stage.
     Raises ChordError.
     """
     settings = settings or Settings()
@@ -175,7 +175,7 @@ def furnish(
             database = models.reader.database
             tabletops = lay_tables(graph, models.table, database, settings, progress)
             graph = tabletops.graph
-    with watch.step("stage"):
+    with watch.step("settle"):
         graph = settle(graph, settings)
     if settings.dressing:
         with watch.step("dress"):

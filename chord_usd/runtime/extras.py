@@ -29,6 +29,11 @@ EXTRAS = {
 """By the name that is imported."""
 
 
+def install_line(extra: str) -> str:
+    """The command that installs an extra: the package is on no index."""
+    return f"pip install '.[{extra}]' in a clone of chord-usd"
+
+
 @contextmanager
 def needed_for(what: str, or_try: str = "") -> Iterator[None]:
     """Around imports of packages of an extra.
@@ -48,7 +53,7 @@ def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExt
     extra = EXTRAS.get(package)
     if extra is None:
         return None
-    remedy = f"pip install 'chord-usd[{extra}]'"
+    remedy = install_line(extra)
     return MissingExtraError(
         f"{what} needs {package}, which is not installed",
         try_=f"{remedy}, or {or_try}" if or_try else remedy,

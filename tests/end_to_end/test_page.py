@@ -126,7 +126,9 @@ def looked_at(page: Page) -> ByteArray:
 
 
 def differing(one: ByteArray, other: ByteArray) -> float:
-    """The share of pixels of which an eye sees that they differ."""
+    """The share of pixels of which an eye sees that they differ; 1 where the sizes differ."""
+    if one.shape != other.shape:
+        return 1.0
     return float((np.abs(one.astype(int) - other.astype(int)).max(axis=2) > EYE_LEVELS).mean())
 
 

@@ -40,26 +40,26 @@ def test_one_line_names_the_extra(verb: str, extra: str, run_cli: RunCli, tmp_pa
     assert done.returncode == 2
     (line,) = (line for line in done.stderr.splitlines() if not re.match(r"\w+: [\d.]+ s", line))
     assert line.startswith("error: ")
-    assert f"Try: pip install 'chord-usd[{extra}]'" in line
+    assert f"Try: pip install '.[{extra}]'" in line
     assert not list(tmp_path.iterdir())
 
 
 def test_scores_of_realism_are_an_extra(run_cli: RunCli) -> None:
     done = run_cli("evaluate", "layouts", "--n", 1, "--fid")
     assert done.returncode == 2
-    assert "Try: pip install 'chord-usd[evaluate]', or --no-fid" in done.stderr
+    assert "Try: pip install '.[evaluate]' in a clone of chord-usd, or --no-fid" in done.stderr
 
 
 def test_tools_for_agents_are_an_extra(run_cli: RunCli, tmp_path: Path) -> None:
     done = run_cli("mcp", "--root", tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "Try: pip install 'chord-usd[mcp]'" in done.stderr
+    assert "Try: pip install '.[mcp]'" in done.stderr
 
 
 def test_the_page_is_an_extra(run_cli: RunCli, tmp_path: Path) -> None:
     done = run_cli("serve", "--root", tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "Try: pip install 'chord-usd[web]'" in done.stderr
+    assert "Try: pip install '.[web]'" in done.stderr
 
 
 def test_a_cuda_device_without_torch_is_named_or_done_without(

@@ -7,6 +7,7 @@ import shlex
 import tomllib
 from pathlib import Path
 
+from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.cli import build_parser
 from tests.every import for_every
 from tests.verbs import ACTIONS, VERBS
@@ -87,6 +88,39 @@ def test_commands_can_be_typed(document: Path) -> None:
         if span.startswith(("-", "chord-usd", "train", "evaluate", "generate", "render")):
             named = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", span))
             assert named <= OPTIONS | OF_OTHERS, span
+
+
+def test_every_option_is_on_a_page() -> None:
+    named = {
+        option
+        for document in DOCUMENTS
+        for option in re.findall(r"(?<![\w-])--?[a-z][\w-]*", document.read_text())
+    }
+    unnamed = [
+        f"{prog} {action.option_strings[-1]}"
+        for prog, action in ACTIONS
+        if action.option_strings and not named & set(action.option_strings)
+    ]
+    assert unnamed == []
+
+
+def test_extras_are_installed_from_a_clone() -> None:
+    """The package is on no index: pip finds no chord-usd there."""
+    code = [file for part in ("chord_usd", "blender_addon") for file in (ROOT / part).rglob("*.py")]
+    texts = {*DOCUMENTS, *code} - {ROOT / "CHANGELOG.md"}
+    wrong = re.compile(r"pip install '?chord-usd")
+    assert [name_of(text) for text in texts if wrong.search(text.read_text())] == []
+
+
+def test_models_are_counted_once() -> None:
+    """Pages give the number of models that the catalogue has."""
+    given = {
+        int(number.replace(",", ""))
+        for document in DOCUMENTS
+        if document.name != "CHANGELOG.md"
+        for number in re.findall(r"([\d,]{3,}) (?:models|packages)\b", document.read_text())
+    }
+    assert given == {len(designs())}
 
 
 @for_every("document", DOCUMENTS, ids=name_of)
