@@ -27,7 +27,7 @@ class Result:
     why: str = ""
     """Why it could not be made; empty where it was."""
     detail: str = ""
-    """Traceback of an error that nobody foresaw."""
+    """Traceback of an error that nobody foresaw, or the last lines of a worker that died."""
     fatal: ChordError | None = None
     """Why no other unit could be made either."""
 
@@ -69,9 +69,9 @@ class Queue:
         self._tries[unit.name] += 1
         return unit
 
-    def died(self, unit: Unit, how: str) -> Result | None:
+    def died(self, unit: Unit, how: str, log: str = "") -> Result | None:
         """A worker died over a unit, which waits again; the result where it was tried enough."""
         if self._tries[unit.name] < MOST_TRIES:
             self._waiting.append(unit)
             return None
-        return Result(unit, f"its worker died {MOST_TRIES} times: {how}")
+        return Result(unit, f"its worker died {MOST_TRIES} times: {how}", log)

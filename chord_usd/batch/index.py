@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from chord_usd.batch.engine import Result
+from chord_usd.batch.failures import failures_in
 from chord_usd.batch.make import STAGE_FILE, camera_of
 from chord_usd.batch.records import (
     HOUSE_RECORD,
@@ -31,7 +31,8 @@ FIGURES = (
 """Of a house, out of its record."""
 
 _COLUMNS = (
-    "kind", "status", "house", "camera", "plan", "seed", "path", "files", "sha256", "why", "seconds"
+    "kind", "status", "house", "camera", "plan", "seed", "path", "files", "sha256", "why",
+    "seconds", "cpu_s",
 )  # fmt: skip
 """Of every row, in this order."""
 
@@ -40,22 +41,24 @@ _TEXTS = ("kind", "status", "house", "camera", "plan", "path", "why")
 _LISTS = ("files", "sha256")
 
 
-def rows(folder: Path, failures: Iterable[Result] = ()) -> list[dict[str, Any]]:
+def rows(folder: Path, names: Container[str] | None = None) -> list[dict[str, Any]]:
     """All rows of a folder of houses, by name; houses that could not be made come last.
+
+    names: of the houses that count; None for all.
 
     A row has kind (house or picture), status (done or failed), house, camera, plan, seed, path
     (of the stage or the picture), files and sha256 (what it alone is made of, and the hashes),
-    why (it failed), seconds, and for houses FIGURES. Paths are relative to the folder.
+    why (it failed), seconds, cpu_s (of processors), and for houses FIGURES. Paths are relative to the folder.
     """
     found: list[dict[str, Any]] = []
-    failed = {result.unit.name: result for result in failures}
+    failed = failures_in(folder)
     for record_file in sorted(folder.glob(f"*/{HOUSE_RECORD}")):
         house = record_file.parent
         record = read_record(record_file)
-        if record and house.name not in failed:
+        if record and house.name not in failed and (names is None or house.name in names):
             found.append(_house_row(house.name, record))
             found += _picture_rows(house, record)
-    found += [_failed_row(result) for _, result in sorted(failed.items())]
+    found += [_failed_row(told) for name, told in failed.items() if names is None or name in names]
     return found
 
 
@@ -80,6 +83,7 @@ def write_parquet(rows: list[dict[str, Any]], folder: Path) -> Path:
         *((name, pyarrow.list_(pyarrow.string())) for name in _LISTS),
         ("seed", pyarrow.int64()),
         ("seconds", pyarrow.float64()),
+        ("cpu_s", pyarrow.float64()),
         *((name, _figure_type(name)) for name in FIGURES),
     ]
     path = folder / PARQUET_FILE
@@ -117,6 +121,7 @@ def _house_row(name: str, record: Record) -> dict[str, Any]:
         files=[f"{name}/{file}" for file in files],
         sha256=list(files.values()),
         seconds=round(sum(told["seconds"].values()), 3),
+        cpu_s=told.get("cpu_s"),
         **{key: told.get(key) for key in FIGURES},
     )
 
@@ -145,19 +150,10 @@ def _picture_rows(house: Path, made: Record) -> Iterator[dict[str, Any]]:
         )
 
 
-def _failed_row(result: Result) -> dict[str, Any]:
-    unit = result.unit
-    return _row(
-        kind="house",
-        status="failed",
-        house=unit.name,
-        plan=unit.source,
-        seed=unit.seed,
-        files=[],
-        sha256=[],
-        why=result.why,
-        **({"detail": result.detail} if result.detail else {}),
-    )
+def _failed_row(told: Mapping[str, Any]) -> dict[str, Any]:
+    """told: as failures_in has it."""
+    known = {key: told[key] for key in ("house", "plan", "seed", "why")}
+    return _row(kind="house", status="failed", files=[], sha256=[], **known)
 
 
 def _row(**known: Any) -> dict[str, Any]:

@@ -32,6 +32,9 @@ WORKER_MIB = 1024
 STOP_SECONDS = 0.8
 """How long a worker has to clean up after SIGTERM."""
 
+LOG_LINES = 200
+"""Kept of a worker that died."""
+
 _spawn = get_context("spawn")
 """Fresh interpreters: networks and USD have threads, which do not survive a fork."""
 
@@ -84,7 +87,7 @@ def _answers(team: list[_Worker], queue: Queue) -> Iterator[Result]:
         result = worker.result()
         if result is None:
             team.remove(worker)
-            result = queue.died(unit, worker.how_it_died()) if unit else None
+            result = queue.died(unit, *worker.how_it_died()) if unit else None
         if result:
             yield result
 
@@ -120,13 +123,14 @@ class _Worker:
             return None
         return result
 
-    def how_it_died(self) -> str:
-        """The signal or exit code, and the last line it wrote."""
+    def how_it_died(self) -> tuple[str, str]:
+        """The signal or exit code with the last line it wrote, and all of its last lines."""
         code = self._process.exitcode or 0
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         said = [line.strip() for line in self._log.read_text(errors="replace").splitlines()]
         last = next((line for line in reversed(said) if line), "")
-        return f"{how} ({last})" if last else how
+        log = "\n".join(said[-LOG_LINES:])
+        return f"{how} ({last})" if last else how, log
 
     def ask_to_end(self) -> None:
         """Without a unit it ends by itself; otherwise it drops what it does and cleans up."""

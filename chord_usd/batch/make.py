@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -68,7 +69,7 @@ class Maker:
         from chord_usd.pipeline import generate
         from chord_usd.stage.check import check_stage
 
-        watch = Stopwatch()
+        watch, before_s = Stopwatch(), cpu_seconds()
         settings = replace(self._order.settings, seed=unit.seed)
         with output_folder(target, "renew") as folder:
             plan_file = _plan_file(unit, folder)
@@ -80,6 +81,7 @@ class Maker:
             share_files(folder, target.parent)
             files = hashes_of(files_in(folder), folder)
             told = _told(unit, house, report, watch)
+            told["cpu_s"] = round(cpu_seconds() - before_s, 3)
             record = Record(unit.recipe, files, told)
             write_record(record, folder / HOUSE_RECORD)
             # What was rendered of the very same stage needs not be rendered again.
@@ -87,6 +89,12 @@ class Maker:
             if old.is_file() and hash_file(old) == files[STAGE_FILE]:
                 keep_pictures(target, folder, PICTURES_FOLDER)
         return record
+
+
+def cpu_seconds() -> float:
+    """Of this process and of those that it started and that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
 
 
 def pictures_recipe(record: Record, options: RenderOptions) -> Mapping[str, Any]:
@@ -111,12 +119,13 @@ def _render(house: Path, made: Record, options: RenderOptions, digests: Digests)
     record = house / PICTURES_RECORD
     if finished(record, recipe, digests):
         return
-    watch = Stopwatch()
+    watch, before_s = Stopwatch(), cpu_seconds()
     with watch.step("render"):
         rendered = render_stage(house / STAGE_FILE, house / PICTURES_FOLDER, options)
     sidecars = {file.with_name(f"{camera_of(file)}.json") for file in rendered.files}
     files = hashes_of(sorted({*rendered.files, *sidecars}), house)
-    told = {"seconds": watch.seconds, "device": rendered.device}
+    cpu_s = round(cpu_seconds() - before_s, 3)
+    told = {"seconds": watch.seconds, "cpu_s": cpu_s, "device": rendered.device}
     write_record(Record(recipe, files, told), record)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import mean, median
 from typing import Any
 
+from chord_usd.batch.failures import failures_in
 from chord_usd.batch.lock import LOCK_FILE
 from chord_usd.batch.make import SCENE_FILE
 from chord_usd.batch.records import HOUSE_RECORD, Digests, Record, files_in, read_record
@@ -70,10 +71,9 @@ class Release:
         return split_hash(self.holding)
 
     @property
-    def seconds(self) -> float:
-        """One worker's, for a house: the median, as machines sleep."""
-        told = [sum(one.told["seconds"].values()) for one in self.records.values()]
-        return float(median(told or [0.0]))
+    def cpu_s(self) -> float:
+        """Seconds of a processor core for a house, the median: neighbours do not slow these."""
+        return float(median([one.told["cpu_s"] for one in self.records.values()] or [0.0]))
 
     def figure(self, name: str) -> float:
         """Mean over the houses of a figure of their records."""
@@ -87,11 +87,11 @@ class Release:
     @property
     def summary(self) -> str:
         """In words, with what many houses would cost."""
-        days = self.seconds * _MANY / 86400
+        days = self.cpu_s * _MANY / 86400
         return (
             f"{len(self.holding)} of {len(self.records)} houses in the splits; a house takes "
-            f"{self.seconds:.1f} s of a worker and {self.megabytes:.1f} MB: {_MANY:,} of them "
-            f"{days:.0f} days of one worker and {self.megabytes * _MANY / 1e6:.1f} TB"
+            f"{self.cpu_s:.1f} s of a core and {self.megabytes:.1f} MB: {_MANY:,} of them "
+            f"{days:.0f} days of one core and {self.megabytes * _MANY / 1e6:.1f} TB"
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -101,7 +101,7 @@ class Release:
             "holding": len(self.holding),
             "split_hash": self.split_hash,
             **{name: len(part) for name, part in self.splits.items()},
-            "seconds_per_house": round(self.seconds, 2),
+            "cpu_s_per_house": round(self.cpu_s, 2),
             "megabytes_per_house": round(self.megabytes, 2),
             "bytes": self.bytes,
         }
@@ -122,7 +122,10 @@ def write_release(folder: Path, names: Sequence[str]) -> Release:
     and in no split. Files that somebody changed are kept as NAME.changed. checksums.sha256 is what
     `sha256sum -c` takes. Raises OutputError.
     """
-    found = {name: read_record(folder / name / HOUSE_RECORD) for name in names}
+    failed = failures_in(folder)
+    found = {
+        name: read_record(folder / name / HOUSE_RECORD) for name in names if name not in failed
+    }
     records = {name: record for name, record in found.items() if record}
     release = Release(records, _bytes_of(folder))
     splits = {"hash": release.split_hash, **release.splits}

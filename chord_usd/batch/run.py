@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from chord_usd.batch.engine import Engine, Load, Result
+from chord_usd.batch.failures import forget_failures, note_failures
 from chord_usd.batch.index import rows, write_index, write_parquet
 from chord_usd.batch.lock import locked
 from chord_usd.batch.make import Maker, pictures_recipe
@@ -20,6 +21,7 @@ from chord_usd.batch.records import (
     finished,
 )
 from chord_usd.batch.shards import write_shards
+from chord_usd.batch.time_limit import limited
 from chord_usd.batch.work_units import Order, Unit
 from chord_usd.errors import OutputError, reason_of
 from chord_usd.runtime import interrupts
@@ -33,6 +35,8 @@ class Exports:
 
     parquet: bool = False
     shards: bool = False
+    named_only: bool = False
+    """Of the units of this run alone, not of every house that is in the folder."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,10 @@ def run_batch(
                 with watch.step("look") as progress:
                     due = find_due(units, order, progress)
                 with watch.step("houses") as progress:
-                    results = _make(due, engine, load or partial(Maker, order), progress)
+                    loads = load or partial(Maker, order)
+                    if order.timeout_s is not None:
+                        loads = partial(limited, loads, order.timeout_s)
+                    results = _make(due, engine, loads, progress)
             finally:
                 # Of workers that were ended in the middle of a house.
                 _sweep(folder)
@@ -134,8 +141,12 @@ def _finish(
 ) -> Done:
     failures = tuple(sorted((r for r in results if r.why), key=lambda r: r.unit.name))
     tried = {result.unit for result in results}
+    failed = {result.unit.name for result in failures}
     with watch.step("index"):
-        listed = rows(order.folder, failures)
+        note_failures(order.folder, failures)
+        forget_failures(order.folder, (unit for unit in units if unit.name not in failed))
+        names = {unit.name for unit in units} if exports.named_only else None
+        listed = rows(order.folder, names)
         files = [write_index(listed, order.folder)]
         if exports.parquet:
             files.append(write_parquet(listed, order.folder))

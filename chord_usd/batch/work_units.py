@@ -40,6 +40,8 @@ class Order:
     """Its seed is not used; each unit has its own."""
     renders: RenderOptions | None = None
     """How to take pictures; None for houses only."""
+    timeout_s: float | None = None
+    """What a house with its pictures may take; None for no limit."""
 
 
 @dataclass(frozen=True)

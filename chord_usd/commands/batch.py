@@ -45,6 +45,9 @@ if TYPE_CHECKING:
     from chord_usd.pipeline import Settings
     from chord_usd.runtime.progress import Stopwatch
 
+_HOUSE_MINUTES, _PICTURES_MINUTES = 60, 24 * 60
+"""What a house may take, and one with pictures: far more than any has needed."""
+
 MOST_TOLD = 5
 """Failures told on stderr; --json and the index list all."""
 
@@ -130,6 +133,10 @@ def add_workers(parser: Parser) -> None:
         help="how many (as many as cores and memory allow)",
     )  # fmt: skip
     group.add_argument(
+        "--timeout", type=whole_number(1, 10_080), metavar="MINUTES",
+        help="give up a house that takes longer (60, with pictures a day)",
+    )  # fmt: skip
+    group.add_argument(
         "--address", metavar="HOST:PORT", help="of the Ray cluster (one on this machine alone)"
     )
     group.add_argument(
@@ -161,18 +168,28 @@ def run(options: argparse.Namespace) -> Outcome:
 
 
 def make_houses(
-    units: Sequence[Unit], settings: Settings, options: argparse.Namespace, watch: Stopwatch
+    units: Sequence[Unit],
+    settings: Settings,
+    options: argparse.Namespace,
+    watch: Stopwatch,
+    *,
+    named_only: bool = False,
 ) -> Done:
-    """Make what is due of the units, as the options of pictures, exports and workers say."""
+    """Make what is due of the units, as the options of pictures, exports and workers say.
+
+    named_only: index and shards leave out other houses that are in the folder.
+    """
     from chord_usd.batch.index import require_parquet
     from chord_usd.batch.run import Exports, run_batch
     from chord_usd.batch.work_units import Order
 
     if options.parquet:
         require_parquet()
-    order = Order(options.output.absolute(), settings, _render_options(options))
+    minutes = options.timeout or (_PICTURES_MINUTES if options.renders else _HOUSE_MINUTES)
+    folder = options.output.absolute()
+    order = Order(folder, settings, _render_options(options), timeout_s=60.0 * minutes)
     engine = _engine(options, order.folder)
-    exports = Exports(options.parquet, options.webdataset)
+    exports = Exports(options.parquet, options.webdataset, named_only)
     try:
         return run_batch(units, order, engine, exports, watch)
     except KeyboardInterrupt as reason:

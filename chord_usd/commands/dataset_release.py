@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> Outcome:
     settings = settings_of(options)
     units = numbered_units(range(options.seed, options.seed + options.count), settings)
     watch = stopwatch(options)
-    done = make_houses(units, settings, options, watch)
+    done = make_houses(units, settings, options, watch, named_only=True)
     with watch.step("release"):
         release = write_release(options.output.absolute(), [unit.name for unit in units])
     outcome = outcome_of(done, options, watch.seconds)

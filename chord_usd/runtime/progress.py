@@ -115,7 +115,10 @@ class JobReporter(SilentReporter):
 
 
 class LineReporter(SilentReporter):
-    """One line per finished step."""
+    """One line per finished step, and one now and then while it goes on, with the time left."""
+
+    def step(self, name: str) -> Progress:
+        return _lines_of(name, lambda: True)
 
     def finish(self, name: str, seconds: float) -> None:
         _say(f"{name}: {seconds:.1f} s")
@@ -132,15 +135,52 @@ class HeldReporter(SilentReporter):
 
     def step(self, name: str) -> Progress:
         self._look_at_clock()
-        return lambda done, total: self._look_at_clock()
+        line = _lines_of(name, self._is_live)
+
+        def progress(done: int, total: int) -> None:
+            self._look_at_clock()
+            line(done, total)
+
+        return progress
 
     def finish(self, name: str, seconds: float) -> None:
         _held.append(f"{name}: {seconds:.1f} s")
         self._look_at_clock()
 
     def _look_at_clock(self) -> None:
-        if _held and time.monotonic() >= self._live_from:
+        if _held and self._is_live():
             _say_held()
+
+    def _is_live(self) -> bool:
+        return time.monotonic() >= self._live_from
+
+
+QUIET_SECONDS = 5.0
+"""Between the lines of a step: a house takes longer, a sampler's step less."""
+
+
+def _lines_of(name: str, may_say: Callable[[], bool]) -> Progress:
+    """Says a line where something was done and the last line is long ago."""
+    started = said = time.monotonic()
+    first: int | None = None
+
+    def progress(done: int, total: int) -> None:
+        nonlocal said, first
+        now = time.monotonic()
+        first = done if first is None else first
+        if done <= first or done >= total or now - said < QUIET_SECONDS or not may_say():
+            return
+        said = now
+        left_s = (now - started) / (done - first) * (total - done)
+        _say(f"{name}: {done} of {total}, {_duration(left_s)} left")
+
+    return progress
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
 
 
 HOLD_SECONDS = 60.0

@@ -33,7 +33,7 @@ def test_workers_may_die_without_harm_to_other_units(folder: Path) -> None:
     assert [result.unit.name for result in done.failures] == ["crash"]
     assert "died 3 times: SIGABRT" in done.failures[0].why
     assert sorted(path.name for path in folder.iterdir()) == [
-        MANIFEST_FILE, "a", "assets", "b", "index.jsonl", "killed_once",
+        MANIFEST_FILE, "a", "assets", "b", "failures", "index.jsonl", "killed_once",
     ]  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from chord_usd.batch.index import rows, write_parquet
 from chord_usd.batch.lock import locked
 from chord_usd.batch.make import STAGE_FILE
 from chord_usd.batch.records import HOUSE_RECORD, PICTURES_RECORD, Record, write_record
-from chord_usd.batch.run import Exports, find_due
+from chord_usd.batch.run import Exports, find_due, run_batch
 from chord_usd.batch.shards import write_shards
 from chord_usd.batch.shared import keep_pictures, share_files
 from chord_usd.batch.work_units import list_units
@@ -181,7 +181,38 @@ def test_failures_are_listed_and_the_rest_is_made(folder: Path) -> None:
     assert [(row["house"], row["status"]) for row in listed] == [
         ("a", "done"), ("b", "done"), ("bug", "failed"), ("unreadable", "failed"),
     ]  # fmt: skip
-    assert "ZeroDivisionError" in listed[2]["detail"]
+    kept = json.loads((folder / "failures" / "bug.json").read_text())
+    assert any("ZeroDivisionError" in line for line in kept["log"])
+
+
+def test_a_house_whose_plan_cannot_be_read_any_more_is_not_listed_as_done(folder: Path) -> None:
+    """Its older house is there; neither this run nor one of other plans takes it for an answer."""
+    makers.batch(folder, makers.units("unreadable"))
+    changed = [makers.unit("unreadable", seed=1)]
+    assert makers.batch(folder, changed, makers.troubled).holding == 0
+    makers.batch(folder, makers.units("b"))
+    assert [(row["house"], row["status"]) for row in rows(folder)] == [
+        ("b", "done"), ("unreadable", "failed"),
+    ]  # fmt: skip
+    makers.batch(folder, changed)
+    assert [row["status"] for row in rows(folder)] == ["done", "done"]
+    assert list((folder / "failures").glob("*.json")) == []
+
+
+def test_the_index_of_a_data_set_holds_its_own_houses_alone(folder: Path) -> None:
+    makers.batch(folder, makers.units("a", "b"))
+    done = makers.batch(folder, makers.units("a"), exports=Exports(named_only=True))
+    assert done.holding == 1
+    listed = [json.loads(line) for line in (folder / "index.jsonl").read_text().splitlines()]
+    assert [row["house"] for row in listed] == ["a"]
+
+
+def test_a_house_that_takes_too_long_fails_and_the_rest_is_made(folder: Path) -> None:
+    order = replace(makers.order(folder), timeout_s=0.3)
+    units = makers.units("a", "long", "b")
+    done = run_batch(units, order, makers.Here(), load=makers.troubled(folder))
+    assert makers.made(folder) == ["a", "b"]
+    assert "long: took longer than 0.005 minutes" in done.failures[0].why
 
 
 class TestFullDisk:

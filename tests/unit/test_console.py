@@ -92,6 +92,23 @@ def test_what_is_held_is_told_live_after_a_minute(
     assert capsys.readouterr().err == ""
 
 
+def test_a_long_step_says_how_far_it_is_and_what_is_left(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 0.0
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    with Stopwatch(make_reporter("lines")).step("houses") as done:
+        done(0, 40)
+        for made in range(1, 41):
+            now = made * 12.0
+            done(made, 40)
+            done(made, 40)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[:2] == ["houses: 1 of 40, 8 min left", "houses: 2 of 40, 8 min left"]
+    assert lines[38] == "houses: 39 of 40, 12 s left"
+    assert len(lines) == 40  # the last one says how long it took
+
+
 def test_what_is_held_is_dropped_with_an_error(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(OSError, match="full"), held_lines():
         with Stopwatch(make_reporter("auto")).step("plan"):
