@@ -80,6 +80,6 @@ def test_a_room_upstairs_is_furnished_again_and_nothing_else(
 
 def test_a_sentence_is_understood_on_its_storey(told: dict[str, object], plans: list[Path]) -> None:
     house = chord_usd.open(plans[0].parent / "house" / "house.usda")
-    assert "Kitchen" in " ".join(house.edit("no sink cabinet in the kitchen", dry_run=True))
+    assert "Kitchen" in " ".join(house.edit("no rug in the kitchen", dry_run=True))
     with pytest.raises(ChordError, match="has no storey 'attic'"):
         house.edit("no rug in the kitchen", storey="attic", dry_run=True)
