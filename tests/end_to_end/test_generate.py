@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 from pxr import Kind, Usd, UsdGeom, UsdLux, UsdUtils
 
+from tests.exit_codes import written
+
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -46,8 +48,7 @@ def make(run_cli: RunCli, folder: Path, plan: str, *more: str) -> Made:
         "--preview", folder / "preview.png", "--keep", folder / "kept",
         "--json", "--progress", "json", *more,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return Made(folder, json.loads(done.stdout), done.stderr)
+    return Made(folder, written(done), done.stderr)
 
 
 @pytest.fixture(scope="module")
@@ -269,8 +270,10 @@ def test_only_rooms_that_are_told_differ_from_the_first_draw(made: Made, first_d
 
 def test_a_usdz_holds_the_house_in_one_file(made: Made, run_cli: RunCli, tmp_path: Path) -> None:
     target = tmp_path / "house.usdz"
-    done = run_cli("stage", made.folder / "scene.json", "-o", target, "--progress", "none")
-    assert done.returncode == 0, done.stderr
+    done = run_cli(
+        "stage", made.folder / "scene.json", "-o", target, "--json", "--progress", "none"
+    )
+    written(done)
     # The makers of the sky are named beside it, since an archive of USD holds no text.
     told = {target.name, "house_attribution.txt", ".chord-usd.manifest"}
     assert {file.name for file in tmp_path.iterdir()} == told

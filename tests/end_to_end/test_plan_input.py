@@ -11,6 +11,8 @@ import pytest
 from PIL import Image
 from plan_symbols import draw_storeys
 
+from tests.exit_codes import written
+
 RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
@@ -24,8 +26,7 @@ def test_generate_takes_a_part_and_says_what_is_uncertain(sheet: Path, run_cli: 
     done = run_cli(
         "generate", sheet, "-o", sheet.with_name("house.usda"), "--part", 2, "--steps", 4, "--json"
     )
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    told = written(done)
     assert told["rooms"] == 2
     assert any("2 plans; number 2" in warning for warning in told["warnings"])
     assert any("the scale" in warning and "guess" in warning for warning in told["warnings"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -21,6 +20,7 @@ from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.types import Box, Item, SceneGraph
 from chord_usd.stage.author import author_stage
 from chord_usd.stage.refurnish import read_house
+from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -53,8 +53,7 @@ def test_one_room_changes_in_stage_graph_and_picture(
         "regenerate", stage, *WORDS,
         "--layout-out", tmp_path / "layout.png", "--graph-out", tmp_path / "scene.json",
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    told = written(done)
     assert told["room"] == ROOM
     assert told["seed"] == 5, "one more than the house's"
     assert not told["certificate"]["errors"], told["certificate"]["errors"]
@@ -105,8 +104,7 @@ def test_what_is_kept_stays_where_the_edits_have_put_it(
     write_move(edits, stage, kept, pose.center_m[0] + 0.3)
     kept_text = prim_text(stage, kept)
     done = run_cli("regenerate", stage, *WORDS, "--keep", kept.split("/")[-1], "--edits", edits)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["kept"] == [kept.split("/")[-1]]
+    assert written(done)["kept"] == [kept.split("/")[-1]]
     assert prim_text(stage, kept) == kept_text, "the edits stay in their own layer"
     seen = read_house(edits)
     items = {item.id: item for item in seen.graph.items_of(seen.room_ids[ROOM])}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +18,7 @@ from chord_usd.scene.chord_json import write_plan
 from chord_usd.scene.json_stairs import storeys_from_json
 from chord_usd.scene.storeys import STOREY_M
 from chord_usd.stage.diff import diff_stages
+from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 QUICK = ("--steps", 2, "--progress", "none", "--json")
@@ -42,9 +42,7 @@ def told(plans: list[Path], run_cli: RunCli) -> dict[str, object]:
         "--preview", folder / "above.png", "--graph-out", folder / "graph.json",
         "--keep", folder / "kept",
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    found: dict[str, object] = json.loads(done.stdout)
-    return found
+    return written(done)
 
 
 def test_all_storeys_are_drawn_told_and_kept(told: dict[str, object], plans: list[Path]) -> None:
@@ -68,8 +66,7 @@ def test_a_room_upstairs_is_furnished_again_and_nothing_else(
     done = run_cli(
         "regenerate", house, "--room", room.id, "-o", tmp_path / "house.usda", "--seed", 9, *QUICK
     )
-    assert done.returncode == 0, done.stderr
-    report = json.loads(done.stdout)["certificate"]
+    report = written(done)["certificate"]
     assert not report["errors"], report["errors"]
     assert not report["unsupported"]
     own = (f"/House/Rooms/Storey_1/{room.id}", f"/House/Cameras/{room.id}")

@@ -37,6 +37,7 @@ from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import read_plan, write_plan
 from chord_usd.scene.wish import Wish
 from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
+from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 STEPS = ("--steps", "8")
@@ -195,8 +196,7 @@ def test_a_text_becomes_a_furnished_house(run_cli: RunCli, tmp_path: Path) -> No
     out = tmp_path / "house.usda"
     text = "one-bedroom flat with a kitchen and a bathroom, 45 m²"
     done = run_cli("generate", "--text", text, "-o", out, "--json", "--no-tabletop", *STEPS)
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    told = written(done)
     assert told["planned"]["understood"].endswith("45 m²")
     assert told["rooms"] == told["planned"]["rooms"]
     assert told["furniture"] > 0
