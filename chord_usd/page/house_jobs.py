@@ -153,7 +153,12 @@ class HouseJobs:
             label = f"{given['room']} anew, seed {answer.data.get('seed')}"
             plan = self._houses.get(job.house)["plan"]
             told = _told(answer.data) | self._same_levels(job)
+            is_changed = (folder / "house" / EDITS).is_file()
+            if is_changed:  # the certificate is that of the house without its changes
+                told["certificate"] = None
             self._keep(job, number, label, plan, given["version"], rooms, told)
+        if is_changed:
+            self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
     async def _say(self, job: Job) -> dict[str, Any]:
@@ -163,6 +168,7 @@ class HouseJobs:
         with self._version(job) as (number, folder):
             target = folder / "house" / STAGE
             words = ["edit", self._houses.word(before / STAGE), _no_option(str(given["sentence"]))]
+            words += ["--force"] if given.get("force") else []
             if (before / EDITS).is_file():
                 words += _option("edits", self._houses.word(before / EDITS))
             answer = await self._call(job, [*words, f"--output={self._houses.word(target)}"])
@@ -226,10 +232,11 @@ class HouseJobs:
 
     async def _check(self, job: Job) -> dict[str, Any]:
         stage = self._houses.stage(job.house, job.given.get("version"))
+        state = self._houses.state(job.house, job.given["version"])
         answer = await self._call(job, ["check", self._houses.word(stage)])
 
         def change(version: Record) -> None:
-            version["certificate"] = answer.data
+            version.update(certificate=answer.data, certified=state)
 
         self._houses.note(job.house, job.given["version"], change)
         return answer.data

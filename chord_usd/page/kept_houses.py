@@ -77,11 +77,16 @@ class KeptHouses:
         return record
 
     def get(self, house: str) -> Record:
-        """Raises NotThereError."""
+        """A certificate is that of the stage as it lies on disk, or None. Raises NotThereError."""
+        folder = self.folder(house)
         try:
-            record: Record = json.loads((self.folder(house) / _FILE).read_text())
+            record: Record = json.loads((folder / _FILE).read_text())
         except (OSError, ValueError):
             raise NotThereError("there is no such house") from None
+        for version in record["versions"]:
+            now = _state(folder / "versions" / f"{int(version['number']):04d}" / "house")
+            if version.get("certified") != now:
+                version["certificate"] = None
         return record
 
     def update(self, house: str, change: Callable[[Record], None]) -> Record:
@@ -205,11 +210,19 @@ class KeptHouses:
         edits = folder / EDITS
         return edits if edits.is_file() else folder / STAGE
 
+    def state(self, house: str, number: object) -> list[list[object]]:
+        """What a certificate of a version is of: names, sizes and times of its layers."""
+        return _state(self.version_folder(house, number) / "house")
+
     def add_version(self, house: str, version: Record) -> None:
-        """Note a finished version, and show it."""
+        """Note a finished version, with the certificate of its stage as it is now, and show it."""
+        number = f"{int(version['number']):04d}"
+        certified = _state(self.folder(house) / "versions" / number / "house")
 
         def change(record: Record) -> None:
-            record["versions"].append({"made": _now(), "pictures": [], "packs": [], **version})
+            record["versions"].append(
+                {"made": _now(), "pictures": [], "packs": [], "certified": certified, **version}
+            )
             record["shown"] = version["number"]
 
         self.update(house, change)
@@ -234,6 +247,12 @@ class KeptHouses:
 
     def _write(self, record: Record) -> None:
         write_atomic(self.folder_of(record["id"]) / _FILE, json.dumps(record, indent=1))
+
+
+def _state(folder: Path) -> list[list[object]]:
+    found = (folder / name for name in (STAGE, EDITS))
+    stats = [(one.name, one.stat()) for one in found if one.is_file()]
+    return [[name, stat.st_size, stat.st_mtime_ns] for name, stat in stats]
 
 
 def _now() -> str:

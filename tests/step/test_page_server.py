@@ -154,7 +154,8 @@ def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: Sta
     """As Blender's panel writes it; a room furnished anew keeps what is locked in it."""
     house = dropped(page)
     ask(page, house, "furnish")
-    until_over(page, house, 2)
+    (first,) = until_over(page, house, 3)["versions"]
+    assert first["certificate"]["holds"]
     address = f"/api/houses/{house}/versions/1/edits"
     pieces = {
         BED: {"was": PLACED, "matrix": PLACED},
@@ -164,19 +165,24 @@ def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: Sta
     edits = {"pieces": pieces, "locked": [BED]}
     assert page.put(address, json={"base": 0, "edits": edits}).json() == {"revision": 1}
     assert page.put(address, json={"base": 0, "edits": edits}).status_code == 409
+    (first,) = page.get(f"/api/houses/{house}").json()["versions"]
+    assert first["certificate"] is None, "it was that of the house before the changes"
     kept = page.get(address).json()
     assert (kept["edits"]["pieces"], kept["edits"]["locked"]) == (pieces, [BED])
 
     ask(page, house, "refurnish", version=1, room="Bedroom_0", keep=["Bed_0"])
     ask(page, house, "check", version=1)
-    until_over(page, house, 4)
+    first, second = until_over(page, house, 6)["versions"]
+    checked = {"holds": True, "collisions": []}
+    assert first["certificate"] == second["certificate"] == checked, "of the house with its changes"
     assert verbs.lines[-1][1].endswith("house.edits.usda")
-    assert any(word.startswith("--edits=") for word in verbs.lines[-2])
+    assert any(word.startswith("--edits=") for word in verbs.lines[-3])
     carried = page.get(f"/api/houses/{house}/versions/2/edits").json()["edits"]
     assert set(carried["pieces"]) == {BED, f"{DESK}/Items/Cup_0"}
 
-    ask(page, house, "say", version=1, sentence="--move the bed")
-    until_over(page, house, 6)
+    ask(page, house, "say", version=1, sentence="--move the bed", force=1)
+    until_over(page, house, 8)
+    assert "--force" in verbs.lines[-3]
     said = page.get(f"/api/houses/{house}/versions/3/view/view.glb").content
     assert stage_of(said).endswith("# move the bed")
     carried = page.get(f"/api/houses/{house}/versions/3/edits").json()["edits"]

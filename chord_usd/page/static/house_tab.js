@@ -21,6 +21,7 @@ const shifted = (polygons, { shift_m: [x, y] }) => polygons.map((one) => one.map
 export async function houseTab(app) {
   const tab = new HouseTab(app);
   app.left = () => tab.end();
+  app.seen = () => tab.seen();
   tab.load().catch((error) => {
     tab.wait.textContent = "";
     complain(error);
@@ -209,6 +210,18 @@ class HouseTab {
     return met;
   }
 
+  /** The last sentence that was said, as a job. */
+  lastSaid() {
+    return this.app.house.jobs.filter((job) => job.kind === "say").at(-1);
+  }
+
+  seen() {
+    const state = this.lastSaid()?.state;
+    if (state === this.said || !this.canvas.dataset.ready) return;
+    this.said = state;
+    if (state === "failed") this.refresh();
+  }
+
   refresh() {
     this.met = this.mark();
     if (this.areCeilingsHidden) this.hideCeilings(true);
@@ -225,15 +238,18 @@ class HouseTab {
 
   /** What shall be different, in words; understood whole, or refused with a reason. */
   sentenceForm() {
-    const sentence = el("input", { placeholder: "turn the sofa to the window", maxlength: 500, value: this.sentence ?? "", "aria-label": "What shall be different" });
+    const sentence = el("input", { placeholder: "put a plant in bedroom 1", maxlength: 500, value: this.sentence ?? "", "aria-label": "What shall be different" });
     sentence.addEventListener("input", () => { this.sentence = sentence.value; });
-    const form = el("form", { class: "row" }, sentence, el("button", { type: "submit" }, "Change it"));
+    const say = (more) => this.edits.save()
+      .then(() => this.app.start("say", { version: this.version.number, sentence: sentence.value, ...more }))
+      .catch(complain);
+    const last = this.lastSaid();
+    const isWorse = last?.state === "failed" && last.error.includes("--force") && last.given.sentence === sentence.value;
+    const form = el("form", { class: "row" }, sentence, el("button", { type: "submit" }, "Change it"),
+      ...(isWorse ? [button("Do it all the same", () => say({ force: 1 }))] : []));
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      if (!sentence.value.trim()) return;
-      this.edits.save()
-        .then(() => this.app.start("say", { version: this.version.number, sentence: sentence.value }))
-        .catch(complain);
+      if (sentence.value.trim()) say({});
     });
     return form;
   }

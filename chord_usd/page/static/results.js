@@ -34,11 +34,11 @@ function certificate(app, version) {
   const faults = faultsOf(told);
   return [
     el("h2", {}, told.holds ? "The certificate holds" : "The certificate does not hold"),
-    el("p", { class: "quiet" }, "Nothing collides, no opening is blocked, every room can be reached."),
+    told.holds ? el("p", { class: "quiet" }, "Nothing collides, nothing floats, no opening is blocked.") : null,
     told.walkable === undefined ? null : el("p", {}, `Of the walkable floor, ${percent(told.walkable)} hang together; ${percent(told.reachable_rooms)} of the rooms can be reached. Complete rooms: ${percent(told.complete)}.`),
     faults.length
       ? el("ul", { class: "list" }, ...faults.map(({ text, paths }) => el("li", {}, button(text, () => app.open("house", { paths })))))
-      : el("p", {}, "No fault was found."),
+      : told.holds ? el("p", {}, "No fault was found.") : null,
     button("Check again, with your changes", () => app.start("check", { version: version.number })),
     ...versions(app),
   ];
@@ -61,6 +61,7 @@ function faultsOf(told) {
     ...(told.blocked_openings ?? []).map(one("Blocked")),
     ...(told.unsupported ?? []).map(one("Floats")),
     ...(told.empty_rooms ?? []).map(one("Empty")),
+    ...(told.stairs ?? []).map((text) => ({ text, paths: [text.split(" ")[0]] })),
     ...(told.missing ?? []).map(({ path, pieces }) => ({ text: `${leaf(path)} lacks ${pieces.join(", ").replaceAll("_", " ")}`, paths: [path] })),
     ...(told.home_lacks ?? []).map((piece) => ({ text: `The home has no ${piece}`, paths: [] })),
     ...(told.misplaced ?? []).map(({ item, fault }) => ({ text: `${leaf(item)} is ${fault}`, paths: [item] })),
