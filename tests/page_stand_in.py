@@ -16,8 +16,11 @@ from starlette.testclient import TestClient
 from chord_usd.cli import build_parser
 from chord_usd.commands.paths import check_paths
 from chord_usd.errors import ChordError
+from chord_usd.page.application import make_application
+from chord_usd.page.gate import COOKIE
 from chord_usd.runtime.verb_calls import Answer, Told
 
+HERE, TOKEN = "http://127.0.0.1:8321", "secret"
 ROOT = Path(__file__).parents[1]
 PLAN = ROOT / "tests" / "fixtures" / "furnished_house.json"
 PNG = (ROOT / "examples" / "studio.png").read_bytes()
@@ -116,6 +119,12 @@ class StandIn:
         elif options.verb == "check":
             data = {"holds": True, "collisions": []}
         return Answer(data, True)
+
+
+def browser(root: Path, run: StandIn) -> TestClient:
+    """A browser that has opened the address with the token."""
+    application = make_application(root, token=TOKEN, run=run)
+    return TestClient(application, base_url=HERE, cookies={f"{COOKIE}-8321": TOKEN})
 
 
 def until_over(page: TestClient, house: str, jobs: int = 1) -> dict[str, Any]:

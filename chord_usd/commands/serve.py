@@ -22,7 +22,7 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--host", type=_address, default="127.0.0.1", metavar="ADDRESS",
-        help="the interface to listen on; any but this machine's own asks for a token (127.0.0.1)",
+        help="the interface to listen on (127.0.0.1)",
     )  # fmt: skip
     parser.add_argument(
         "--port", type=whole_number(0, 65_535), default=PORT, metavar="N",

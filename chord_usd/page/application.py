@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 import shutil
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,17 +19,10 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from chord_usd.errors import ChordError, DiskFullError, MissingExtraError
+from chord_usd.page.asked import LONGEST_TEXT, PACKS, fields_of, given_of, parts_of
 from chord_usd.page.gate import Gate, refused
-from chord_usd.page.house_jobs import (
-    CAN_SAY,
-    LONGEST_TEXT,
-    PACKS,
-    VIEW,
-    HouseJobs,
-    RunVerb,
-    given_of,
-)
-from chord_usd.page.job_queue import OVER, Job, JobQueue
+from chord_usd.page.house_jobs import CAN_SAY, VIEW, HouseJobs, RunVerb
+from chord_usd.page.job_queue import OVER, BusyError, Job, JobQueue
 from chord_usd.page.kept_houses import ChangedError, KeptHouses, NotThereError, Record
 from chord_usd.page.piece_edits import read_edits, write_edits
 from chord_usd.page.swapped_models import OFFERED, is_name
@@ -49,7 +43,6 @@ from chord_usd.scene.skies import SKIES
 from chord_usd.scene.styles import MIXED, STYLES
 
 STATIC = Path(__file__).with_name("static")
-MOST_JSON_BYTES = 8 * 2**20
 
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript",
           ".svg": "image/svg+xml"}  # fmt: skip
@@ -61,11 +54,12 @@ Answered = Callable[[Request], Awaitable[Response]]
 
 
 def make_application(
-    root: Path, *, host: str = "127.0.0.1", token: str = "", run: RunVerb | None = None
+    root: Path, *, token: str, host: str = "127.0.0.1", run: RunVerb | None = None
 ) -> Starlette:
     """The page over the houses below root. Raises MissingExtraError.
 
-    run: how a verb is run; by default in a process that is started when the page is opened.
+    token: what each request must have. run: how a verb is run; by default in a process that is
+    started when the page is opened.
     """
     page = _Page(KeptHouses(root), run)
     routes = [
@@ -112,6 +106,8 @@ def told(answer: Answered) -> Answered:
             return refused(str(error), error.status)
         except DiskFullError as error:
             return refused(str(error), 507)
+        except BusyError as error:
+            return refused(str(error), 503, {"retry-after": "60"})
         except ChordError as error:
             return refused(str(error), 400)
         except ClientDisconnect:
@@ -129,7 +125,7 @@ class _Page:
         self._warm = run if isinstance(run, WarmVerbs) else None
         self._work = HouseJobs(houses, run)
         self._jobs = JobQueue(houses.root / ".jobs", self._work.do)
-        self._work.submit = self._jobs.submit
+        self._work.submit = partial(self._jobs.submit, is_follow_up=True)
         self._three = three_module()
 
     @asynccontextmanager
@@ -186,61 +182,74 @@ class _Page:
         ?below=: the house whose next storey a plan is.
         """
         refuse_full_disk(self._houses.root)
+        self._jobs.require_place()
         below = request.query_params.get("below", "")
         if below:
             self._houses.folder(below)
         if request.headers.get("content-type", "").startswith("application/json"):
-            body = await _body(request)
-            if "below" in body:
-                return self._storey(str(body["below"]), body.get("part"))
-            text = body.get("text")
-            if not isinstance(text, str) or not text.strip() or len(text) > LONGEST_TEXT:
+            body = await fields_of(request, {"text": str, "below": str, "part": int})
+            if body.get("below"):
+                return self._storey(body["below"], body.get("part"))
+            text = body.get("text") or ""
+            if not text.strip() or len(text) > LONGEST_TEXT or "\0" in text:
                 raise ChordError("a text is needed", expected=f"1 to {LONGEST_TEXT} characters")
-            record = self._houses.new(text, text=" ".join(text.split()))
-        else:
-            name = request.query_params.get("name", "")
-            suffix = plan_suffix(name)
-            refuse_size(request.headers.get("content-length"))
-            record = self._houses.new(name.rpartition(".")[0] or name, suffix)
-            try:
-                target = self._houses.folder(record["id"]) / record["source"]
-                await receive(request.stream(), target)
-            except BaseException:
-                self._houses.delete(record["id"])
-                raise
-        if below:
-            self._houses.put_above(below, record["id"])
-        job = self._jobs.submit(record["id"], "read", {})
-        return _json({**self._shown(record["id"]), "job": job.id}, 201)
+            with self._kept_if_read(text, "", below, {}, text=" ".join(text.split())) as asked:
+                pass
+            return asked.answer
+        name = request.query_params.get("name", "")
+        suffix = plan_suffix(name)
+        refuse_size(request.headers.get("content-length"))
+        with self._kept_if_read(name.rpartition(".")[0] or name, suffix, below, {}) as asked:
+            await receive(parts_of(request), asked.source)
+        return asked.answer
 
-    def _storey(self, below: str, part: object) -> Response:
+    def _storey(self, below: str, part: int | None) -> Response:
         """Another part of the file of a house, as the storey above it."""
         source = self._houses.get(self._houses.ground_of(below))
-        if not source["source"] or not isinstance(part, int) or not 1 <= part <= PARTS[1]:
+        if not source["source"] or part is None or not 1 <= part <= PARTS[1]:
             raise ChordError("that is no part of a file", expected=f"1 to {PARTS[1]}, of a plan")
-        suffix = Path(source["source"]).suffix
-        record = self._houses.new(f"{source['name']} {part}", suffix)
-        folder = self._houses.folder
-        shutil.copyfile(
-            folder(source["id"]) / source["source"], folder(record["id"]) / record["source"]
-        )
-        self._houses.put_above(below, record["id"])
-        job = self._jobs.submit(record["id"], "read", {"part": part})
-        return _json({**self._shown(record["id"]), "job": job.id}, 201)
+        name, suffix = f"{source['name']} {part}", Path(source["source"]).suffix
+        with self._kept_if_read(name, suffix, below, {"part": part}) as asked:
+            shutil.copyfile(self._houses.folder(source["id"]) / source["source"], asked.source)
+        return asked.answer
+
+    @contextmanager
+    def _kept_if_read(
+        self, name: str, suffix: str, below: str, given: Record, text: str = ""
+    ) -> Iterator[_Asked]:
+        """A new house, while its file is written; then its reading is queued.
+
+        Without a place in the queue, or a whole file, nothing of it stays.
+        """
+        record = self._houses.new(name, suffix, text)
+        house = record["id"]
+        asked = _Asked(self._houses.folder(house) / record["source"])
+        try:
+            yield asked
+            job = self._jobs.submit(house, "read", given)
+            if below:
+                self._houses.put_above(below, house)
+            asked.answer = _json({**self._shown(house), "job": job.id}, 201)
+        except BaseException:
+            self._jobs.cancel_of(house)
+            self._houses.delete(house)
+            raise
 
     async def house(self, request: Request) -> Response:
         return _json(self._shown(request.path_params["house"]))
 
     async def change_house(self, request: Request) -> Response:
         """Another name, or another version to show."""
-        house, body = request.path_params["house"], await _body(request)
-        if "shown" in body:
+        house = request.path_params["house"]
+        body = await fields_of(request, {"name": str, "shown": int})
+        if body.get("shown") is not None:
             self._houses.version_folder(house, body["shown"])
 
         def change(record: Record) -> None:
-            if isinstance(body.get("name"), str):
+            if body.get("name"):
                 record["name"] = shown_name(body["name"])
-            record["shown"] = body.get("shown", record["shown"])
+            if body.get("shown") is not None:
+                record["shown"] = body["shown"]
 
         self._houses.update(house, change)
         return _json(self._shown(house))
@@ -259,7 +268,7 @@ class _Page:
         return _json({"number": number, "plan": self._houses.plan(house, number)})
 
     async def put_plan(self, request: Request) -> Response:
-        body = await _body(request)
+        body = await fields_of(request, {"base": int, "plan": dict, "drawing": dict})
         house = request.path_params["house"]
         frame = body.get("drawing")
         number = self._houses.put_plan(house, body.get("plan"), body.get("base"), frame)
@@ -275,7 +284,7 @@ class _Page:
 
     async def put_edits(self, request: Request) -> Response:
         """Keep changes; base: the revision that they were made of."""
-        body = await _body(request)
+        body = await fields_of(request, {"base": int, "edits": dict})
         folder, revision = self._edited(request)
         if body.get("base") != revision:
             raise ChangedError("the house was changed in another tab", try_="load the page again")
@@ -322,14 +331,16 @@ class _Page:
     # jobs ---------------------------------------------------------------------------------------
 
     async def new_job(self, request: Request) -> Response:
-        house, body = request.path_params["house"], await _body(request)
+        house = request.path_params["house"]
+        body = await fields_of(request, {"kind": str, "given": dict})
         self._houses.folder(house)
-        kind = body.get("kind")
+        kind = body.get("kind") or ""
         if kind not in self._work.kinds:
             raise ChordError(
                 "there is no such job", expected=f"one of {', '.join(self._work.kinds)}"
             )
-        return _json(self._told(self._jobs.submit(house, kind, given_of(kind, body.get("given")))))
+        given = given_of(kind, body.get("given") or {})
+        return _json(self._told(self._jobs.submit(house, kind, given)))
 
     async def cancel(self, request: Request) -> Response:
         job = self._job(request)
@@ -363,6 +374,15 @@ class _Page:
         return {**record, "storeys": storeys, "jobs": jobs}
 
 
+@dataclass
+class _Asked:
+    """A house that is asked for."""
+
+    source: Path
+    """The file that its plan is written to."""
+    answer: Response = field(default_factory=Response)
+
+
 def three_module() -> Path:
     """The file with three.js. Raises MissingExtraError."""
     found = find_spec("nicegui")
@@ -374,26 +394,6 @@ def three_module() -> Path:
             try_=install_line("web"),
         )
     return file
-
-
-async def _body(request: Request) -> Record:
-    """The JSON object of a request. Raises ChordError, UploadError."""
-    data = bytearray()
-    async for chunk in request.stream():
-        data += chunk
-        if len(data) > MOST_JSON_BYTES:
-            raise UploadError("the request is too large", 413)
-    try:
-        body = json.loads(data, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError):
-        raise ChordError("the request is no JSON") from None
-    if not isinstance(body, dict):
-        raise ChordError("the request is no JSON object")
-    return body
-
-
-def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number")
 
 
 def _static(name: str) -> Response:

@@ -1,4 +1,4 @@
-"""Who may talk to the page: a browser of this machine, or whoever has the token.
+"""Who may talk to the page: whoever has the token, on this machine, too, which others may use.
 
 A page from elsewhere can make a browser send requests to 127.0.0.1: under a name of its own that
 leads there (seen by Host), or in its own name (seen by Origin). Both are refused.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
-from http.cookies import CookieError, SimpleCookie
+from collections.abc import Mapping
 from urllib.parse import parse_qs, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -42,8 +42,10 @@ HEADERS = {
 class Gate:
     """Refuses requests from elsewhere, before anything reads them."""
 
-    def __init__(self, app: ASGIApp, *, host: str, token: str = "") -> None:
-        """host: the interface that is listened on; token: that requests must have, if any."""
+    def __init__(self, app: ASGIApp, *, host: str, token: str) -> None:
+        """host: the interface that is listened on; token: that requests must have."""
+        if not token:
+            raise ValueError("a page without a token is anybody's")
         self._app, self._host, self._token = app, host, token
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -64,6 +66,8 @@ class Gate:
 
     def _refusal(self, scope: Scope) -> Response | None:
         headers = Headers(scope=scope)
+        if len(headers.getlist("host")) > 1:
+            return refused("the request names two hosts", 400)
         host = headers.get("host", "")
         if not self._is_ours(host):
             return refused("this name does not lead here: open the address that was printed", 403)
@@ -72,24 +76,24 @@ class Gate:
             return refused("the request comes from another page", 403)
         if headers.get("sec-fetch-site") == "cross-site" and scope["method"] != "GET":
             return refused("the request comes from another page", 403)
-        return self._token_refusal(scope, headers) if self._token else None
+        return self._token_refusal(scope, headers, f"{COOKIE}{_port(host)}")
 
     def _is_ours(self, host: str) -> bool:
-        name = urlsplit(f"//{host}").hostname or ""
+        name = _name(host)
         shown = f"[{name}]" if ":" in name else name
         if shown in LOOPBACK_NAMES or shown == self._host:
             return True
         # On all interfaces the machine has addresses that we do not know, but no foreign name.
-        return bool(self._token) and _is_address(name)
+        return self._host not in LOOPBACK_NAMES and _is_address(name)
 
-    def _token_refusal(self, scope: Scope, headers: Headers) -> Response | None:
+    def _token_refusal(self, scope: Scope, headers: Headers, cookie: str) -> Response | None:
         given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
         if self._is_token(given) and scope["method"] == "GET":
             # Out of the address bar, the history and what people copy from there.
-            answer = RedirectResponse(scope["path"], 303)
-            answer.set_cookie(COOKIE, self._token, httponly=True, samesite="strict")
+            answer = RedirectResponse(f"/{scope['path'].lstrip('/')}", 303)
+            answer.set_cookie(cookie, self._token, httponly=True, samesite="strict")
             return answer
-        if not self._is_token(_cookie(headers)):
+        if not self._is_token(_cookie(headers, cookie)):
             return refused("the token is missing: open the address that was printed", 401)
         return None
 
@@ -97,17 +101,28 @@ class Gate:
         return hmac.compare_digest(text.encode(), self._token.encode())
 
 
-def refused(sentence: str, status: int) -> JSONResponse:
+def refused(sentence: str, status: int, headers: Mapping[str, str] | None = None) -> JSONResponse:
     """What cannot be done, as the page shows it."""
-    return JSONResponse({"error": sentence}, status)
+    return JSONResponse({"error": sentence}, status, headers)
 
 
-def _cookie(headers: Headers) -> str:
+def _name(host: str) -> str:
     try:
-        morsel = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
-    except CookieError:
+        return urlsplit(f"//{host}").hostname or ""
+    except ValueError:  # brackets without an end
         return ""
-    return morsel.value if morsel else ""
+
+
+def _port(host: str) -> str:
+    """The port that a Host header names. Cookies are the same for all ports of a machine."""
+    port = host.rpartition(":")[2]
+    return f"-{port}" if port.isdecimal() else ""
+
+
+def _cookie(headers: Headers, name: str) -> str:
+    # Not by SimpleCookie, which gives up at whatever another program of this machine may have set.
+    pairs = (pair.strip().partition("=") for pair in headers.get("cookie", "").split(";"))
+    return next((value for key, _, value in pairs if key == name), "")
 
 
 def _is_address(name: str) -> bool:

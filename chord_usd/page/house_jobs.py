@@ -14,6 +14,7 @@ from typing import Any
 import anyio
 
 from chord_usd.errors import ChordError
+from chord_usd.page.asked import PACKS, QUALITIES
 from chord_usd.page.job_queue import Job
 from chord_usd.page.kept_houses import EDITS, STAGE, KeptHouses, Record
 from chord_usd.page.piece_edits import carry_edits
@@ -33,17 +34,6 @@ RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
 
 VIEW = "view.glb"
 
-PACKS = {
-    "usda": "house.zip", "web": "house.usdz", "ar": "house_ar.usdz", "gltf": "house.glb",
-    "ifc": "house.ifc", "dxf": "house.dxf", "mujoco": "house_mujoco.zip", "ros": "house_ros.zip",
-    "blend": "house.blend",
-}  # fmt: skip
-"""What can be taken away, and the name of its file: the folder of the stage, else export's."""
-
-QUALITIES = {"draft": ("draft", "640x360"), "good": ("good", "1280x720")}
-"""What render is asked for, by the name on the page."""
-
-LONGEST_TEXT = 2000
 MOST_MODELS = 9
 
 CAN_SAY = find_spec("chord_usd.commands.edit") is not None
@@ -143,7 +133,7 @@ class HouseJobs:
             words = ["regenerate", self._houses.word(before / STAGE)]
             words += [f"--output={self._houses.word(target)}", *_option("room", given["room"])]
             words += _option("with", given.get("with")) + _option("without", given.get("without"))
-            words += [word for name in given.get("keep", ()) for word in _option("keep", name)]
+            words += [word for name in given.get("keep") or () for word in _option("keep", name)]
             words += _option("seed", given.get("seed")) + _option("style", given.get("style"))
             if (before / EDITS).is_file():
                 words += _option("edits", self._houses.word(before / EDITS))
@@ -244,7 +234,7 @@ class HouseJobs:
     async def _render(self, job: Job) -> dict[str, Any]:
         """One camera, into a folder of its own: pictures of other settings stay."""
         given = job.given
-        quality, size = QUALITIES[given.get("quality", "draft")]
+        quality, size = QUALITIES[given.get("quality") or "draft"]
         folder = self._houses.version_folder(job.house, given.get("version"))
         stage = self._houses.stage(job.house, given["version"])
         target = folder / "pictures" / job.id
@@ -310,30 +300,6 @@ class HouseJobs:
 
         await told(words[0], 0, 1)
         return await self._run(words, self._houses.root, told)
-
-
-def given_of(kind: str, given: object) -> dict[str, Any]:
-    """What a job was given, as it can be put on a command line. Raises ChordError."""
-    if not isinstance(given, dict):
-        raise ChordError("what the job is given is no object")
-    for name, value in given.items():
-        texts = value if isinstance(value, list) else [value]
-        if not all(isinstance(text, str | int | float | None) for text in texts):
-            raise ChordError(f"{name} is neither text nor number")
-        if any(isinstance(text, str) and len(text) > LONGEST_TEXT for text in texts):
-            raise ChordError(f"{name} is too long", expected=f"at most {LONGEST_TEXT} characters")
-    needed = {"refurnish": ("version", "room"), "say": ("version", "sentence"),
-              "models": ("category", "size"), "swap": ("version", "model"),
-              "render": ("version", "camera"),
-              "check": ("version",), "pack": ("version", "for")}  # fmt: skip
-    for name in needed.get(kind, ()):
-        if not given.get(name):
-            raise ChordError(f"{kind} needs {name}")
-    if kind == "pack" and given["for"] not in PACKS:
-        raise ChordError("there is no such package", expected=f"one of {', '.join(PACKS)}")
-    if kind == "render" and given.get("quality", "draft") not in QUALITIES:
-        raise ChordError("there is no such quality", expected=f"one of {', '.join(QUALITIES)}")
-    return given
 
 
 def _option(name: str, value: object) -> list[str]:

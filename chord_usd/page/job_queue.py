@@ -24,6 +24,11 @@ MOST_WAITING = 100
 MOST_KEPT = 200
 """Jobs that are done are remembered so long."""
 
+
+class BusyError(ChordError):
+    """Too much is asked for at once."""
+
+
 State = Literal["queued", "running", "done", "failed", "cancelled", "ended"]
 """ended: the server ended while it was queued or running."""
 
@@ -90,10 +95,20 @@ class JobQueue:
             with contextlib.suppress(asyncio.CancelledError):
                 await task
 
-    def submit(self, house: str, kind: str, given: dict[str, Any]) -> Job:
-        """Put a job at the end. Raises ChordError where too many wait."""
+    def require_place(self) -> None:
+        """Raises BusyError where too many jobs wait."""
         if len(self._waiting) >= MOST_WAITING:
-            raise ChordError(f"{MOST_WAITING} jobs are waiting", try_="again when some are done")
+            raise BusyError(f"{MOST_WAITING} jobs are waiting", try_="again when some are done")
+
+    def submit(
+        self, house: str, kind: str, given: dict[str, Any], *, is_follow_up: bool = False
+    ) -> Job:
+        """Put a job at the end. Raises BusyError where too many wait.
+
+        is_follow_up: of a job that is at work, which always finds a place.
+        """
+        if not is_follow_up:
+            self.require_place()
         job = Job(house, kind, given)
         self._jobs[job.id] = job
         self._keep(job)

@@ -23,8 +23,12 @@ SCHEMA = 2
 MOST_EDITS = 5000
 
 _PIECE = re.compile(
-    r"/House/Rooms/(?:Storey_\d{1,2}/)?(\w+)/(?:Furniture|Dressing)/\w+(?:/\w+){0,8}"
+    r"/House/Rooms/(?:Storey_\d{1,2}/)?(NAME)/(?:Furniture|Dressing)/NAME(?:/NAME){0,8}".replace(
+        "NAME", r"[A-Za-z_]\w{0,99}"
+    ),
+    re.ASCII,
 )
+"""Names as USD has them: of these letters, and none begins with a digit."""
 _MARK, _END = "string chord_edits = '''", "'''"
 _HEAD = """#usda 1.0
 (

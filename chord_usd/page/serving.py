@@ -17,7 +17,7 @@ import uvicorn
 from chord_usd.errors import ChordError, OutputError, reason_of
 from chord_usd.page.addresses import shown_address
 from chord_usd.page.application import make_application
-from chord_usd.page.gate import LOOPBACK_NAMES
+from chord_usd.page.timed_protocol import TimedProtocol
 
 LOCK = ".server.lock"
 SHUTDOWN_S = 5
@@ -30,20 +30,19 @@ def serve_page(root: Path, host: str, port: int, say: Callable[[str], None]) -> 
     be written, ChordError for a port that is taken.
     """
     with _alone(root), _listening(host, port) as listener:
-        token = "" if host in LOOPBACK_NAMES else secrets.token_urlsafe(24)
+        token = secrets.token_urlsafe(24)
         application = make_application(root, host=host, token=token)
         # Python writes to the page's folder only; what uvicorn logs would hold the token.
         config = uvicorn.Config(
             application,
+            http=TimedProtocol,
             log_config=None,
             access_log=False,
             server_header=False,
             lifespan="on",
             timeout_graceful_shutdown=SHUTDOWN_S,
         )
-        shown = shown_address(host)
-        address = f"http://{shown}:{listener.getsockname()[1]}/"
-        say(f"{address}?token={token}" if token else address)
+        say(f"http://{shown_address(host)}:{listener.getsockname()[1]}/?token={token}")
         asyncio.run(_serve(_Server(config), listener))
 
 

@@ -23,8 +23,10 @@ ASSETS = "assets"
 SHARED = "Finishes"
 """Within assets: pictures that models share."""
 COLOUR = "colour"
-_NAME = re.compile(r"\w[\w.-]{0,79}")
-_USD = re.compile(r"assets/(\w[\w.-]{0,99})/(\w[\w.-]{0,99}\.usd[ac]?)")
+_NAME = re.compile(r"\w[\w.-]{0,79}", re.ASCII)
+_LOOK = re.compile(r"[A-Za-z_]\w{0,79}", re.ASCII)
+"""The name of a variant set, which USD writes without quotes."""
+_USD = re.compile(r"assets/(\w[\w.-]{0,99})/(\w[\w.-]{0,99}\.usd[ac]?)", re.ASCII)
 _PARTS = (".usd", ".usda", ".usdc", ".mtlx", ".png", ".jpg", ".jpeg", ".exr", ".webp")
 
 _PIECE = """#usda 1.0
@@ -151,7 +153,7 @@ def checked_swap(given: Any, house: Path) -> dict[str, Any]:
         raise ChordError("a swap is none") from None
     if not _USD.fullmatch(swap["usd"]) or not (house / swap["usd"]).is_file():
         raise ChordError("a swap names no model of the house")
-    if not all(is_name(word) for pair in looks.items() for word in pair):
+    if not all(_LOOK.fullmatch(look) and is_name(choice) for look, choice in looks.items()):
         raise ChordError("a swap has no such look")
     return swap
 

@@ -60,11 +60,12 @@ class Quickly(WarmVerbs):
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        config = uvicorn.Config(make_application(tmp_path, run=Quickly()), log_config=None)
+        application = make_application(tmp_path, token="secret", run=Quickly())
+        config = uvicorn.Config(application, log_config=None)
         server = uvicorn.Server(config)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
-        yield f"http://127.0.0.1:{listener.getsockname()[1]}/"
+        yield f"http://127.0.0.1:{listener.getsockname()[1]}/?token=secret"
         server.should_exit = True
         thread.join(20)
 

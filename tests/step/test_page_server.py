@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import re
@@ -9,6 +10,8 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
+import time
 import zipfile
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
@@ -20,14 +23,27 @@ import pytest
 if not find_spec("nicegui"):
     pytest.skip("the extra web is not installed", allow_module_level=True)
 
+import uvicorn
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
-from chord_usd.page import uploads
+from chord_usd.page import asked, job_queue, timed_protocol, uploads
 from chord_usd.page.application import make_application
-from tests.page_stand_in import BED, PLAN, PNG, StandIn, ask, dropped, stage_of, until_over
+from tests.page_stand_in import (
+    BED,
+    HERE,
+    PLAN,
+    PNG,
+    StandIn,
+    ask,
+    browser,
+    dropped,
+    stage_of,
+    until_over,
+)
 
 ROOT = Path(__file__).parents[2]
-HERE = "http://127.0.0.1:8321"
 
 
 @pytest.fixture
@@ -37,7 +53,7 @@ def verbs() -> StandIn:
 
 @pytest.fixture
 def page(tmp_path: Path, verbs: StandIn) -> Iterator[TestClient]:
-    with TestClient(make_application(tmp_path, run=verbs), base_url=HERE) as client:
+    with browser(tmp_path, verbs) as client:
         yield client
 
 
@@ -115,7 +131,7 @@ def test_what_fails_says_why_and_leaves_nothing(page: TestClient, tmp_path: Path
 
 def test_jobs_can_be_cancelled(tmp_path: Path) -> None:
     verbs = StandIn(seconds=30)
-    with TestClient(make_application(tmp_path, run=verbs), base_url=HERE) as page:
+    with browser(tmp_path, verbs) as page:
         house = page.post("/api/houses", json={"text": "a flat"}).json()["id"]
         waiting = ask(page, house, "furnish")
         assert waiting["ahead"] == 1
@@ -127,9 +143,9 @@ def test_jobs_can_be_cancelled(tmp_path: Path) -> None:
 
 
 def test_a_server_that_ended_says_so(tmp_path: Path) -> None:
-    with TestClient(make_application(tmp_path, run=StandIn(30)), base_url=HERE) as page:
+    with browser(tmp_path, StandIn(30)) as page:
         house = page.post("/api/houses", json={"text": "a flat"}).json()["id"]
-    with TestClient(make_application(tmp_path, run=StandIn()), base_url=HERE) as page:
+    with browser(tmp_path, StandIn()) as page:
         (job,) = page.get(f"/api/houses/{house}").json()["jobs"]
         assert job["state"] == "ended"
         assert page.post(f"/api/jobs/{job['id']}/again").status_code == 200
@@ -231,6 +247,9 @@ def test_a_piece_is_swapped_and_stays_so_in_later_versions(
         {"pieces": {BED: {"was": PLACED, "matrix": [[1, 2], [3, 4]]}}},
         {"pieces": {BED: {"was": PLACED, "matrix": [[1e9] * 4] * 4}}},
         {"locked": ["/Elsewhere"]},
+        {"locked": ["/House/Rooms/Bedroom_0/Furniture/1Bed"]},
+        {"pieces": {"/House/Rooms/Küche_0/Furniture/Bed_0": {"was": PLACED, "matrix": PLACED}}},
+        {"pieces": {f"{BED}/²": {"was": PLACED, "matrix": PLACED}}},
         [],
     ],
 )
@@ -263,10 +282,15 @@ def test_requests_from_elsewhere_are_refused(
     assert page.get("/api/houses", headers={"origin": HERE}).status_code == 200
 
 
-def test_another_interface_asks_for_the_token(tmp_path: Path) -> None:
-    app = make_application(tmp_path, host="0.0.0.0", token="secret", run=StandIn())
-    with TestClient(app, base_url="http://192.168.0.2:8321", follow_redirects=False) as page:
+@pytest.mark.parametrize(
+    ("host", "base"), [("0.0.0.0", "http://192.168.0.2:8321"), ("127.0.0.1", HERE)]
+)
+def test_the_token_is_asked_for(tmp_path: Path, host: str, base: str) -> None:
+    """On this machine, too: others may use it."""
+    app = make_application(tmp_path, host=host, token="secret", run=StandIn())
+    with TestClient(app, base_url=base, follow_redirects=False) as page:
         assert page.get("/").status_code == 401
+        assert page.delete("/api/houses/0123456789ab").status_code == 401
         assert page.get("/?token=wrong").status_code == 401
         assert page.get("/", headers={"host": "evil.example"}).status_code == 403
         came = page.get("/?token=secret")
@@ -274,6 +298,14 @@ def test_another_interface_asks_for_the_token(tmp_path: Path) -> None:
         assert "HttpOnly" in came.headers["set-cookie"]
         assert "SameSite=strict" in came.headers["set-cookie"]
         assert page.get("/").status_code == 200
+        # Cookies are the same for all ports of a machine.
+        other = {"host": f"{base.removeprefix('http://')[:-4]}9999"}
+        assert page.get("/", headers=other).status_code == 401
+
+
+def test_two_names_of_the_host_are_refused(page: TestClient) -> None:
+    twice = [("host", "127.0.0.1:8321"), ("host", "evil.example")]
+    assert page.get("/api/houses", headers=twice).status_code == 400
 
 
 BAD: list[tuple[str, str, bytes, int]] = [
@@ -344,6 +376,14 @@ ODD: list[dict[str, Any]] = [
     {"kind": "furnish", "given": {"seed": {"a": 1}}},
     {"kind": "furnish", "given": {"furniture": "x" * 3000}},
     {"kind": "furnish", "given": []},
+    {"kind": "furnish", "given": {"sky": "/etc/sky.exr"}},
+    {"kind": "furnish", "given": {"seed": -1}},
+    {"kind": "furnish", "given": {"seed": True}},
+    {"kind": "furnish", "given": {"style": "a\0b"}},
+    {"kind": ["furnish"], "given": {}},
+    {"kind": "pack", "given": {"version": 1, "for": ["usda"]}},
+    {"kind": "render", "given": {"version": 1, "camera": "Top", "quality": {}}},
+    {"kind": "refurnish", "given": {"version": 1, "room": "Bedroom_0", "keep": [1]}},
     {"kind": "swap", "given": {"version": 1}},
     {},
 ]
@@ -353,6 +393,84 @@ ODD: list[dict[str, Any]] = [
 def test_odd_jobs_are_refused(page: TestClient, body: dict[str, Any]) -> None:
     house = dropped(page)
     assert page.post(f"/api/houses/{house}/jobs", json=body).status_code == 400
+
+
+JSON_VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=9),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=9), inner),
+    max_leaves=5,
+)
+ASKED = ("text", "below", "part", "name", "shown", "base", "plan", "drawing", "edits", "kind")
+ASKED_OF = (
+    ("POST", ""), ("PATCH", "/HOUSE"), ("PUT", "/HOUSE/plan"), ("POST", "/HOUSE/jobs"),
+    ("PUT", "/HOUSE/versions/1/edits"),
+)  # fmt: skip
+
+
+def test_values_of_any_type_are_answered(tmp_path: Path) -> None:
+    with browser(tmp_path, StandIn()) as page:
+        house = dropped(page)
+        ask(page, house, "furnish")
+        until_over(page, house, 2)
+
+        @settings(max_examples=150)
+        @given(
+            st.sampled_from(ASKED_OF),
+            st.dictionaries(st.sampled_from(ASKED), JSON_VALUES, max_size=4),
+            st.dictionaries(st.sampled_from(list(asked.GIVEN)), JSON_VALUES, max_size=3),
+        )
+        def answered(place: tuple[str, str], body: dict[str, Any], more: dict[str, Any]) -> None:
+            method, path = place
+            body = {"kind": "pack", "given": more, **body} if path.endswith("jobs") else body
+            answer = page.request(
+                method,
+                f"/api/houses{path.replace('HOUSE', house)}",
+                content=json.dumps(body),
+                headers={"content-type": "application/json"},
+            )
+            assert answer.status_code < 500 or answer.status_code == 503, body
+            assert "error" in answer.json() or answer.is_success
+
+        answered()
+
+
+def test_a_full_queue_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither what finds it full, nor what was being sent while it filled."""
+    monkeypatch.setattr(job_queue, "MOST_WAITING", 2)
+    with browser(tmp_path, StandIn(30)) as page:
+        asked_for = [page.post("/api/houses", json={"text": "a flat"}) for _ in range(6)]
+        assert [one.status_code for one in asked_for] == [201, 201, 201, 503, 503, 503]
+        assert asked_for[-1].headers["retry-after"]
+        assert len(page.get("/api/houses").json()["houses"]) == 3
+        for job in page.get(f"/api/houses/{asked_for[2].json()['id']}").json()["jobs"]:
+            page.delete(f"/api/jobs/{job['id']}")
+
+        taken = job_queue.JobQueue.submit
+        monkeypatch.setattr(job_queue, "MOST_WAITING", 3)
+
+        def filled(queue: Any, *words: Any, **more: Any) -> Any:
+            monkeypatch.setattr(job_queue, "MOST_WAITING", 0)
+            return taken(queue, *words, **more)
+
+        monkeypatch.setattr(job_queue.JobQueue, "submit", filled)
+        late = page.post("/api/houses", params={"name": "a.png"}, content=PNG)
+        assert late.status_code == 503
+        assert len(page.get("/api/houses").json()["houses"]) == 3
+    assert len([one for one in tmp_path.iterdir() if one.name[0] != "."]) == 3
+
+
+def test_what_a_job_asks_for_finds_a_full_queue_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    verbs = StandIn()
+    with browser(tmp_path, verbs) as page:
+        house = dropped(page)
+        until_over(page, house)
+        verbs.seconds = 0.3
+        ask(page, house, "furnish")
+        monkeypatch.setattr(job_queue, "MOST_WAITING", 0)
+        jobs = until_over(page, house, 3)["jobs"]
+        assert [job["state"] for job in jobs] == ["done"] * 3
 
 
 def test_the_page_loads_nothing_from_elsewhere(page: TestClient) -> None:
@@ -399,10 +517,11 @@ def test_the_verb_serves_lightly_and_ends_in_order(
     server: Callable[..., tuple[subprocess.Popen[str], str]],
 ) -> None:
     process, address = server()
-    port = int(address.rstrip("/").rpartition(":")[2])
+    assert "/?token=" in address
+    port = int(address.partition("/?token=")[0].rpartition(":")[2])
     with socket.create_connection(("127.0.0.1", port)) as line:
         line.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n")
-        assert line.recv(12) == b"HTTP/1.1 200"
+        assert line.recv(12) == b"HTTP/1.1 401", "without the token"
     status = Path(f"/proc/{process.pid}/status").read_text()
     assert int(re.search(r"VmRSS:\s+(\d+) kB", status)[1]) < 250 * 1024  # type: ignore[index]
     second, nothing = server()
@@ -410,6 +529,34 @@ def test_the_verb_serves_lightly_and_ends_in_order(
     assert "another server has this folder" in second.stderr.read()  # type: ignore[union-attr]
     process.send_signal(signal.SIGTERM)
     assert process.wait(10) == 0
+
+
+def test_half_a_head_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever sends a header now and then would keep a connection for ever."""
+    monkeypatch.setattr(timed_protocol, "HEAD_S", 0.5)
+    app = make_application(tmp_path, token="secret", run=StandIn())
+    config = uvicorn.Config(app, port=0, http=timed_protocol.TimedProtocol, log_config=None)
+    running = uvicorn.Server(config)
+    thread = threading.Thread(target=running.run, daemon=True)
+    thread.start()
+    while not running.started:
+        time.sleep(0.01)
+    port = running.servers[0].sockets[0].getsockname()[1]
+    whole = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode()
+    for before in (b"", whole):
+        with socket.create_connection(("127.0.0.1", port), timeout=5.0) as line:
+            line.sendall(before)
+            if before:
+                assert line.recv(12) == b"HTTP/1.1 401"
+            began = time.monotonic()
+            with contextlib.suppress(ConnectionError):
+                line.sendall(b"GET / HTTP/1.1\r\n")
+                for number in range(40):
+                    line.sendall(b"X-%d: a\r\n" % number)
+                    time.sleep(0.1)
+            assert time.monotonic() - began < 3.0
+    running.should_exit = True
+    thread.join(5.0)
 
 
 def test_a_port_in_use_is_an_error(
@@ -452,4 +599,4 @@ def test_odd_storeys_are_refused(page: TestClient) -> None:
     for part in (0, "2", None, 10**9):
         sent = page.post("/api/houses", json={"below": house, "part": part})
         assert sent.status_code == 400
-        assert "part of a file" in sent.json()["error"]
+        assert "part" in sent.json()["error"]
