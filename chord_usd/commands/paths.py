@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import ChordError, OutputError
+from chord_usd.runtime.locations import require_open
 from chord_usd.runtime.targets import check_file_target, check_run_folder
 
 
@@ -108,8 +109,9 @@ def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iter
 
 def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
     """Raise UsageError where an output is an input, holds one, or is another output,
-    for a name that cannot be written down, and OutputError for what is no plain file, a folder that
-    no training run may go on in, and a place where nothing can be written."""
+    for a name that cannot be written down, for an input outside the open folders, and OutputError
+    for what is no plain file, a folder that no training run may go on in, and a place where nothing
+    can be written."""
     check_named(named_paths(parser, options))
 
 
@@ -117,6 +119,8 @@ def check_named(paths: Sequence[Named]) -> None:
     """The same of paths that are named elsewhere than on a command line."""
     for one in paths:
         _refuse_odd_name(one)
+        if one.role is Path:
+            require_open(one.path, UsageError)
     inputs = [one for one in paths if one.role is Path]
     outputs = [one for one in paths if one.role is not Path]
     for output in outputs:

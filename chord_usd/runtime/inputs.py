@@ -9,6 +9,7 @@ import stat
 from pathlib import Path
 
 from chord_usd.errors import ChordError, reason_of
+from chord_usd.runtime.locations import require_open
 
 _MIB = 2**20
 
@@ -29,10 +30,12 @@ def refuse_odd_file(
 ) -> None:
     """Look at a file without opening it.
 
-    Raises error for what is no regular file (a folder, a pipe, a device, a socket), cannot be
-    reached, or is larger than most_bytes, by default LARGEST_BYTES of its suffix.
+    Raises error for a path outside the folders that are open (locations.open_folders), and for
+    what is no regular file (a folder, a pipe, a device, a socket), cannot be reached, or is larger
+    than most_bytes, by default LARGEST_BYTES of its suffix.
     """
     where = str(path)
+    require_open(path, error)
     try:
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError) as problem:

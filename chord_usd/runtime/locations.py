@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from chord_usd.errors import AssetError, CheckpointError
+from chord_usd.errors import AssetError, CheckpointError, ChordError
 
 CACHE_VARIABLE = "CHORD_USD_CACHE"
 """Environment variable: folder for what is computed once and kept."""
@@ -18,7 +18,7 @@ CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
 """Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
 
 ROOT_VARIABLE = "CHORD_USD_ROOT"
-"""Environment variable: stages may refer to files below this folder, and to none elsewhere."""
+"""Environment variable: files below this folder may be read, and none elsewhere."""
 
 _PACKAGE = Path(__file__).parents[1]
 
@@ -66,9 +66,22 @@ def cache_folder() -> Path:
 
 
 def open_folders() -> list[Path]:
-    """Folders that files of a stage may lie in, with our own; empty where they may be anywhere."""
+    """Folders that a run may read, with our own; empty where it may read all of the disk."""
     root = os.environ.get(ROOT_VARIABLE)
     return [Path(root), cache_folder(), _shipped("materials")] if root else []
+
+
+def require_open(path: Path, error: type[ChordError] = ChordError) -> None:
+    """Raises error for a path outside the folders that are open; links count as what they lead
+    to."""
+    folders = [Path(os.path.realpath(folder)) for folder in open_folders()]
+    real = Path(os.path.realpath(path))
+    if folders and not any(real.is_relative_to(folder) for folder in folders):
+        raise error(
+            "lies outside the folder that is open",
+            where=str(path),
+            expected=f"a path below {os.environ[ROOT_VARIABLE]}",
+        )
 
 
 def keep_caches() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from chord_usd.errors import ChordError
+from chord_usd.runtime.inputs import refuse_odd_file
 
 Time = Literal["day", "evening", "night"]
 """Choices of a house's variant set `lighting`."""
@@ -111,8 +112,7 @@ def sky_named(name: str) -> Sky:
             f"there is no sky {name!r}", where="--sky", expected=expected,
             try_=f"--sky {near[0]}" if near else "",
         )  # fmt: skip
-    if not file.is_file():
-        raise ChordError("there is no such file", where=name, expected=expected)
+    refuse_odd_file(file)
     return Sky(file.stem, "day", "", file.name, OWN_SKY_RADIANCE, None, math.nan, file=file)
 
 

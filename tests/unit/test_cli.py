@@ -18,6 +18,7 @@ from chord_usd.commands.common import Outcome
 from chord_usd.commands.render import look_of, words_of
 from chord_usd.errors import ChordError
 from chord_usd.runtime import interrupts
+from tests.conftest import RunCli
 from tests.every import for_every
 from tests.verbs import ACTIONS
 
@@ -189,3 +190,29 @@ def test_drafts_are_small_unless_told(words: list[str], size_px: tuple[int, int]
 def test_a_value_that_argparse_would_drop_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train", "outline2plan", "--seed=--", "-o", "run"]) == 2
     assert capsys.readouterr().err.startswith("error: argument --seed: expected one argument")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("generate", "{out}/plan.png", "-o", "{root}/h.usda"),
+        ("generate", "{root}/link.png", "-o", "{root}/h.usda"),
+        ("generate", "{root}/plan.png", "-o", "{root}/h.usda", "--sky", "{out}/sky.exr"),
+        ("generate", "{root}/plan.png", "-o", "{root}/h.usda", "--assets", "{out}"),
+        ("render", "{root}/h.usda", "-o", "{root}/p", "--sky", "{root}/../out/sky.exr"),
+    ],
+)
+def test_a_run_reads_its_open_folder_only(
+    words: tuple[str, ...], run_cli: RunCli, tmp_path: Path
+) -> None:
+    """What a page or an agent asks for, whatever the option is called."""
+    root, out = tmp_path / "root", tmp_path / "out"
+    for folder in (root, out):
+        folder.mkdir()
+        for name in ("plan.png", "sky.exr", "h.usda"):
+            (folder / name).write_bytes(b"secret")
+    (root / "link.png").symlink_to(out / "plan.png")
+    given = [word.format(root=root, out=out) for word in words]
+    done = run_cli(*given, env={"CHORD_USD_ROOT": str(root)})
+    assert done.returncode == 2
+    assert "outside the folder that is open" in done.stderr
