@@ -19,7 +19,6 @@ words.
 
 from __future__ import annotations
 
-import io
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -35,6 +34,7 @@ from chord_usd.errors import SceneError
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.json_text import parse_json
+from chord_usd.runtime.npy import array_in
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.types import FloatArray, Item, Room, SceneGraph, frozen_array
 
@@ -51,10 +51,6 @@ _ROOM_KEYS = ("floor_plan_vertices", "floor_plan_faces", "floor_plan_centroid", 
 _NO_BOX = frozenset(("start", "end", "empty"))
 _MOST_FILE_BYTES = 64 * 2**20
 _MOST_ARRAY_BYTES = 16 * 2**20
-_HEADERS = {
-    (1, 0): np.lib.format.read_array_header_1_0,
-    (2, 0): np.lib.format.read_array_header_2_0,
-}
 
 
 def read_object_types(path: Path) -> tuple[str, ...]:
@@ -86,15 +82,9 @@ def read_boxes(path: Path) -> dict[str, Any]:
 
 def _array(data: bytes, where: str) -> npt.NDArray[Any]:
     """An array of numbers or words; its header is believed only as far as there are bytes."""
-    stream = io.BytesIO(data)
     try:
-        shape, is_fortran, dtype = _HEADERS[np.lib.format.read_magic(stream)](stream)
-        count = math.prod(shape)
-        if dtype.hasobject or count * dtype.itemsize > len(data):
-            raise ValueError("holds objects, or less than it says")
-        values = np.frombuffer(data, dtype, count, stream.tell())
-        return values.reshape(shape, order="F" if is_fortran else "C")
-    except (KeyError, ValueError, TypeError, OverflowError, SyntaxError) as problem:
+        return array_in(data)[0]
+    except ValueError as problem:
         raise SceneError(
             f"is no array ({problem})",
             where=where,

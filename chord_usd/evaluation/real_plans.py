@@ -16,10 +16,11 @@ import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 
-from chord_usd.errors import ChordError
+from chord_usd.errors import ChordError, PlanError
 from chord_usd.evaluation.plans import Case, PlanScore, Reader, score_reading
 from chord_usd.evaluation.report import framed, markdown_table, picture_png
 from chord_usd.raster.lettering import text_size, write_text
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.progress import Progress
 from chord_usd.scene.chord_json import read_plan
 from chord_usd.scene.types import ByteArray, Plan
@@ -112,8 +113,7 @@ def _scored(file: Path, plan: Plan | None, reader: Reader) -> tuple[PlanScore | 
         return PlanScore("real", kinds=len(_known(truth))), ""
     if file.suffix.lower() not in _PICTURES or reader.frame_of(plan) is None:
         return None, "only pictures are compared with a truth in pixels"
-    with Image.open(file) as picture:
-        shape = picture.height, picture.width, 3
+    shape = decode("plan picture", file, where=str(file), error=PlanError).rgb.shape
     paper = np.linalg.inv(reader.straightening(truth, shape))
     sheet = np.broadcast_to(np.uint8(255), shape)
     case = Case("real", sheet, (truth,), frame, paper, _known(truth))

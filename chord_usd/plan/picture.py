@@ -11,7 +11,7 @@ import numpy as np
 
 from chord_usd.errors import PlanError, SceneError
 from chord_usd.raster.raster_files import TEXT_CHUNK, read_chunk
-from chord_usd.runtime.confined import confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.scene.types import ByteArray, PixelFrame
 
@@ -45,7 +45,8 @@ def read_picture(path: Path) -> Picture:
     Raises PlanError for what is no picture, is damaged, or has sides beyond SMALLEST_SIDE_PX and
     LARGEST_SIDE_PX; sizes are checked before anything is decoded.
     """
-    return confined(_read, path, where=str(path), error=PlanError)
+    found: Picture = decode("plan picture", path, where=str(path), error=PlanError)
+    return found
 
 
 def _read(path: Path) -> Picture:

@@ -10,6 +10,7 @@ import contextlib
 import hashlib
 import math
 import os
+import struct
 import tempfile
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -17,15 +18,17 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from chord_usd.errors import ChordError
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.locations import cache_folder
 from chord_usd.scene.skies import PICTURE_SUFFIXES, Sky, Sun
 from chord_usd.scene.types import FloatArray
 
-MOST_PX = 16384
-"""Widest picture that is read."""
+MOST_PX = {".exr": 16384, ".hdr": 8192}
+"""Widest picture that is read: of an EXR in bands, of Radiance's format whole."""
 
 CARRIED_PX = 4096
 """Widest picture that a stage carries."""
@@ -36,12 +39,20 @@ SUN_FROM = 6.0
 _SUN_SHARE = 0.25
 """A sun whose irradiance is less than this share of the sky's is none worth a light."""
 
-_VERSION = 1
+_VERSION = 2
 """Of what is done to pictures; part of the names in the cache."""
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 _MOST_BYTES = 512 * 2**20
+_EXR, _EXR_OF_PARTS = b"\x76\x2f\x31\x01", 0x18
+"""How a file begins, and the bits of its sixth byte that stand for deep pixels and for parts."""
+
+_BAND_ROWS = 64
+"""Of the reduced picture, in one band."""
+
+_BRIGHTEST = 65504.0
+"""The largest half."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +77,7 @@ def wheel_picture(stem: str) -> Path | None:
 def require_picture(sky: Sky) -> None:
     """Raises ChordError where the sky of a user's file holds no HDRI; looks at its head only."""
     if sky.file is not None:
+        refuse_odd_file(sky.file, most_bytes=_MOST_BYTES)
         _check_size(sky.file, _size_px(sky.file))
 
 
@@ -79,7 +91,8 @@ def developed(sky: Sky) -> SkyPicture | None:
     if file is None:
         return None
     if sky.file is not None:
-        return SkyPicture(*_developed(sky, file))
+        require_picture(sky)
+        return _decoded(sky, file)
     told = file.stat()
     key = hashlib.sha256(repr((_VERSION, sky, told.st_size)).encode()).hexdigest()[:16]
     return _kept(sky, file, key)
@@ -92,7 +105,7 @@ def _kept(sky: Sky, file: Path, key: str) -> SkyPicture:
     try:
         return SkyPicture(sky, kept.read_bytes())
     except OSError:
-        picture = SkyPicture(*_developed(sky, file))
+        picture = _decoded(sky, file)
     # A cache that cannot be written costs a fifth of a second a house.
     with contextlib.suppress(OSError):
         kept.parent.mkdir(parents=True, exist_ok=True)
@@ -102,20 +115,28 @@ def _kept(sky: Sky, file: Path, key: str) -> SkyPicture:
     return picture
 
 
-def _developed(sky: Sky, file: Path) -> tuple[Sky, bytes]:
+def _decoded(sky: Sky, file: Path) -> SkyPicture:
+    picture: SkyPicture = decode("sky", sky, file, where=str(file))
+    return picture
+
+
+def _developed(sky: Sky, file: Path) -> SkyPicture:
     light = read_hdri(file)
     luminance = light @ _LUMINANCE
     solid_angle = _solid_angles(*luminance.shape)
     limit = SUN_FROM * _upper_mean(luminance, solid_angle)
-    kept = np.minimum(luminance, limit) / np.maximum(luminance, 1e-9)
+    kept = np.asarray(np.minimum(luminance, limit) / np.maximum(luminance, 1e-9), np.float32)
     sunless = light * kept[..., None]
-    white = _upper_mean(sunless @ _LUMINANCE, solid_angle)
+    white = np.float32(_upper_mean(sunless @ _LUMINANCE, solid_angle))
     if sky.file is not None:
-        sky = _with_sun(sky, (light - sunless) / white, solid_angle)
-    return sky, _encoded(sunless / white * np.array(sky.tint))
+        light -= sunless
+        light /= white
+        sky = _with_sun(sky, light, solid_angle)
+    sunless *= np.array(sky.tint, np.float32) / white
+    return SkyPicture(sky, _encoded(sunless))
 
 
-def _with_sun(sky: Sky, cut_out: FloatArray, solid_angle: FloatArray) -> Sky:
+def _with_sun(sky: Sky, cut_out: npt.NDArray[np.float32], solid_angle: FloatArray) -> Sky:
     """The sky of a user's picture with the sun that was found there, if there is one."""
     luminance = cut_out @ _LUMINANCE
     height, width = luminance.shape
@@ -132,7 +153,7 @@ def _with_sun(sky: Sky, cut_out: FloatArray, solid_angle: FloatArray) -> Sky:
     return replace(sky, sun=sun, sun_at_deg=at_deg)
 
 
-def _upper_mean(luminance: FloatArray, solid_angle: FloatArray) -> float:
+def _upper_mean(luminance: npt.NDArray[np.float32], solid_angle: FloatArray) -> float:
     half = len(luminance) // 2
     mean = float(np.average(luminance[:half], weights=solid_angle[:half]))
     return max(mean, 1e-9)
@@ -148,7 +169,7 @@ def _solid_angles(height: int, width: int) -> FloatArray:
 # --- files --------------------------------------------------------------------------------------
 
 
-def read_hdri(file: Path) -> FloatArray:
+def read_hdri(file: Path) -> npt.NDArray[np.float32]:
     """(H, W, 3) linear light, longitude across, latitude down, at most CARRIED_PX wide.
 
     Raises ChordError for what is no picture of everything around.
@@ -159,47 +180,55 @@ def read_hdri(file: Path) -> FloatArray:
     light = _read_exr(file) if file.suffix.lower() == ".exr" else _read_hdr(file)
     if light is None:
         raise _no_picture(file, "is damaged, or no picture in colour")
-    light = np.clip(np.nan_to_num(light.astype(np.float64)), 0.0, 65504.0)
     if not light.any():
         raise _no_picture(file, "is black all over")
     height, width = light.shape[:2]
     if width > CARRIED_PX:
         size = (CARRIED_PX, round(height * CARRIED_PX / width))
-        light = np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_AREA), np.float64)
+        light = np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_AREA))
     return light
 
 
 def _size_px(file: Path) -> tuple[int, int] | None:
     """Width and height, by the head of the file alone; None for what is no such file."""
-    refuse_odd_file(file, most_bytes=_MOST_BYTES)
     with file.open("rb") as opened:
-        head = opened.read(4096)
-    if file.suffix.lower() == ".exr":
-        return _exr_size_px(file) if head.startswith(b"\x76\x2f\x31\x01") else None
+        head = opened.read(2**16)
+    return _exr_size_px(head) if file.suffix.lower() == ".exr" else _hdr_size_px(head)
+
+
+def _hdr_size_px(head: bytes) -> tuple[int, int] | None:
     if not head.startswith((b"#?RADIANCE", b"#?RGBE")):
         return None
-    for line in head.split(b"\n"):
+    for line in head[:4096].split(b"\n"):
         words = line.split()
         if len(words) == 4 and words[0] in (b"-Y", b"+Y") and words[1].isdigit():
             return (int(words[3]), int(words[1])) if words[3].isdigit() else None
     return None
 
 
-def _exr_size_px(file: Path) -> tuple[int, int] | None:
-    import OpenEXR
-
-    try:
-        least, most = OpenEXR.File(str(file), header_only=True).header()["dataWindow"]
-    except Exception:  # the library raises plain RuntimeErrors, ValueErrors, TypeErrors
+def _exr_size_px(head: bytes) -> tuple[int, int] | None:
+    """By the attributes at the beginning, each a name, a type, a size and so many bytes."""
+    if not head.startswith(_EXR) or len(head) < 8 or head[5] & _EXR_OF_PARTS:
         return None
-    return int(most[0] - least[0] + 1), int(most[1] - least[1] + 1)
+    at = 8
+    while at < len(head) and head[at]:
+        names = head[at : at + 512].split(b"\0", 2)
+        if len(names) < 3:
+            return None
+        at += len(names[0]) + len(names[1]) + 2
+        size = int.from_bytes(head[at : at + 4], "little")
+        if names[0] == b"dataWindow" and size == 16 and len(head) >= at + 20:
+            left, top, right, bottom = struct.unpack_from("<4i", head, at + 4)
+            return right - left + 1, bottom - top + 1
+        at += 4 + size
+    return None
 
 
 def _check_size(file: Path, size_px: tuple[int, int] | None) -> None:
     if size_px is None:
         raise _no_picture(file, "is no HDRI")
     width, height = size_px
-    if abs(width - 2 * height) > 2 or not 8 <= width <= MOST_PX:
+    if abs(width - 2 * height) > 2 or not 8 <= width <= MOST_PX[file.suffix.lower()]:
         raise _no_picture(file, f"of {width}x{height} pixels is no picture of everything around")
 
 
@@ -207,22 +236,48 @@ def _no_picture(file: Path, what: str) -> ChordError:
     return ChordError(
         what,
         where=str(file),
-        expected=f"an HDRI, twice as wide as high, at most {MOST_PX} pixels wide, as "
-        + " or ".join(PICTURE_SUFFIXES),
+        expected="an HDRI, twice as wide as high, at most "
+        + " or ".join(f"{MOST_PX[suffix]} pixels wide as {suffix}" for suffix in PICTURE_SUFFIXES),
     )
 
 
-def _read_exr(file: Path) -> FloatArray | None:
+def _read_exr(file: Path) -> npt.NDArray[np.float32] | None:
+    """The picture, in bands of rows, each reduced before the next is decoded."""
+    import Imath
     import OpenEXR
 
     try:
-        channels = OpenEXR.File(str(file), separate_channels=True).channels()
-        return np.stack([np.asarray(channels[name].pixels, np.float32) for name in "RGB"], axis=-1)
-    except Exception:  # as above
+        exr = OpenEXR.InputFile(str(file))
+        window, depth = exr.header()["dataWindow"], Imath.PixelType(Imath.PixelType.FLOAT)
+        width, low, high = window.max.x - window.min.x + 1, window.min.y, window.max.y
+        share = max(width // CARRIED_PX, 1)
+        light = np.empty(((high + 1 - low) // share, width // share, 3), np.float32)
+        for row in range(0, len(light), _BAND_ROWS):
+            band = light[row : row + _BAND_ROWS]
+            top, count = low + row * share, len(band) * share
+            read = exr.channels("RGB", depth, top, top + count - 1)
+            for at, plane in enumerate(read):
+                pixels = _sound(np.frombuffer(plane, np.float32).reshape(count, width))
+                band[..., at] = _reduced(pixels, share)
+        return light
+    except MemoryError:
+        raise
+    except Exception:  # the library raises plain RuntimeErrors, ValueErrors, TypeErrors
         return None
 
 
-def _read_hdr(file: Path) -> FloatArray | None:
+def _reduced(plane: npt.NDArray[np.float32], share: int) -> npt.NDArray[np.float32]:
+    """The means of squares of share x share pixels."""
+    height, width = (size // share for size in plane.shape)
+    squares = plane[:, : width * share].reshape(height, share, width, share)
+    return np.asarray(squares.mean(axis=(1, 3)), np.float32)
+
+
+def _sound(light: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    return np.asarray(np.clip(np.nan_to_num(light), 0.0, _BRIGHTEST), np.float32)
+
+
+def _read_hdr(file: Path) -> npt.NDArray[np.float32] | None:
     import cv2
 
     try:
@@ -231,13 +286,13 @@ def _read_hdr(file: Path) -> FloatArray | None:
         return None
     if bgr is None or bgr.ndim != 3 or bgr.shape[2] < 3:
         return None
-    return np.asarray(bgr[..., 2::-1], np.float64)
+    return _sound(np.asarray(bgr[..., 2::-1], np.float32))
 
 
-def _encoded(light: FloatArray) -> bytes:
+def _encoded(light: npt.NDArray[np.float32]) -> bytes:
     import OpenEXR
 
-    pixels = np.ascontiguousarray(np.clip(light, 0.0, 65504.0), dtype=np.float16)
+    pixels = np.ascontiguousarray(np.clip(light, 0.0, _BRIGHTEST), dtype=np.float16)
     header = {"compression": OpenEXR.DWAB_COMPRESSION, "type": OpenEXR.scanlineimage}
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "sky.exr")  # noqa: PTH118 (the library takes text)

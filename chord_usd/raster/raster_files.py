@@ -18,6 +18,7 @@ import numpy as np
 
 from chord_usd.errors import SceneError
 from chord_usd.raster.canvas import LARGEST_CANVAS_PX
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.files import write_atomic
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.json_text import parse_json
@@ -58,7 +59,7 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
     m_per_px is needed only for pictures without the "chord" chunk, whose origin is taken to be
     (0, 0). Raises SceneError for what is no such picture.
     """
-    rgb, described = _open(path)
+    rgb, described = decode("layout raster", path, where=str(path), error=SceneError)
     height_px = rgb.shape[0]
     if m_per_px is not None:
         return LayoutImage(rgb, PixelFrame(m_per_px, (0.0, 0.0), height_px))

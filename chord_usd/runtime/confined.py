@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar, TypeVarTuple
 
 from chord_usd.errors import ChordError
+from chord_usd.runtime.sent_values import packed, unpacked
 
 Result = TypeVar("Result")
 Arguments = TypeVarTuple("Arguments")
@@ -79,9 +80,10 @@ def confined(
 ) -> Result:
     """function(*arguments), computed in a process of its own.
 
-    function: importable by its name; it, its arguments and its result are pickled. What it prints
-    is dropped. where: the file, for messages. meanwhile: called here while that process works, to
-    import what comes next, say.
+    function: importable by its name; it and its arguments are pickled, and the process, which read
+    a stranger's file since, answers in values that call no code (runtime/sent_values.py). Arrays
+    of the result cannot be written to. What the function prints is dropped. where: the file, for
+    messages. meanwhile: called here while that process works, to import what comes next, say.
 
     Raises the ChordError, or the OSError about a file, that the function raised; and `error` for
     any other exception, for a limit passed and for a crash. Whatever signal handlers raise here
@@ -95,13 +97,18 @@ def confined(
         _refuse_busy(starved.cpu_s, limits, where, error)
     if code != 0 or not answer:
         _refuse_dead(code, limits, where, error)
-    kind, value, told = pickle.loads(answer)
+    try:
+        kind, value, told = unpacked(answer)
+    except Exception as problem:  # whatever a damaged process may have sent
+        raise error("cannot be read (its reader's answer is damaged)", where=where) from problem
     cause = ConfinedTraceback(told)
     if kind == "result":
         result: Result = value
         return result
-    if kind == "raised":
+    if kind == "raised" and isinstance(value, ChordError):
         raise value from cause
+    if kind == "system":
+        raise OSError(*value) from cause
     if kind == "memory":
         _refuse_large(limits, where, error, cause)
     raise error(f"cannot be read ({value})", where=where) from cause
@@ -207,7 +214,7 @@ def serve() -> None:
         soften = _limit(limits)
         answer = _outcome(function, arguments)
         soften()
-        pickle.dump(answer, out, protocol=pickle.HIGHEST_PROTOCOL)
+        out.writelines(packed(answer))
     # Destructors and exit handlers of parsers have nothing to add, and may crash.
     os._exit(0)
 
@@ -226,7 +233,7 @@ def _outcome(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[
         if "bad_alloc" in str(error):  # as libraries in C++ say it
             return "memory", None, told
         if isinstance(error, OSError) and error.filename and error.errno:
-            return "raised", OSError(error.errno, error.strerror, str(error.filename)), told
+            return "system", (error.errno, error.strerror, str(error.filename)), told
         return "broken", f"{type(error).__name__}: {error}"[:300], told
 
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.errors import ChordError, StageError, reason_of
 from chord_usd.runtime.archives import Archive
-from chord_usd.runtime.confined import Limits, confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.locations import open_folders
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ MOST_PRIMS = 1_000_000
 
 DEEPEST = 256
 """Prims above one another; a house has ten."""
-
-TRIAL = Limits(memory_bytes=3 * 2**29, cpu_s=40)
-"""Of the process that a stage is tried in."""
 
 _log = logging.getLogger(__name__)
 _SPECIAL = (stat.S_ISFIFO, stat.S_ISCHR, stat.S_ISBLK, stat.S_ISSOCK)
@@ -169,9 +166,7 @@ def look_through(
         others = f" and {len(unknown) - 1} others" if len(unknown) > 1 else ""
         where = f"{unknown[0]}{others}"
         names = tuple(os.path.abspath(path) for path in unknown)  # noqa: PTH100
-        found = confined(
-            _try_all, names, where=where, limits=TRIAL, error=StageError, meanwhile=meanwhile
-        )
+        found = decode("stages", names, where=where, error=StageError, meanwhile=meanwhile)
         for path, files in zip(unknown, found, strict=True):
             _remembered[path.absolute()] = files, _states(files)
     silence()

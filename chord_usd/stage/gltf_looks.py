@@ -15,7 +15,13 @@ from pxr import UsdShade
 
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
-from chord_usd.stage.textures import picture_bytes, placement_of, texture_of, value_of
+from chord_usd.stage.textures import (
+    opened_picture,
+    picture_bytes,
+    placement_of,
+    texture_of,
+    value_of,
+)
 
 _TYPES = {"JPEG": "image/jpeg", "PNG": "image/png"}
 _QUALITY, _SMALL_QUALITY = 85, 75
@@ -138,7 +144,7 @@ class _Pictures:
         key = texture.GetInput("file").Get().resolvedPath, round(beyond, 2)
         if key not in self._packed:
             data, most_px = picture_bytes(texture), self._px(is_colour=False)
-            with Image.open(io.BytesIO(data)) as picture:
+            with opened_picture(data) as picture:
                 if beyond == 1.0 and not is_metal and picture.mode == "L":
                     return self.of(texture, is_colour=False)
             self._packed[key] = self._place(texture, data, _roughness, most_px, beyond)
@@ -172,14 +178,14 @@ class _Pictures:
 def _as_it_is(data: bytes, most_px: int | None) -> Packed:
     """A picture, no larger than it may be, in a format that glTF knows."""
     data = _smaller(data, most_px) if most_px else data
-    with Image.open(io.BytesIO(data)) as picture:
+    with opened_picture(data) as picture:
         kind = picture.format or ""
         return (data, kind) if kind in _TYPES else (_encoded(picture, "PNG"), "PNG")
 
 
 def _roughness(data: bytes, most_px: int | None, beyond: float) -> Packed:
     """Green from a grey picture, its levels multiplied."""
-    with Image.open(io.BytesIO(_smaller(data, most_px) if most_px else data)) as picture:
+    with opened_picture(_smaller(data, most_px) if most_px else data) as picture:
         levels = np.arange(256) * beyond
         green = picture.convert("L").point(np.clip(np.round(levels), 0, 255).tolist())
     white = Image.new("L", green.size, 255)
@@ -188,7 +194,7 @@ def _roughness(data: bytes, most_px: int | None, beyond: float) -> Packed:
 
 def _smaller(data: bytes, most_px: int) -> bytes:
     """A JPEG with no side longer than this, and lightly packed; others as PNG."""
-    with Image.open(io.BytesIO(data)) as picture:
+    with opened_picture(data) as picture:
         kind = "JPEG" if picture.format == "JPEG" else "PNG"
         if kind == "PNG" and max(picture.size) <= most_px:
             return data

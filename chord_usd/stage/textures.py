@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import numpy as np
+from PIL import Image
 from pxr import Ar, Usd, UsdGeom, UsdShade
 
+from chord_usd.errors import StageError
 from chord_usd.scene.types import FloatArray
 from chord_usd.scene.units import rotation_2d
+
+_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "TIFF")
+_MOST_PX = 8192
+_EXPECTED = f"pictures ({', '.join(_FORMATS)}) of at most {_MOST_PX} pixels a side"
 
 
 def value_of(shader: UsdShade.Shader, name: str, default: Any) -> Any:
@@ -41,6 +48,21 @@ def picture_bytes(texture: UsdShade.Shader) -> bytes:
     """The file of a texture, from a folder or out of a package."""
     path = Ar.ResolvedPath(texture.GetInput("file").Get().resolvedPath)
     return bytes(Ar.GetResolver().OpenAsset(path).GetBuffer())
+
+
+def opened_picture(data: bytes) -> Image.Image:
+    """The picture of a texture, not decoded yet, of bounded sides.
+
+    Raises StageError for others, since a small file may stand for gigabytes of pixels.
+    """
+    try:
+        picture = Image.open(io.BytesIO(data), formats=_FORMATS)
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise StageError("has a texture that cannot be read", expected=_EXPECTED) from error
+    if max(picture.size) > _MOST_PX:
+        size = "×".join(map(str, picture.size))
+        raise StageError(f"has a texture of {size} pixels", expected=_EXPECTED)
+    return picture
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:

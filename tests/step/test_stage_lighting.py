@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
@@ -13,6 +15,8 @@ from chord_usd.errors import ChordError, RenderError
 from chord_usd.image.exr import write_exr
 from chord_usd.image.picture_layers import lit_stage
 from chord_usd.image.stage_cameras import read_views
+from chord_usd.raster.hdri import developed, read_hdri, require_picture
+from chord_usd.runtime.confined import Limits, confined
 from chord_usd.scene.skies import SKIES, sky_named
 from chord_usd.scene.types import Asset, Box, Item, Opening, Plan, Room, SceneGraph
 from chord_usd.stage.attribution import attribution_file
@@ -218,3 +222,33 @@ def test_what_is_no_sky_is_refused(
     with pytest.raises(ChordError, match=told):
         author_stage(staged_graph, tmp_path / "out" / "h.usda", sky=sky)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_large_sky_is_reduced_while_it_is_decoded(tmp_path: Path) -> None:
+    """The stage carries 4096 pixels: those of the file, 400 MB, are never there at once."""
+    size = (4096, 8192)
+    rng = np.random.default_rng(0)
+    rows = rng.uniform(0.2, 1.0, (size[0] // 2, 1, 1)).repeat(2, axis=0)
+    light = np.broadcast_to(rows.astype(np.float16), (*size, 3))
+    file = tmp_path / "large.exr"
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": np.ascontiguousarray(light)}).write(str(file))
+    small = confined(read_hdri, file, where=str(file), limits=Limits(memory_bytes=450 * 2**20))
+    assert small.shape == (2048, 4096, 3)
+    assert np.allclose(small[:, ::500], rows[::2].astype(np.float16), atol=1e-6)
+    sky = developed(sky_named(str(file)))
+    assert sky is not None
+    assert len(sky.exr) > 1000
+
+
+@pytest.mark.parametrize(("suffix", "width"), [("exr", 32768), ("hdr", 16384)])
+def test_a_sky_too_large_is_refused_by_its_head(suffix: str, width: int, tmp_path: Path) -> None:
+    file = tmp_path / f"large.{suffix}"
+    if suffix == "hdr":
+        file.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 16384\n")
+    else:
+        window = struct.pack("<4i", 0, 0, width - 1, width // 2 - 1)
+        sized = b"dataWindow\0box2i\0" + struct.pack("<i", 16) + window
+        file.write_bytes(b"\x76\x2f\x31\x01\x02\0\0\0" + sized + b"\0")
+    with pytest.raises(ChordError, match=f"of {width}x{width // 2} pixels"):
+        require_picture(sky_named(str(file)))

@@ -221,7 +221,9 @@ def _design(name: str, kind: str, size_m: SizeM, sheets: Sequence[Sheet]) -> tup
 
 
 def _finish(sheet: Sheet) -> Finish:
-    picture = sheet.texture
+    from PIL import Image
+
+    picture = None if sheet.texture is None else Image.fromarray(sheet.texture)
     rgb = sheet.rgb if picture is None else (255, 255, 255)
     metallic = min(max(sheet.metallic, 0.0), 1.0)
     roughness = min(max(sheet.roughness, 0.05), 1.0)

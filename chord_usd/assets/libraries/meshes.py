@@ -11,9 +11,9 @@ import numpy as np
 
 from chord_usd.assets.libraries.beside import Beside
 from chord_usd.errors import AssetError, ChordError
-from chord_usd.runtime.confined import Limits, confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.stages import count_prims, open_known, walk
-from chord_usd.scene.types import FloatArray
+from chord_usd.scene.types import ByteArray, FloatArray, frozen_array
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 MOST_FILE_BYTES = 600 * 2**20
 MOST_TRIANGLES = 12_000_000
 """What can be read and thinned out in the memory of a laptop."""
-
-LIMITS = Limits(memory_bytes=3 * 2**30, cpu_s=100)
-"""Of the process that reads a mesh."""
 
 TEXTURE_PX = 1024
 """Longest side that a picture keeps."""
@@ -46,7 +43,8 @@ class Sheet:
     roughness: float
     metallic: float
     opacity: float
-    texture: Image | None
+    texture: ByteArray | None
+    """(H, W, 3) sRGB, at most TEXTURE_PX a side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +74,8 @@ def read_mesh(path: Path, library: Path | None = None) -> Mesh:
             where=path.name,
             expected=f"at most {MOST_FILE_BYTES / 2**20:.0f} MB",
         )
-    return confined(
-        _read_here, path.resolve(), home, where=path.name, limits=LIMITS, error=AssetError
-    )
+    mesh: Mesh = decode("mesh", path.resolve(), home, where=path.name, error=AssetError)
+    return mesh
 
 
 def _read_here(path: Path, home: Path) -> Mesh:
@@ -186,11 +183,12 @@ def _read_usd(path: Path, home: Path) -> Mesh:
     return Mesh(tuple(sheets), unit_m, "+z" if is_z else "+y", "-y" if is_z else "+z")
 
 
-def _small(picture: Image) -> Image:
-    """A picture that has been read, as large as it is used."""
+def _small(picture: Image) -> ByteArray:
+    """A picture as large as it is used."""
+    picture.draft("RGB", (TEXTURE_PX, TEXTURE_PX))
     picture = picture.convert("RGB")
     picture.thumbnail((TEXTURE_PX, TEXTURE_PX))
-    return picture
+    return frozen_array(picture, np.uint8)
 
 
 def _usd_sheets(prim: Any, path: Path) -> Iterator[Sheet]:
@@ -232,7 +230,7 @@ def _fan(counts: np.ndarray) -> np.ndarray:
 
 def _usd_material(
     prim: Any, path: Path
-) -> tuple[tuple[int, int, int], float, float, float, Image | None]:
+) -> tuple[tuple[int, int, int], float, float, float, ByteArray | None]:
     """(colour, roughness, metalness, opacity, texture) of what a prim wears."""
     from PIL import Image as Pictures
     from pxr import UsdGeom, UsdShade

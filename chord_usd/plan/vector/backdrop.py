@@ -15,7 +15,7 @@ from chord_usd.plan.placement import placement
 from chord_usd.plan.scale_choice import SCALE
 from chord_usd.plan.vector.formats import read_drawings
 from chord_usd.plan.vector.shapes import VectorDrawing
-from chord_usd.runtime.confined import confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import ByteArray, PixelFrame, Plan
 from chord_usd.scene.units import px_from_m
@@ -31,7 +31,10 @@ def backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:
     The second value is the entry for Plan.extra that tells where this picture lies. The file is
     read in a process of its own. Raises PlanError.
     """
-    return confined(_backdrop, path, plan, where=str(path), error=PlanError)
+    found: tuple[ByteArray, Mapping[str, Any]] = decode(
+        "backdrop", path, plan, where=str(path), error=PlanError
+    )
+    return found
 
 
 def _backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:

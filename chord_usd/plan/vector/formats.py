@@ -14,7 +14,7 @@ from chord_usd.plan.placement import WARNINGS
 from chord_usd.plan.scale_choice import SCALE
 from chord_usd.plan.vector.assemble import assemble
 from chord_usd.plan.vector.shapes import VectorDrawing, refuse_absurd
-from chord_usd.runtime.confined import confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.scene.json_stairs import STAIRS, stair_to_json
 from chord_usd.scene.stair_places import StairShape, placed_stair, with_stairwell
 from chord_usd.scene.storeys import STOREY_M
@@ -72,7 +72,8 @@ def read_vector(path: Path, m_per_unit: float | None = None, part: int = 1) -> P
     m_per_unit overrides the file's own units; part: which storey, the one with most rooms that
     doors lead into being 1. Raises PlanError.
     """
-    return confined(_read_plan, path, m_per_unit, part, where=str(path), error=PlanError)
+    plan: Plan = decode("vector plan", path, m_per_unit, part, where=str(path), error=PlanError)
+    return plan
 
 
 def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan | None:
@@ -119,8 +120,8 @@ def read_vector_storeys(path: Path, m_per_unit: float | None = None) -> list[tup
 
     Where they lie on each other is as in the file. Raises PlanError.
     """
-    found: list[tuple[Plan, str]] = confined(
-        _read_storeys, path, m_per_unit, where=str(path), error=PlanError
+    found: list[tuple[Plan, str]] = decode(
+        "vector storeys", path, m_per_unit, where=str(path), error=PlanError
     )
     return found
 

@@ -17,7 +17,7 @@ from chord_usd.errors import PlanError
 from chord_usd.plan.paper_scale import M_PER_POINT, stated_ratio
 from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.text import Text
-from chord_usd.runtime.confined import confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.runtime.extras import needed_for
 from chord_usd.scene.types import ByteArray, frozen_array
 
@@ -55,7 +55,7 @@ def read_pages(path: Path) -> Iterator[PdfPage]:
     """
     number, count = 1, 1
     while number <= min(count, _MOST_PAGES):
-        page = confined(_read_page, path, number, where=str(path), error=PlanError)
+        page: PdfPage = decode("PDF page", path, number, where=str(path), error=PlanError)
         yield page
         number, count = number + 1, page.count
 

@@ -16,7 +16,7 @@ from chord_usd.plan.picture import SMALLEST_SIDE_PX
 from chord_usd.plan.vector.safe_xml import local_name
 from chord_usd.plan.vector.svg import is_house, paper_m_per_unit, svg_root
 from chord_usd.plan.vector.svg_shapes import numbers
-from chord_usd.runtime.confined import confined
+from chord_usd.runtime.decoders import decode
 from chord_usd.scene.types import ByteArray, frozen_array
 
 _SIDE_PX = 2000
@@ -44,7 +44,8 @@ class SvgPage:
 
 def read_page(path: Path) -> SvgPage:
     """An SVG, drawn in a process of its own. Raises PlanError."""
-    return confined(_read_page, path, where=str(path), error=PlanError)
+    page: SvgPage = decode("SVG page", path, where=str(path), error=PlanError)
+    return page
 
 
 def _read_page(path: Path) -> SvgPage:

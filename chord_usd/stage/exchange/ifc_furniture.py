@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections import defaultdict
 from collections.abc import Sequence
 
@@ -15,7 +14,7 @@ from chord_usd.stage.exchange.built_house import House
 from chord_usd.stage.exchange.ifc_builder import Entity, IfcBuilder
 from chord_usd.stage.exchange.ifc_classes import ifc_class
 from chord_usd.stage.exchange.placed_pieces import Piece, pieces_of
-from chord_usd.stage.textures import bound_material, source_of, value_of
+from chord_usd.stage.textures import bound_material, opened_picture, source_of, value_of
 
 
 def add_furniture(
@@ -122,7 +121,7 @@ class _Looks:
         if asset is None:
             return None
         if path not in self._means:
-            picture = Image.open(io.BytesIO(bytes(asset.GetBuffer()))).convert("RGB")
+            picture = opened_picture(bytes(asset.GetBuffer())).convert("RGB")
             pixel = np.array(picture.resize((1, 1), Image.Resampling.BOX))[0, 0]
             self._means[path] = tuple((pixel / 255.0) ** 2.2)
         return self._means[path]

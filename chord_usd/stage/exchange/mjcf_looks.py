@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import itertools
 import json
 from pathlib import Path
@@ -18,6 +17,7 @@ from chord_usd.scene.types import FloatArray
 from chord_usd.stage.exchange.mjcf_frames import numbers
 from chord_usd.stage.textures import (
     bound_material,
+    opened_picture,
     picture_bytes,
     placement_of,
     texture_of,
@@ -99,7 +99,7 @@ class Assets:
         if key not in self._pictures:
             inner = texture.GetInput("file").Get().path.replace("[", "/").rstrip("]")
             name = self._free("texture", _plain(Path(inner).stem))
-            with Image.open(io.BytesIO(data)) as picture:
+            with opened_picture(data) as picture:
                 shown = picture.convert("RGB")
             shown.thumbnail((_LARGEST_PX, _LARGEST_PX), Image.Resampling.LANCZOS)
             place = self._folder / TEXTURES / f"{name}.png"
