@@ -48,7 +48,8 @@ def rows(folder: Path, names: Container[str] | None = None) -> list[dict[str, An
 
     A row has kind (house or picture), status (done or failed), house, camera, plan, seed, path
     (of the stage or the picture), files and sha256 (what it alone is made of, and the hashes),
-    why (it failed), seconds, cpu_s (of processors), and for houses FIGURES. Paths are relative to the folder.
+    why (it failed), seconds, cpu_s (of processors), and for houses FIGURES. Paths are relative to
+    the folder.
     """
     found: list[dict[str, Any]] = []
     failed = failures_in(folder)
