@@ -329,6 +329,14 @@ def tile(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
+def frames(text: str) -> tuple[int, int]:
+    """An option type: A-B, from one number to another, both included; or one number."""
+    match = re.fullmatch(r"(\d{1,5})(?:-(\d{1,5}))?", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"{text!r} is not A-B, such as 0-9")
+    return int(match[1]), int(match[2] or match[1])
+
+
 def names(text: str) -> tuple[str, ...]:
     """An option type: names with commas between them."""
     return tuple(name for name in text.split(",") if name)

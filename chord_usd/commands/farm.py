@@ -19,6 +19,8 @@ from chord_usd.commands.common import (
     add_verb,
     existing_file,
     folder_mode,
+    frames,
+    names,
     whole_number,
 )
 from chord_usd.commands.render import (
@@ -52,6 +54,10 @@ def add(verbs: Verbs) -> None:
     parts.add_argument(
         "--sample-blocks", type=whole_number(1, 1000), default=1, metavar="N",
         help="equal shares of the samples (1)",
+    )  # fmt: skip
+    parts.add_argument(
+        "--per-task", type=whole_number(1, 10_000), default=1, metavar="N",
+        help="cameras or frames of a task, which share one import of the stage (1)",
     )  # fmt: skip
     parts.add_argument(
         "--gpu",
@@ -95,6 +101,8 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
         words=tuple(words),
         tiles=options.tiles,
         blocks=options.sample_blocks,
+        frames=bool(wanted.walkthrough or wanted.turntable),
+        each=options.per_task,
         gpu=options.gpu,
         lists_all="instance" in options.passes,
         timeout_s=60 * options.timeout,
@@ -129,14 +137,15 @@ def run_due(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from dataclasses import replace
 
-    from chord_usd.farm.bundle import SCENE_FOLDER, tasks_of
+    from chord_usd.farm.bundle import CAMERA, FRAME, SCENE_FOLDER, tasks_of
     from chord_usd.image.job import Part
-    from chord_usd.image.render import unfinished
+    from chord_usd.image.render import camera_names, unfinished
 
     words, tasks = tasks_of(options.job)
     values = {"Param.Scene": options.job / SCENE_FOLDER, "Param.OutputDir": options.output}
     asked = parsed(_filled(words, {**values, **_of_task(tasks[0])}))
-    wanted = picture_options(asked)
+    wanted = replace(picture_options(asked), frame=None, cameras=())
+    every = camera_names(asked.stage, wanted)
     division = wanted.part
 
     def part_of(task: dict[str, Any]) -> Part | None:
@@ -145,11 +154,19 @@ def run_due(options: argparse.Namespace) -> Outcome:
         tiles, blocks = division.tile[1], division.block[1]
         return Part((task["Tile"], tiles), (task["Block"], blocks))
 
-    cameras = tuple(dict.fromkeys(task["Camera"] for task in tasks))
-    parts = list(dict.fromkeys(part_of(task) for task in tasks))
-    wanted = replace(wanted, cameras=cameras)
-    left = set(unfinished(asked.stage, options.output, wanted, parts))
-    due = [json.dumps(task) for task in tasks if (task["Camera"], part_of(task)) in left]
+    def pictures_of(task: dict[str, Any]) -> set[tuple[str, Part | None]]:
+        if FRAME in task:
+            first, last = frames(task[FRAME])
+            seen: Sequence[str] = every[first : last + 1]
+        else:
+            seen = names(task[CAMERA])
+        return {(camera, part_of(task)) for camera in seen}
+
+    pictures = [pictures_of(task) for task in tasks]
+    cameras = tuple({camera: None for one in pictures for camera, _ in one})
+    parts = list(dict.fromkeys(map(part_of, tasks)))
+    left = set(unfinished(asked.stage, options.output, replace(wanted, cameras=cameras), parts))
+    due = [json.dumps(task) for task, one in zip(tasks, pictures, strict=True) if one & left]
     return Outcome("\n".join(due) or None, {"due": len(due), "tasks": len(tasks)})
 
 

@@ -17,6 +17,7 @@ from chord_usd.commands.common import (
     add_output,
     add_verb,
     existing_file,
+    frames,
     names,
     resolution,
     seed,
@@ -49,8 +50,8 @@ def add_what(parser: Parser) -> None:
     """The options that say which pictures."""
     group = parser.add_argument_group("what to render")
     group.add_argument(
-        "--camera", action="append", default=[], metavar="NAME",
-        help="a camera of the stage; may be given several times (all)",
+        "--camera", action="extend", type=names, default=[], metavar="NAMES",
+        help="cameras of the stage, with commas; may be given several times (all)",
     )  # fmt: skip
     group.add_argument(
         "--room", action="append", default=[], metavar="NAME",
@@ -67,6 +68,10 @@ def add_what(parser: Parser) -> None:
     group.add_argument(
         "--frames", type=whole_number(1, 10_000), default=36, metavar="N",
         help="views of a turntable (36)",
+    )  # fmt: skip
+    group.add_argument(
+        "--frame", type=frames, metavar="A-B",
+        help="of a walk or turntable only the views A to B, the first is 0 (all)",
     )  # fmt: skip
     group.add_argument(
         "--roof", default="", metavar="NAME",
@@ -181,6 +186,7 @@ def render_options(options: argparse.Namespace) -> RenderOptions:
         walkthrough=options.walkthrough,
         turntable=options.turntable,
         frames=options.frames,
+        frame=options.frame,
         roof=options.roof,
         seed=options.seed,
         engine=options.engine,

@@ -1,8 +1,9 @@
 """An Open Job Description bundle: a template, the stage with all its files, and Slurm scripts.
 
-Every task is one `chord-usd render` of one camera, one tile and one block of samples, and leaves
-one checked file; a last task merges them. Specification: jobtemplate-2023-09 (Open Job
-Description), which `openjd run`, AWS Deadline Cloud and others understand.
+Every task is one `chord-usd render` of one camera, or of some with one import of the stage, one
+tile and one block of samples, and leaves checked files; a last task merges parts. Specification:
+jobtemplate-2023-09 (Open Job Description), which `openjd run`, AWS Deadline Cloud and others
+understand.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import RenderError
+from chord_usd.farm.environment import pinned
 from chord_usd.farm.slurm import Host, slurm_scripts
 from chord_usd.runtime.files import output_folder
 from chord_usd.runtime.stages import StageFiles
@@ -24,9 +26,13 @@ from chord_usd.runtime.targets import FolderMode
 
 TEMPLATE_FILE = "template.json"
 TASKS_FILE = "tasks.jsonl"
+ENVIRONMENT_FILE = "requirements.txt"
 SCENE_FOLDER = "scene"
 EXTRA_FOLDER = "extra"
 """In the scene's folder: files that options name."""
+
+CAMERA, FRAME = "Camera", "Frame"
+"""Parameters of tasks: names with commas between them, or numbers from and to."""
 
 MOST_VALUES = 1024
 """Of one task parameter, by the specification."""
@@ -46,10 +52,15 @@ class Work:
     files: StageFiles
     """All files the stage is made of, itself included."""
     cameras: tuple[str, ...]
+    """All of them; of a walk or turntable, in the order of its frames."""
     words: tuple[str, ...]
     """Options of `chord-usd render` that hold for every task; files as place_of has them."""
     tiles: int = 1
     blocks: int = 1
+    frames: bool = False
+    """Whether the cameras are frames, which go by their numbers."""
+    each: int = 1
+    """Cameras or frames of a task: they share one import of the stage."""
     gpu: bool = False
     """Whether every worker must have a GPU."""
     lists_all: bool = False
@@ -71,8 +82,22 @@ class Work:
 
     def tasks(self) -> list[dict[str, str | int]]:
         """Parameters of every rendering task, in the order of the template."""
-        everything = product(self.cameras, range(self.tiles), range(self.blocks))
-        return [{"Camera": c, "Tile": t, "Block": b} for c, t, b in everything]
+        everything = product(self.views, range(self.tiles), range(self.blocks))
+        return [{self.view: v, "Tile": t, "Block": b} for v, t, b in everything]
+
+    @property
+    def view(self) -> str:
+        """Name of the parameter that says what is looked at."""
+        return FRAME if self.frames else CAMERA
+
+    @property
+    def views(self) -> list[str]:
+        """Its values: "2-3" for frames, "A,B" for cameras."""
+        starts = range(0, len(self.cameras), self.each)
+        groups = [self.cameras[start : start + self.each] for start in starts]
+        if not self.frames:
+            return [",".join(group) for group in groups]
+        return [f"{start}-{start + len(g) - 1}" for start, g in zip(starts, groups, strict=True)]
 
 
 def place_of(file: Path) -> str:
@@ -89,6 +114,7 @@ def write_bundle(work: Work, folder: Path, mode: FolderMode = "new") -> list[Pat
     _check(work)
     written = {
         TEMPLATE_FILE: json.dumps(template(work), indent=2) + "\n",
+        ENVIRONMENT_FILE: "\n".join(pinned()) + "\n",
         TASKS_FILE: "".join(json.dumps(task) + "\n" for task in work.tasks()),
         **slurm_scripts(HOST, TASKS_FILE, TEMPLATE_FILE, gpu=work.gpu, merge=work.has_last_step),
     }
@@ -152,17 +178,18 @@ def _path(name: str, kind: str, flow: str, default: str, description: str) -> di
 def _render_step(work: Work) -> dict[str, Any]:
     parts = ["--tile", f"{{{{Task.Param.Tile}}}}/{work.tiles}"]
     parts += ["--sample-block", f"{{{{Task.Param.Block}}}}/{work.blocks}"]
-    words = [*work.words, "--camera", "{{Task.Param.Camera}}", *(parts if work.divided else [])]
+    view = [f"--{work.view.lower()}", f"{{{{Task.Param.{work.view}}}}}"]
+    words = [*work.words, *view, *(parts if work.divided else [])]
     # A task that is given out again, after its worker died, finds what is whole.
     return {
         "name": "Render",
         "parameterSpace": {
             "taskParameterDefinitions": [
-                {"name": "Camera", "type": "STRING", "range": list(work.cameras)},
+                {"name": work.view, "type": "STRING", "range": work.views},
                 {"name": "Tile", "type": "INT", "range": f"0-{work.tiles - 1}"},
                 {"name": "Block", "type": "INT", "range": f"0-{work.blocks - 1}"},
             ],
-            "combination": "Camera * Tile * Block",
+            "combination": f"{work.view} * Tile * Block",
         },
         "hostRequirements": _requirements(work.gpu),
         "script": _script(work, [*words, "--skip-existing"]),
@@ -171,13 +198,14 @@ def _render_step(work: Work) -> dict[str, Any]:
 
 def _merge_step(work: Work) -> dict[str, Any]:
     """Puts parts together; where pictures came whole, it lists them in one data set."""
-    cameras = [word for camera in work.cameras for word in ("--camera", camera)]
+    all_ = f"0-{len(work.cameras) - 1}" if work.frames else ",".join(work.cameras)
+    view = [f"--{work.view.lower()}", all_]
     last = ["--merge"] if work.divided else ["--skip-existing"]
     return {
         "name": "Merge",
         "dependencies": [{"dependsOn": "Render"}],
         "hostRequirements": _requirements(gpu=False),
-        "script": _script(work, [*work.words, *cameras, *last]),
+        "script": _script(work, [*work.words, *view, *last]),
     }
 
 
@@ -201,7 +229,7 @@ def _script(work: Work, words: Sequence[str]) -> dict[str, Any]:
 
 def _check(work: Work) -> None:
     for what, count in (
-        ("cameras", len(work.cameras)),
+        ("groups of cameras", len(work.views)),
         ("tiles", work.tiles),
         ("sample blocks", work.blocks),
     ):

@@ -41,6 +41,8 @@ class RenderOptions:
     """Instead of the stage's cameras, views around this room, which stands alone."""
     frames: int = 36
     """Views of a turntable."""
+    frame: tuple[int, int] | None = None
+    """Of a walk or turntable only the views from one to another number, both included; from 0."""
     resolution_px: tuple[int, int] = (1280, 720)
     """Width and height."""
     quality: Quality = QUALITIES["good"]
@@ -112,6 +114,13 @@ def _check_numbers(options: RenderOptions) -> None:
         raise RenderError(f"seed {options.seed}", where="--seed", expected="0 to 2147483647")
     if not 1 <= options.frames <= 10000:
         raise RenderError(f"{options.frames} frames", where="--frames", expected="1 to 10000")
+    count = options.frames if options.turntable else options.walkthrough
+    if options.frame is not None and not 0 <= options.frame[0] <= options.frame[1] < count:
+        raise RenderError(
+            f"frames {options.frame[0]}-{options.frame[1]}",
+            where="--frame",
+            expected=f"0-{count - 1} or fewer" if count else "--walkthrough or --turntable",
+        )
     if options.turntable and options.walkthrough:
         raise RenderError("a walk and a turntable at once", expected="--walkthrough or --turntable")
     if not 0 <= options.walkthrough <= 10000:

@@ -294,6 +294,8 @@ def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -
         there = turn_cameras(lit, options.turntable, options.frames)
     else:
         there = views.cameras
+    if options.frame is not None:
+        there = there[options.frame[0] : options.frame[1] + 1]
     if not there:
         raise RenderError(
             "holds nothing to look at", where=str(stage), expected="a stage with meshes"

@@ -6,16 +6,20 @@ import json
 import os
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
 from render_house import write_house
 
+from chord_usd import __version__
 from chord_usd.errors import RenderError
 from chord_usd.farm.bundle import Work, tasks_of, template, write_bundle
 from chord_usd.image.exr import write_exr
+from chord_usd.image.options import RenderOptions
 from chord_usd.image.products import read_mask
+from chord_usd.image.render import camera_names
 from chord_usd.runtime.stages import StageFiles
 
 BUNDLE = [
@@ -122,6 +126,13 @@ def test_a_job_of_another_version_is_refused_by_its_worker(bundle: Path) -> None
     assert "expected 0.0.1, which made the job" in done.stderr
 
 
+def test_a_job_names_the_versions_of_what_renders_it(bundle: Path) -> None:
+    lines = (bundle / "requirements.txt").read_text().split()
+    assert {f"{name}=={version(name)}" for name in ("bpy", "usd-core", "numpy")} <= set(lines)
+    assert f"chord-usd=={__version__}" in lines
+    assert not any(line.startswith(("ray==", "pytest==")) for line in lines)
+
+
 def test_a_stage_without_a_file_is_not_sent(tmp_path: Path) -> None:
     house = write_house(tmp_path / "house.usda")
     (tmp_path / "maps" / "red.png").unlink()
@@ -159,6 +170,34 @@ def test_there_is_a_task_for_each_camera_tile_and_block() -> None:
     assert {"name": "amount.worker.gpu", "min": 1} in render["hostRequirements"]["amounts"]
     assert merge["dependencies"] == [{"dependsOn": "Render"}]
     assert "--merge" in merge["script"]["actions"]["onRun"]["args"]
+
+
+@pytest.mark.parametrize(
+    ("frames", "views"), [(False, ["A,B", "C,D", "E"]), (True, ["0-1", "2-3", "4-4"])]
+)
+def test_cameras_and_frames_share_a_task(frames: bool, views: list[str]) -> None:
+    work = Work(Path("h.usda"), StageFiles((), (), ()), tuple("ABCDE"), (), frames=frames, each=2)
+    name = "Frame" if frames else "Camera"
+    assert [task[name] for task in work.tasks()] == views
+    render = template(work)["steps"][0]
+    words = render["script"]["actions"]["onRun"]["args"]
+    assert words[words.index(f"--{name.lower()}") + 1] == f"{{{{Task.Param.{name}}}}}"
+    assert render["parameterSpace"]["taskParameterDefinitions"][0]["range"] == views
+
+
+def test_tasks_of_frames_are_due_by_their_frames(staged_house: Path, tmp_path: Path) -> None:
+    job = tmp_path / "job"
+    done = bundled(staged_house, job, "--walkthrough", "5", "--per-task", "2")
+    assert done.returncode == 0, done.stderr
+    assert [task["Frame"] for task in due(job)] == ["0-1", "2-3", "4-4"]
+    walk = RenderOptions(walkthrough=5, frame=(2, 3))
+    assert camera_names(staged_house, walk) == ["Walk_002", "Walk_003"]
+
+
+@pytest.mark.parametrize("wrong", [{}, {"walkthrough": 2}, {"turntable": "A", "frames": 3}])
+def test_frames_that_are_not_there(wrong: dict[str, object]) -> None:
+    with pytest.raises(RenderError, match="frames 1-3"):
+        RenderOptions(frame=(1, 3), **wrong)
 
 
 def test_a_stage_that_points_out_of_its_folder_cannot_travel(tmp_path: Path) -> None:
