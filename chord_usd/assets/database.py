@@ -33,11 +33,11 @@ TEXTURE_PX = 1024
 """Side of the largest textures of a house unless asked otherwise."""
 
 _GENERATOR = (
-    "component.py", "component_prims.py", "drawn.py", "finishes.py", "fittings.py",
-    "hollows.py", "jointed.py", "leaf_clearance.py", "links.py", "look_noise.py", "material.py", "model.py", "moves.py",
-    "physical.py", "shading.py", "solids.py", "surface_cloth.py", "surface_maps.py",
-    "surface_mineral.py", "surface_pattern.py", "surface_wood.py", "surface_worked.py",
-    "furniture", "dressing", "cloth", "../scene/label_sets.tsv",
+    "component.py", "component_prims.py", "drawn.py", "finishes.py", "fittings.py", "hollows.py",
+    "jointed.py", "leaf_clearance.py", "links.py", "look_noise.py", "material.py", "model.py",
+    "moves.py", "physical.py", "shading.py", "solids.py", "surface_cloth.py", "surface_maps.py",
+    "surface_mineral.py", "surface_pattern.py", "surface_wood.py", "surface_worked.py", "furniture",
+    "dressing", "cloth", "../scene/label_sets.tsv",
 )  # fmt: skip
 """What the bytes of the assets depend on."""
 
