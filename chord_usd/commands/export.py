@@ -30,6 +30,8 @@ PACKAGES = {
 }
 
 
+UNITLESS, PHOTOMETRIC = "unitless", "photometric"
+
 BLEND = "blend"
 """The package that Blender writes."""
 
@@ -47,6 +49,10 @@ def add(verbs: Verbs) -> None:
     )
     add_output(parser, "the package, a file or a folder, new or empty", output_package)
     parser.add_argument(
+        "--lights", choices=(UNITLESS, PHOTOMETRIC),
+        help="of a .glb: for viewers with a fixed exposure, or in candela and lux (unitless)",
+    )  # fmt: skip
+    parser.add_argument(
         "--overwrite", action="store_true",
         help="replace what chord-usd wrote into the folder before, and nothing else",
     )  # fmt: skip
@@ -57,12 +63,19 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.stage.export import export_stage
 
     output: Path = options.output
+    if options.lights and options.package != "gltf":
+        raise UsageError(
+            f"--lights is of no use for a {options.package} package", where=str(output),
+            expected="--lights beside --for gltf", try_="the same without --lights",
+        )  # fmt: skip
     with stopwatch(options).step("export"):
         stage = existing_file(options.stage)
         if options.package == BLEND:
             _export_blend(stage, output)
         else:
-            export_stage(stage, output, options.package, folder_mode(options))
+            photometric = options.lights == PHOTOMETRIC
+            mode = folder_mode(options)
+            export_stage(stage, output, options.package, mode, photometric=photometric)
     files = output.rglob("*") if output.is_dir() else [output]
     size = sum(file.stat().st_size for file in files if file.is_file())
     data = {"package": str(output), "for": options.package, "bytes": size}

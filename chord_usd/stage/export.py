@@ -6,16 +6,12 @@ import importlib
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from chord_usd.errors import OutputError
 from chord_usd.runtime.files import deliver, output_folder
 from chord_usd.runtime.stages import open_stage, own_files, reading
 from chord_usd.runtime.targets import FolderMode
 from chord_usd.stage.attribution import attribution_file
-
-if TYPE_CHECKING:
-    from pxr import Usd
 
 PACKAGES = {
     "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
@@ -39,12 +35,15 @@ _FILES = (".yaml", ".pgm", ".json", ".xml", ".mjcf")
 """Suffixes of what lies in folders: whoever names such a file means its folder."""
 
 
-def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new") -> None:
+def export_stage(
+    stage: Path, path: Path, package: str, mode: FolderMode = "new", *, photometric: bool = False
+) -> None:
     """Write the stage at stage as a package of this kind, one of PACKAGES.
 
     Variants are those that the stage has selected. mode: what becomes of a folder that is there.
-    Raises StageError for a file that cannot be opened or that points out of its folder,
-    OutputError for a target of another suffix or one that cannot be written, MissingExtraError.
+    photometric: lights of a .glb in candela and lux. Raises StageError for a file that cannot be
+    opened or that points out of its folder, OutputError for a target of another suffix or one that
+    cannot be written, MissingExtraError.
     """
     if package not in PACKAGES:
         raise OutputError(
@@ -67,14 +66,13 @@ def export_stage(stage: Path, path: Path, package: str, mode: FolderMode = "new"
             try_=f"-o {path.stem}",
         )
     module, _, name = _WRITERS[package].rpartition(".")
-    write: Callable[[Usd.Stage, Path], None] = getattr(
-        importlib.import_module(f"chord_usd.stage.{module}"), name
-    )
+    write: Callable[..., None] = getattr(importlib.import_module(f"chord_usd.stage.{module}"), name)
+    more = {"photometric": True} if photometric else {}
     # A package holds what the stage points to: not a file from elsewhere on this machine.
     own_files(stage)
     with reading(stage), deliver() as delivery:
         target = delivery.place(path) if suffix else delivery.place_folder(path, mode)
-        write(open_stage(stage), target)
+        write(open_stage(stage), target, **more)
 
 
 def copy_stage(stage: Path, folder: Path, mode: FolderMode = "new") -> Path:

@@ -13,7 +13,7 @@ from chord_usd.runtime.networks import usable_cores
 from chord_usd.runtime.stages import open_known, room_prims
 from chord_usd.scene.types import FloatArray
 from chord_usd.stage.gltf_file import Entry, GltfFile
-from chord_usd.stage.gltf_lights import camera_of, light_of
+from chord_usd.stage.gltf_lights import LUX_PER_UNIT, camera_of, light_of
 from chord_usd.stage.gltf_looks import Looks
 from chord_usd.stage.roof import wear_roof
 from chord_usd.stage.textures import bound_material
@@ -42,16 +42,19 @@ def write_view(stage: Path, target: Path) -> None:
     write_glb(house, target, VIEW_TEXTURE_PX)
 
 
-def write_glb(stage: Usd.Stage, target: Path, most_px: int | None = None) -> None:
+def write_glb(
+    stage: Usd.Stage, target: Path, most_px: int | None = None, *, photometric: bool = False
+) -> None:
     """Write what is seen of the stage to target, a .glb, in metres; pictures of at most most_px.
 
     Prims are nodes, with `extras` that say what they are; within a component only those that have
     a label or move are, and the meshes of one node and one material are one primitive. Lights are
-    those that shine in the variants selected.
+    those that shine in the variants selected, at an exposure for rooms by day; photometric: in
+    candela and lux.
     """
     # Pictures are packed by libraries that let Python go on meanwhile.
     with ThreadPoolExecutor(usable_cores()) as pool:
-        writer = _Writer(stage, pool, most_px)
+        writer = _Writer(stage, pool, most_px, 1.0 if photometric else LUX_PER_UNIT)
         root = writer.root(stage.GetDefaultPrim())
         writer.looks.finish()
     target.write_bytes(writer.file.to_bytes(root))
@@ -60,7 +63,10 @@ def write_glb(stage: Usd.Stage, target: Path, most_px: int | None = None) -> Non
 class _Writer:
     """Goes through the prims of a stage."""
 
-    def __init__(self, stage: Usd.Stage, pool: Executor, most_px: int | None) -> None:
+    def __init__(
+        self, stage: Usd.Stage, pool: Executor, most_px: int | None, lux_per_unit: float
+    ) -> None:
+        self._lux_per_unit = lux_per_unit
         self.file = GltfFile()
         self.looks = Looks(self.file, pool, most_px)
         self._rooms = {room.GetPath() for room in room_prims(stage)}
@@ -127,7 +133,8 @@ class _Writer:
         light = light_of(prim) if prim.HasAPI(UsdLux.LightAPI) else None
         if light is None:
             return {}
-        place = {"light": self.file.add_light(light)}
+        intensity = round(light["intensity"] / self._lux_per_unit, 4)
+        place = {"light": self.file.add_light(light | {"intensity": intensity})}
         return {"extensions": {"KHR_lights_punctual": place}}
 
     def _mesh(self, node: Usd.Prim, prims: list[Usd.Prim]) -> int:

@@ -12,6 +12,10 @@ from chord_usd.stage.gltf_file import Entry
 _LM_PER_W = 1.0 / 0.015
 """Of the lights of houses, which are written in watts; glTF counts candela and lux."""
 
+LUX_PER_UNIT = 150.0
+"""Viewers such as three.js show one unit, at their default exposure, as bright as a white wall. In
+rooms by day a white wall has so many lux."""
+
 _MM_PER_TENTH = 0.1
 """Lenses are in tenths of a scene unit."""
 

@@ -4,6 +4,9 @@ Web viewers (three.js, tinyusdz) load no payloads, know no instances, and each h
 faces with four corners and of UsdTransform2d. So the stage is written out plainly: triangles,
 pictures that lie where the coordinates say, and nothing that is not seen. Quick Look wants Y up,
 lights a scene itself, and takes for bodies what has their schemas.
+
+Crate files hold vectors of small whole numbers in a short form, which three.js misreads: a scale of
+(1, 1, 1) becomes 65793. So such vectors are written a float's smallest step away from whole.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from pxr import Ar, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, Vt
+from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, Vt
 
 from chord_usd.stage.author import ARCHIVE_TIME_S
 from chord_usd.stage.mesh import fans
@@ -31,6 +34,9 @@ _UNSEEN = ("PhysicsScene", "PhysicsRevoluteJoint", "DomeLight", "RenderSettings"
 
 
 _PICTURES = "textures"
+
+_SINGLE = (Gf.Vec2f, Gf.Vec3f, Gf.Vec4f)
+_DOUBLE = (Gf.Vec2d, Gf.Vec3d, Gf.Vec4d)
 
 
 def write_web(stage: Usd.Stage, target: Path) -> None:
@@ -59,6 +65,7 @@ def _write(stage: Usd.Stage, target: Path, *, for_ar: bool) -> None:
         if for_ar:
             _drop_physics(layer)
             _stand_up(layer)
+        _drop_whole_vectors(layer)
         flat = Path(folder) / f"{target.stem}.usdc"
         layer.Export(str(flat))
         for file in Path(folder).rglob("*"):  # the archive notes their times
@@ -92,13 +99,44 @@ def _bring_pictures(layer: Sdf.Layer, folder: Path) -> None:
 
 
 def _stand_up(layer: Sdf.Layer) -> None:
-    """Y up: the root is turned, what is in it stays as it is."""
+    """Y up: the root is turned, what is in it stays as it is. One matrix says so, since three.js
+    passes over operations that have a suffix."""
     layer.pseudoRoot.SetInfo("upAxis", "Y")
     stage = Usd.Stage.Open(layer)
     root = UsdGeom.Xformable(stage.GetDefaultPrim())
-    turn = root.AddRotateXOp(UsdGeom.XformOp.PrecisionDouble, "upAxis")
-    turn.Set(-90.0)
-    root.SetXformOpOrder([turn, *(op for op in root.GetOrderedXformOps() if op != turn)])
+    upright = Gf.Matrix4d(Gf.Rotation(Gf.Vec3d.XAxis(), -90.0), Gf.Vec3d(0.0))
+    frame = root.GetLocalTransformation() * upright
+    root.MakeMatrixXform().Set(frame)
+
+
+def _drop_whole_vectors(layer: Sdf.Layer) -> None:
+    """Remove scales that change nothing, and give vectors of small whole numbers the long form."""
+    scales = []
+
+    def visit(path: Sdf.Path) -> None:
+        spec = layer.GetAttributeAtPath(path) if path.IsPropertyPath() else None
+        if spec is None or not _is_whole(spec.default):
+            return
+        if spec.name.startswith("xformOp:scale") and set(spec.default) == {1.0}:
+            scales.append(spec)
+            return
+        kind = np.float32 if isinstance(spec.default, _SINGLE) else np.float64
+        first = np.nextafter(kind(spec.default[0]), kind(2 * abs(spec.default[0]) + 1))
+        spec.default = type(spec.default)(*[float(first), *list(spec.default)[1:]])
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    for scale in scales:
+        order = scale.owner.attributes.get("xformOpOrder")
+        if order is not None:
+            order.default = Vt.TokenArray([one for one in order.default if one != scale.name])
+        scale.owner.RemoveProperty(scale)
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is a vector of whole numbers, which may be held as bytes."""
+    if not isinstance(value, (*_SINGLE, *_DOUBLE)):
+        return False
+    return all(float(number).is_integer() for number in value)
 
 
 def _drop_physics(layer: Sdf.Layer) -> None:

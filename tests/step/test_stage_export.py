@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from pxr import Usd, UsdGeom, UsdShade, UsdUtils
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
+from chord_usd.cli import UNUSABLE, main
 from chord_usd.errors import OutputError
 from chord_usd.stage.export import export_stage
 from chord_usd.stage.gltf import write_glb
+from chord_usd.stage.gltf_lights import LUX_PER_UNIT
 from chord_usd.stage.textures import bound_material, placed, placement_of, source_of, st_of
 
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
@@ -190,6 +192,50 @@ def test_a_web_package_is_flat_and_whole(staged_house: Path, tmp_path: Path) -> 
         if prim.IsA(UsdGeom.Mesh) and prim.GetName() == "Floor":
             material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
             assert material.ComputeSurfaceSource()[0]
+
+
+@pytest.mark.parametrize("package", ["web", "ar"])
+def test_crates_for_browsers_hold_no_vector_in_the_short_form(
+    package: str, staged_house: Path, tmp_path: Path
+) -> None:
+    """three.js takes a scale of (1, 1, 1) for 65793; before, every piece had it."""
+    path = tmp_path / "house.usdz"
+    export_stage(staged_house, path, package)
+    stage = Usd.Stage.Open(str(path))
+    layer, short, seen = stage.GetRootLayer(), [], []
+
+    def visit(at: Sdf.Path) -> None:
+        spec = layer.GetAttributeAtPath(at) if at.IsPropertyPath() else None
+        value = None if spec is None else spec.default
+        if type(value).__name__.startswith("Vec") and not hasattr(value, "FromNumpy"):
+            seen.append(at)
+            numbers = np.array(list(value), dtype=np.float64)
+            short.extend([at] if (numbers == np.round(numbers)).all() else [])
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    assert seen
+    assert short == []
+    suffixed = {op.GetOpName() for prim in stage.Traverse() if prim.IsA(UsdGeom.Xformable)
+                for op in UsdGeom.Xformable(prim).GetOrderedXformOps()
+                if op.GetOpName().count(":") > 1}  # fmt: skip
+    assert suffixed == set(), "three.js passes over operations with a suffix"
+
+
+def test_lights_of_a_glb_suit_one_exposure_or_are_photometric(
+    staged_house: Path, glb: Path, tmp_path: Path
+) -> None:
+    """A sun of 1,200 lux burns a picture white; three.js shows 1 as a white wall."""
+    target = tmp_path / "house.glb"
+    words = ["export", str(staged_house), "--for", "gltf", "-o", str(target)]
+    assert main([*words, "--lights", "photometric"]) == 0
+    lights = [read_glb(path)["extensions"]["KHR_lights_punctual"]["lights"]
+              for path in (glb, target)]  # fmt: skip
+    for plain, measured in zip(*lights, strict=True):
+        assert plain["intensity"] < 15.0
+        share = measured["intensity"] / plain["intensity"]
+        assert share == pytest.approx(LUX_PER_UNIT, rel=1e-2)
+    words[3] = "web"
+    assert main([*words[:-1], str(tmp_path / "house.usdz"), "--lights", "unitless"]) == UNUSABLE
 
 
 def test_a_web_package_lays_pictures_without_transforms(staged_house: Path, tmp_path: Path) -> None:

@@ -1,4 +1,8 @@
-"""Masses of moving bodies, as UsdPhysics ranks what a stage says about them."""
+"""Masses, centres and inertias of moving bodies, as UsdPhysics ranks what a stage says of them.
+
+They are written out for each body. MuJoCo would compute them from colliders only where a setting of
+the whole model says so, and a robot that is added to the model would then lose its weight.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,11 @@ import numpy as np
 from pxr import Usd, UsdPhysics
 
 from chord_usd.stage.exchange.mjcf_frames import Frames, numbers
-from chord_usd.stage.exchange.mjcf_geoms import density_of
+from chord_usd.stage.exchange.mjcf_geoms import Shape, density_of
+from chord_usd.stage.exchange.mjcf_inertia import inertia_of
 
 _WATER_KG_PER_M3 = 1000.0
+_LEAST_KG_M2 = 1e-9
 _UNFELT_KG, _UNFELT_M = 1.0, 0.05
 """Mass and radius of a body that nothing says anything about."""
 
@@ -21,8 +27,7 @@ class PieceOfMass:
     """A geom of a moving body."""
 
     prim: Usd.Prim
-    geom: ET.Element
-    volume_m3: float
+    shape: Shape
 
 
 class Masses:
@@ -34,7 +39,7 @@ class Masses:
     def share(
         self, body: Usd.Prim, element: ET.Element, felt: list[PieceOfMass], frames: Frames
     ) -> None:
-        """Give the geoms of a body their masses, or the body its own where it has none.
+        """Give a body its inertial element.
 
         The mass of the body counts, else its density, else what each collider says, else its
         material.
@@ -45,18 +50,35 @@ class Masses:
         whole = _told(body, "mass") * self._kg
         if whole > 0.0 and sum(shares) > 0.0:
             shares = [share * whole / sum(shares) for share in shares]
-        for one, share in zip(felt, shares, strict=True):
-            one.geom.set("mass", f"{share:.9g}")
         inertia = UsdPhysics.MassAPI(body).GetDiagonalInertiaAttr().Get()
         if sum(shares) <= 0.0 or (inertia and max(inertia) > 0.0):
             _say(element, body, whole or sum(shares) or _UNFELT_KG, inertia, self._kg, frames)
+        else:
+            element.insert(0, _summed([one.shape for one in felt], shares))
 
     def _own(self, one: PieceOfMass, dense: float, per_m3: float) -> float:
         mass = _told(one.prim, "mass") * self._kg
         if mass > 0.0 and dense == 0.0:
             return mass
         own = _told(one.prim, "density") or density_of(one.prim)
-        return (dense or own * per_m3 or _WATER_KG_PER_M3) * one.volume_m3
+        return (dense or own * per_m3 or _WATER_KG_PER_M3) * one.shape.volume_m3
+
+
+def _summed(shapes: list[Shape], masses: list[float]) -> ET.Element:
+    """The inertial element of solids of these masses, in kg."""
+    total = sum(masses)
+    parts = [inertia_of(shape, mass) for shape, mass in zip(shapes, masses, strict=True)]
+    centre = np.average([at for at, _ in parts], axis=0, weights=masses)
+    tensor = np.zeros((3, 3))
+    for mass, (at, own) in zip(masses, parts, strict=True):
+        away = at - centre
+        tensor += own + mass * (away @ away * np.eye(3) - np.outer(away, away))
+    tensor += _LEAST_KG_M2 * np.eye(3)
+    six = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
+    return ET.Element("inertial", {
+        "pos": numbers(centre), "mass": f"{total:.9g}",
+        "fullinertia": " ".join(f"{value:.9g}" for value in six),
+    })  # fmt: skip
 
 
 def _told(prim: Usd.Prim, name: str) -> float:

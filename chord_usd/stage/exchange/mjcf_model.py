@@ -141,8 +141,8 @@ class _Writer:
                 told["friction"] = friction
             if shape.hull is not None:
                 told["mesh"] = self._assets.hull(shape.hull)
-            geom = ET.SubElement(element, "geom", told)
-            found.append(PieceOfMass(prim, geom, shape.volume_m3))
+            ET.SubElement(element, "geom", told)
+            found.append(PieceOfMass(prim, shape))
         return found
 
     def _looks(self, body: Body, element: ET.Element) -> None:
@@ -222,7 +222,7 @@ def _title(stage: Usd.Stage) -> str:
 def _settings(root: ET.Element, gravity: FloatArray) -> None:
     ET.SubElement(
         root, "compiler", angle="degree", autolimits="true", meshdir=MESHES, texturedir=TEXTURES,
-        inertiagrouprange="3 3", boundmass="1e-6", boundinertia="1e-9",
+        boundmass="1e-6", boundinertia="1e-9",
     )  # fmt: skip
     ET.SubElement(
         root, "option", timestep=numbers([_STEP_S]), gravity=numbers(gravity),
