@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 import bpy
 
-from .core.layer import house_of, opened_file, read_changes, roof_of, roofed_text
+from .core.layer import house_of, mend_layer, opened_file, read_changes, roof_of, roofed_text
 from .core.tree import Branch, collection_tree, room_names, shown_names, usd_paths
 from .house import (
     Objects,
@@ -37,6 +37,7 @@ def import_house(context: bpy.types.Context, house: Path) -> None:
 
     Changes that were saved for it come in with it. What the artist put beside it stays.
     """
+    mend_layer(house)
     remove_house(context)
     objects = _import_stage(context, opened_file(house))
     adopt(context, objects)

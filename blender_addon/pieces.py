@@ -178,6 +178,9 @@ class ChordChooseLook(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the choice, and brings the house in again."""
+        contents = parsed(fields(context).contents)
+        if not report.is_offered(contents, self.path, self.variant_set, self.variant):
+            raise InputError("There is no such look. Choose one of those in the panel.")
         seen = save_changes(context)
         after = with_look(seen.changes, self.path, self.variant_set, self.variant)
         return rebuild(seen, after)

@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from chord_usd.errors import ChordError, RenderError
 from chord_usd.runtime.files import deliver
 from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.progress import PROGRESS_STYLES, ProgressStyle, Stopwatch, make_reporter
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ class House:
 
     def __init__(self, path: FilePath, folder: _Folder | None = None) -> None:
         """The house at path, a stage that this program wrote; use open, which looks at it first."""
-        self.path = Path(path).absolute()
+        self.path = absolute(Path(path))
         """Of the stage; what it points to lies beside it."""
         self._folder = folder
         self._written: tuple[int, int] | None = None

@@ -5,7 +5,8 @@ Changes are told against the house itself, so that what was undone is no change 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
@@ -18,6 +19,9 @@ MOVED_BY = 1e-5
 """Entries of a matrix that differ by less are the same."""
 
 SCHEMA = 2
+
+_PATH = re.compile(r"(?:/[^\W\d]\w*)+")
+"""A path of a prim, as USD writes it."""
 
 Size = tuple[float, float, float]
 
@@ -203,11 +207,16 @@ def understood(data: Mapping[str, Any]) -> Changes:
     if data["schema"] != SCHEMA:
         raise ValueError(f"schema {data['schema']}")
     return Changes(
-        pieces={path: _edit(entry) for path, entry in data["pieces"].items()},
-        looks={path: dict(looks) for path, looks in data["looks"].items()},
-        lights={path: float(strength) for path, strength in data["lights"].items()},
+        pieces={path: _edit(entry) for path, entry in _named(data["pieces"])},
+        looks={path: dict(looks) for path, looks in _named(data["looks"]) if all(looks)},
+        lights={path: float(strength) for path, strength in _named(data["lights"])},
         locked=tuple(map(str, data["locked"])),
     )
+
+
+def _named(entries: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Entries of paths that USD has; others would make a layer that no program opens."""
+    return ((path, entry) for path, entry in entries.items() if _PATH.fullmatch(path))
 
 
 def size_of(sides: Iterable[Any]) -> Size:

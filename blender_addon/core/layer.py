@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from .edits import Changes, Edit, Looks, Matrix, Swap, told, understood
 from .errors import InputError
@@ -103,14 +104,29 @@ def write_changes(house: Path, changes: Changes) -> Path | None:
     return file
 
 
+def mend_layer(house: Path) -> None:
+    """Write the layer again where it holds changes of what no house has: USD cannot open it.
+
+    Raises InputError, OSError.
+    """
+    changes = _read(edits_file(house))
+    if changes is not None and json.loads(json.dumps(told(changes))) != _data(edits_file(house)):
+        write_changes(house, changes)
+
+
 def _read(file: Path) -> Changes | None:
     """The changes that a layer holds; None for a file that is not there, or not ours."""
     try:
-        text = file.read_text(encoding="utf-8")
-        first = text.index(_MARK) + len(_MARK)
-        return understood(json.loads(text[first : text.index(_END, first)]))
+        return understood(_data(file))
     except (OSError, ValueError, TypeError, KeyError, AttributeError, IndexError):
         return None
+
+
+def _data(file: Path) -> Any:
+    """What the layer's comment holds. Raises OSError, ValueError."""
+    text = file.read_text(encoding="utf-8")
+    first = text.index(_MARK) + len(_MARK)
+    return json.loads(text[first : text.index(_END, first)])
 
 
 @dataclass

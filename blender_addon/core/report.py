@@ -120,6 +120,12 @@ def looks(contents: Mapping[str, Any]) -> list[Look]:
     return found
 
 
+def is_offered(contents: Mapping[str, Any], path: str, variant_set: str, variant: str) -> bool:
+    """Whether a room, a piece or the house has this choice."""
+    own = (look for look in looks(contents) if (look.path, look.variant_set) == (path, variant_set))
+    return any(variant in look.offered for look in own)
+
+
 def models(contents: Mapping[str, Any]) -> dict[str, str]:
     """The model's name of each piece, by the path of what refers to it."""
     return {

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from chord_usd.assets.database import INDEX_NAME, AssetDatabase, embedded_assets
 from chord_usd.errors import AssetError, StageError
-from chord_usd.runtime.locations import cache_folder
+from chord_usd.runtime.locations import absolute, cache_folder
 from chord_usd.runtime.stages import LAYER_SUFFIXES, look_through, open_layer
 from chord_usd.scene.types import Asset, Item, SceneGraph
 
@@ -26,7 +26,7 @@ def with_found_assets(
     cache holds is taken from ours. Raises AssetError for an asset elsewhere, or one that is no USD
     layer: a scene may come from anyone, and what it names is copied beside the house.
     """
-    home = scene.absolute().parent
+    home = absolute(scene).parent
     allowed = [*(folder.resolve() for folder in (home, *folders, cache_folder()))]
     things = (*graph.items, *graph.dressing)
     named = {asset.usd_path: asset for item in things for asset in _assets_of(item)}
@@ -66,7 +66,7 @@ def _found(path: Path, home: Path, allowed: Sequence[Path]) -> Path | None:
     try:
         if os.path.lexists(home / path):
             return Path(os.path.abspath(home / path))  # noqa: PTH100 (not through links)
-        here = path.absolute()
+        here = absolute(path)
         return here if here.is_file() and _is_inside(here, allowed) else None
     except (OSError, ValueError):  # too long, or not a path at all
         return None

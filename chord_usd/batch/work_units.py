@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from chord_usd import __version__
 from chord_usd.errors import PlanError
 from chord_usd.runtime.files import hash_file
-from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.locations import absolute, checkpoint_folder
 from chord_usd.runtime.networks import WEIGHTS_FILE
 
 if TYPE_CHECKING:
@@ -104,9 +104,9 @@ def _plan_files(plans: Sequence[Path]) -> Iterator[Path]:
                 raise PlanError(
                     "holds no plan", where=str(plan), expected="pictures of floor plans"
                 )
-            yield from (file.absolute() for file in files)
+            yield from (absolute(file) for file in files)
         elif plan.is_file():
-            yield plan.absolute()
+            yield absolute(plan)
         else:
             raise PlanError("no such file", where=str(plan), try_="check the path")
 

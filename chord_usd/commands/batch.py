@@ -35,6 +35,7 @@ from chord_usd.commands.common import (
 from chord_usd.commands.paths import output_place
 from chord_usd.commands.render import add_look, look_of
 from chord_usd.runtime.counting import counted
+from chord_usd.runtime.locations import absolute
 from chord_usd.scene.roof_forms import NO_ROOF
 
 if TYPE_CHECKING:
@@ -186,7 +187,7 @@ def make_houses(
     if options.parquet:
         require_parquet()
     minutes = options.timeout or (_PICTURES_MINUTES if options.renders else _HOUSE_MINUTES)
-    folder = options.output.absolute()
+    folder = absolute(options.output)
     order = Order(folder, settings, _render_options(options), timeout_s=60.0 * minutes)
     engine = _engine(options, order.folder)
     exports = Exports(options.parquet, options.webdataset, named_only)
@@ -203,7 +204,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
     return Settings(
         steps=options.steps,
         device=options.device,
-        asset_folders=tuple(folder.absolute() for folder in options.assets),
+        asset_folders=tuple(absolute(folder) for folder in options.assets),
         style=options.style,
         texture_px=options.texture_size,
         articulation=options.articulation,

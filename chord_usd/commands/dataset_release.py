@@ -24,6 +24,7 @@ from chord_usd.commands.common import (
     whole_number,
 )
 from chord_usd.commands.paths import output_place
+from chord_usd.runtime.locations import absolute
 
 
 def add(verbs: Verbs) -> None:
@@ -56,7 +57,7 @@ def run(options: argparse.Namespace) -> Outcome:
     watch = stopwatch(options)
     done = make_houses(units, settings, options, watch, named_only=True)
     with watch.step("release"):
-        release = write_release(options.output.absolute(), [unit.name for unit in units])
+        release = write_release(absolute(options.output), [unit.name for unit in units])
     outcome = outcome_of(done, options, watch.seconds)
     text = f"{outcome.text}\n{release.summary}"
     return replace(outcome, text=text, data={**outcome.data, "release": release.as_json()})

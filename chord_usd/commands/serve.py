@@ -9,6 +9,7 @@ from pathlib import Path
 from chord_usd.commands.common import Outcome, Verbs, add_verb, whole_number
 from chord_usd.runtime import console
 from chord_usd.runtime.extras import needed_for
+from chord_usd.runtime.locations import absolute
 
 PORT = 8321
 
@@ -45,5 +46,5 @@ def run(options: argparse.Namespace) -> Outcome:
     def say(address: str) -> None:
         print(address, file=console.stdout(), flush=True)
 
-    serve_page(options.root.absolute(), options.host, options.port, say)
+    serve_page(absolute(options.root), options.host, options.port, say)
     return Outcome(None)

@@ -9,7 +9,6 @@ understand.
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,6 +20,7 @@ from chord_usd.errors import RenderError
 from chord_usd.farm.environment import pinned
 from chord_usd.farm.slurm import Host, slurm_scripts
 from chord_usd.runtime.files import output_folder
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.stages import StageFiles
 from chord_usd.runtime.targets import FolderMode
 
@@ -268,4 +268,4 @@ def _files(work: Work) -> tuple[Path, ...]:
 
 
 def _root(work: Work) -> Path:
-    return Path(os.path.abspath(work.stage)).parent  # noqa: PTH100 (resolve would follow links)
+    return absolute(work.stage).parent

@@ -15,6 +15,7 @@ from typing import Any, TextIO
 import chord_usd
 from chord_usd.errors import RenderError
 from chord_usd.image.job import EXIT_NO_DEVICE, EXIT_UNREADABLE, Job, write_job
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.scratch import scratch_folder
 
 STOP_SECONDS = 0.8
@@ -51,7 +52,7 @@ def run_blender(job: Job, on_message: Callable[[dict[str, Any]], None]) -> None:
 
 def write_blend(stage: Path, target: Path) -> None:
     """Write a stage as a Blender file with its pictures in it. Raises RenderError."""
-    words = (".blend_file", str(stage.absolute()), str(target.absolute()))
+    words = (".blend_file", str(absolute(stage)), str(absolute(target)))
     with (
         scratch_folder() as home,
         tempfile.TemporaryFile("w+", dir=home) as said,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from chord_usd.errors import RenderError
 from chord_usd.raster.hdri import developed, require_picture
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.runtime.stages import open_layer, open_stage
 from chord_usd.scene.skies import Sky, dome_turn_deg, sky_named
@@ -110,11 +111,11 @@ def layer_over(path: Path) -> Iterator[tuple[Sdf.Layer, Path]]:
     """Yield an empty layer over a stage and its file, which goes away afterwards."""
     from pxr import Sdf
 
-    below = open_layer(path.absolute())
+    below = open_layer(absolute(path))
     with scratch_folder() as folder:
         file = folder / "over.usda"
         layer = Sdf.Layer.CreateNew(str(file))
-        layer.subLayerPaths.append(str(path.absolute()))
+        layer.subLayerPaths.append(str(absolute(path)))
         for key in _KEPT:
             if below.pseudoRoot.HasInfo(key):
                 layer.pseudoRoot.SetInfo(key, below.pseudoRoot.GetInfo(key))

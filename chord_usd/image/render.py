@@ -39,6 +39,7 @@ from chord_usd.image.stage_cameras import (
 )
 from chord_usd.image.takes import Take, read_take
 from chord_usd.runtime.files import folder_for_many
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.scratch import scratch_folder
 from chord_usd.runtime.stages import StageFiles, files_of
@@ -196,7 +197,7 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
     ):
         job = Job(
             folder=str(raw),
-            stage=str(seen.absolute()),
+            stage=str(absolute(seen)),
             cameras=tuple(cameras),
             width_px=options.resolution_px[0],
             height_px=options.resolution_px[1],

@@ -19,13 +19,13 @@ from pathlib import Path
 from chord_usd.errors import ChordError, DiskFullError, OutputError
 from chord_usd.runtime import interrupts
 from chord_usd.runtime.hashes import hash_file, same_bytes
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.manifest import MANIFEST_FILE, Manifest
 from chord_usd.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.runtime.scratch import Scratch
 from chord_usd.runtime.targets import (
     FREE_SPACE,
     FolderMode,
-    absolute,
     check_file_target,
     is_full,
     not_ours,

@@ -1,4 +1,4 @@
-"""Where the files that ship with the package lie.
+"""Where things lie: paths as users name them, and the files that ship with the package.
 
 In a checkout (editable install) `materials/` and `checkpoints/` are the repository's own folders;
 in an installed wheel they are inside the package.
@@ -21,6 +21,30 @@ ROOT_VARIABLE = "CHORD_USD_ROOT"
 """Environment variable: files below this folder may be read, and none elsewhere."""
 
 _PACKAGE = Path(__file__).parents[1]
+
+
+def absolute(path: Path) -> Path:
+    """The path from the root, without `..`; links stay, unless a `..` leads out of what they name.
+
+    The only function that makes a path absolute, so that two paths of one file compare as equal.
+    Raises ChordError where the working folder is gone.
+    """
+    whole = path if path.is_absolute() else working_folder() / path
+    if whole.name == "..":
+        return Path(os.path.realpath(whole))
+    if ".." in whole.parts:
+        return Path(os.path.realpath(whole.parent)) / whole.name
+    return whole
+
+
+def working_folder() -> Path:
+    """The folder that relative paths start from. Raises ChordError where it is gone."""
+    try:
+        return Path.cwd()
+    except FileNotFoundError as error:
+        raise ChordError(
+            "the working folder was deleted", expected="a folder that is there", try_="cd ~"
+        ) from error
 
 
 def checkpoint_folder(name: str) -> Path:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from chord_usd.errors import ChordError, StageError, reason_of
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.decoders import decode
-from chord_usd.runtime.locations import open_folders
+from chord_usd.runtime.locations import absolute, open_folders
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -138,7 +138,7 @@ def own_files(path: Path, where: Path | None = None) -> StageFiles:
     where: what errors name, by default path. Raises StageError that names the first file outside.
     """
     files = files_of(path)
-    home = path if path.suffix == ".usdz" else path.absolute().parent
+    home = path if path.suffix == ".usdz" else absolute(path).parent
     outside = files.outside([home])
     if outside is not None:
         raise StageError(
@@ -165,12 +165,12 @@ def look_through(
     if unknown:
         others = f" and {len(unknown) - 1} others" if len(unknown) > 1 else ""
         where = f"{unknown[0]}{others}"
-        names = tuple(os.path.abspath(path) for path in unknown)  # noqa: PTH100
+        names = tuple(str(absolute(path)) for path in unknown)
         found = decode("stages", names, where=where, error=StageError, meanwhile=meanwhile)
         for path, files in zip(unknown, found, strict=True):
-            _remembered[path.absolute()] = files, _states(files)
+            _remembered[absolute(path)] = files, _states(files)
     silence()
-    looked = tuple(_remembered[path.absolute()][0] for path in paths)
+    looked = tuple(_remembered[absolute(path)][0] for path in paths)
     if folders := open_folders():
         for path, files in zip(paths, looked, strict=True):
             if files.outside(folders) is not None:
@@ -189,7 +189,7 @@ _remembered: dict[Path, tuple[StageFiles, tuple[_State, ...]]] = {}
 def _is_remembered(path: Path) -> bool:
     """Whether the stage was looked through, and none of its files has changed since; where some
     are missing, they may have come."""
-    known = _remembered.get(path.absolute())
+    known = _remembered.get(absolute(path))
     return known is not None and not known[0].missing and known[1] == _states(known[0])
 
 

@@ -114,8 +114,3 @@ def is_full(error: OSError) -> bool:
     # Copies of whole folders gather what failed, as words.
     gathered = isinstance(error, shutil.Error) and os.strerror(errno.ENOSPC) in str(error)
     return gathered or error.errno in _FULL_DISK
-
-
-def absolute(path: Path) -> Path:
-    """Links stay as they are."""
-    return Path(os.path.abspath(path))  # noqa: PTH100 (resolve would follow a link at the target)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from chord_usd.errors import OutputError
 from chord_usd.runtime.files import deliver, output_folder
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.stages import open_stage, own_files, reading
 from chord_usd.runtime.targets import FolderMode
 from chord_usd.stage.attribution import attribution_file
@@ -89,8 +90,8 @@ def copy_stage(stage: Path, folder: Path, mode: FolderMode = "new") -> Path:
 def copy_files(stage: Path, folder: Path) -> list[Path]:
     """Copy the stage, all it points to and its list of makers into a folder of our own; returns the
     copies of its layers, its own first. Raises StageError as copy_stage does."""
-    files, home = own_files(stage), stage.absolute().parent
-    makers = attribution_file(stage.absolute())
+    files, home = own_files(stage), absolute(stage).parent
+    makers = attribution_file(absolute(stage))
     for file in (*files.layers, *files.others, *([makers] if makers.is_file() else [])):
         target = folder / file.relative_to(home)
         target.parent.mkdir(parents=True, exist_ok=True)

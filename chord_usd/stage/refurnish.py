@@ -22,6 +22,7 @@ from pxr import Sdf, Usd, UsdUtils
 from chord_usd.errors import StageError
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.files import deliver, destination, hash_file
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.stages import (
     ELEVATION,
     files_of,
@@ -143,7 +144,7 @@ def read_house(path: Path, room_name: str = "") -> StagedHouse:
 def read_edited_house(edits: Path, source: Path, room_name: str = "") -> StagedHouse:
     """The house at source as it is seen with a layer over it. Raises StageError, also where the
     layer points to files that are neither beside it nor beside the house."""
-    outside = files_of(edits).outside([edits.absolute().parent, source.absolute().parent])
+    outside = files_of(edits).outside([absolute(edits).parent, absolute(source).parent])
     if outside is not None:
         raise StageError(
             f"points to {outside}",
@@ -297,7 +298,7 @@ def rewrite(
             _edit_archive(source, staged, target, edit)
         else:
             final = destination(target.parent)
-            if final != source.absolute().parent:
+            if final != absolute(source).parent:
                 _copy_what_it_points_to(source, staged, target)
             _copy_layer(source, staged)
             layer = edit(staged, [final, staged.parent])
@@ -330,7 +331,7 @@ def _whole(staged: Path, target: Path) -> Iterator[Path]:
 def _link(source: Path, link: Path) -> None:
     """A link to a file or folder; of folders that two places have, one to each thing in them."""
     if not os.path.lexists(link):
-        link.symlink_to(source.absolute())
+        link.symlink_to(absolute(source))
     elif source.is_dir() and link.is_dir():
         if link.is_symlink():
             first = link.readlink()
@@ -365,7 +366,7 @@ def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
 
 def _require_own(source: Path, target: Path) -> None:
     """Raises StageError for a stage with files elsewhere, where more than its layer is written."""
-    if source.suffix == ".usdz" or target.absolute().parent != source.absolute().parent:
+    if source.suffix == ".usdz" or absolute(target).parent != absolute(source).parent:
         own_files(source)
 
 
@@ -388,7 +389,7 @@ def _copy_what_it_points_to(source: Path, staged: Path, target: Path) -> None:
 
     Raises StageError where another file lies at such a place, which may be another house's.
     """
-    home, final = source.absolute().parent, destination(target.parent)
+    home, final = absolute(source).parent, destination(target.parent)
     files = own_files(source)
     for file in (*files.layers[1:], *files.others):
         name = file.relative_to(home)

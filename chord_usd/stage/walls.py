@@ -18,6 +18,7 @@ import numpy.typing as npt
 import shapely
 from shapely.geometry import MultiPolygon, Polygon, box
 from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.scene.geometry import Floors, polygons_of
@@ -126,11 +127,20 @@ class Walls:
         return [*self.tunnels.values(), *(tunnel for _, tunnel in self.railings)]
 
 
+def _on_grid(polygon_m: FloatArray) -> FloatArray:
+    """The corners of a room on the grid of walls; arms narrower than it are left out."""
+    rounded = np.round(polygon_m / GRID_M) * GRID_M
+    if shapely.is_valid(Polygon(rounded)):
+        return rounded
+    whole = shapely.set_precision(Polygon(polygon_m), GRID_M)
+    largest = max(polygons_of(whole), key=lambda part: part.area, default=Polygon(polygon_m))
+    return np.asarray(orient(largest).exterior.coords)[:-1]
+
+
 def build_walls(plan: Plan) -> Walls:
     """Solid, boundary and tunnels of a plan's walls."""
     rooms = tuple(
-        Room(room.id, room.kind, np.round(room.polygon_m / GRID_M) * GRID_M, room.name)
-        for room in plan.rooms
+        Room(room.id, room.kind, _on_grid(room.polygon_m), room.name) for room in plan.rooms
     )
     solid = wall_solid(rooms)
     dug = zip(plan.openings, dig_tunnels(plan.openings, solid), strict=True)

@@ -74,6 +74,7 @@ told["moved_back"] = sorted(s.part("core.layer").read_changes(house).pieces)
 s.start("lock_piece", path=cabinet)
 own.rooms[own.room_index].light = 2.0
 told["looks"] = s.press("shuffle_looks")
+told["no_look"] = s.press("choose_look")
 told["evening"] = s.press("choose_look", path="/House", variant_set="lighting", variant="evening")
 told["light_after"] = own.rooms[own.room_index].light
 s.objects()[bed]["chord:edited_by"] = "neighbours parted"

@@ -224,6 +224,7 @@ def test_the_edited_layer_is_a_valid_stage(edits: Told, house: Path) -> None:
 
 def test_looks_lamps_and_locks_are_kept(edits: Told) -> None:
     assert edits["looks"] == edits["evening"] == ""
+    assert "no such look" in edits["no_look"]
     assert edits["chosen"]["/House"] == {"lighting": "evening"}
     assert set(edits["chosen"][ROOM]) == {"floorMaterial", "wallMaterial"}
     assert edits["light_after"] == pytest.approx(2.0, abs=1e-3)

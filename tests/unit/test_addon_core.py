@@ -421,6 +421,9 @@ def test_looks_are_listed_where_there_is_a_choice() -> None:
     room, bed = report.looks(contents)
     assert (room.path, room.label, room.chosen) == (ROOM, "Floor", "OakPlank")
     assert (bed.path, bed.label) == (BED, "Colour")
+    assert report.is_offered(contents, BED, "colour", "Terrazzo")
+    for choice in (("", "", ""), (BED, "colour", "Oak"), ("/House", "colour", "Terrazzo")):
+        assert not report.is_offered(contents, *choice)
     assert report.models(contents) == {BED: "Bed_A"}
     assert report.spaced("OakPlank_2") == "Oak Plank 2"
     assert report.spaced("TVCabinet_0") == "TV Cabinet 0"

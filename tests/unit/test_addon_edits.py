@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -112,6 +113,21 @@ def test_changes_come_back_from_their_layer(tmp_path: Path) -> None:
     assert layer.write_changes(house, edits.Changes()) is None
     assert layer.opened_file(house) == house
     assert layer.read_changes(house).is_nothing
+
+
+@pytest.mark.parametrize("path", ["", "/", "House", "/House//Rooms", "/House/a b", "/House/"])
+def test_changes_of_what_no_house_has_are_dropped_when_it_opens(tmp_path: Path, path: str) -> None:
+    """Such a layer held `over ""`, which USD does not open, nor the house below it."""
+    house = tmp_path / "house.usda"
+    looks, lights = {**ALL.looks, path: {"a": "b"}}, {**ALL.lights, path: 2.0}
+    file = layer.edits_file(house)
+    file.write_text(layer.layer_text("house.usda", replace(ALL, looks=looks, lights=lights)))
+    layer.mend_layer(house)
+    assert layer.read_changes(house) == ALL
+    assert file.read_text() == layer.layer_text("house.usda", ALL)
+    kept = file.stat().st_mtime_ns
+    layer.mend_layer(house)
+    assert file.stat().st_mtime_ns == kept
 
 
 @pytest.mark.parametrize("text", ["#usda 1.0", "", "string chord_edits = '''{}'''"])

@@ -65,9 +65,19 @@ export function choice(options, value, act = () => {}) {
   return list;
 }
 
+const MISTAKE = "Something in this page went wrong, and nothing was changed. Try: reload the page.";
+
+/** What of an error is meant for people: only plain Errors carry sentences. */
+function sentenceOf(error) {
+  if (!(error instanceof Error)) return error;
+  if (error.constructor === Error) return error.message;
+  console.error(error);
+  return MISTAKE;
+}
+
 /** Say what went wrong, or nothing. */
 export function complain(error = "") {
   const place = document.getElementById("message");
-  place.textContent = error instanceof Error ? error.message : error;
+  place.textContent = sentenceOf(error);
   place.hidden = !place.textContent;
 }

@@ -53,6 +53,7 @@ export class SceneView {
     const answer = await fetch(url);
     if (!answer.ok) throw new Error("The house cannot be loaded.");
     const { scene } = await new GLTFLoader().parseAsync(await answer.arrayBuffer(), "");
+    if (this.isOver) return new Promise(() => {});
     this.house = batched(scene);
     this.add(this.house.batches.splice(0));
     this.overview();
@@ -237,12 +238,18 @@ export class SceneView {
     return hits.find((hit) => hit.object.getVisibleAt(hit.batchId) && hit.point.y <= this.cut.constant);
   }
 
+  /** Nobody sees it any more: what still loads is dropped, and what it shows changes no more. */
   end() {
+    this.isOver = true;
     this.stopWalking();
     this.sizes.disconnect();
     cancelAnimationFrame(this.waits);
     this.controls.dispose();
-    for (const batch of this.house?.batches ?? []) batch.dispose();
+    for (const batch of this.house?.batches ?? []) {
+      batch.dispose();
+      // three.js takes no change of what is disposed of; edits and models may still be under way.
+      batch.setMatrixAt = batch.setVisibleAt = () => batch;
+    }
     this.renderer.dispose();
     this.renderer.forceContextLoss();
   }
