@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from chord_usd.commands.common import Outcome, Parser
 from chord_usd.runtime import console
 from chord_usd.runtime.extras import missing_extra
-from chord_usd.runtime.locations import keep_caches
+from chord_usd.runtime.locations import keep_caches, working_folder
 from chord_usd.runtime.offline import stay_offline
 from chord_usd.runtime.progress import held_lines
 
@@ -78,6 +78,7 @@ def _answer(words: Sequence[str]) -> int:
     from chord_usd.commands.paths import check_paths
 
     options = build_parser(words).parse_args(words)
+    working_folder()
     check_paths(options.parser, options)
     outcome = _run(options)
     _tell(outcome, as_json=options.json)

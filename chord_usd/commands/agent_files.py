@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from chord_usd.commands.paths import UsageError
+from chord_usd.commands.paths import UsageError, refuse_odd_name
 from chord_usd.runtime.files import deliver, hash_file
 
 HOUSE_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
@@ -61,7 +61,8 @@ class AgentFiles:
 
     def _below(self, text: str) -> Path:
         given = Path(text)
-        if not text or "\0" in text or given.is_absolute():
+        refuse_odd_name("the path", given)
+        if not text or given.is_absolute():
             said = "is no path below the root"
         elif ".." in given.parts or not self._real(given).is_relative_to(self.root):
             said = "leads out of the root"

@@ -58,8 +58,8 @@ _WHOLE_FOLDERS = (output_folder, output_package)
 _NOT_IN_USD = ("\\", ":SDF_FORMAT_ARGS:")
 """A separator of folders on other systems, and what parts a path from arguments."""
 
-_LONGEST_NAME_BYTES = 255
-"""Of a file or folder, on every system."""
+_LONGEST_NAME_BYTES, _LONGEST_PATH_BYTES = 255, 3900
+"""Of a file or folder, and of all of a path, whose hidden folders need some more, on Linux."""
 
 _DATA_SUFFIXES = {
     ".json", ".jsonl", ".gz", ".usd", ".usda", ".usdc", ".usdz", ".safetensors", ".onnx", ".obj",
@@ -118,7 +118,7 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
 def check_named(paths: Sequence[Named]) -> None:
     """The same of paths that are named elsewhere than on a command line."""
     for one in paths:
-        _refuse_odd_name(one)
+        refuse_odd_name(one.option, one.path)
         if one.role is Path:
             require_open(one.path, UsageError)
     inputs = [one for one in paths if one.role is Path]
@@ -141,28 +141,34 @@ def check_named(paths: Sequence[Named]) -> None:
             )
 
 
-def _refuse_odd_name(one: Named) -> None:
-    """Refuse names that the file system, USD or a terminal cannot all say."""
-    said = str(one.path)
+def refuse_odd_name(option: str, path: Path) -> None:
+    """Raise UsageError for a path that the file system, USD or a terminal cannot say."""
+    said = str(path)
     # Under an ASCII locale whatever is beyond it arrives as lone surrogates.
     if any("\ud800" <= character <= "\udfff" for character in said):
         raise UsageError(
-            f"{one.option} is no path in UTF-8",
+            f"{option} is no path in UTF-8",
             where=said,
             try_="PYTHONUTF8=1, if the locale is not UTF-8",
         )
     if any(unicodedata.category(character) in ("Cc", "Zl", "Zp") for character in said):
-        raise UsageError(f"{one.option} holds a control character", where=said, expected="a path")
+        raise UsageError(f"{option} holds a control character", where=said, expected="a path")
     for odd in _NOT_IN_USD:
-        if odd in one.path.as_posix():
+        if odd in path.as_posix():
             raise UsageError(
-                f"{one.option} holds {odd!r}, which USD takes for something else",
+                f"{option} holds {odd!r}, which USD takes for something else",
                 where=said,
                 expected="a path without it",
             )
-    if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in one.path.parts):
+    if any(len(part.encode()) > _LONGEST_NAME_BYTES for part in path.parts):
         raise UsageError(
-            f"{one.option} has a name of more than {_LONGEST_NAME_BYTES} bytes",
+            f"{option} has a name of more than {_LONGEST_NAME_BYTES} bytes",
+            where=f"{said[:40]}…",
+            expected="a shorter one",
+        )
+    if len(said.encode()) > _LONGEST_PATH_BYTES:
+        raise UsageError(
+            f"{option} has more than {_LONGEST_PATH_BYTES} bytes",
             where=f"{said[:40]}…",
             expected="a shorter one",
         )

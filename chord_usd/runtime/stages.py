@@ -284,10 +284,29 @@ def _try(path: Path) -> StageFiles:
     count_prims(stage, path)
     for prim in _prims_once(stage):
         for attribute in prim.GetAuthoredAttributes():
-            attribute.Get()
+            value = attribute.Get()
+            if attribute.GetNamespace() == "xformOp" or attribute.GetName() in _EXTENTS:
+                _require_finite(value, attribute, path)
     used = {_file_of(layer.realPath) for layer in stage.GetUsedLayers() if layer.realPath}
     more = sorted(used.difference(files.layers))  # asset paths that are expressions
     return StageFiles((*files.layers, *more), files.others, files.missing)
+
+
+_EXTENTS = ("points", "extent", "extentsHint")
+
+
+def _require_finite(value: object, attribute: Usd.Attribute, path: Path) -> None:
+    """Raises StageError for a placement or a size that is no number: geometry ends there."""
+    import numpy as np
+
+    numbers = np.asarray(value if value is not None else ())
+    if numbers.dtype.kind == "f" and not np.isfinite(numbers).all():
+        raise StageError(
+            f"{attribute.GetPath()} is not finite",
+            where=str(path),
+            expected="numbers",
+            try_="set it again, or take the piece out",
+        )
 
 
 ELEVATION = "chord:elevation_m"

@@ -25,6 +25,9 @@ from chord_usd.runtime.locations import ROOT_VARIABLE
 END_S = 10.0
 """How long a verb that is told to end may take; Blender is the slowest."""
 
+LONGEST_WORD_BYTES = 2**16
+"""Of one word of a command line; Linux takes twice as much."""
+
 Told = Callable[[str, int, int], Awaitable[None]]
 """Takes the name of a step, and how many of how many parts of it are done."""
 
@@ -39,11 +42,25 @@ class Answer:
     """False for exit code 1."""
 
 
+def require_words(words: Sequence[str]) -> None:
+    """Raises ChordError for words that no process can be started with."""
+    for word in words:
+        if "\0" in word or any("\ud800" <= one <= "\udfff" for one in word):
+            what, expected = "holds half a character, or none (NUL)", "text"
+        elif len(word.encode()) > LONGEST_WORD_BYTES:
+            what, expected = "is too long", f"at most {LONGEST_WORD_BYTES} bytes"
+        else:
+            continue
+        shown = word.encode("utf-8", "backslashreplace").decode()
+        raise ChordError(what, where=shown[:40], expected=expected)
+
+
 async def run_verb(words: Sequence[str], root: Path, told: Told) -> Answer:
     """One command line, run in root, which is all of the disk that stages may refer to.
 
     Raises ChordError with the verb's own sentence.
     """
+    require_words(words)
     # -P: a file of the root's is no module of ours.
     command = [sys.executable, "-P", "-m", "chord_usd", *words, "--json", "--progress", "json"]
     process = await anyio.open_process(

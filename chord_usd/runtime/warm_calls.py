@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from chord_usd.runtime.locations import ROOT_VARIABLE
-from chord_usd.runtime.verb_calls import END_S, Answer, Told, answer_of, run_verb
+from chord_usd.runtime.verb_calls import END_S, Answer, Told, answer_of, require_words, run_verb
 
 WARM = ("plan", "generate", "regenerate", "edit", "check", "assets", "export")
 """Verbs that are run here; Blender, and what is asked for seldom, gets a process of its own."""
@@ -42,6 +42,7 @@ class WarmVerbs:
 
     async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
         """One command line, run in root. Raises ChordError with the verb's own sentence."""
+        require_words(words)
         if words[0] not in WARM or self._busy.locked():
             return await run_verb(words, root, told)
         async with self._busy:

@@ -290,6 +290,26 @@ def test_values_of_another_type_are_told(house: Path, type_name: str) -> None:
         assert told == "" or "cannot be read" in told or "no rooms" in told
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+@pytest.mark.parametrize("name", ["xformOp:translate", "xformOp:rotateZ"])
+def test_a_placement_that_is_no_number_is_refused_with_its_place(
+    house: Path, name: str, value: float
+) -> None:
+    layer = Sdf.Layer.OpenAsAnonymous(str(house))
+    placed: list[Sdf.AttributeSpec] = []
+    layer.Traverse(
+        Sdf.Path.absoluteRootPath,
+        lambda path: placed.append(layer.GetObjectAtPath(path)) if path.name == name else None,
+    )
+    spec = placed[-1]
+    spec.default = (value, 0.0, 0.0) if name.endswith("translate") else value
+    layer.Export(str(house))
+    for read in READERS:
+        with pytest.raises(StageError, match="is not finite") as caught:
+            read(house)
+        assert str(spec.path) in str(caught.value)
+
+
 PACKAGE = Path(stages.__file__).parents[1]
 
 

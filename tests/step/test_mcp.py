@@ -156,7 +156,10 @@ def test_ten_things_that_an_agent_does_first(root: Path, run: RunVerb) -> None:
         ("{tmp}/secret.usda", "no path below"),
         ("{tmp}/open/drawn.png", "no path below"),
         ("", "no path below"),
-        ("a\0b", "no path below"),
+        ("a\0b", "control character"),
+        ("a" * 300, "more than 255 bytes"),
+        ("a/" * 3000 + "b", "more than 3900 bytes"),
+        ("a\ud800b", "no path in UTF-8"),
         (".chord-usd-kept/house.usda", "hidden"),
         ("nowhere.usda", "no such file"),
     ],
@@ -191,6 +194,19 @@ def test_no_file_is_replaced(root: Path) -> None:
             await say("render", house="drawn.png", folder="drawn.png")
 
     talk(root, session)
+
+
+@pytest.mark.parametrize("word", ["a\0b", "half \ud800", "x" * 200_000])
+def test_a_word_that_no_process_takes_is_refused_in_a_sentence(root: Path, word: str) -> None:
+    async def told(step: str, done: int, total: int) -> None:
+        del step, done, total
+
+    async def session() -> None:
+        with pytest.raises(ChordError, match=r"is too long|half a character") as caught:
+            await run_verb(["edit", "house.usda", word], root, told)
+        assert len(str(caught.value)) < 200
+
+    asyncio.run(session())
 
 
 def test_values_are_no_options_and_mistakes_are_told(root: Path) -> None:

@@ -30,6 +30,9 @@ from tests.odd_houses import odd_house
 
 HOUSES = int(os.environ.get("CHORD_USD_ODD_HOUSES", "8"))
 FIRST = int(os.environ.get("CHORD_USD_ODD_HOUSES_FROM", "0"))
+FAILED_ONCE = (1060,)
+"""A room with an arm narrower than the grid of walls, on which it crossed itself."""
+
 ONE_IN_GENERATED = 100
 """Networks take ten times as long as all the rest."""
 
@@ -61,7 +64,7 @@ def faces_without_area(path: Path) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("number", range(FIRST, FIRST + HOUSES))
+@pytest.mark.parametrize("number", [*FAILED_ONCE, *range(FIRST, FIRST + HOUSES)])
 def test_an_odd_house_is_built_or_refused(number: int, tmp_path: Path) -> None:
     with suppress(PlanError, SceneError):
         stage = staged(odd_house(number), tmp_path, settings_of(number))

@@ -69,6 +69,19 @@ def test_what_is_read_is_what_was_written(staged_house: Path, staged_graph: Scen
     assert placed(house.graph) == placed(staged_graph)
 
 
+def test_a_stage_is_rewritten_by_a_name_that_goes_up(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its folder, by two names, was taken for two, and its own files for those of others."""
+    name = room_with_items(folder / "house.usda")
+    (folder.parent / "beside").mkdir()
+    monkeypatch.chdir(folder.parent / "beside")
+    source = Path("../house/house.usda")
+    refurnish(source, source, new_furniture(source, name))
+    refurnish(source, Path("../beside/new.usda"), new_furniture(source, name))
+    assert read_house(folder.parent / "beside" / "new.usda").room_ids
+
+
 def broken_rules(path: Path) -> set[str]:
     return {finding.rule for finding in check_stage(path).errors}
 

@@ -13,6 +13,7 @@ import pytest
 from chord_usd.errors import OutputError
 from chord_usd.runtime import files
 from chord_usd.runtime.files import deliver, output_folder, write_atomic
+from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.manifest import MANIFEST_FILE
 from chord_usd.runtime.scratch import LOCK_FILE, PREFIX, scratch_folder
 from chord_usd.runtime.targets import FolderMode, begin_run
@@ -259,3 +260,33 @@ def test_a_writer_that_fails_on_a_full_disk_is_told_so(
         delivery.place(tmp_path / "house.usda")
         raise RuntimeError("usd writer: bad stream")
     assert everything_in(tmp_path) == {}
+
+
+def test_two_names_of_one_file_are_one_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "deep" / "below").mkdir(parents=True)
+    (tmp_path / "link").symlink_to("deep/below")
+    monkeypatch.chdir(tmp_path / "deep")
+    real = tmp_path.resolve() / "deep" / "a.usda"
+    for name in ("a.usda", "./a.usda", "../deep/a.usda", "below/../a.usda", "../link/../a.usda"):
+        assert absolute(Path(name)).resolve() == real
+        assert ".." not in absolute(Path(name)).parts
+    assert absolute(Path("..")) == tmp_path.resolve()
+    assert absolute(tmp_path / "link" / "b") == tmp_path / "link" / "b"
+
+
+def test_a_deleted_working_folder_is_one_line(tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    script = (
+        "import os, sys; from chord_usd.cli import main; os.rmdir(os.getcwd());"
+        "sys.exit(main(['check', '../house.usda', '--progress', 'none']))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=gone, capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: the working folder was deleted")
+    assert done.stderr.count("\n") == 1
