@@ -206,7 +206,7 @@ class House:
         )  # fmt: skip
         watch = _watch(progress)
         made = one_room.regenerate(
-            self.path, self._room(room), settings, watch, seed, keep=keep,
+            self.path, room, settings, watch, seed, keep=keep,
             wishes=read_pieces(wish or None, without or None),
         )  # fmt: skip
         with watch.step("stage"):
@@ -292,35 +292,17 @@ class House:
         """Whether this process wrote the stage, so that it need not be looked through first."""
         return self._written is not None and self._written == _state(self.path)
 
-    def _room(self, said: str) -> str:
-        """Id of the room that is meant. Raises ChordError."""
-        from dataclasses import replace
-
-        from chord_usd.lists.wishes import rooms_meant
-
-        rooms = {
-            room.id: replace(room, name=storey.titles[room.id])
-            for storey in self._seen()
-            for room in storey.graph.rooms
-        }
-        found = rooms_meant(said, rooms, str(self.path))
-        if len(found) > 1:
-            raise ChordError(
-                f"{said!r} means {len(found)} rooms", where=str(self.path),
-                expected=f"one of {', '.join(room.id for room in found)}",
-            )  # fmt: skip
-        return found[0].id
-
     def _camera(self, view: str) -> str:
         """The camera that is meant. Raises RenderError."""
         from chord_usd.image.options import RenderOptions
         from chord_usd.image.render import camera_names
+        from chord_usd.pipeline.named_room import named_room
 
         names = camera_names(self.path, RenderOptions())
         if view in names:
             return view
         try:
-            room = self._room(view)
+            room = named_room(self.path, view)
         except ChordError as error:
             raise RenderError(
                 f"has no camera or room {view!r}", where=str(self.path),

@@ -26,6 +26,7 @@ from chord_usd.commands.common import (
 from chord_usd.commands.render import (
     add_how,
     add_what,
+    name_rooms,
     named_files,
     parsed,
     picture_options,
@@ -88,6 +89,7 @@ def run_bundle(options: argparse.Namespace) -> Outcome:
 
     stage = existing_file(options.stage)
     _ask_for_gpu(options)
+    name_rooms(options)
     wanted = render_options(options)
     # Refuses what no task could render before a farm is asked to.
     replace(wanted, tile=(0, options.tiles), sample_block=(0, options.sample_blocks))

@@ -34,7 +34,10 @@ def add(verbs: Verbs) -> None:
     )
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
     parser.add_argument(
-        "--room", required=True, metavar="NAME", help="name of the room's prim, such as Bedroom_0"
+        "--room",
+        required=True,
+        metavar="NAME",
+        help="such as 'Bedroom 1', or its prim's name, such as Bedroom_0",
     )
     parser.add_argument(
         "--keep", action="append", default=[], metavar="NAME",
@@ -124,7 +127,7 @@ def run(options: argparse.Namespace) -> Outcome:
     seed = made.layout.provenance.seed
     data = {
         "stage": str(target),
-        "room": options.room,
+        "room": made.room_name,
         "seed": seed,
         "style": made.style,
         "furniture": furniture,
@@ -136,6 +139,6 @@ def run(options: argparse.Namespace) -> Outcome:
         "certificate": check,
     }
     made_told = (
-        f"{target}: {counted(len(made.new_items), 'new piece')} in {options.room}, seed {seed}"
+        f"{target}: {counted(len(made.new_items), 'new piece')} in {made.room_name}, seed {seed}"
     )
     return Outcome(reported(check, made_told), data, holds(check))

@@ -55,7 +55,7 @@ def add_what(parser: Parser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--room", action="append", default=[], metavar="NAME",
-        help="only cameras in this room; may be given several times",
+        help="only cameras in this room, such as 'Bedroom 1'; may be given several times",
     )  # fmt: skip
     group.add_argument(
         "--walkthrough", type=whole_number(1, 10_000), default=0, metavar="N",
@@ -175,6 +175,15 @@ def _add_parts(parser: Parser) -> None:
     )  # fmt: skip
 
 
+def name_rooms(options: argparse.Namespace) -> None:
+    """Let --room and --turntable have the names of prims. Raises StageError."""
+    from chord_usd.pipeline.named_room import named_room
+
+    options.room = [named_room(options.stage, said) for said in options.room]
+    if options.turntable:
+        options.turntable = named_room(options.stage, options.turntable)
+
+
 def render_options(options: argparse.Namespace) -> RenderOptions:
     """What add_what and add_how have read. Raises RenderError."""
     from chord_usd.image.options import RenderOptions
@@ -256,8 +265,9 @@ def run(options: argparse.Namespace) -> Outcome:
             expected=f"{options.require_version}, which made the job",
             try_=f"pip install . in a clone of chord-usd {options.require_version}",
         )
-    wanted = picture_options(options)
     stage = existing_file(options.stage)
+    name_rooms(options)
+    wanted = picture_options(options)
     watch = stopwatch(options)
     with watch.step("render") as progress:
         rendered = render_stage(stage, options.output, wanted, progress)

@@ -138,7 +138,7 @@ class HouseJobs:
             if (before / EDITS).is_file():
                 words += _option("edits", self._houses.word(before / EDITS))
             answer = await self._call(job, [*words, self._view_word(folder)])
-            carry_edits(before, folder / "house", room=given["room"])
+            carry_edits(before, folder / "house", room=answer.data.get("room", given["room"]))
             rooms = _rooms_in(folder / VIEW)
             label = f"{given['room']} anew, seed {answer.data.get('seed')}"
             plan = self._houses.get(job.house)["plan"]

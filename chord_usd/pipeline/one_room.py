@@ -79,7 +79,7 @@ def regenerate(
 ) -> Regenerated:
     """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
 
-    room_name: name of the room's prim. seed: in place of that of settings; None takes the one
+    room_name: as named_room takes it. seed: in place of that of settings; None takes the one
     after the room's last. keep: names of prims of the room's furniture and dressing that stay, as
     what is locked does, and with them what they rest on; the rest is sampled around them. edits: a
     layer over source in which things stand elsewhere; the house is seen with it. wishes: what the
@@ -93,8 +93,10 @@ def regenerate(
     with watch.step("read"):
         from chord_usd.graph.match import match_assets
         from chord_usd.lists.wishes import asked_in
+        from chord_usd.pipeline.named_room import named_room
         from chord_usd.stage.refurnish import read_edited_house, read_house, require_furniture
 
+        room_name = named_room(source, room_name)
         house = (
             read_edited_house(edits, source, room_name) if edits else read_house(source, room_name)
         )

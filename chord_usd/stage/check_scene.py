@@ -207,10 +207,10 @@ class _Reader:
         self.ground += floors
         polygon = _outline(floors)
         if polygon is not None and not shaft:
-            self.rooms.append(Room(path, _room_kind(prim), polygon, name=prim.GetName()))
+            self.rooms.append(Room(path, room_kind_of(prim), polygon, name=prim.GetName()))
         elif shaft and prim.HasAttribute(POLYGON):
             noted = frozen_array(np.array(prim.GetAttribute(POLYGON).Get(), dtype=np.float64))
-            self.shafts.append(Room(path, _room_kind(prim), noted, name=prim.GetName()))
+            self.shafts.append(Room(path, room_kind_of(prim), noted, name=prim.GetName()))
             self.holes += _holes(noted, floors)
         for group, things in ((FURNITURE, self.items), (DRESSING, self.dressing)):
             for part in _children(prim, group):
@@ -319,7 +319,7 @@ def _facts(prim: Usd.Prim) -> Facts:
     )
 
 
-def _room_kind(prim: Usd.Prim) -> RoomKind:
+def room_kind_of(prim: Usd.Prim) -> RoomKind:
     """From the room's semantic label."""
     labels = prim.GetAttribute("semantics:labels:room").Get() or ()
     return next((kind for kind in ROOM_KINDS if kind in labels), "unknown")

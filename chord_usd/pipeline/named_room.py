@@ -1,0 +1,39 @@
+"""A room of a written house by whatever name somebody gives it: one resolver for all who ask."""
+
+from __future__ import annotations
+
+import shlex
+from difflib import get_close_matches
+from pathlib import Path
+
+from chord_usd.errors import ChordError, StageError
+
+
+def named_room(stage: Path, said: str) -> str:
+    """Name of the prim of the room that is meant.
+
+    said: the name of its prim, a printed name, a kind with its number from 1 ("Bedroom 1"), or a
+    kind alone, the largest. Raises StageError where that is no room, or several.
+    """
+    from chord_usd.lists.wishes import rooms_meant
+    from chord_usd.stage.titled_rooms import titled_rooms
+
+    rooms = titled_rooms(stage)
+    if said in rooms:
+        return said
+    try:
+        found = rooms_meant(said, rooms, str(stage))
+    except ChordError as error:
+        near = get_close_matches(said, [*rooms, *(room.name for room in rooms.values())], n=1)
+        raise StageError(
+            error.what, where=error.where, expected=error.expected,
+            try_=f"--room {shlex.quote(near[0])}" if near else "",
+        ) from error  # fmt: skip
+    same = [room.id for room in rooms.values() if room.name == found[0].name]
+    several = same if len(same) > 1 else [room.id for room in found]
+    if len(several) > 1:
+        raise StageError(
+            f"{said!r} means {len(several)} rooms", where=str(stage),
+            expected=f"one of {', '.join(several)}",
+        )  # fmt: skip
+    return found[0].id
