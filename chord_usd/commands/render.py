@@ -88,7 +88,7 @@ def add_look(group: Options) -> None:
     )  # fmt: skip
     group.add_argument(
         "--passes", type=names, default=("rgb",), metavar="LIST",
-        help="some of rgb,depth,normal,instance,semantic (rgb)",
+        help="some of rgb,depth,normal,instance,semantic,layers (rgb)",
     )  # fmt: skip
     group.add_argument(
         "--label-set", choices=LABEL_SETS, default=OWN,
@@ -106,6 +106,10 @@ def add_look(group: Options) -> None:
         "--quality", choices=QUALITIES, default="good", help="draft, good or final (good)"
     )
     group.add_argument(
+        "--denoiser", choices=("openimagedenoise", "optix", "none"), default="openimagedenoise",
+        help="what cleans whole pictures (openimagedenoise)",
+    )  # fmt: skip
+    group.add_argument(
         "--samples", type=whole_number(1, 65_536), metavar="N",
         help="paths per pixel, at most (8, 128 or 1024, by the quality)",
     )  # fmt: skip
@@ -119,6 +123,7 @@ def look_of(options: argparse.Namespace) -> dict[str, Any]:
         "resolution_px": _resolution_px(options),
         "quality": QUALITIES[options.quality],
         "samples": options.samples,
+        "denoiser": options.denoiser,
         "passes": options.passes,
         "label_set": options.label_set,
         "lighting": options.lighting,
@@ -213,6 +218,7 @@ def words_of(options: argparse.Namespace) -> list[str]:
         "--label-set": options.label_set,
         "--quality": options.quality,
         "--samples": options.samples,
+        "--denoiser": options.denoiser,
         "--seed": options.seed,
         "--engine": options.engine,
         "--device": options.device,

@@ -13,7 +13,11 @@ EXIT_UNREADABLE = 4
 PICTURE_FILE = "{}.png"
 COLOUR_FILE = "{}.exr"
 DATA_FILE = "{}.data.exr"
+LAYERS_FILE = "{}.layers.exr"
 """What Blender leaves in the job's folder for each camera."""
+
+
+DENOISERS = ("openimagedenoise", "optix")
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,8 @@ class Quality:
     """Cut indirect light that is this many times as bright as white, which would be a firefly; 0
     cuts none. At 10, rooms are up to three levels of 255 darker, at any number of samples."""
     denoise: bool = True
+    denoiser: str = "openimagedenoise"
+    """One of DENOISERS; a GPU's own is quicker, and differs between GPUs."""
     prefilter: str = "ACCURATE"
     """How the denoiser's guides are cleaned: NONE, FAST or ACCURATE."""
     keep_scene: bool = True
@@ -103,6 +109,8 @@ class Job:
     """Of each picture; None for pictures that are whole, and denoised."""
     colour: bool = True
     """Render light."""
+    layers: bool = False
+    """Keep light with its passes, Cryptomatte and the denoiser's guides in one file."""
     data: bool = False
     """Render depth, normals and which thing each pixel shows."""
     rooms: tuple[str, ...] = ()

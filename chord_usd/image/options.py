@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from chord_usd.errors import RenderError
-from chord_usd.image.job import Part, Quality
+from chord_usd.image.job import DENOISERS, Part, Quality
 from chord_usd.image.products import PASSES
 from chord_usd.scene.label_sets import LABEL_SETS, OWN
 
@@ -16,6 +16,9 @@ QUALITIES = {
     "good": Quality(),
     "final": Quality(samples=1024, noise=0.005, bounces=12, diffuse_bounces=6, matte_bounces=False),
 }
+
+NO_DENOISER = "none"
+LIGHT_PASSES = ("rgb", "layers")
 
 _PICTURE_PX = (1280, 720)
 _DRAFT_PX = (640, 360)
@@ -48,6 +51,8 @@ class RenderOptions:
     quality: Quality = QUALITIES["good"]
     samples: int | None = None
     """Paths traced through each pixel, at most; None for those of the quality."""
+    denoiser: str = DENOISERS[0]
+    """One of job.DENOISERS, or none."""
     seed: int = 0
     """Of the noise; the same seed gives the same picture."""
     passes: tuple[str, ...] = ("rgb",)
@@ -83,8 +88,11 @@ class RenderOptions:
 
     @property
     def traced(self) -> Quality:
-        """The quality, with the samples asked for."""
-        return self.quality if self.samples is None else replace(self.quality, samples=self.samples)
+        """The quality, with samples and denoiser asked for."""
+        samples = self.quality.samples if self.samples is None else self.samples
+        denoise = self.quality.denoise and self.denoiser != NO_DENOISER
+        denoiser = self.denoiser if denoise else self.quality.denoiser
+        return replace(self.quality, samples=samples, denoise=denoise, denoiser=denoiser)
 
     @property
     def part(self) -> Part | None:
@@ -95,8 +103,13 @@ class RenderOptions:
 
     @property
     def data(self) -> bool:
-        """Whether any pass but rgb is asked for."""
-        return any(name != "rgb" for name in self.passes)
+        """Whether a pass is asked for that shows things and no light."""
+        return any(name not in LIGHT_PASSES for name in self.passes)
+
+    @property
+    def light(self) -> bool:
+        """Whether a pass is asked for that shows light."""
+        return any(name in LIGHT_PASSES for name in self.passes)
 
 
 def _check_numbers(options: RenderOptions) -> None:
@@ -147,6 +160,10 @@ def _check_parts(options: RenderOptions) -> None:
             expected="I/N with I from 0 to N-1, and samples that N divides: only equal blocks "
             "average to the picture",
         )
+    if "layers" in options.passes and (options.merge or options.part is not None):
+        raise RenderError(
+            "layers come in no parts", where="--passes", try_="layers without tiles and blocks"
+        )
     if options.merge and options.part is not None:
         raise RenderError("takes all parts there are", where="--merge", try_="without --tile")
 
@@ -159,6 +176,12 @@ def _check_words(options: RenderOptions) -> None:
             f"unknown device '{options.device}'",
             where="--device",
             expected=f"one of {', '.join(DEVICES)}",
+        )
+    if options.denoiser not in (NO_DENOISER, *DENOISERS):
+        raise RenderError(
+            f"unknown denoiser '{options.denoiser}'",
+            where="--denoiser",
+            expected=f"one of {', '.join((NO_DENOISER, *DENOISERS))}",
         )
     if options.label_set not in LABEL_SETS:
         raise RenderError(

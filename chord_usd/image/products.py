@@ -19,7 +19,7 @@ from chord_usd.image.annotations import (
     semantic_mask,
     thing_records,
 )
-from chord_usd.image.exr import colour_channels, write_exr
+from chord_usd.image.exr import colour_channels, read_exr, write_exr
 from chord_usd.image.marks import Thing
 from chord_usd.image.png import with_notes
 from chord_usd.image.takes import Take
@@ -29,7 +29,7 @@ from chord_usd.scene.label_sets import OWN
 if TYPE_CHECKING:
     from PIL import Image
 
-PASSES = ("rgb", "depth", "normal", "instance", "semantic")
+PASSES = ("rgb", "depth", "normal", "instance", "semantic", "layers")
 
 FILES_OF_PASS = {
     "rgb": ("{}.png", "{}.exr"),
@@ -37,6 +37,7 @@ FILES_OF_PASS = {
     "normal": ("{}.normal.exr",),
     "instance": ("{}.instance.png",),
     "semantic": ("{}.semantic.png",),
+    "layers": ("{}.layers.exr",),
 }
 """Of each camera; beside them its sidecar `<camera>.json`, and `coco.json` for all together."""
 
@@ -70,6 +71,7 @@ def write_products(
         notes = {MADE_NOTE: json.dumps(made)}
         _write_colour(take, placed, notes)
         _write_data(take, placed, things, notes)
+        _write_layers(take, placed, notes)
         sidecar = _sidecar(take, passes, things, made)
         sidecar["files"] = {name: hash_file(path) for name, path in placed.items()}
         # Placed last, so that it is moved last: what it lists is there when it is.
@@ -161,6 +163,17 @@ def _on_paper(picture: Path) -> bytes:
         backdrop = Image.new("RGBA", image.size, (*BACKDROP_RGB, 255))
         backdrop.alpha_composite(image)
     return _png(backdrop.convert("RGB"))
+
+
+def _write_layers(take: Take, placed: dict[str, Path], notes: dict[str, str]) -> None:
+    """Blender's own layers, without its notes of the hour, with what tells Cryptomatte's names."""
+    path = placed.get(FILES_OF_PASS["layers"][0].format(take.view.name))
+    if path is None:
+        return
+    assert take.layers is not None
+    channels, header = read_exr(take.layers)
+    names = {key: str(text) for key, text in header.items() if key.startswith("cryptomatte/")}
+    write_exr(path, channels, {**names, **notes})
 
 
 def _write_data(

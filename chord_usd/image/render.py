@@ -189,7 +189,7 @@ def _opened(stage: Path, folder: Path, options: RenderOptions) -> Iterator[_Run]
 def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) -> None:
     options = run.options
     first_block = options.part is None or options.part.block[0] == 0
-    data, colour = options.data and first_block, "rgb" in options.passes
+    data, colour = options.data and first_block, options.light
     marks = read_marks(run.lit) if data else _NO_MARKS
     with (
         scratch_folder() as raw,
@@ -206,6 +206,7 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
             device=options.device,
             part=options.part,
             colour=colour,
+            layers="layers" in options.passes,
             data=data,
             rooms=run.views.rooms,
             joined=joined_rooms(run.lit) if colour else (),

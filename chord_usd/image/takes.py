@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from chord_usd.image.exr import Channels, PixelArray, read_exr
-from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE
+from chord_usd.image.job import COLOUR_FILE, DATA_FILE, LAYERS_FILE, PICTURE_FILE
 from chord_usd.image.stage_cameras import StageCamera
 
 _LAYER = "ViewLayer"
@@ -24,6 +24,8 @@ class Take:
     exposure_ev: float
     picture: Path | None = None
     """PNG out of Blender."""
+    layers: Path | None = None
+    """Multilayer EXR out of Blender."""
     colour: PixelArray | None = None
     """(H, W, 3 or 4) linear Rec.709 light; 4 where the background is transparent."""
     depth_m: PixelArray | None = None
@@ -42,7 +44,7 @@ def read_take(
     folder: Path, view: StageCamera, exposure_ev: float, *, colour: bool, data: bool
 ) -> Take:
     """What Blender left of one camera in its folder. Raises OSError for a file cut short."""
-    picture = folder / PICTURE_FILE.format(view.name)
+    picture, layers = (folder / name.format(view.name) for name in (PICTURE_FILE, LAYERS_FILE))
     light = None
     if colour:
         channels, _ = read_exr(folder / COLOUR_FILE.format(view.name))
@@ -52,7 +54,14 @@ def read_take(
         channels, _ = read_exr(folder / DATA_FILE.format(view.name))
         depth, normal, numbers = _data(channels)
     return Take(
-        view, exposure_ev, picture if picture.exists() else None, light, depth, normal, numbers
+        view,
+        exposure_ev,
+        picture if picture.exists() else None,
+        layers if layers.exists() else None,
+        light,
+        depth,
+        normal,
+        numbers,
     )
 
 

@@ -93,6 +93,25 @@ def test_the_linear_picture_is_the_light_behind_the_picture(pictures):
     assert spearmanr(light.ravel(), shown.ravel()).statistic > 0.97
 
 
+def test_layers_are_the_light_of_the_picture_with_its_mattes(house, pictures, tmp_path):
+    options = replace(TINY, cameras=("Bedroom_0",), passes=("layers",))
+    (file,) = render_stage(house, tmp_path, options).pictures
+    assert file.name == "Bedroom_0.layers.exr"
+    channels, header = read_exr(file)
+    light, _ = read_exr(pictures[0].with_suffix(".exr"))
+    for name in "RGB":
+        np.testing.assert_allclose(channels[f"ViewLayer.Combined.{name}"], light[name], rtol=1e-3)
+    assert {f"ViewLayer.{name}" for name in ("Depth.Z", "Denoising Albedo.R", "Noisy Image.R")} <= (
+        channels.keys()
+    )
+    manifests = [json.loads(header[key]) for key in header if key.endswith("/manifest")]
+    (hashed,) = {one["Bed"] for one in manifests if "Wall_0" in one and "Bed" in one}
+    # Cryptomatte: the name's hash, as the bits of a float, in the pixels that show it.
+    number = np.array([int(hashed, 16)], dtype=np.uint32).view(np.float32)[0]
+    ranks = [f"ViewLayer.Crypto{kind}00.r" for kind in ("Object", "Material")]
+    assert any((channels[rank] == number).mean() > 0.02 for rank in ranks)
+
+
 def test_the_room_is_lit_and_shows_its_red_floor_and_blue_bed(pictures):
     picture = rgb(pictures[0])
     assert 40 < picture.mean() < 215
@@ -331,6 +350,8 @@ def test_a_stage_that_cannot_be_read_is_named(tmp_path):
         ({"walkthrough": -1}, "--walkthrough"),
         ({"passes": ()}, "no pass"),
         ({"passes": ("smell",)}, "unknown pass 'smell'"),
+        ({"passes": ("layers",), "tile": (0, 2)}, "layers come in no parts"),
+        ({"denoiser": "blur"}, "--denoiser"),
     ],
 )
 def test_options_that_make_no_picture(wrong, says):

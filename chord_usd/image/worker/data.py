@@ -13,6 +13,7 @@ from typing import Any
 import bpy
 
 from chord_usd.image.job import Job
+from chord_usd.image.worker.layers import write_layers
 
 NUMBER_MARK = "chord_number"
 """Property of objects: the number of the thing they belong to (see marks.py)."""
@@ -38,11 +39,7 @@ def data_scene(scene: Any, job: Job) -> Any:
     layer.material_override = _numbers()
     layer.use_pass_z = layer.use_pass_normal = True
     layer.pass_alpha_threshold = 0.0
-    picture = data.render.image_settings
-    picture.media_type, picture.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
-    picture.color_depth, picture.exr_codec = "32", "ZIP"
-    # Else each pass becomes a part of the file of its own, which many readers miss.
-    picture.use_exr_interleave = True
+    write_layers(data)
     return data
 
 

@@ -41,7 +41,7 @@ def set_quality(scene: Any, job: Job) -> None:
     cycles.adaptive_threshold = quality.noise
     cycles.adaptive_min_samples = quality.least_samples
     cycles.use_denoising = whole and quality.denoise
-    cycles.denoiser = "OPENIMAGEDENOISE"
+    cycles.denoiser = quality.denoiser.upper()
     cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
     cycles.denoising_prefilter = quality.prefilter
     render.use_persistent_data = quality.keep_scene

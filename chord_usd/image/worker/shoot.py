@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 from chord_usd.image.exposure import KEY, KEY_BY_LAMPS, KEY_FROM_ABOVE
-from chord_usd.image.job import COLOUR_FILE, DATA_FILE, PICTURE_FILE, Job, Negative
+from chord_usd.image.job import COLOUR_FILE, DATA_FILE, LAYERS_FILE, PICTURE_FILE, Job, Negative
 from chord_usd.image.joined import lit_with
 from chord_usd.image.stage_cameras import StageCamera
 from chord_usd.image.worker.bounces import make_bounces_matte
@@ -20,6 +20,7 @@ from chord_usd.image.worker.cutaway import cut_open, show_alone
 from chord_usd.image.worker.data import data_scene, render_data
 from chord_usd.image.worker.devices import choose_device, share_processor
 from chord_usd.image.worker.lamps import aim_at_lamps, balance, switch_lamps
+from chord_usd.image.worker.layers import ask_for_layers
 from chord_usd.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
 from chord_usd.image.worker.outside import Outside
 from chord_usd.image.worker.scene import aim, import_stage, open_roof
@@ -93,9 +94,11 @@ def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> None
             done, total = map(int, found.groups())
             report({"progress": {"camera": view.name, "done": done, "total": total}})
 
+    if job.layers:
+        ask_for_layers(scene, Path(job.folder) / LAYERS_FILE.format(view.name))
     bpy.app.handlers.render_stats.append(on_stats)
     try:
-        bpy.ops.render.render(write_still=False)
+        bpy.ops.render.render(write_still=job.layers)
     finally:
         bpy.app.handlers.render_stats.remove(on_stats)
     result = bpy.data.images["Render Result"]
