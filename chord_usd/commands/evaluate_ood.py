@@ -86,7 +86,7 @@ def _run_worst(options: argparse.Namespace) -> Outcome:
         cases = load_cases(options)
     if len(cases.cases) < 2 * options.worst:
         raise UsageError(
-            f"takes at least {2 * options.worst} houses, and there are {len(cases.cases)}",
+            f"takes at least {counted(2 * options.worst, 'house')}, and there are {len(cases.cases)}",
             where="--worst", expected="as many clean houses as colliding ones, and more to choose",
         )  # fmt: skip
     warnings = cases.warnings
