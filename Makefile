@@ -9,6 +9,9 @@ BIN := .venv/bin
 PLAN ?= examples/two_bedrooms.png
 # All of the house takes minutes on a small machine; CAMERAS= renders all of it.
 CAMERAS ?= LivingRoom_0 Isometric
+SAMPLES ?= 32
+SIZE ?= 960x540
+OUT ?= out
 # What Blender's wheel (bpy) links to and a slim Debian lacks.
 BLENDER_LIBRARIES := libegl1 libgl1 libgomp1 libice6 libopengl0 libsm6 libx11-6 libxext6 \
 	libxfixes3 libxi6 libxkbcommon0 libxrender1 libxt6 libxxf86vm1

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import platform
 import re
+import subprocess
+from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,7 +19,7 @@ _TITLE = "# Benchmarks\n\nMade by the scripts in this folder; run them again on 
 def write_section(title: str, rows: list[tuple[str, str]], note: str = "") -> str:
     """Replace the section of this title; returns its text."""
     table = "\n".join(f"| {name} | {value} |" for name, value in rows)
-    text = f"## {title}\n\n{machine()}\n\n| | |\n|---|---|\n{table}\n"
+    text = f"## {title}\n\n{machine()}\n\n{measured()}\n\n| | |\n|---|---|\n{table}\n"
     if note:
         text += f"\n{note}\n"
     old = RESULTS.read_text() if RESULTS.exists() else _TITLE
@@ -28,6 +30,15 @@ def write_section(title: str, rows: list[tuple[str, str]], note: str = "") -> st
         new = f"{old.rstrip()}\n\n{text}"
     write_atomic(RESULTS, new.rstrip() + "\n")
     return text
+
+
+def measured() -> str:
+    """When, and at which commit; a + marks a tree with changes that are not in it."""
+    commit = subprocess.run(
+        ["git", "describe", "--always", "--exclude=*", "--dirty=+"],
+        cwd=RESULTS.parent, capture_output=True, text=True, check=False,
+    ).stdout.strip()  # fmt: skip
+    return f"Measured {date.today().isoformat()} at {commit or 'an unknown commit'}."
 
 
 def machine() -> str:

@@ -20,6 +20,7 @@ from chord_usd.commands.evaluate_options import (
     load_layout_model,
     told,
 )
+from chord_usd.runtime.counting import counted
 
 
 def add(group: Verbs) -> None:
@@ -86,7 +87,7 @@ def _run_worst(options: argparse.Namespace) -> Outcome:
         cases = load_cases(options)
     if len(cases.cases) < 2 * options.worst:
         raise UsageError(
-            f"takes at least {counted(2 * options.worst, 'house')}, and there are {len(cases.cases)}",
+            f"takes {counted(2 * options.worst, 'house')} at least, not {len(cases.cases)}",
             where="--worst", expected="as many clean houses as colliding ones, and more to choose",
         )  # fmt: skip
     warnings = cases.warnings

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from chord_usd.errors import CheckpointError
 from chord_usd.runtime.checksums import check_file
+from chord_usd.runtime.extras import REINSTALL
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, Network, load_network
 from chord_usd.scene.palette import HOUSE_CATEGORIES
@@ -151,7 +152,7 @@ def load_room_segmenter(folder: Path | None = None) -> RoomSegmenter:
 
 def remedy(kind: Kind) -> str:
     """How to come by a checkpoint that can be used."""
-    return f"pip install --force-reinstall chord-usd, or chord-usd train detector --kind {kind}"
+    return f"{REINSTALL}, or chord-usd train detector --kind {kind}"
 
 
 def check_config(kind: Kind, folder: Path) -> None:

@@ -34,6 +34,10 @@ def install_line(extra: str) -> str:
     return f"pip install '.[{extra}]' in a clone of chord-usd"
 
 
+REINSTALL = "pip install --force-reinstall . in a clone of chord-usd"
+"""The command that brings back what ships with the program."""
+
+
 @contextmanager
 def needed_for(what: str, or_try: str = "") -> Iterator[None]:
     """Around imports of packages of an extra.

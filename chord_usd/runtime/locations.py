@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 
 from chord_usd.errors import AssetError, CheckpointError, ChordError
+from chord_usd.runtime.extras import REINSTALL
 
 CACHE_VARIABLE = "CHORD_USD_CACHE"
 """Environment variable: folder for what is computed once and kept."""
@@ -122,7 +123,7 @@ def materials_folder() -> Path:
             "the looks of walls and floors are missing",
             where=str(folder),
             expected="one folder per look",
-            try_="pip install --force-reinstall chord-usd",
+            try_=REINSTALL,
         )
     return folder
 

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.cli import build_parser
+from tests.documents import CARDS, DOCUMENTS, ROOT, command_lines, fences, verb_of
 from tests.every import for_every
 from tests.verbs import ACTIONS, VERBS
 
-ROOT = Path(__file__).parents[2]
-CARDS = sorted((ROOT / "checkpoints").glob("*/README.md"))
-DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md")), *CARDS]
-
 OPTIONS = {option for _, action in ACTIONS for option in action.option_strings}
-OF_OTHERS = {"--head", "--dependency"}
-"""Options of ray and Slurm that documents name."""
+OF_OTHERS = {"--head", "--dependency", "--force-reinstall"}
+"""Options of ray, Slurm and pip that documents and error lines name."""
 
 LONGEST = {ROOT / "README.md": 100, ROOT / "ARCHITECTURE.md": 130, **dict.fromkeys(CARDS, 60)}
 """Lines: what is longer is not read."""
@@ -26,27 +25,6 @@ LONGEST = {ROOT / "README.md": 100, ROOT / "ARCHITECTURE.md": 130, **dict.fromke
 
 def name_of(document: Path) -> str:
     return str(document.relative_to(ROOT))
-
-
-def fences(text: str) -> list[str]:
-    """The insides of fenced blocks."""
-    return re.findall(r"^```\w*\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-
-
-def command_lines(text: str) -> list[str]:
-    """Command lines of chord-usd in fenced blocks."""
-    return [
-        line
-        for block in fences(text)
-        for line in block.splitlines()
-        if line.startswith("chord-usd ")
-    ]
-
-
-def verb_of(line: str) -> str | None:
-    """The verb that a command line begins with; None for what is no verb."""
-    words = line.split()[1:]
-    return next((v for v in (" ".join(words[:n]) for n in (2, 1)) if v in VERBS), None)
 
 
 def test_every_verb_has_one_line_and_one_example() -> None:
@@ -104,11 +82,42 @@ def test_every_option_is_on_a_page() -> None:
     assert unnamed == []
 
 
+def remedies() -> Iterator[tuple[str, str]]:
+    """What error lines say after "Try:": the module, and the text with X for what is filled in."""
+    for file in sorted((ROOT / "chord_usd").rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if not isinstance(node, ast.keyword) or node.arg != "try_":
+                continue
+            for text in ast.walk(node.value):
+                if isinstance(text, ast.JoinedStr):
+                    parts = (p.value if isinstance(p, ast.Constant) else "X" for p in text.values)
+                    yield name_of(file), "".join(map(str, parts))
+                elif isinstance(text, ast.Constant) and isinstance(text.value, str):
+                    yield name_of(file), text.value
+
+
+def test_commands_of_error_lines_can_be_typed() -> None:
+    """Verbs and options of every "Try:" exist; pip installs what an index or a clone has."""
+    wrong = []
+    for file, text in remedies():
+        for line in re.findall(r"chord-usd [a-z][^,;(]*", text):
+            words = line.split()[1:]
+            is_verb = verb_of(line) or any(verb.startswith(f"{words[0]} ") for verb in VERBS)
+            is_prose = words[0] in ("on", "wrote", "version", "again")
+            if not (is_verb or is_prose):
+                wrong.append(f"{file}: {line}")
+        named = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", text))
+        unknown = named - OPTIONS - OF_OTHERS
+        wrong += [f"{file}: {option}" for option in unknown]
+    assert len(list(remedies())) > 100
+    assert wrong == []
+
+
 def test_extras_are_installed_from_a_clone() -> None:
     """The package is on no index: pip finds no chord-usd there."""
     code = [file for part in ("chord_usd", "blender_addon") for file in (ROOT / part).rglob("*.py")]
     texts = {*DOCUMENTS, *code} - {ROOT / "CHANGELOG.md"}
-    wrong = re.compile(r"pip install '?chord-usd")
+    wrong = re.compile(r"pip install (--force-reinstall )?'?chord-usd")
     assert [name_of(text) for text in texts if wrong.search(text.read_text())] == []
 
 
