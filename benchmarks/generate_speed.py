@@ -33,6 +33,7 @@ class Run:
     """One process."""
 
     wall_s: float
+    processor_s: float
     peak_mib: float
     output: str
 
@@ -50,6 +51,7 @@ def main() -> None:
     rows = [
         ("plan", f"{options.plan.name}, {told[0]['rooms']} rooms, {told[0]['furniture']} pieces"),
         ("whole process", f"{_median([run.wall_s for run in generates[1:]]):.2f} s"),
+        ("processor time", f"{_median([run.processor_s for run in generates[1:]]):.2f} s"),
         ("of which imports", f"{_median([run.wall_s for run in imports[1:]]):.2f} s"),
     ]
     rows += [
@@ -76,9 +78,10 @@ def _process(*words: str) -> Run:
         # wait4 knows the peak of this child alone; RUSAGE_CHILDREN keeps the largest of all.
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode:
+    if child.returncode not in (0, 1):  # 1: the certificate does not hold
         raise subprocess.CalledProcessError(child.returncode, words)
-    return Run(time.perf_counter() - started, usage.ru_maxrss / 1024, output)
+    spent_s = usage.ru_utime + usage.ru_stime
+    return Run(time.perf_counter() - started, spent_s, usage.ru_maxrss / 1024, output)
 
 
 def _median(values: list[float]) -> float:
