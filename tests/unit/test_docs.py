@@ -56,11 +56,16 @@ def test_targets_of_make_that_are_named_exist() -> None:
 
 @for_every("document", DOCUMENTS, ids=name_of)
 def test_commands_can_be_typed(document: Path) -> None:
-    """Whole ones parse; of those that are only mentioned, verbs and options exist."""
+    """Whole ones parse; of those that are only mentioned, verbs and options exist.
+
+    A line in a sentence is whole if it says more than a verb; N, ID and the like stand for values.
+    """
     text = document.read_text()
     for line in command_lines(text):
         build_parser().parse_args(shlex.split(line.split(" #")[0])[1:])
     for span in re.findall(r"`([^`\n]+)`", text):
+        if span.startswith("chord-usd ") and " --" in span and verb_of(span):
+            build_parser().parse_args(shlex.split(re.sub(r"\bN\b", "1", span))[1:])
         if span.startswith("chord-usd ") and span.split()[1][0].islower():
             assert verb_of(span) or any(v.startswith(f"{span.split()[1]} ") for v in VERBS), span
         if span.startswith(("-", "chord-usd", "train", "evaluate", "generate", "render")):
