@@ -14,6 +14,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.data.splits import TEST_SEED, part_of, split_hash
 from chord_usd.errors import ChordError, SceneError
+from chord_usd.runtime.counting import counted
 from chord_usd.scene.chord_json import read_scene
 from chord_usd.scene.types import Plan, SceneGraph
 
@@ -63,7 +64,7 @@ class Cases:
         told = list(self.skipped[:_MOST_TOLD])
         more = len(self.skipped) - len(told)
         rest = [f"and {more} more"] if more else []
-        return [f"{len(self.skipped)} files were skipped:", *told, *rest]
+        return [f"{counted(len(self.skipped), 'file')} skipped:", *told, *rest]
 
 
 def procedural_cases(split: Split, count: int, start: int = 0) -> Cases:

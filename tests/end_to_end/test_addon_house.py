@@ -13,6 +13,8 @@ import pytest
 
 Told = dict[str, Any]
 
+pytestmark = pytest.mark.acceptance
+
 
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:

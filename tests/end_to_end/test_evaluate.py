@@ -114,13 +114,14 @@ def test_anybodys_layouts_are_scored_and_broken_files_listed(
     told = json.loads(capsys.readouterr().out)
     assert told["rows"]["house"]["items_per_house"]["value"] == len(furnished_house.items)
     assert told["rows"]["house"]["por"]["count"] == 2
-    assert told["warnings"][0] == "1 files were skipped:"
+    assert told["warnings"][0] == "1 file skipped:"
     assert "broken.json" in told["warnings"][1]
     names = sorted(path.name for path in tmp_path.iterdir())
     assert names == [MANIFEST_FILE, "houses", "scores.json", "scores.md", "scores.png"]
     assert json.loads((tmp_path / "scores.json").read_text())["split"] == told["split"]
 
 
+@pytest.mark.acceptance
 def test_floors_are_scored_and_kept_on_record(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -97,7 +97,7 @@ class TestCases:
         found = folder_cases(tmp_path, "all")
         assert [case.id for case in found.cases] == ["good"]
         assert len(found.skipped) == 2
-        assert found.warnings[0] == "2 files were skipped:"
+        assert found.warnings[0] == "2 files skipped:"
         assert any("broken.json" in line for line in found.warnings)
 
     def test_a_folder_of_broken_files_is_an_error(self, tmp_path):

@@ -97,12 +97,12 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return opened
 
 
-REALLY = [pytest.param(run_verb, id="real")] if os.environ.get("CHORD_USD_TEST_ALL") else []
+REALLY = [pytest.param(run_verb, id="real", marks=pytest.mark.acceptance)]
 
 
 @pytest.mark.parametrize("run", [pytest.param(stand_in, id="stand-in"), *REALLY])
 def test_ten_things_that_an_agent_does_first(root: Path, run: RunVerb) -> None:
-    """With the real verbs, minutes: run with CHORD_USD_TEST_ALL=1."""
+    """With the real verbs it takes minutes."""
 
     async def session(say: Say) -> None:
         read, (overlay,) = await say("read_plan", drawing="drawn.png", plan="plan.json")

@@ -84,9 +84,12 @@ SLOW: dict[str, str] = {
     "evaluate outlines": ONE,
     "assets build": "-o {out}/assets",
 }
-"""They import nothing that the others do not, and take minutes: run with CHORD_USD_TEST_ALL=1."""
+"""They import nothing that the others do not, and take minutes."""
 
-ALL = {**QUICK, **(SLOW if os.environ.get("CHORD_USD_TEST_ALL") else {})}
+OF_EACH_COMMIT = ("generate", "plan read", "render", "export", "train detector", "mcp", "serve")
+"""A verb of each kind: networks, OCR, Blender, files of others, torch, servers."""
+
+ALL = {**QUICK, **SLOW}
 
 WAIT_S = 6
 """ONNX Runtime looks up its host some seconds after a session is made."""
@@ -203,7 +206,13 @@ def test_the_check_lets_loopback_pass(family: int, tmp_path: Path) -> None:
     assert left == []
 
 
-@pytest.mark.parametrize("verb", ALL)
+@pytest.mark.parametrize(
+    "verb",
+    [
+        pytest.param(verb, marks=() if verb in OF_EACH_COMMIT else pytest.mark.acceptance)
+        for verb in ALL
+    ],
+)
 def test_nothing_leaves(
     verb: str, inputs: dict[str, Path], environment: dict[str, str], tmp_path: Path
 ) -> None:

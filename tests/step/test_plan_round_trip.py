@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from plan_round_trip import assert_round_trip
 
 HOUSES = range(1000, 2000)
 
 
+@pytest.mark.acceptance
 def test_random_houses_come_back_within_half_a_pixel() -> None:
     differing, strayed = [], []
     for seed in HOUSES:

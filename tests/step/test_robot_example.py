@@ -48,6 +48,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return author_stage(graph, path, articulation="jointed").path
 
 
+@pytest.mark.acceptance
 def test_a_robot_drives_to_the_kitchen_and_the_refrigerator_opens(
     home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
