@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import trimesh
+from PIL import Image
 
 from tests.foreign_records import flat_lines, procthor_house
 from tests.verbs import ACTIONS, VERBS
@@ -97,6 +98,8 @@ def write_inputs(folder: Path) -> None:
     for name in ("my_plan.png", "plans/studio.png"):
         (folder / name).parent.mkdir(exist_ok=True)
         shutil.copyfile(ROOT / "examples" / "studio.png", folder / name)
+    (folder / "more").mkdir()
+    Image.open(folder / "my_plan.png").convert("RGB").save(folder / "more" / "scan.pdf")
     photo = cv2.imread(str(ROOT / "examples" / "studio.png"))
     cv2.imwrite(str(folder / "my_plan.jpg"), photo)
     outline = np.full((256, 256, 3), 255, np.uint8)
