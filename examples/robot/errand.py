@@ -3,7 +3,7 @@
 python examples/robot/errand.py house.usda
 
 The house is exported as a map and as a MuJoCo model. The way is planned on the map; doors of rooms
-stand open; the refrigerator's door follows a prescribed motion.
+stand open; the refrigerator's door is pulled by a force at its free edge.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from chord_usd.stage.export import export_stage
 
 RADIUS_M, WHEEL_M, TRACK_M = 0.18, 0.06, 0.3
 SPEED_M_PER_S, LOOK_AHEAD_M, THERE_M = 0.6, 0.3, 0.12
-OPENING_S = 2.0
+OPENING_S, PULL_N = 8.0, 30.0
 FREE = 254
 PAST_DOOR_M = 0.6
 
@@ -69,7 +69,7 @@ class Errand:
     seconds: float
     """Of simulated driving."""
     opened_deg: float
-    """How far the refrigerator's door is open; 0 without one."""
+    """How far the pull opens the refrigerator's door; 0 without one."""
 
 
 class Map:
@@ -268,16 +268,42 @@ class House:
         self.data.ctrl[:] = 0.0
         return float(np.linalg.norm(way_m[-1] - self.data.body("robot.base").xpos[:2]))
 
-    def open(self, joint: int) -> float:
-        """Open a door smoothly as far as it goes; how far it is open, in degrees."""
+    def pull(self, joint: int) -> float:
+        """Pull a leaf at its free edge until it is open or OPENING_S have passed.
+
+        The force is PULL_N, square to the leaf. Returns the angle that is reached, in degrees.
+        """
         low, high = self.model.jnt_range[joint]
         far = float(low if -low > high else high)
+        body = int(self.model.jnt_bodyid[joint])
+        handle = self._free_edge(joint)
+        address = self.model.jnt_qposadr[joint]
         begun = self.data.time
-        while self.data.time < begun + OPENING_S:
-            share = (self.data.time - begun) / OPENING_S
-            self.held[joint] = far * share * share * (3.0 - 2.0 * share)
+        while self.data.time < begun + OPENING_S and abs(self.data.qpos[address]) < 0.95 * abs(far):
+            turn = self.data.xmat[body].reshape(3, 3)
+            at = self.data.xpos[body] + turn @ handle
+            arm = at - self.data.xanchor[joint]
+            way = np.cross(self.data.xaxis[joint], arm) * np.sign(far)
+            force = PULL_N * way / np.linalg.norm(way)
+            self.data.qfrc_applied[:] = 0.0
+            mujoco.mj_applyFT(self.model, self.data, force, np.zeros(3), at, body,
+                              self.data.qfrc_applied)  # fmt: skip
             self.step()
-        return math.degrees(self.data.qpos[self.model.jnt_qposadr[joint]])
+        self.data.qfrc_applied[:] = 0.0
+        return math.degrees(self.data.qpos[address])
+
+    def _free_edge(self, joint: int) -> np.ndarray:
+        """(3,) in the frame of a leaf: where its handle is, farthest from the hinge."""
+        body = int(self.model.jnt_bodyid[joint])
+        turn, axis = self.data.xmat[body].reshape(3, 3), self.data.xaxis[joint]
+        places = [self.data.geom_xpos[geom] + side * self.data.geom_xmat[geom].reshape(3, 3)[:, way]
+                  * self.model.geom_size[geom][way]
+                  for geom in np.flatnonzero(self.model.geom_bodyid == body)
+                  if self.model.geom_contype[geom]
+                  for way in range(3) for side in (-1.0, 1.0)]  # fmt: skip
+        arms = [place - self.data.xanchor[joint] for place in places]
+        reach = [float(np.linalg.norm(arm - (arm @ axis) * axis)) for arm in arms]
+        return np.asarray(turn.T @ (places[int(np.argmax(reach))] - self.data.xpos[body]))
 
 
 def run(stage: Path, folder: Path) -> Errand:
@@ -302,7 +328,7 @@ def run(stage: Path, folder: Path) -> Errand:
     house.put(way[0], way[min(4, len(way) - 1)])
     off = house.drive(way, most_s=10.0 + 4.0 * length / SPEED_M_PER_S)
     driven = float(house.data.time)
-    return Errand(length, off, driven, house.open(door) if door is not None else 0.0)
+    return Errand(length, off, driven, house.pull(door) if door is not None else 0.0)
 
 
 if __name__ == "__main__":
@@ -310,5 +336,5 @@ if __name__ == "__main__":
         went = run(Path(sys.argv[1]), Path(scratch))
     sys.stdout.write(
         f"drove {went.way_m:.1f} m in {went.seconds:.0f} s, {100 * went.off_m:.0f} cm off; "
-        f"the refrigerator is open by {abs(went.opened_deg):.0f} degrees\n"
+        f"a pull of {PULL_N:.0f} N opens the refrigerator by {abs(went.opened_deg):.0f} degrees\n"
     )

@@ -62,6 +62,9 @@ def test_a_robot_drives_to_the_kitchen_and_the_refrigerator_opens(
     assert went.way_m > 5.0
     assert went.off_m < 0.15
     assert abs(went.opened_deg) > 80.0
+    monkeypatch.setattr(errand, "PULL_N", 0.0)
+    house = errand.House(tmp_path / "model")
+    assert abs(house.pull(house.fridge_door())) < 5.0  # no force, no opening
 
 
 def test_what_the_page_shows_runs(home: Path) -> None:
