@@ -28,6 +28,7 @@ from chord_usd.dressing.room_frame import (
     RoomFrame,
     named,
     take_clearances,
+    take_fronts,
     take_pieces,
     take_walls,
 )
@@ -141,8 +142,9 @@ class _House:
         take_walls(taken, faces)
         take_clearances(taken, [*openings, *told, *self._seen_from(room)])
         take_pieces(taken, pieces, self._reliefs)
+        take_fronts(taken, pieces)
         floor = self._floors.polygons[self._floors.index_of[room.id]]
-        walkways = Walkways(self._free, floor)
+        walkways = Walkways(self._free, floor, pieces)
         for item in kept:
             taken.add(item.box, "rug" if is_underfoot(item) else "dressing", item.id)
             if item.category == "radiator" or category(item.category).mount is Mount.FLOOR:

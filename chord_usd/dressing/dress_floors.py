@@ -25,7 +25,7 @@ _ON_RUG = (*_SEATS, "coffee_table", "side_coffee_table", "chair", "dining_table"
            "bedside_table")  # fmt: skip
 """What may stand on a rug in part."""
 
-_DOORS_SWING = ("piece", "dressing", "pane", "open")
+_DOORS_SWING = ("piece", "dressing", "pane", "open", "front")
 _MEETS_M = 0.02
 
 
@@ -239,7 +239,7 @@ def _doormat(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
         if asset.size_m[0] <= hole.width_m:
             box = face.box(hole.middle_m, 0.0, asset.size_m, 0.08)
             is_in = frame.is_inside(box)
-            if is_in and not frame.taken.hits(box, ("clear", "pane", "dressing", "open")):
+            if is_in and not frame.taken.hits(box, ("clear", "pane", "dressing", "open", "front")):
                 frame.put(asset, box, reason="rug")
                 return
 
@@ -308,7 +308,7 @@ def _floor_places(frame: RoomFrame, asset: Asset, near: Item | None, *, beside: 
     at_walls = [*_corners(frame, size_m), *_ends(frame, size_m)]
     if near is not None:
         at_walls.sort(key=lambda box: round(math.dist(box.center_m[:2], near.box.center_m[:2]), 2))
-    return [*first, *at_walls[:8]]
+    return [*first, *at_walls[:16]]
 
 
 def _corners(frame: RoomFrame, size_m: tuple[float, float, float]) -> list[Box]:

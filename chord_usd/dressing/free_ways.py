@@ -1,12 +1,15 @@
-"""Where one walks in a house, and whether a thing on the floor would be in the way."""
+"""Where one walks and stands in a house, and whether a thing on the floor leaves that free."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import shapely
 
+from chord_usd.metrics.fronts import standing_places
 from chord_usd.metrics.walk import SEAM_M, WALKER_RADIUS_M
 from chord_usd.scene.geometry import footprint_polygon, polygons_of
-from chord_usd.scene.types import Box
+from chord_usd.scene.types import Box, Item
 
 _AROUND_M = 0.8
 """How far beyond a room one looks."""
@@ -24,14 +27,19 @@ _COMFORT_M = 0.28
 class Walkways:
     """The free floor about one room."""
 
-    def __init__(self, free: shapely.Geometry, floor: shapely.Polygon) -> None:
-        """free: the floor of the house that nothing stands on."""
+    def __init__(
+        self, free: shapely.Geometry, floor: shapely.Polygon, pieces: Iterable[Item] = ()
+    ) -> None:
+        """free: the floor of the house that nothing stands on. pieces: of the room."""
+        self._places = [
+            shapely.union_all(places) for item in pieces if (places := standing_places(item))
+        ]
         around = floor.buffer(_AROUND_M, join_style="mitre")
         self._free = free.intersection(around)
         self._eroded: dict[float, shapely.Geometry] = {}
 
     def stay_with(self, box: Box, *, at_ease: bool = True) -> bool:
-        """Whether all one could walk to before can be walked to with something in this place.
+        """Whether all one could walk to before, and stand before, stays so with a thing here.
 
         at_ease: also all that one could walk to without turning sideways.
         """
@@ -46,6 +54,9 @@ class Walkways:
             return True
         after = before.difference(reach)
         if after.area < (1.0 - _LOST) * before.area:
+            return False
+        near = [place for place in self._places if place.intersects(reach)]
+        if any(before.intersects(place) and not after.intersects(place) for place in near):
             return False
         return _parts(after) <= _parts(before)
 

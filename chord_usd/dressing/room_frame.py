@@ -22,6 +22,8 @@ from chord_usd.dressing.tastes import Taste
 from chord_usd.dressing.wall_faces import Hole, WallFace
 from chord_usd.errors import AssetError
 from chord_usd.metrics.clear_floor import WAY_M, clearance_boxes, is_open_border
+from chord_usd.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before
+from chord_usd.metrics.walk import WALKER_RADIUS_M
 from chord_usd.raster.relief import Relief
 from chord_usd.scene.geometry import footprint, footprint_polygon, in_world, room_polygon, to_world
 from chord_usd.scene.palette import CATEGORIES, Mount
@@ -210,6 +212,12 @@ RISING = frozenset(
 
 _RISES_M = 0.02
 
+_FROM_ANY_SIDE = frozenset(("chair", "dining_table", "coffee_table", "side_coffee_table"))
+"""Pieces that are used from whichever side is free."""
+
+_KNEE_M = 0.3
+"""What begins higher keeps nobody from standing before a front."""
+
 
 def take_pieces(taken: TakenSpace, pieces: Iterable[Item], reliefs: ReliefsOf) -> None:
     """Take the space of furniture, of what rises from it and of what stands on it."""
@@ -223,6 +231,21 @@ def take_pieces(taken: TakenSpace, pieces: Iterable[Item], reliefs: ReliefsOf) -
                 taken.add(risen, "piece", item.id)
         for child in item.children:
             taken.add(in_world(child.box, item.box), "piece", child.id)
+
+
+def take_fronts(taken: TakenSpace, pieces: Iterable[Item]) -> None:
+    """Take the floor before the fronts of furniture, where people stand to use it.
+
+    It is as deep as a walker is wide, or the strip that is measured where nobody has to stand.
+    """
+    for item in pieces:
+        row = CATEGORIES.get(item.category)
+        if row is None or row.mount is not Mount.FLOOR or item.category in _FROM_ANY_SIDE:
+            continue
+        depth_m = 2 * WALKER_RADIUS_M if item.category in USED_SIDES else STRIP_M[1]
+        floor = floor_before(item.box, FRONT, 0.0, depth_m)
+        low = replace(floor, size_m=(*floor.size_m[:2], _KNEE_M))
+        taken.add(low, "front", item.id)
 
 
 def _risen(item: Item, relief: Relief) -> Box | None:

@@ -15,6 +15,7 @@ from chord_usd.data.furnish import furnish
 from chord_usd.data.houses import random_plan
 from chord_usd.dressing.dress import dress
 from chord_usd.metrics.clear_floor import clearances, enters_height
+from chord_usd.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before, shut_fronts
 from chord_usd.metrics.walk import walk
 from chord_usd.scene.geometry import footprint, footprint_polygon, in_world, room_polygon
 from chord_usd.scene.palette import Mount, category
@@ -58,6 +59,10 @@ def share_space(a: Box, b: Box) -> bool:
     if high - low <= TOUCH_M:
         return False
     return footprint_polygon(a).buffer(-TOUCH_M).intersects(footprint_polygon(b))
+
+
+def share_area(floor: shapely.Polygon, box: Box) -> bool:
+    return floor.buffer(-TOUCH_M).intersects(footprint_polygon(box))
 
 
 def standing(graph: SceneGraph) -> list[tuple[str, Box]]:
@@ -136,6 +141,19 @@ def test_one_walks_as_before(seed: int) -> None:
     before, after = walk(replace(graph, dressing=())), walk(graph)
     assert after.unreachable == before.unreachable
     assert after.walkable >= before.walkable - 0.02
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_fronts_stay_free(seed: int) -> None:
+    graph = dressed(seed)
+    assert shut_fronts(graph) == shut_fronts(replace(graph, dressing=()))
+    on_floor = [item for item in graph.dressing if mount_of(item) is Mount.FLOOR]
+    for piece in graph.items:
+        if piece.category in USED_SIDES:
+            strip = footprint_polygon(floor_before(piece.box, FRONT, *STRIP_M))
+            for item in on_floor:
+                if item.room_id == piece.room_id:
+                    assert not share_area(strip, item.box), (piece.id, item.id)
 
 
 @pytest.mark.parametrize(("gap_m", "heated"), [(0.45, False), (1.2, True)])
