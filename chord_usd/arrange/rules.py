@@ -16,6 +16,7 @@ import numpy as np
 from chord_usd.arrange.arrangement import Arrangement
 from chord_usd.arrange.chairs_clear import draw_out_chairs
 from chord_usd.arrange.free_floor import kept_off
+from chord_usd.arrange.free_fronts import free_fronts
 from chord_usd.arrange.left_askew import RULE as ASKEW
 from chord_usd.arrange.left_askew import leave_askew
 from chord_usd.arrange.left_out import leave_out
@@ -25,6 +26,7 @@ from chord_usd.arrange.on_walls import hang_on_walls
 from chord_usd.arrange.seating import seat_chairs
 from chord_usd.arrange.unit_runs import level_fronts
 from chord_usd.arrange.walls_kept import cut_at_walls
+from chord_usd.arrange.ways_open import open_ways
 from chord_usd.graph.fit import is_built_in
 from chord_usd.graph.flush import parted
 from chord_usd.scene.oriented_rect import Footprint
@@ -145,7 +147,9 @@ RULES: tuple[Rule, ...] = (
     Rule("below window sills", "read", _below_sills),
     Rule("chairs face tables, in sets", "read", seat_chairs),
     Rule("moved aside", "given", move_aside),
+    Rule("fronts freed", "drawn", free_fronts),
     Rule("what stands in the way left out", "drawn", leave_out),
+    Rule("ways kept open", "drawn", open_ways),
     Rule("panels on their walls", "meshed", hang_on_walls),
     Rule("off casings and sills", "meshed", clear_trim),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),

@@ -190,6 +190,13 @@ def clearances(rooms: Sequence[Room], openings: Sequence[Opening]) -> Iterator[C
                 yield opening, footprint_polygon(box).intersection(floors[room.id])
 
 
+@lru_cache(maxsize=64)
+def _clearances(
+    rooms: tuple[Room, ...], openings: tuple[Opening, ...]
+) -> tuple[ClearFloor, ...]:  # fmt: skip
+    return tuple(clearances(rooms, openings))
+
+
 def enters_height(base_m: float, top_m: float, opening: Opening) -> bool:
     """Whether something from base_m to top_m is before an opening, not below or above it."""
     sill_m = opening.box.center_m[2]
@@ -225,14 +232,23 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
     prints = footprints_of(things)
     tree = shapely.STRtree(prints.polygons)
     found: dict[Blocked, None] = {}
-    for opening, clearance in clearances(graph.rooms, graph.openings):
+    for opening, clearance in _clearances(graph.rooms, graph.openings):
         for index in sorted(tree.query(clearance, predicate="intersects")):
             item = things[index]
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
             if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
                 found[Blocked(opening=opening.id, item=item.id)] = None
-    noted = filter(is_open_border, graph.openings)
-    borders = [*noted, *open_borders(graph.rooms, graph.openings)]
+    found.update(dict.fromkeys(shut_borders(graph)))
+    return list(found)
+
+
+def shut_borders(graph: SceneGraph) -> Iterator[Blocked]:
+    """Open borders without a way across, each with all that stands in it."""
+    borders = [*filter(is_open_border, graph.openings), *open_borders(graph.rooms, graph.openings)]
+    if not borders:
+        return
+    things = (*graph.items, *graph.dressing)
+    tree = shapely.STRtree(footprints_of(things).polygons)
     for border_id, sides in groupby(borders, lambda border: border.id):
         inside: dict[str, None] = {}
         for side in sides:
@@ -242,8 +258,7 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
                 break
             inside.update((item.id, None) for item in standing)
         else:
-            found.update((Blocked(border_id, item_id), None) for item_id in inside)
-    return list(found)
+            yield from (Blocked(border_id, item_id) for item_id in inside)
 
 
 def _across(border: Opening) -> shapely.Polygon:

@@ -2,9 +2,9 @@
 
 A room is complete when it holds the essentials of its kind, and right when, beyond that, cabinets
 have their back to a wall, chairs stand at a table and face it, sofas face a table or television and
-the television of a living room faces a seat, and kitchen units stand end to end; an undersized
-piece is none. Rooms of the kinds in ESSENTIALS are judged; a house is complete, or right, when
-every judged room of it is.
+the television of a living room faces a seat, kitchen units stand end to end, and people can stand
+before the front of what they use; an undersized piece is none. Rooms of the kinds in ESSENTIALS are
+judged; a house is complete, or right, when every judged room of it is.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 import shapely
 
 from chord_usd.metrics.footprints import PolygonArray
+from chord_usd.metrics.fronts import shut_fronts
 from chord_usd.metrics.unit_gaps import unit_gaps
 from chord_usd.scene.geometry import footprint, front_direction, room_polygon, room_sides
 from chord_usd.scene.palette import CATEGORIES
@@ -78,9 +79,11 @@ BACK_DEG, CHAIR_DEG, SOFA_DEG, TELEVISION_DEG = 12.0, 46.0, 50.0, 60.0
 
 Fault = Literal[
     "off its wall", "without a table", "turned from its table", "facing nothing", "turned away",
-    "facing no seat", "apart from its run", "undersized",
+    "facing no seat", "apart from its run", "undersized", "out of reach",
 ]  # fmt: skip
 UNDERSIZED: Fault = "undersized"
+SHUT: Fault = "out of reach"
+"""Nobody can stand before its front (metrics.fronts)."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +193,7 @@ class _House:
         corners = np.array([footprint(item.box) for item in graph.items]).reshape(-1, 4, 2)
         self.shapes: PolygonArray = np.atleast_1d(shapely.polygons(corners))
         self._index = {id(item): index for index, item in enumerate(graph.items)}
+        self._shut = shut_fronts(graph)
 
     def shape(self, item: Item) -> shapely.Polygon:
         shape: shapely.Polygon = self.shapes[self._index[id(item)]]
@@ -217,7 +221,7 @@ class _House:
         found = []
         for item in own:
             faults = [*self._faults(item, room.kind, sides)]
-            faults += ["apart from its run"] * (item.id in apart)
+            faults += ["apart from its run"] * (item.id in apart) + [SHUT] * (item.id in self._shut)
             found += [Misplaced(item.id, item.category, fault) for fault in faults if fault]
         return tuple(found)
 

@@ -12,12 +12,13 @@ from functools import lru_cache
 import numpy as np
 import shapely
 
-from chord_usd.metrics.footprints import GRID_M, is_underfoot
+from chord_usd.metrics.footprints import GRID_M
 from chord_usd.metrics.walk import (
-    HEAD_ROOM_M,
     SEAM_M,
     WALKER_RADIUS_M,
     free_floor,
+    left_free,
+    takes_floor,
     walkable_parts,
 )
 from chord_usd.scene.geometry import (
@@ -56,8 +57,6 @@ OPEN_SHARE = 0.5
 """Of the strip that is free before a front that can be used."""
 STAND_M = 0.55
 """Somebody who uses a piece stands no farther from it."""
-AROUND_M = 1.2
-"""Of the floor of rooms that are open to each other, what matters to a piece."""
 
 Piece = tuple[str, Box]
 
@@ -67,7 +66,8 @@ class _Space:
     """Rooms that no wall parts, and the ways out of them; compared by identity."""
 
     rooms: tuple[Room, ...]
-    openings: tuple[Opening, ...]
+    floor: shapely.Geometry
+    """Without furniture, doorways included."""
     ways: tuple[shapely.Polygon, ...]
 
 
@@ -83,10 +83,9 @@ def _spaces(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> tuple[_Sp
         leading = tuple(
             door for door in doors if footprint_polygon(door.box).dwithin(floor, 0.05)
         )  # fmt: skip
-        spaces.append(_Space(
-            tuple(rooms[index] for index in group), leading,
-            tuple(footprint_polygon(door.box) for door in leading),
-        ))  # fmt: skip
+        inside = tuple(rooms[index] for index in group)
+        whole = free_floor(SceneGraph(inside, leading, ()))
+        spaces.append(_Space(inside, whole, tuple(footprint_polygon(door.box) for door in leading)))
     return tuple(spaces)
 
 
@@ -97,9 +96,8 @@ def shut_fronts(graph: SceneGraph) -> dict[str, tuple[str, ...]]:
     """
     found: dict[str, tuple[str, ...]] = {}
     by_room: dict[str, list[Item]] = {}
-    for item in (*graph.items, *graph.dressing):
-        if item.box.center_m[2] < HEAD_ROOM_M and not is_underfoot(item):
-            by_room.setdefault(item.room_id, []).append(item)
+    for item in (*graph.items, *filter(takes_floor, graph.dressing)):
+        by_room.setdefault(item.room_id, []).append(item)
     for space in _spaces(graph.rooms, graph.openings):
         items = [item for room in space.rooms for item in by_room.get(room.id, ())]
         for index, before in _shut(space, tuple((item.category, item.box) for item in items)):
@@ -124,8 +122,10 @@ class _Floor:
 
     def __init__(self, space: _Space, items: tuple[Item, ...]) -> None:
         self._items = items
-        self._empty = free_floor(SceneGraph(space.rooms, space.openings, ()))
-        self._free = free_floor(SceneGraph(space.rooms, space.openings, items))
+        self._tables = shapely.union_all(
+            [footprint_polygon(item.box) for item in items if item.category in PASSED_BEFORE_SEATS]
+        )
+        self._free = left_free(space.floor, items)
         parts = walkable_parts(self._free)
         near_m = WALKER_RADIUS_M + 2 * SEAM_M
         led_to = [part for part in parts if any(part.dwithin(way, near_m) for way in space.ways)]
@@ -136,24 +136,15 @@ class _Floor:
     def is_free(self, index: int) -> bool:
         """Whether one of the sides that a piece is used from can be stood before."""
         item = self._items[index]
-        free = self._for_seats(item) if item.category in SAT_ON else self._free
-        return any(self._can_stand(item, side, free) for side in USED_SIDES[item.category])
+        return any(self._can_stand(item, side) for side in USED_SIDES[item.category])
 
-    def _for_seats(self, seat: Item) -> shapely.Geometry:
-        """Free floor, and that below tables near a seat."""
-        near = footprint_polygon(seat.box).buffer(AROUND_M)
-        tables = [footprint_polygon(item.box) for item in self._items
-                  if item.category in PASSED_BEFORE_SEATS]  # fmt: skip
-        return self._free.intersection(near).union(shapely.union_all(tables), grid_size=GRID_M)
-
-    def _can_stand(self, item: Item, side: Side, free: shapely.Geometry) -> bool:
-        strip = _before(item.box, side, *STRIP_M)
-        if free.intersection(strip).area < OPEN_SHARE * strip.area:
-            return False
-        place = _before(item.box, side, 0.0, STAND_M)
+    def _can_stand(self, item: Item, side: Side) -> bool:
+        strip, place = _before(item.box, side, *STRIP_M), _before(item.box, side, 0.0, STAND_M)
+        free_m2 = self._free.intersection(strip).area
         if item.category in SAT_ON:
+            free_m2 += self._tables.intersection(strip).area
             place = place.buffer(WALKER_RADIUS_M)
-        return bool(self._walkable.intersects(place))
+        return free_m2 >= OPEN_SHARE * strip.area and bool(self._walkable.intersects(place))
 
     def before(self, index: int) -> tuple[int, ...]:
         """Indices of what stands in the strips before a piece."""
@@ -168,12 +159,21 @@ class _Floor:
         )
 
 
+def standing_places(item: Item) -> list[shapely.Polygon]:
+    """Where somebody who uses a piece may stand, by side; none for pieces that nobody stands at."""
+    return [_before(item.box, side, 0.0, STAND_M) for side in USED_SIDES.get(item.category, ())]
+
+
 def _before(box: Box, side: Side, from_m: float, to_m: float) -> shapely.Polygon:
-    """What lies between two distances before a side, as long as the side is."""
+    return footprint_polygon(floor_before(box, side, from_m, to_m))
+
+
+def floor_before(box: Box, side: Side, from_m: float, to_m: float) -> Box:
+    """What lies between two distances before a side, metres; as long as the side is."""
     length, depth, height = box.size_m
     middle = (from_m + to_m) / 2
     x_m, y_m = (half * way + middle * way for half, way in zip((length / 2, depth / 2), side,
                                                              strict=True))  # fmt: skip
     deep = to_m - from_m
     size_m = (deep, depth, height) if side[0] else (length, deep, height)
-    return footprint_polygon(in_world(Box((x_m, y_m, 0.0), size_m, 0.0), box))
+    return in_world(Box((x_m, y_m, 0.0), size_m, 0.0), box)

@@ -14,7 +14,7 @@ from typing import Literal
 import shapely
 
 from chord_usd.metrics.clear_floor import blocked_openings
-from chord_usd.metrics.complete import ESSENTIALS, UNDERSIZED, Homely, homely_rooms
+from chord_usd.metrics.complete import ESSENTIALS, SHUT, UNDERSIZED, Fault, Homely, homely_rooms
 from chord_usd.metrics.overlap import Overlap, scene_overlap
 from chord_usd.metrics.rooms import is_of_kind, out_of_room
 from chord_usd.metrics.walk import ways_shut
@@ -22,14 +22,18 @@ from chord_usd.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.scene.types import Item, Room, SceneGraph
 
 Kind = Literal[
-    "overlap", "out of room", "before an opening", "undersized", "misplaced", "missing"
+    "overlap", "out of room", "before an opening", "undersized", "out of reach", "misplaced",
+    "missing",
 ]  # fmt: skip
 
 WEIGHTS: Mapping[Kind, float] = {
     "overlap": 1.0, "out of room": 1.0, "before an opening": 0.3, "undersized": 0.5,
-    "misplaced": 0.2, "missing": 1.0,
+    "out of reach": 0.3, "misplaced": 0.2, "missing": 1.0,
 }  # fmt: skip
 """What each weighs beside a square metre of overlap."""
+
+_KINDS_OF: Mapping[Fault, Kind] = {UNDERSIZED: "undersized", SHUT: "out of reach"}
+"""Faults of a place that weigh more than others."""
 
 _OUT_OF_PLACE = 1.0
 """What a piece weighs in a room where its kind never stands, as a table in a bath."""
@@ -85,9 +89,9 @@ def violations(
     ]
     for room in homely_rooms(graph) if homely is None else homely:
         found += [
-            Violation("undersized" if one.fault == UNDERSIZED else "misplaced", room.room, one.item,
-                      one.fault) for one in room.misplaced
-        ]  # fmt: skip
+            Violation(_KINDS_OF.get(one.fault, "misplaced"), room.room, one.item, one.fault)
+            for one in room.misplaced
+        ]
         found += [Violation("missing", room.room, other=name) for name in room.missing]
     return found
 

@@ -11,7 +11,7 @@ is to blame.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 
@@ -236,7 +236,11 @@ def free_floor(graph: SceneGraph) -> shapely.Geometry:
     rooms = [room_polygon(room).buffer(SEAM_M, join_style="mitre") for room in graph.rooms]
     doorways = [_doorway(opening) for opening in graph.openings if opening.kind != "window"]
     floor = shapely.union_all([*rooms, *doorways])
-    things = (*graph.items, *filter(_is_in_the_way, graph.dressing))
+    return left_free(floor, (*graph.items, *filter(takes_floor, graph.dressing)))
+
+
+def left_free(floor: shapely.Geometry, things: Iterable[Item]) -> shapely.Geometry:
+    """A floor less what of these stands on it below head height."""
     standing = [
         item for item in things if item.box.center_m[2] < HEAD_ROOM_M and not is_underfoot(item)
     ]
@@ -246,8 +250,8 @@ def free_floor(graph: SceneGraph) -> shapely.Geometry:
     return floor.difference(stood_on, grid_size=GRID_M)
 
 
-def _is_in_the_way(item: Item) -> bool:
-    """Whether dressing takes up floor: it stands or hangs, and is no picture that one passes by."""
+def takes_floor(item: Item) -> bool:
+    """Whether dressing takes up floor: it stands or hangs, and a walker does not pass by it."""
     row = CATEGORIES.get(item.category)
     if row is None or row.mount is Mount.WALL:
         return row is None or item.box.size_m[1] > PASSED_BY_M

@@ -164,7 +164,7 @@ def furnish(
         )  # fmt: skip
         graph, layout = match_assets(mended.graph, models.reader.database), mended.layout
         if settings.arrange:
-            graph = arrange_drawn(graph, draw)
+            graph = match_assets(arrange_drawn(graph, draw), models.reader.database)
         draw.refuse_lacking(graph)
         graph = in_style(graph, style)
     with watch.step("outliers"):

@@ -35,6 +35,13 @@ CHAIRS = piece("chair", 2, 2.1), piece("chair", 2, 0.9, yaw=180.0)
 SOFA, LOW_TABLE = piece("sofa", 2, 2.6, (2, 0.8, 0.8)), piece("coffee_table", 2, 1.4)
 TELEVISION = piece("tv_cabinet", 2, 0.2, (1.6, 0.4, 0.5), 180.0)
 
+CORNER_UNIT = piece("double_door_floor_cabinet", 0.3, 2.0, (0.8, 0.6, 0.8), 90.0)
+WIDE_SINK = piece("sink_cabinet", 0.8, 2.7, (1.6, 0.6, 0.8))
+
+IN_A_CORNER = (
+    piece("toilet", 1, 2.7), piece("washbasin", 3.7, 2.7), piece("shower", 2, 2.7),
+)  # fmt: skip
+
 FURNISHED = {
     "bedroom": (piece("bed", 2, 2.0, (1.6, 2.0, 1.0)),),
     "living": (SOFA, LOW_TABLE, TELEVISION),
@@ -88,7 +95,7 @@ def at(item: Item, x: float, y: float, yaw: float) -> Item:
     [
         ("kitchen", (at(SINK, 1, 2.5, 0), COOKER), "off its wall"),
         ("kitchen", (at(SINK, 1, 2.7, 20), COOKER), "off its wall"),
-        ("kitchen", (at(SINK, 1, 2.7, 90), COOKER), "off its wall"),
+        ("kitchen", (at(SINK, 2.6, 2.7, 90), COOKER), "off its wall"),
         ("kitchen", (SINK, at(COOKER, 2.0, 2.7, 0)), "apart from its run"),
         (
             "kitchen",
@@ -100,13 +107,24 @@ def at(item: Item, x: float, y: float, yaw: float) -> Item:
         ("dining", (TABLE, *CHAIRS, piece("chair", 0.4, 0.4)), "without a table"),
         ("dining", (TABLE, *CHAIRS, piece("chair", 1.1, 1.5, yaw=180)), "turned from its table"),
         ("living", (SOFA, piece("single_sofa", 1, 1), TELEVISION), None),
-        ("living", (at(SOFA, 2, 2.6, 180), LOW_TABLE), "turned away"),
+        ("living", (at(SOFA, 2, 1.9, 180), LOW_TABLE), "turned away"),
         (
             "living",
             (at(SOFA, 1, 2.6, 0), at(LOW_TABLE, 1, 1.4, 0), at(TELEVISION, 3.2, 2.8, 0)),
             "facing no seat",
         ),
-        ("bedroom", (piece("bed", 2, 2, (1, 2, 1)), SOFA), "facing nothing"),
+        ("bedroom", (piece("bed", 3.4, 2, (1, 2, 1)), SOFA), "facing nothing"),
+        # a blind corner, half of one, a basin behind a machine, a seat against a sofa's side
+        ("kitchen", (at(SINK, 0.3, 2.7, 0), CORNER_UNIT, COOKER), "out of reach"),
+        ("kitchen", (WIDE_SINK, CORNER_UNIT, at(COOKER, 1.9, 2.7, 0)), None),
+        ("bathroom", (*IN_A_CORNER, piece("washing_machine", 3.7, 2.1, yaw=-90.0)), "out of reach"),
+        ("bathroom", (*IN_A_CORNER, piece("washing_machine", 3.7, 1.0, yaw=-90.0)), None),
+        (
+            "living",
+            (SOFA, LOW_TABLE, piece("single_sofa", 0.6, 2.4, (0.8,) * 3, 90)),
+            "out of reach",
+        ),
+        ("living", (SOFA, LOW_TABLE, piece("single_sofa", 0.5, 1.3, (0.8,) * 3, 90)), None),
     ],
 )
 def test_what_stands_wrongly_is_named(kind: RoomKind, pieces, fault: str | None) -> None:
@@ -123,7 +141,7 @@ def test_a_washing_machine_may_stand_behind_the_short_step_of_a_wall() -> None:
     assert not homely_rooms(graph)[0].misplaced
     aside = at(machine, 1.7, 2.95, -90.0)  # its back at the step only
     graph = replace(graph, items=(aside,))
-    assert [one.fault for one in homely_rooms(graph)[0].misplaced] == ["off its wall"]
+    assert "off its wall" in [one.fault for one in homely_rooms(graph)[0].misplaced]
 
 
 @settings(max_examples=20, deadline=None)

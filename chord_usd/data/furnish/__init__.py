@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Sequence
 
@@ -30,6 +31,7 @@ from chord_usd.data.furnish.small import (
     furnish_study,
 )
 from chord_usd.data.furnish.walkways import path_faults
+from chord_usd.metrics.clear_floor import shut_borders
 from chord_usd.metrics.complete import lacking
 from chord_usd.scene.types import Box, Item, Plan, SceneGraph
 
@@ -71,7 +73,16 @@ def furnish(plan: Plan, rng: np.random.Generator, statistics: Statistics = "home
     items = tuple(item for floor in floors for item in _items(floor))
     for floor in floors:
         floor.part()
-    return SceneGraph(rooms=plan.rooms, openings=plan.openings, items=items, extra=plan.extra)
+    return _open_to_each_other(SceneGraph(plan.rooms, plan.openings, items, extra=plan.extra))
+
+
+def _open_to_each_other(house: SceneGraph) -> SceneGraph:
+    """The house without the pieces, the smallest first, that shut a border of rooms that touch:
+    each room is furnished by itself."""
+    while shut := {blocked.item for blocked in shut_borders(house)}:
+        pieces = [item for item in house.items if item.id in shut]
+        house = house.without([min(pieces, key=lambda item: math.prod(item.box.size_m[:2])).id])
+    return house
 
 
 def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:
