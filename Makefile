@@ -56,9 +56,9 @@ else echo "error: system packages are missing. Try: sudo apt-get install $(1)"; 
 endef
 
 house: setup
-	$(BIN)/chord-usd generate $(PLAN) -o out/house.usda --layout-out out/layout.png --preview out/plan.png \
+	$(BIN)/chord-usd generate $(PLAN) -o $(OUT)/house.usda --layout-out $(OUT)/layout.png --preview $(OUT)/plan.png \
 		|| test $$? = 1  # written, and its certificate does not hold: pictures show why
-	$(BIN)/chord-usd render out/house.usda -o out/pictures $(CAMERAS:%=--camera %) --samples 32 --resolution 960x540
+	$(BIN)/chord-usd render $(OUT)/house.usda -o $(OUT)/pictures $(CAMERAS:%=--camera %) --samples $(SAMPLES) --resolution $(SIZE)
 
 # Programs that tests start, beside Python's packages.
 test-tools: setup-dev
