@@ -17,8 +17,6 @@ from chord_usd.cli import UNUSABLE, main
 from chord_usd.errors import OutputError, StageError
 from chord_usd.scene.types import Item, SceneGraph
 from chord_usd.stage.author import author_stage
-from chord_usd.stage.exchange.mjcf_geoms import Shape
-from chord_usd.stage.exchange.mjcf_inertia import inertia_of
 from chord_usd.stage.export import export_stage
 
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -466,29 +464,6 @@ def test_a_model_is_written_anew_only_when_asked(tmp_path: Path) -> None:
     for wrong in (path, tmp_path, tmp_path / "house.xml"):
         assert main(["export", str(path), "--for", "mujoco", "-o", str(wrong)]) == UNUSABLE
     assert path.read_text().startswith("#usda")
-
-
-SOLIDS = {
-    "box": {"type": "box", "size": "0.1 0.2 0.3", "pos": "0.1 0.2 -0.3", "quat": "0.8 0.6 0 0"},
-    "sphere": {"type": "sphere", "size": "0.2"},
-    "ellipsoid": {"type": "ellipsoid", "size": "0.1 0.2 0.3", "quat": "0.8 0 0.6 0"},
-    "cylinder": {"type": "cylinder", "size": "0.1 0.4", "pos": "0 0.5 0"},
-    "capsule": {"type": "capsule", "size": "0.1 0.4", "quat": "0.6 0 0 0.8"},
-}
-
-
-@pytest.mark.parametrize("kind", SOLIDS)
-def test_inertias_are_those_that_mujoco_computes(kind: str) -> None:
-    told = " ".join(f'{name}="{value}"' for name, value in SOLIDS[kind].items())
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><worldbody><body><freejoint/><geom mass="3" {told}/></body></worldbody></mujoco>'
-    )
-    turn = np.empty(9)
-    mujoco.mju_quat2Mat(turn, model.body_iquat[1])
-    turn = turn.reshape(3, 3)
-    centre, inertia = inertia_of(Shape(SOLIDS[kind], 1.0), 3.0)
-    assert centre == pytest.approx(model.body_ipos[1])
-    assert inertia == pytest.approx(turn @ np.diag(model.body_inertia[1]) @ turn.T, abs=1e-9)
 
 
 def test_a_robot_that_is_added_keeps_its_weight(tmp_path: Path) -> None:
