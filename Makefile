@@ -26,7 +26,9 @@ PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 # Tests whose limits are so near that they need the machine for themselves.
 ALONE = $(shell grep -rl 'mark\.alone' tests)
 
-.PHONY: setup setup-dev house test test-tools acceptance acceptance-tools lint wheel extension clean
+MINUTES ?= 30
+
+.PHONY: setup setup-dev house test test-tools acceptance acceptance-tools lint train-next wheel extension clean
 
 setup: .venv/.ready
 
@@ -83,6 +85,10 @@ lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy chord_usd
+
+# MINUTES=30 FLATS=flats.jsonl.gz; goes on where the run in runs/ stopped.
+train-next: setup-dev
+	$(BIN)/chord-usd train next --minutes $(MINUTES) $(FLATS:%=--flats %)
 
 wheel: setup
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .

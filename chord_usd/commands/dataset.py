@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chord_usd.commands import dataset_release
+from chord_usd.commands import dataset_keep, dataset_release
 from chord_usd.commands.common import (
     Outcome,
     UsageError,
@@ -72,6 +72,7 @@ def add(verbs: Verbs) -> None:
     draw.add_argument(
         "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
     )
+    dataset_keep.add(group)
     dataset_release.add(group)
 
 

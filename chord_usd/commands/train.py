@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chord_usd.commands import train_lists
+from chord_usd.commands import train_lists, train_next
 from chord_usd.commands.common import (
     Outcome,
     Parser,
@@ -91,6 +91,7 @@ def add(verbs: Verbs) -> None:
         help="procedural houses to learn from (40000)",
     )
     train_lists.add(group)
+    train_next.add(group)
     reader = add_verb(group, "reader", run_reader, "train the model that reads pages of plans")
     add_training_options(reader, minutes=60.0, batch=None)
     add_flats(reader)

@@ -19,8 +19,8 @@ from chord_usd.commands.train_options import (
     add_flats,
     add_furnished,
     add_houses,
+    add_loop_options,
     add_processor_time,
-    add_start,
     add_training_options,
     furnished_of,
     run_of,
@@ -49,7 +49,7 @@ def add(group: Verbs) -> None:
         help="pieces of a room, or things on tables, desks and worktops (pieces)",
     )
     add_flats(lists)
-    add_start(lists)
+    add_loop_options(lists)
     add_processor_time(lists)
     add_houses(lists)
     add_furnished(lists)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from chord_usd.scene.types import SceneGraph
     from chord_usd.training.loop import RunConfig
     from chord_usd.training.trainer import TrainingConfig
+
+_MOST_WORKERS = 15
+"""A GPU learns from as many pages as so many processes draw."""
 
 ConfigT = TypeVar("ConfigT", bound="RunConfig | TrainingConfig")
 
@@ -75,8 +79,9 @@ def add_furnished(parser: Parser) -> None:
     parser.add_argument(
         "--furnished",
         type=Path,
-        metavar="DIR",
-        help="learn from the training share of a folder of furnished CHOrD JSON, not from our own",
+        metavar="HOUSES",
+        help="learn from the training share of furnished houses, not from our own: a folder of "
+        "CHOrD JSON, or a kept set (dataset keep)",
     )
 
 
@@ -94,6 +99,8 @@ def furnished_of(options: argparse.Namespace, split: Split = "train") -> list[Sc
     Raises UsageError where other houses are asked for beside them or the folder is none, and
     SceneError where nothing in it is furnished.
     """
+    from chord_usd.data.kept_set import read_kept
+    from chord_usd.data.splits import part_of
     from chord_usd.evaluation.cases import folder_cases
 
     folder: Path | None = options.furnished
@@ -105,15 +112,18 @@ def furnished_of(options: argparse.Namespace, split: Split = "train") -> list[Sc
             where="--furnished",
             expected="neither --flats nor --houses beside it",
         )
-    if not folder.is_dir():
-        raise UsageError("no such folder", where=str(folder), try_="check the path")
-    cases = folder_cases(folder, split).cases
-    found = [case.furnished for case in cases if case.furnished]
-    if not found:
+    if folder.is_file():
+        houses = [kept.house for kept in read_kept(folder) if part_of(kept.name) == split]
+    elif folder.is_dir():
+        cases = folder_cases(folder, split).cases
+        houses = [case.furnished for case in cases if case.furnished]
+    else:
+        raise UsageError("no such folder or file", where=str(folder), try_="check the path")
+    if not houses:
         raise SceneError(
             f"nothing of split {split!r} is furnished", where=str(folder), expected="CHOrD JSON"
         )
-    return found
+    return houses
 
 
 def add_loop_options(parser: Parser) -> None:
@@ -121,9 +131,8 @@ def add_loop_options(parser: Parser) -> None:
     parser.add_argument(
         "--workers",
         type=whole_number(0, 4096),
-        default=1,
         metavar="N",
-        help="processes that draw (1)",
+        help="processes that make data (1, lists 0; with a GPU all cores but one, at most 15)",
     )
     add_start(parser)
 
@@ -145,6 +154,10 @@ def device_of(options: argparse.Namespace) -> str:
 def run_of(options: argparse.Namespace, base: ConfigT) -> ConfigT:
     """The settings of a run, as far as the options of its verb have them."""
     names = ("minutes", "seed", "workers", "processor_time", "kinds_only")
-    told = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    chosen = {name: getattr(options, name, None) for name in names}
+    chosen = {name: value for name, value in chosen.items() if value is not None}
+    device = device_of(options)
+    if device != "cpu" and hasattr(base, "workers"):
+        chosen.setdefault("workers", max(1, min(_MOST_WORKERS, (os.cpu_count() or 2) - 1)))
     batch = options.batch or base.batch
-    return replace(base, **told, batch=batch, device=device_of(options))
+    return replace(base, **chosen, batch=batch, device=device)

@@ -81,6 +81,11 @@ def _own_checkpoints() -> list[Path]:
     return [Path(own)]
 
 
+def shipped_checkpoints() -> Path:
+    """The folder of the checkpoints that come with the program."""
+    return _shipped("checkpoints")
+
+
 def cache_folder() -> Path:
     """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
     own = os.environ.get(CACHE_VARIABLE)

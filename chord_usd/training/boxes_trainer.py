@@ -15,6 +15,7 @@ from chord_usd.training.boxes_data import BOX, CATEGORIES, EMPTY, slots_of
 from chord_usd.training.boxes_network import NOISE_STEPS, BoxNetwork, Surroundings
 from chord_usd.training.lists_data import Batch
 from chord_usd.training.lists_trainer import ListTraining, moved
+from chord_usd.training.loader import Seeded, batches_ahead
 from chord_usd.training.loop import Lesson, train, write_weights
 
 _EMPTY_WEIGHT = 0.1
@@ -48,7 +49,9 @@ def train_boxes(
     def write(to: Path, network: BoxNetwork, facts: dict[str, Any]) -> None:
         write_weights(to, network, {"training": facts})
 
-    lesson = Lesson(batches, losses, score, write)
+    lesson = Lesson(
+        lambda seed: batches_ahead(Seeded(batches, seed), config.workers), losses, score, write
+    )
     return train(lesson, BoxNetwork(), config, folder, progress)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -20,6 +21,7 @@ from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.targets import begin_run
 from chord_usd.training.budget import Budget
+from chord_usd.training.held_out import CURVE_FILE, HeldOut, curve_of, draw_curve
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.weights import Weights, warm_and_cool
 
@@ -49,8 +51,10 @@ class RunConfig:
     gradient_clip: float = 1.0
     seed: int = 0
     device: str = "cpu"
-    save_minutes: float = 3.0
-    """After so many, what was learned is saved."""
+    save_minutes: float = 0.5
+    """After so many, the state of the run is saved: the most that a kill loses."""
+    checkpoint_minutes: float = 5.0
+    """After so many, the checkpoint is written, too."""
     processor_time: bool = False
     """Whether minutes are the processor's, of this process, not the clock's."""
 
@@ -86,8 +90,8 @@ def train(
 
     start: checkpoint whose weights a new run begins with.
 
-    Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, and is
-    renewed whenever the state is saved. Raises CheckpointError where start does not fit.
+    Returns what the card says of the run; the checkpoint comes to lie in folder/checkpoint, with
+    the curve of its scores on held-out data. Raises CheckpointError where start does not fit.
     """
     begin_run(folder)
     keep_freed_memory()
@@ -96,25 +100,30 @@ def train(
     before = weights.load(folder / STATE_FOLDER, config.device)
     if before is None:
         before = _begun(lesson, weights, start, config) if start else {"step": 0, "minutes": 0.0}
-    step = first_step = int(before["step"])
+    step, minutes_before = int(before["step"]), float(before["minutes"])
     budget = Budget(config.minutes, processor_time=config.processor_time)
     log = _Log(folder / LOG_FILE)
+    control = HeldOut(folder, lambda: lesson.score(_calibrated(lesson, weights)))
     facts: dict[str, Any] = {}
     for batch in lesson.batches(config.seed + step):
         rate = warm_and_cool(
-            step - first_step, config.warmup_steps, budget.share, config.cooldown_share, _END_RATE
+            weights.taken, config.warmup_steps, budget.share, config.cooldown_share, _END_RATE
         )
         losses = lesson.losses(weights.network, batch)
         total = torch.stack(list(losses.values())).sum()
-        weights.step(total, config.learning_rate * rate, config.gradient_clip, step)
+        weights.step(total, config.learning_rate * rate, config.gradient_clip)
         step += 1
-        log.tell(step, budget.spent, losses)
+        log.add(step, budget.spent, losses)
         if progress and step % _PROGRESS_STEPS == 0:
             progress(round(budget.spent * 60), round(config.minutes * 60))
+        counters = {"step": step, "minutes": minutes_before + budget.spent}
         ended = budget.is_over
         if ended or budget.is_due("save", config.save_minutes):
-            minutes = before["minutes"] + budget.spent
-            facts = _saved(lesson, weights, config, folder, {"step": step, "minutes": minutes})
+            weights.save(folder / STATE_FOLDER, counters)
+        if ended or budget.is_due("checkpoint", config.checkpoint_minutes):
+            facts = _written(lesson, weights, config, folder, counters, control)
+        else:
+            control.take_if_due(budget, step, minutes_before)
         if ended:
             break
     return facts
@@ -141,21 +150,29 @@ def _begun(
     return {"step": int(told["steps"]), "minutes": float(told["minutes"])}
 
 
-def _saved(
+def _calibrated(lesson: Lesson[NetworkT, Any], weights: Weights[NetworkT]) -> NetworkT:
+    """The averaged network, ready to be scored."""
+    if lesson.calibrate:
+        lesson.calibrate(weights.average)
+    return weights.average
+
+
+def _written(
     lesson: Lesson[NetworkT, Any],
     weights: Weights[NetworkT],
     config: RunConfig,
     folder: Path,
     counters: Mapping[str, Any],
+    control: HeldOut,
 ) -> dict[str, Any]:
-    if lesson.calibrate:
-        lesson.calibrate(weights.average)
-    weights.save(folder / STATE_FOLDER, counters)
+    """Write the checkpoint and the curve, and return what its card says."""
+    scores = control.take(counters["step"], counters["minutes"])
     facts = {
         **asdict(config), "steps": counters["step"], "minutes": round(counters["minutes"], 1),
-        **lesson.score(weights.average),
+        "date": date.today().isoformat(), **scores,
     }  # fmt: skip
     lesson.write(folder / "checkpoint", weights.average, facts)
+    draw_curve(curve_of(folder), folder / "checkpoint" / CURVE_FILE)
     weights.average.to(config.device)
     return facts
 
@@ -168,7 +185,7 @@ class _Log:
         self.seen: dict[str, Tensor] = {}
         self.count = 0
 
-    def tell(self, step: int, minutes: float, losses: Mapping[str, Tensor]) -> None:
+    def add(self, step: int, minutes: float, losses: Mapping[str, Tensor]) -> None:
         for name, loss in losses.items():
             # Summed on the device: to ask for each would make the processor wait for it.
             own = loss.detach()

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
-from multiprocessing.context import ForkServerContext
 
 import cv2
 import numpy as np
 import torch
 from torch import Tensor
-from torch.utils.data import DataLoader, IterableDataset, get_worker_info
+from torch.utils.data import IterableDataset, get_worker_info
 
 from chord_usd.data.drawn.crowded import draw_page
 from chord_usd.data.drawn.no_plans import draw_no_plan
@@ -207,32 +205,3 @@ def _page(rng: np.random.Generator, flats: Sequence[Plan]) -> CrowdedPage:
     if rng.random() < NO_PLANS:
         return draw_no_plan(seed)
     return draw_page(seed, flats=flats if rng.random() < FLATS else ())
-
-
-def page_loader(stream: PageStream, workers: int, *, pinned: bool = False) -> DataLoader[Batch]:
-    """The stream's batches; with workers = 0 they are made in this process. pinned: in memory that
-    a GPU copies from by itself."""
-    return DataLoader(
-        stream,
-        batch_size=None,
-        num_workers=workers,
-        prefetch_factor=4 if workers else None,
-        worker_init_fn=_single_thread if workers else None,
-        multiprocessing_context=_fork_server() if workers else None,
-        pin_memory=pinned,
-        persistent_workers=bool(workers),
-    )
-
-
-def _fork_server() -> ForkServerContext:
-    """What forks workers: OpenCV's threads, where this process has used it, do not live on in a
-    fork of it. With torch imported beforehand; else workers import it one after the other."""
-    context = get_context("forkserver")
-    context.set_forkserver_preload([__name__])
-    return context
-
-
-def _single_thread(_worker: int) -> None:
-    # OpenCV's own threads would fight the training for the same cores.
-    cv2.setNumThreads(1)
-    torch.set_num_threads(1)

@@ -24,6 +24,7 @@ from chord_usd.raster.page_labels import (
 )
 from chord_usd.runtime.progress import Progress
 from chord_usd.scene.types import Plan
+from chord_usd.training.loader import batches_ahead
 from chord_usd.training.loop import Lesson, RunConfig, train, write_weights
 from chord_usd.training.onnx_file import write_graph
 from chord_usd.training.reader_data import (
@@ -32,7 +33,6 @@ from chord_usd.training.reader_data import (
     Crop,
     PageStream,
     batch_of,
-    page_loader,
 )
 from chord_usd.training.reader_network import (
     CHANNELS,
@@ -105,7 +105,7 @@ def train_reader(
         return dict(zip(_LOSSES, batch_losses(network, batch), strict=True))
 
     lesson = Lesson(
-        lambda seed: page_loader(
+        lambda seed: batches_ahead(
             PageStream(config.batch, seed, flats=flats), config.workers, pinned=is_cuda
         ),
         losses,

@@ -25,6 +25,7 @@ from chord_usd.raster.table_top import draw_table
 from chord_usd.scene.palette import Level
 from chord_usd.scene.types import BoolArray, ByteArray, Plan, PlanImage, SceneGraph
 from chord_usd.training.drafts import random_draft, rough_draft
+from chord_usd.training.loader import batches_ahead
 
 Batch = dict[str, Tensor]
 
@@ -94,6 +95,10 @@ class BatchStream(IterableDataset[Batch]):
     def held_out(self, count: int) -> list[Drawn]:
         """The first layouts that are never trained on; always the same."""
         raise NotImplementedError
+
+    def held_out_batch(self, count: int) -> Batch:
+        """Those layouts as a batch, on the largest canvas among them."""
+        return self._batch([self._sized(drawn) for drawn in self.held_out(count)])
 
     def skip_to(self, step: int) -> None:
         """Go on with other data than that of the steps before."""
@@ -236,20 +241,4 @@ def _drawn_table(seed: int) -> Drawn:
 
 def batch_loader(stream: BatchStream, workers: int) -> DataLoader[Batch]:
     """The stream's batches; with workers = 0 they are made in this process."""
-    return DataLoader(
-        stream,
-        batch_size=None,
-        num_workers=workers,
-        prefetch_factor=2 * POOL_BATCHES if workers else None,
-        worker_init_fn=_single_thread if workers else None,
-        persistent_workers=bool(workers),
-        pin_memory=torch.cuda.is_available(),
-    )
-
-
-def _single_thread(_worker: int) -> None:
-    # Workers draw with OpenCV; its own threads would fight the training for the same cores.
-    import cv2
-
-    cv2.setNumThreads(1)
-    torch.set_num_threads(1)
+    return batches_ahead(stream, workers, ahead=2 * POOL_BATCHES, pinned=torch.cuda.is_available())

@@ -6,6 +6,8 @@ import csv
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
+from datetime import date
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,7 @@ from chord_usd.layout.schedule import training_scheduler
 from chord_usd.layout.transfer import adopt, take_up
 from chord_usd.runtime.targets import begin_run
 from chord_usd.training.budget import Budget
+from chord_usd.training.held_out import CURVE_FILE, HeldOut, curve_of, draw_curve
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
 from chord_usd.training.stream import Batch, BatchStream, batch_loader
@@ -31,6 +34,8 @@ from chord_usd.training.weights import Weights, warm_and_cool
 
 STATE_FOLDER = "state"
 LOG_FILE = "losses.csv"
+HELD_OUT = 16
+"""Layouts that the average is scored on."""
 _END_RATE = 0.05
 """Share of the learning rate at which a run ends."""
 LOG_FIELDS = ("step", "images", "minutes", "loss", "category", "front", "learning_rate")
@@ -61,7 +66,9 @@ class TrainingConfig:
     decay_every_steps: int = 0
     """Where set, the learning rate is divided by 10 each time (paper), without cool-down."""
     workers: int = 1
-    save_minutes: float = 2.0
+    save_minutes: float = 0.5
+    """After so many, the state of the run is saved: the most that a kill loses."""
+    checkpoint_minutes: float = 5.0
     sheet_minutes: float = 15.0
     seed: int = 0
     device: str = "cpu"
@@ -101,6 +108,8 @@ class LayoutTrainer:
         self.config, self.folder = config, folder
         self.traits = traits_of(network_config)
         self.data: dict[str, Any] = {}
+        self.held_out: dict[str, float] = {}
+        """Scores of the average, when the checkpoint was written last."""
         self.device = torch.device(config.device)
         network = LayoutNetwork(network_config).to(self.device)
         if self.device.type == "cuda":  # on a CPU the conversions cost more than they give
@@ -108,7 +117,7 @@ class LayoutTrainer:
         self.weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
         self.network, self.average = self.weights.network, self.weights.average
         self.scheduler = training_scheduler(network_config)
-        self.step, self.first_step, self.minutes_before = 0, 0, 0.0
+        self.step, self.minutes_before = 0, 0.0
         self.budget = Budget(config.minutes, processor_time=config.processor_time)
         self._run_step = self._compiled()
 
@@ -136,11 +145,17 @@ class LayoutTrainer:
         return True
 
     def save(self) -> None:
-        """Writes the resumable state and the checkpoint folder, each as a whole."""
+        """Writes the resumable state as a whole."""
         counters = {"step": self.step, "minutes": self.minutes_before + self.minutes}
         self.weights.save(self.folder / STATE_FOLDER, counters)
-        save_checkpoint(self.folder / "checkpoint", self.average, self.training_record())
-        write_layout_graph(self.folder / "checkpoint", self.average)
+
+    def write_checkpoint(self, control: HeldOut) -> None:
+        """Scores the average, and writes the checkpoint folder with the curve of its scores."""
+        self.held_out = dict(control.take(self.step, self.minutes_before + self.minutes))
+        checkpoint = self.folder / "checkpoint"
+        save_checkpoint(checkpoint, self.average, self.training_record())
+        write_layout_graph(checkpoint, self.average)
+        draw_curve(curve_of(self.folder), checkpoint / CURVE_FILE)
 
     def training_record(self) -> dict[str, object]:
         """What the model card says of this run."""
@@ -149,7 +164,9 @@ class LayoutTrainer:
             "batch": self.config.batch,
             "minutes": round(self.minutes_before + self.minutes, 1),
             "device": self.config.device,
+            "date": date.today().isoformat(),
             "data": self.data,
+            **self.held_out,
         }
 
     @property
@@ -166,33 +183,47 @@ class LayoutTrainer:
         # A resumed run must not see the data of its first minutes again.
         stream.skip_to(self.step)
         budget = self.budget = Budget(config.minutes, processor_time=config.processor_time)
-        self.first_step = self.step
+        control = HeldOut(self.folder, partial(self._score, stream.held_out_batch(HELD_OUT)))
         for batch in batch_loader(stream, config.workers):
             losses = self._step(batch)
             if self.step % 25 == 0:
                 self._log(losses, report)
-            if budget.is_due("save", config.save_minutes):
+            ended = budget.is_over
+            if ended or budget.is_due("checkpoint", config.checkpoint_minutes):
+                self.write_checkpoint(control)
+            else:
+                control.take_if_due(budget, self.step, self.minutes_before)
+            if ended or budget.is_due("save", config.save_minutes):
                 self.save()
-            if budget.is_due("sheet", config.sheet_minutes):
+            if ended or budget.is_due("sheet", config.sheet_minutes):
                 self._draw_sheet(stream)
-            if budget.is_over:
+            if ended:
                 break
-        self.save()
-        self._draw_sheet(stream)
+
+    @torch.no_grad()
+    def _score(self, batch: Batch) -> dict[str, float]:
+        """Losses of the average on a batch, always at the same noise."""
+        batch = {name: tensor.to(self.device) for name, tensor in batch.items()}
+        devices = [self.device] if self.device.type == "cuda" else []
+        with torch.random.fork_rng(devices):
+            torch.manual_seed(0)
+            losses = self._losses(batch, self.average)
+        return {f"held_out_{name}": round(float(loss), 5) for name, loss in losses.items()}
 
     def _step(self, batch: Batch) -> dict[str, Tensor]:
         batch = {name: tensor.to(self.device, non_blocking=True) for name, tensor in batch.items()}
         with half_precision(self.config.device) if self.config.mixed_precision else nullcontext():
             losses = self._run_step(batch)
-        rate, clip = self._learning_rate(), self.config.gradient_clip
-        # Counted from where this run began, so that the average forgets what a start did not know.
-        self.weights.step(losses["loss"], rate, clip, self.step - self.first_step)
+        self.weights.step(losses["loss"], self._learning_rate(), self.config.gradient_clip)
         self.step += 1
         return losses
 
-    def _losses(self, batch: Batch) -> dict[str, Tensor]:
-        """Cross-entropy of the categories at a random noise level, or the paper's noise error."""
-        network = self.network
+    def _losses(self, batch: Batch, network: LayoutNetwork | None = None) -> dict[str, Tensor]:
+        """Cross-entropy of the categories at a random noise level, or the paper's noise error.
+
+        network: the one in training by default.
+        """
+        network = network or self.network
         clean = self._clean_state(batch)
         times = self._times(batch)
         noise = torch.randn_like(clean)
@@ -273,9 +304,9 @@ class LayoutTrainer:
         config = self.config
         if config.decay_every_steps:
             return config.learning_rate * 0.1 ** (self.step // config.decay_every_steps)
-        # Counted from where this run began: a warm start has no optimiser state to rely on.
+        # By the steps of the optimiser: a warm start has no moments to rely on.
         return config.learning_rate * warm_and_cool(
-            self.step - self.first_step,
+            self.weights.taken,
             config.warmup_steps,
             self.budget.share,
             config.cooldown_share,

@@ -20,7 +20,7 @@ from chord_usd.errors import CheckpointError
 
 MAX_SHARD_BYTES = 15 * 2**20
 INDEX_FILE = "state.json"
-FORMAT = 1
+FORMAT = 2
 
 
 def save_state(folder: Path, tensors: Mapping[str, Tensor], counters: Mapping[str, Any]) -> None:
@@ -59,6 +59,7 @@ def load_state(folder: Path, device: str) -> tuple[dict[str, Tensor], dict[str, 
         return None
     try:
         index = json.loads((folder / INDEX_FILE).read_text(encoding="utf-8"))
+        _require_format(index, folder)
         parts: dict[str, Tensor] = {}
         for number in range(index["shards"]):
             parts.update(load_file(folder / f"{number:02d}.safetensors", device=device))
@@ -71,6 +72,16 @@ def load_state(folder: Path, device: str) -> tuple[dict[str, Tensor], dict[str, 
             try_="another output folder, with --start for the weights",
         ) from error
     return tensors, dict(index["counters"])
+
+
+def _require_format(index: Mapping[str, Any], folder: Path) -> None:
+    if index.get("format") != FORMAT:
+        raise CheckpointError(
+            f"the state of a run of another version (format {index.get('format')!r})",
+            where=str(folder / INDEX_FILE),
+            expected=f"format {FORMAT}",
+            try_="another output folder, with --start for the weights of its checkpoint",
+        )
 
 
 def _shards(tensors: Mapping[str, Tensor]) -> Iterable[dict[str, Tensor]]:

@@ -67,7 +67,14 @@ def test_an_interrupted_run_is_taken_up_where_it_was(tmp_path):
         for trainer in (first, second)
     ]
     assert float(moments[0]["step"]) == float(moments[1]["step"])
-    assert torch.allclose(moments[0]["exp_avg"], moments[1]["exp_avg"], rtol=1e-2, atol=1e-8)
+    for key in ("exp_avg", "exp_avg_sq"):
+        # Eight bits a value: within 2 % of the largest of each block.
+        assert torch.allclose(
+            moments[0][key],
+            moments[1][key],
+            rtol=0.0,
+            atol=0.02 * float(moments[0][key].abs().max()),
+        )
     second.train(_houses(), lambda row: None)
     assert second.step > first.step
     assert not LayoutTrainer(TINY, QUICK, tmp_path / "empty").resume()
@@ -144,9 +151,9 @@ def test_few_houses_come_again_and_again():
 
 def test_learning_rate_warms_up_and_cools_down(tmp_path):
     trainer = LayoutTrainer(TINY, replace(QUICK, minutes=10.0, warmup_steps=10), tmp_path)
-    trainer.step = 4
+    trainer.weights.taken = 4
     assert trainer._learning_rate() == pytest.approx(0.5 * QUICK.learning_rate)
-    trainer.step = 100
+    trainer.weights.taken = 100
     assert trainer._learning_rate() == pytest.approx(QUICK.learning_rate, rel=1e-3)
     trainer.budget.started -= 10 * 60
     assert trainer._learning_rate() == pytest.approx(0.05 * QUICK.learning_rate, rel=1e-3)
