@@ -22,8 +22,15 @@ from chord_usd.arrange.asked_work import (
     shuts_in,
     with_resting,
 )
-from chord_usd.metrics.complete import AT_TABLE_M, TABLES, WALLED
-from chord_usd.scene.geometry import footprint_polygon, front_direction
+from chord_usd.metrics.complete import TABLES, WALLED, table_of
+from chord_usd.metrics.overlap import MIN_OVERLAP_M2
+from chord_usd.scene.geometry import (
+    footprint,
+    footprint_polygon,
+    front_direction,
+    to_own,
+    to_world,
+)
 from chord_usd.scene.intents import COMPASS_DEG, DOOR, WINDOW, Intent
 from chord_usd.scene.types import Box, FloatArray, Item
 from chord_usd.scene.units import rotation_2d, wrap_deg
@@ -37,6 +44,15 @@ _ASIDE_DEG = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
 _SEEN_M, _FARTHEST_M = 9.0, 4.0
 """How far a piece looks, and how far it may go to look there."""
 
+_SIDEWAYS = 15
+"""Steps of 0.1 m that a piece may stand beside the place of the one that it is swapped with."""
+
+_BELONGS: dict[str, tuple[str, ...]] = {
+    "bed": ("bedside_table", "bed_background"), "sofa": ("sofa_background",),
+}  # fmt: skip
+_BELONGS_M = 0.35
+"""What belongs to a piece, and stands no farther from it."""
+
 _SHIFT_M = 0.8
 """A piece that is turned by an angle goes no farther than this to have place."""
 
@@ -45,18 +61,18 @@ def _group(work: Work, item: Item) -> list[Item]:
     """A piece, and what goes where it goes: chairs that stand at a table."""
     if item.category not in TABLES:
         return [item]
-    tables = [one for one in work.graph.items if one.category in TABLES]
+    chairs = [one for one in work.graph.items
+              if one.category == "chair" and one.id not in work.locked]  # fmt: skip
+    return [item, *(one for one in chairs if table_of(one, work.graph.items) == item)]
 
-    def table_of(chair: Item) -> Item:
-        at = shapely.Point(chair.box.center_m[:2])
-        return min(tables, key=lambda one: footprint_polygon(one.box).distance(at))
 
-    chairs = [
-        one for one in work.graph.items
-        if one.category == "chair" and table_of(one).id == item.id and one.id not in work.locked
-        and footprint_polygon(item.box).distance(shapely.Point(one.box.center_m[:2])) < AT_TABLE_M
-    ]  # fmt: skip
-    return [item, *chairs]
+def _with_belongings(work: Work, item: Item) -> list[Item]:
+    """A group, and what belongs to a bed or a sofa: on other walls it would be of no use."""
+    shape, kinds = footprint_polygon(item.box), _BELONGS.get(item.category, ())
+    near = [one for one in work.graph.items_of(item.room_id)
+            if one.category in kinds and one.id not in work.locked
+            and footprint_polygon(one.box).distance(shape) < _BELONGS_M]  # fmt: skip
+    return [*_group(work, item), *near]
 
 
 def _shifted(item: Item, by_m: FloatArray) -> Item:
@@ -271,29 +287,54 @@ def _around(box: Box, most_m: float) -> Iterator[Box]:
 
 
 def swap(work: Work, intent: Intent) -> None:
+    """Let two pieces change places, each with what belongs to it; else the two alone."""
     one, other = (work.item(item_id) for item_id in intent.items)
-    both = with_resting(work, [one, other])
-    for first, second in ((one, other), (other, one)):
-        floor = Floor(work.graph, work.room(intent.room), both)
-        placed = next(floor.free(first, _in_place_of(first, second)), None)
-        if placed is None:
-            continue
-        rest = replace(work.graph, items=(*work.graph.items, replace(placed, id="placed")))
-        beside = Floor(rest, work.room(intent.room), both)
-        met = next(beside.free(second, _in_place_of(second, first)), None)
-        if met is not None:
-            work.move(first, placed.box)
-            work.move(second, met.box)
+    with_all = [_with_belongings(work, one), _with_belongings(work, other)]
+    for groups in (with_all, [[one], [other]]):
+        gone = with_resting(work, [piece for group in groups for piece in group])
+        floor = Floor(work.graph, work.room(intent.room), gone)
+        places = [list(islice(_places_of(floor, groups[at], groups[1 - at][0]), TRIED))
+                  for at in (0, 1)]  # fmt: skip
+        pairs = ((first, second) for first in places[0] for second in places[1])
+        found = next((pair for pair in pairs if _are_apart(*pair)), None)
+        if found:
+            for group, placed in zip(groups, found, strict=True):
+                for old, new in zip(group, placed, strict=True):
+                    work.move(old, new.box)
             return
     raise refused(intent, "one of them has no place where the other stands", "pieces of like size")
 
 
-def _in_place_of(item: Item, other: Item) -> Iterator[Box]:
-    """Where another piece stands: its back where that has its own, then to both sides."""
+def _places_of(floor: Floor, group: Sequence[Item], other: Item) -> Iterator[list[Item]]:
+    """Free places of a group whose first piece stands where another one does."""
+    leader = group[0].box
+    corners = np.concatenate([to_own(leader, footprint(one.box)) for one in group])
+    for box in _in_place_of(leader, float(corners[:, 1].max()), other):
+        placed = []
+        for one in group:
+            x, y = to_world(box, to_own(leader, one.box.center_m[:2]))
+            center_m = (float(x), float(y), one.box.center_m[2])
+            yaw_deg = wrap_deg(one.box.yaw_deg + box.yaw_deg - leader.yaw_deg)
+            placed.append(replace(one, box=replace(one.box, center_m=center_m, yaw_deg=yaw_deg)))
+        if not any(floor.in_the_way(one) for one in placed):
+            yield placed
+
+
+def _are_apart(group: Sequence[Item], other: Sequence[Item]) -> bool:
+    shapes = [footprint_polygon(one.box) for one in other]
+    return not any(
+        footprint_polygon(one.box).intersection(shape).area > MIN_OVERLAP_M2
+        for one in group for shape in shapes
+    )  # fmt: skip
+
+
+def _in_place_of(leader: Box, back_m: float, other: Item) -> Iterator[Box]:
+    """Where another piece stands: the back of a group, so far behind its leader's middle, where
+    that piece has its back, then to both sides."""
     front = front_direction(other.box.yaw_deg)
     along = np.array([-front[1], front[0]])
     back = np.array(other.box.center_m[:2]) - front * other.box.size_m[1] / 2
-    for step in sorted(range(-6, 7), key=abs):
-        at = back + front * item.box.size_m[1] / 2 + along * (step * 0.1)
-        center_m = (float(at[0]), float(at[1]), item.box.center_m[2])
-        yield replace(item.box, center_m=center_m, yaw_deg=other.box.yaw_deg)
+    for step in sorted(range(-_SIDEWAYS, _SIDEWAYS + 1), key=abs):
+        at = back + front * back_m + along * (step * 0.1)
+        center_m = (float(at[0]), float(at[1]), leader.center_m[2])
+        yield replace(leader, center_m=center_m, yaw_deg=other.box.yaw_deg)

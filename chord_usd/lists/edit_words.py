@@ -169,6 +169,12 @@ _ALSO = {
 
 _SEATS = ("single_sofa", "leisure_sofa")
 
+SEATED_AT = {
+    "dining chair": "dining_table", "kitchen chair": "dining_table", "desk chair": "table",
+    "office chair": "table",
+}  # fmt: skip
+"""Words for chairs that say at which kind of table they stand."""
+
 
 @cache
 def _phrases() -> dict[str, tuple[str, str]]:
@@ -258,13 +264,21 @@ def tokens(words: Sequence[str], rooms: Mapping[int, tuple[int, str]]) -> Iterat
         at += taken
 
 
+def _cuts_a_thing(words: Sequence[str], at: int, taken: int) -> bool:
+    """Whether a room's name ends in a word that a thing begins with: "all dining" of chairs."""
+    return any(
+        thing(words[start : at + taken + 1]) and not thing(words[start : at + taken])
+        for start in range(at + 1, at + taken) if at + taken < len(words)
+    )  # fmt: skip
+
+
 def _token(
     words: Sequence[str], at: int, rooms: Mapping[int, tuple[int, str]]
 ) -> tuple[int, Token]:
     for taken in range(min(LONGEST, len(words) - at), 0, -1):
         own = words[at : at + taken]
         said = " ".join(own)
-        is_place = at in rooms and rooms[at][0] == taken
+        is_place = at in rooms and rooms[at][0] == taken and not _cuts_a_thing(words, at, taken)
         before = words[at - 2 : at] if at and words[at - 1] == "the" else words[at - 1 : at]
         if is_place and before and before[0] in ("in", "into", "from"):
             found = None  # "in the toilet" is a room

@@ -28,8 +28,8 @@ _WORDS = {
     " mesa_lateral sidobord apupoyta サイドテーブル",
     "dining_table": "dining_table dinner_table kitchen_table esstisch table_a_manger"
     " mesa_de_comedor mesa_de_jantar matbord ruokapoyta 餐桌 食卓 ダイニングテーブル",
-    "chair": "chair seat stool dining_chair desk_chair office_chair stuhl hocker chaise tabouret"
-    " silla cadeira stol tuoli 椅子 チェア",
+    "chair": "chair seat stool dining_chair kitchen_chair desk_chair office_chair stuhl hocker"
+    " chaise tabouret silla cadeira stol tuoli 椅子 チェア",
     "table": "table desk work_desk work_table writing_desk computer_desk dressing_table tisch"
     " schreibtisch bureau escritorio mesa escrivaninha skrivbord bord poyta tyopoyta"
     " kirjoituspoyta 书桌 書桌 桌子 机 デスク テーブル",

@@ -6,9 +6,10 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from chord_usd.lists.clauses import WHERE, Clause, Noun, not_understood
-from chord_usd.lists.edit_words import Token
+from chord_usd.lists.edit_words import SEATED_AT, Token
 from chord_usd.lists.piece_words import HERE
 from chord_usd.lists.wishes import SLACK_M, rooms_meant
+from chord_usd.metrics.complete import table_of
 from chord_usd.scene.geometry import footprint_polygon
 from chord_usd.scene.types import Item, Room, RoomKind, SceneGraph
 
@@ -72,6 +73,10 @@ class Referents:
         own = [one for one in self._things if one.category in self.categories(noun, one.room_id)]
         least, most = noun.thing.length_m
         own = [one for one in own if least - SLACK_M <= one.box.size_m[0] <= most + SLACK_M]
+        kind = SEATED_AT.get(noun.thing.word)
+        if kind:
+            tables = {one.id: table_of(one, self._things) for one in own}
+            own = [one for one in own if (at := tables[one.id]) and at.category == kind]
         return [one for one in own if (not rooms or one.room_id in rooms) and one.id not in but]
 
     def categories(self, noun: Noun, room_id: str) -> tuple[str, ...]:

@@ -19,7 +19,13 @@ import shapely
 from chord_usd.metrics.footprints import PolygonArray
 from chord_usd.metrics.fronts import shut_fronts
 from chord_usd.metrics.unit_gaps import unit_gaps
-from chord_usd.scene.geometry import footprint, front_direction, room_polygon, room_sides
+from chord_usd.scene.geometry import (
+    footprint,
+    footprint_polygon,
+    front_direction,
+    room_polygon,
+    room_sides,
+)
 from chord_usd.scene.palette import CATEGORIES
 from chord_usd.scene.types import FloatArray, Item, Room, RoomKind, SceneGraph
 
@@ -281,6 +287,15 @@ def has_back_to_wall(item: Item, sides: Iterable[tuple[FloatArray, FloatArray]])
         if np.hypot(*(start + s * along - back)) <= WALL_GAP_M:
             return True
     return False
+
+
+def table_of(chair: Item, items: Iterable[Item]) -> Item | None:
+    """The table that a chair stands at: the nearest of them, no farther than AT_TABLE_M."""
+    at = shapely.Point(chair.box.center_m[:2])
+    away = [(footprint_polygon(one.box).distance(at), one.id, one)
+            for one in items if one.category in TABLES]  # fmt: skip
+    nearest_m, _, table = min(away, key=lambda one: one[:2], default=(AT_TABLE_M, "", None))
+    return table if nearest_m < AT_TABLE_M else None
 
 
 def _middle(item: Item) -> FloatArray:

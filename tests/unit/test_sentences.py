@@ -16,6 +16,7 @@ from chord_usd.arrange.asked_work import Work
 from chord_usd.errors import ChordError
 from chord_usd.lists.sentences import Understood, understand
 from chord_usd.metrics.violations import violations
+from chord_usd.scene.geometry import to_own
 from chord_usd.scene.palette import category
 from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph
 from chord_usd.stage.names import name_rooms
@@ -187,3 +188,34 @@ def test_a_slip_of_the_pen_is_read_and_told(house: SceneGraph, rooms: dict[str, 
     understood = understand("remvoe the sofa", house, rooms)
     assert understood.told == ["remove 1 × sofa from Living Room 1"]
     assert understood.read_as == ("'remvoe' as 'remove'",)
+
+
+def test_a_dining_chair_stands_at_a_dining_table(house: SceneGraph, rooms: dict[str, Room]) -> None:
+    """A desk with a chair in the same room: each word means the chairs at its kind of table."""
+    desk = Item("room6/table_0", "table", Box((2.4, 5.6, 0.0), (1.2, 0.6, 0.75), 180.0), "room6")
+    seat = Item("room6/chair_9", "chair", Box((2.4, 6.05, 0.0), (0.4, 0.4, 0.9), 0.0), "room6")
+    both = replace(house, items=(*house.items, desk, seat))
+
+    def meant(sentence: str) -> set[str]:
+        return {one for intent in understand(sentence, both, rooms).intents for one in intent.items}
+
+    assert seat.id not in meant("two dining chairs less")
+    assert len(meant("remove all dining chairs")) == 6
+    assert meant("remove the desk chair") == {seat.id}
+
+
+def test_a_bed_and_a_wardrobe_change_places_with_what_belongs_to_the_bed(
+    house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    work = done(house, understand("swap the bed and the wardrobe in bedroom 1", house, rooms))
+    before = {one.id: one.box for one in house.items}
+    after = {one.id: one.box for one in work.graph.items}
+    bed, wardrobe = (f"room1/{name}_0" for name in ("bed", "cabinet"))
+    assert after[bed].yaw_deg == before[wardrobe].yaw_deg
+    assert after[wardrobe].yaw_deg == before[bed].yaw_deg
+    for one in ("bed_background_0", "bedside_table_0", "bedside_table_1"):
+        own = f"room1/{one}"
+        assert to_own(after[bed], after[own].center_m[:2]) == pytest.approx(
+            to_own(before[bed], before[own].center_m[:2]), abs=1e-6
+        )
+    assert faults(work.graph) <= faults(house)
