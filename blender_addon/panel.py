@@ -23,7 +23,7 @@ LINE_LETTERS = 42
 EXAMPLE = "a two-bedroom flat with an open kitchen, about 70 m²"
 """Stands in the empty text field."""
 
-SENTENCE = "turn the sofa to the window"
+SENTENCE = "put a plant in bedroom 1"
 """Stands in the empty field for changes."""
 
 PLAN_SCALE, MODEL_SCALE = 8.0, 4.0

@@ -224,7 +224,7 @@ class House:
         asset_folders: Sequence[FilePath] = (),
         progress: ProgressStyle = "none",
     ) -> tuple[str, ...]:
-        """Do what a sentence says ("turn the sofa to the window, no rug in the hall"), in its place
+        """Do what a sentence says ("put a plant in bedroom 1, no rug in the hall"), in its place
         on the stage; returns what was understood, a line for each thing.
 
         storey: name or number of the one that is meant, where a house has several and the sentence

@@ -10,7 +10,7 @@ from itertools import islice
 from chord_usd.arrange.asked_places import NEAR_M, Floor
 from chord_usd.errors import ChordError
 from chord_usd.graph.match import Database
-from chord_usd.metrics.complete import TABLES
+from chord_usd.metrics.complete import TABLES, homely_rooms
 from chord_usd.metrics.walk import walk
 from chord_usd.scene.geometry import footprint_polygon, to_own, to_world
 from chord_usd.scene.intents import Intent
@@ -136,7 +136,8 @@ def _crowd_m(floor: Floor, item: Item) -> float:
 
 
 def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | None:
-    """The item in the best free place; of those that shut nobody in, where there are some."""
+    """The item in the best free place that shuts nobody in; rather in one where nothing stands
+    wrongly that did not before."""
     scored: list[tuple[tuple[float, ...], int, Item]] = []
     for at, box in enumerate(floor.places(item)):
         placed = replace(item, box=box)
@@ -147,11 +148,24 @@ def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | Non
     free = list(islice((one for _, _, one in scored if not floor.in_the_way(one)), TRIED))
     if not free or category(item.category).mount is not Mount.FLOOR:
         return free[0] if free else None
-    return next((placed for placed in free if not shuts_in(work, placed)), None)
+    known = _flaws(work.graph)
+    right = [placed for placed in free if _flaws(_with(work.graph, placed)) <= known]
+    return next((placed for placed in (*right, *free) if not shuts_in(work, placed)), None)
+
+
+def _with(graph: SceneGraph, placed: Item) -> SceneGraph:
+    rest = (one for one in graph.items if one.id != placed.id)
+    return replace(graph, items=(*rest, placed))
+
+
+def _flaws(graph: SceneGraph) -> set[tuple[str, str]]:
+    """What rooms lack, and what stands wrongly in them."""
+    rooms = homely_rooms(graph)
+    lacks = {(room.room, name) for room in rooms for name in room.missing}
+    return lacks | {(one.item, one.fault) for room in rooms for one in room.misplaced}
 
 
 def shuts_in(work: Work, placed: Item) -> bool:
     """Whether with a piece in this place fewer rooms can be reached."""
-    rest = tuple(one for one in work.graph.items if one.id != placed.id)
-    after = replace(work.graph, items=(*rest, placed))
+    after = _with(work.graph, placed)
     return len(walk(after).unreachable) > len(walk(work.graph).unreachable)

@@ -147,7 +147,7 @@ class HouseTools:
     async def edit(
         self,
         house: House,
-        sentence: Annotated[str, Field(description='"turn the sofa to the window, no rug here"')],
+        sentence: Annotated[str, Field(description='"put a plant in bedroom 1, no rug here"')],
         ctx: Context,
         dry_run: Annotated[bool, Field(description="only say whether it can be done")] = False,
         force: Annotated[bool, Field(description="also where the house gets worse")] = False,

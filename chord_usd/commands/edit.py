@@ -27,7 +27,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
     parser.add_argument(
         "sentence", metavar="SENTENCE",
-        help='what shall be changed: "turn the sofa to the window, no rug in the hall"',
+        help='what shall be changed: "put a plant in bedroom 1, no rug in the hall"',
     )  # fmt: skip
     parser.add_argument(
         "--dry-run", action="store_true",
