@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.errors import PlanError
-from chord_usd.pipeline import Settings, read_plan
+from chord_usd.pipeline import Settings
 from chord_usd.raster.bubbles import Bubble, stretched, with_bubbles
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.progress import Progress
@@ -156,9 +156,11 @@ def plan_from_outline(
 
     text: what the rooms shall be, "" to leave it open. Raises ChordError for an unusable one.
     """
+    from chord_usd.plan.read import read_plan_file
     from chord_usd.planning.outline import shell_of
 
-    shell = shell_of(read_plan(outline_file, settings), str(outline_file))
+    drawn = read_plan_file(outline_file, settings.m_per_px, settings.part, is_open=True)
+    shell = shell_of(drawn, str(outline_file))
     commission = commission_in_shell(shell, text)
     return carry_out(commission, load_planner(OUTLINE_CHECKPOINT, settings), settings, progress)
 

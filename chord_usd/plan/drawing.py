@@ -19,7 +19,12 @@ from shapely.geometry import Polygon
 
 from chord_usd.errors import PlanError
 from chord_usd.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
-from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
+from chord_usd.plan.home_uses import (
+    kinds_of_home,
+    part_open_plans,
+    uses_elsewhere,
+    with_missing_rooms,
+)
 from chord_usd.plan.labels import named_by_texts, numbered, seen_as, uses_named
 from chord_usd.plan.openings import CONFIDENCE
 from chord_usd.plan.parts import parts_of
@@ -35,7 +40,7 @@ from chord_usd.plan.storey_titles import titled
 from chord_usd.plan.text import Text, read_texts, warm_up
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.room_areas import scale_by_rooms
+from chord_usd.scene.room_areas import scale_by_home, scale_by_rooms
 from chord_usd.scene.stair_places import DRAWN_STAIRS
 from chord_usd.scene.types import (
     OPEN,
@@ -78,6 +83,8 @@ class Known:
     """By a scale such as 1:100 and the size of the paper."""
     paper_m_per_px: float | None = None
     """Of the sheet of paper, whatever its scale is."""
+    is_open: bool = False
+    """Whether it shows the outer walls of a home, whose rooms are planned later."""
 
 
 def read_drawing(
@@ -155,7 +162,7 @@ def _page(
     light = on_white(sheet.rgb)
     segments = (reader or _reader()).read(light)
     texts = _texts(sheet, known)
-    return _Page(sheet, segments, texts, m_per_px, part, known)
+    return _Page(sheet, segments, texts, m_per_px, part, known, not known.is_open)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +221,8 @@ def _read_part(page: _Page) -> _Found:
     rooms = named_rooms(plan, page.texts, frame)
     told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
     if page.is_home:
-        plan, missing = with_missing_rooms(plan, seen)
+        named = {room.id: uses_named(room, page.texts, frame) for room in plan.rooms}
+        plan, missing = with_missing_rooms(plan, seen, named)
         told += missing
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     stairs = _stairs(plan, page, frame)
@@ -275,16 +283,21 @@ def _scale(reading: SeenReading, page: _Page) -> Scale:
     paper = known.paper_m_per_px and known.paper_m_per_px / shrink
     walls = WALL_THICKNESS_M / max(reading.regions.thickness_px, 1.0)
     kinds = [room.kind for room in _labelled_rooms(reading, page, reading.frame)]
-    rooms = scale_by_rooms(kinds, [Polygon(polygon).area for polygon in polygons])
-    return choose_scale(printed, reading.doors_m_per_px, walls, page.given, rooms, paper)
+    areas = [Polygon(polygon).area for polygon in polygons]
+    # Of an open plan, the floor is that of a whole home.
+    rooms = scale_by_home(areas) if known.is_open else scale_by_rooms(kinds, areas)
+    doors = reading.entrance_m_per_px if known.is_open else reading.doors_m_per_px
+    return choose_scale(printed, doors, walls, page.given, rooms, paper)
 
 
 def _plan(reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds) -> Plan:
     """Rooms with what they are for, and the openings in their walls."""
     areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
-    rooms = _labelled_rooms(reading, page, frame, areas_m2)
+    rooms = _labelled_rooms(reading, page, frame, areas_m2, seen)
     openings = reading.placed([room.id for room in rooms], frame)
     plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+    if page.known.is_open:
+        return plan
     named = {room.id: uses_named(room, page.texts, frame) for room in rooms}
     return part_open_plans(plan, named, seen)
 
@@ -301,9 +314,13 @@ def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]
 
 
 def _labelled_rooms(
-    reading: SeenReading, page: _Page, frame: PixelFrame, areas_m2: Sequence[float] = ()
+    reading: SeenReading,
+    page: _Page,
+    frame: PixelFrame,
+    areas_m2: Sequence[float] = (),
+    seen: SeenKinds | None = None,
 ) -> tuple[Room, ...]:
-    """Rooms with what they are for. areas_m2: of each, where they are known."""
+    """Rooms with what they are for. areas_m2: of each; seen: on its floor, where they are known."""
     outlined = [
         Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
         for o in reading.outlines
@@ -314,10 +331,13 @@ def _labelled_rooms(
         "corridor" if room.kind == "unknown" and is_stairwell(outline) else room.kind
         for room, outline in zip(named, reading.outlines, strict=True)
     ]
-    seen = kinds_of_home(chances, areas_m2, told, page.is_home)
+    uses = [uses_named(room, page.texts, frame) for room in named]
+    # Without the seen kinds the scale is not known yet: sizes then tell more than names.
+    elsewhere = uses_elsewhere(named, uses, seen) if seen else ()
+    found = kinds_of_home(chances, areas_m2, told, page.is_home, elsewhere)
     return numbered([
         seen_as(room, kind if own == "unknown" else own, sure)
-        for room, own, (kind, sure) in zip(named, told, seen, strict=True)
+        for room, own, (kind, sure) in zip(named, told, found, strict=True)
     ])  # fmt: skip
 
 

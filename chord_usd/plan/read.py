@@ -24,6 +24,7 @@ from chord_usd.scene.chord_json import read_plan
 from chord_usd.scene.geometry import extent_m
 from chord_usd.scene.json_stairs import StoreyPlan
 from chord_usd.scene.limits import LARGEST_HOUSE_M
+from chord_usd.scene.room_names import room_kinds
 from chord_usd.scene.types import ByteArray, Plan, PlanImage
 
 _PALETTE_SHARE = 0.99
@@ -36,16 +37,19 @@ _COLOR_SLACK = 3
 _SAMPLES = 50_000
 
 
-def read_plan_file(path: Path, scale: float | None = None, part: int = 1) -> Plan:
+def read_plan_file(
+    path: Path, scale: float | None = None, part: int = 1, *, is_open: bool = False
+) -> Plan:
     """The plan in a file: CHOrD JSON, SVG, DXF, IFC, Sweet Home 3D, PDF, or any kind of picture.
 
     scale: metres per pixel of a picture, or per unit of a vector file; None takes it from the file,
     from what is printed, from doors or from walls. part: which plan of a sheet or which storey, the
-    largest being 1. What is worth knowing, such as that no doors were found, is listed in
+    largest being 1. is_open: whether it shows outer walls alone, whose rooms are planned later.
+    What is worth knowing, such as that no doors were found, is listed in
     extra["warnings"]. Raises PlanError.
     """
     refuse_odd_file(path, PlanError)
-    plan = _read(path, scale, part)
+    plan = _read(path, scale, part, is_open)
     across_m = extent_m(plan.rooms)
     if across_m > LARGEST_HOUSE_M:
         raise PlanError(
@@ -80,17 +84,17 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
     return [StoreyPlan(plan, title) for plan, title in found]
 
 
-def _read(path: Path, scale: float | None, part: int) -> Plan:
+def _read(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
     if path.suffix.lower() == ".pdf":
-        return _plan_of_pdf(path, scale, part)
+        return _plan_of_pdf(path, scale, part, is_open)
     if is_vector(path):
         named = read_vector(path, scale, part)
         return (
             named
             if named and (named.openings or not is_svg(path))
-            else _plan_of_looks(path, scale, part, named)
+            else _plan_of_looks(path, scale, part, named, is_open)
         )
-    return read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part)
+    return read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part, is_open)
 
 
 def _is_json(path: Path) -> bool:
@@ -104,7 +108,7 @@ def _is_json(path: Path) -> bool:
         raise PlanError(f"cannot be read ({reason})", where=str(path)) from error
 
 
-def _plan_of_picture(path: Path, scale: float | None, part: int) -> Plan:
+def _plan_of_picture(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
     picture = read_picture(path)
     try:
         if picture.frame is not None:
@@ -112,17 +116,19 @@ def _plan_of_picture(path: Path, scale: float | None, part: int) -> Plan:
         elif is_plan_raster(picture.rgb):
             plan = decode_plan(picture.rgb, scale)
         else:
-            plan = read_drawing(picture.rgb, scale, part)
+            plan = read_drawing(picture.rgb, scale, part, Known(is_open=is_open))
     except PlanError as error:
         raise _at(path, error) from error
     return plan
 
 
-def _plan_of_looks(path: Path, scale: float | None, part: int, named: Plan | None) -> Plan:
+def _plan_of_looks(
+    path: Path, scale: float | None, part: int, named: Plan | None, is_open: bool
+) -> Plan:
     """The plan of an SVG that names no openings, by its looks, or else the one that it names."""
     try:
         page = read_page(path)
-        known = Known((), page.stated_m_per_px, page.paper_m_per_px)
+        known = Known((), page.stated_m_per_px, page.paper_m_per_px, is_open)
         plan = read_drawing(page.rgb, scale and scale * page.units_per_px, part, known)
     except PlanError as error:
         if named:
@@ -137,12 +143,12 @@ def _plan_of_looks(path: Path, scale: float | None, part: int, named: Plan | Non
     return replace(plan, extra={**plan.extra, SCALE: scales, WARNINGS: [told, *_told(plan)]})
 
 
-def _plan_of_pdf(path: Path, scale: float | None, part: int) -> Plan:
+def _plan_of_pdf(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
     """The plan on the first page that shows one."""
     first: PlanError | None = None
     for page in _pages(path):
         try:
-            known = Known(page.texts, page.stated_m_per_px, page.paper_m_per_px)
+            known = Known(page.texts, page.stated_m_per_px, page.paper_m_per_px, is_open)
             plan = read_drawing(page.rgb, scale, part, known)
         except PlanError as error:
             first = first or error
@@ -203,4 +209,16 @@ def _warnings(plan: Plan) -> list[str]:
         shut = [room for room in walk(plan.scene()).doorless if room not in named]
         if shut:
             warnings.append(f"no way leads into {', '.join(shut)}: a door may be missing")
-    return list(dict.fromkeys(warnings))
+    return list(dict.fromkeys([*warnings, *_kitchens_missed(plan)]))
+
+
+def _kitchens_missed(plan: Plan) -> list[str]:
+    """Of a home whose only kitchen is in the name of a room of another kind."""
+    named = [(n, r) for n, r in enumerate(plan.rooms, 1) if "kitchen" in room_kinds(r.name)]
+    if not named or any(room.kind == "kitchen" for room in plan.rooms):
+        return []
+    number, room = named[0]
+    return [
+        f"{room.id} is named '{room.name}', but no part of it is a kitchen:"
+        f' --rooms "{number}: {room.kind} / kitchen" parts it'
+    ]

@@ -28,6 +28,9 @@ _BELIEVABLE = math.log(1.9)
 _ODD = math.log(1.6)
 """Witnesses farther apart than this are worth a warning."""
 
+_APART = math.log(1.25)
+"""Doors and rooms that are blended and differ by more contradict each other."""
+
 LEAST_AGREEMENT = 0.4
 """Where fewer of a witness's measures say the same they agree by chance, and are not believed."""
 
@@ -53,7 +56,7 @@ class Scale:
     count: int = 1
     """How many measures speak for it."""
     agreement: float = 1.0
-    """Share of that witness's measures that do."""
+    """Share of that witness's measures that do; of blended witnesses, of their weight."""
     others: dict[str, float] = field(default_factory=dict)
     """Metres per pixel by every witness heard."""
     disagreement: str = ""
@@ -87,6 +90,13 @@ class Scale:
         """What a user should know of the scale."""
         if self.disagreement:
             return [f"{self.disagreement}; the scale is taken from {self.witness}: check --scale"]
+        if self.witness == "doors" and "rooms" in self.others:
+            apart = abs(math.log(self.others["rooms"] / self.others["doors"]))
+            if apart > _APART:
+                return [
+                    "the scale lies between what doors and the usual sizes of rooms say, which"
+                    f" differ {math.exp(apart):.2f} times: check --scale"
+                ]
         rest = {name: math.log(v / self.m_per_px) for name, v in self.others.items()}
         odd = [
             f"{name} say {math.exp(ratio):.2f} times that"
@@ -145,13 +155,21 @@ def choose_scale(
     if on_paper:
         return Scale(on_paper, "paper", others=others, disagreement=told)
     witness = next(name for name in ("doors", "rooms", "walls") if name in unprinted)
-    return Scale(rough, witness, others=others, disagreement=told)
+    agreement = _agreement(list(unprinted.values()), rough)
+    return Scale(rough, witness, agreement=agreement, others=others, disagreement=told)
 
 
 def _together(told: Sequence[tuple[float, float]]) -> float:
     """The mean of what witnesses say, each as heavy as it is precise."""
     logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
     return float(np.exp(np.average(logs, weights=spreads**-2.0)))
+
+
+def _agreement(told: Sequence[tuple[float, float]], blend: float) -> float:
+    """How much of the weight of blended witnesses is near to what they say together."""
+    logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
+    weights = spreads**-2.0
+    return float(weights[np.abs(logs - math.log(blend)) <= _APART].sum() / weights.sum())
 
 
 def _consensus(printed: Sequence[Estimate], rough: float) -> Scale | None:

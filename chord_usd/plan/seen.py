@@ -22,6 +22,7 @@ from chord_usd.scene.types import (
 
 _SHORTEST_M = {"door": 0.45, "passage": 0.45, "window": 0.3}
 
+_FRONT_DOOR_M = 0.9
 _SURE_DOOR = 0.5
 """Chance from which a door speaks for the scale."""
 
@@ -50,6 +51,13 @@ class SeenReading:
         doors = [o for o in self.openings if o.kind == "door" and len(o.rooms) == 2]
         lengths = [door.length_px for door in doors if door.confidence >= _SURE_DOOR]
         return USUAL_DOOR_M / float(np.median(lengths)) if len(lengths) > 1 else None
+
+    @property
+    def entrance_m_per_px(self) -> float | None:
+        """By the usual front door, the narrowest outer one; None where none is seen."""
+        doors = [o for o in self.openings if o.kind == "door" and len(o.rooms) == 1]
+        lengths = [door.length_px for door in doors if door.confidence >= _SURE_DOOR]
+        return _FRONT_DOOR_M / min(lengths) if lengths else None
 
     def of(self, rooms: Sequence[int]) -> SeenReading:
         """Of these rooms alone, by index."""

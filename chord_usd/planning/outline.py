@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.errors import PlanError
 from chord_usd.raster import plan_labels
 from chord_usd.scene.geometry import polygons_of, room_polygon
+from chord_usd.scene.tunnels import ON_LINE_M
 from chord_usd.scene.types import (
     OPEN,
     SURROUNDS,
@@ -18,6 +22,7 @@ from chord_usd.scene.types import (
     ByteArray,
     PixelFrame,
     Plan,
+    Room,
     frozen_array,
 )
 
@@ -27,12 +32,17 @@ LEAST_AREA_M2 = 14.0
 def shell_of(plan: Plan, where: str) -> Plan:
     """The open plan that was read from a drawing: one room, and the openings of its walls.
 
-    where: what to name in errors. Raises PlanError where it has inner walls, islands or more than
-    can be planned at once.
+    where: what to name in errors. Rooms that touch are the parts that a reader saw on one floor.
+    Raises PlanError where it has inner walls, islands or more than can be planned at once.
     """
-    if len(plan.rooms) != 1:
-        raise _not_open(f"has {len(plan.rooms)} closed rooms", where)
-    room = plan.rooms[0]
+    floors = polygons_of(_touching([room_polygon(room) for room in plan.rooms]))
+    if len(floors) != 1:
+        raise _not_open(f"has {len(floors)} closed rooms", where)
+    if floors[0].interiors:
+        raise _not_open("has walls inside", where)
+    extra = {key: value for room in plan.rooms for key, value in room.extra.items()}
+    corners = np.asarray(orient(floors[0]).exterior.simplify(1e-6).coords)[:-1]
+    room = Room(plan.rooms[0].id, "unknown", frozen_array(corners), extra=extra)
     if OPEN in room.extra:
         raise PlanError(
             f"has outer walls that are open for {room.extra[OPEN]:.1f} m",
@@ -52,10 +62,20 @@ def shell_of(plan: Plan, where: str) -> Plan:
             try_="--scale M_PER_PX, where the drawing's scale was read wrong",
         )
     openings = tuple(
-        replace(opening, kind="door" if opening.kind == "passage" else opening.kind)
+        replace(
+            opening,
+            kind="door" if opening.kind == "passage" else opening.kind,
+            room_ids=(room.id,),
+        )
         for opening in plan.openings
     )
-    return Plan((replace(room, kind="unknown"),), openings, plan.extra)
+    return Plan((room,), openings, plan.extra)
+
+
+def _touching(floors: Sequence[Polygon]) -> BaseGeometry:
+    """The floors, those that touch as one."""
+    joined = unary_union(floors).buffer(ON_LINE_M, join_style="mitre")
+    return joined.buffer(-ON_LINE_M, join_style="mitre")
 
 
 def _not_open(what: str, where: str) -> PlanError:

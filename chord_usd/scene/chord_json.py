@@ -151,8 +151,19 @@ def _load(path: Path, error: type[ChordError]) -> object:
     return parse_json(data, str(path), error)
 
 
+def _refuse_scan(house: Element) -> None:
+    """Raises the error of the file where a phone's scan is taken for a plan."""
+    keys = house.keys()
+    if "rooms" not in keys and {"walls", "doors", "windows", "objects"} <= keys:
+        raise house.error(
+            "is a RoomPlan scan of a phone, which is not read", expected="CHOrD JSON",
+            try_="export its floor plan as PDF, PNG or DXF",
+        )  # fmt: skip
+
+
 def _read_shell(house: Element) -> tuple[Floors, tuple[Opening, ...], dict[str, Any]]:
     """Rooms, openings and everything else of the file's top level."""
+    _refuse_scan(house)
     inner: list[Element] = []
     out_rooms: list[Any] = []
     for element in house.elements("rooms", "room", MOST_ROOMS, name_key="roomId"):

@@ -64,6 +64,10 @@ class Element:
     def error(self, what: str, expected: str = "", try_: str = "") -> ChordError:
         return self._error(what, where=self._where, expected=expected, try_=try_)
 
+    def keys(self) -> set[str]:
+        """All of its keys."""
+        return set(self._data)
+
     def has(self, key: str) -> bool:
         return self._data.get(key) is not None
 

@@ -45,6 +45,10 @@ def fit_of_area(kinds: Collection[RoomKind], area_m2: float) -> float:
     return -0.5 * (math.log(max(area_m2, 1e-3) / median) / spread) ** 2
 
 
+_HOME_M2, _HOME_SPREAD = 75.0, 0.3
+"""Of most homes, 40 to 140 m2: the spread of the logarithm of their sides."""
+
+
 def scale_by_rooms(
     kinds: Sequence[RoomKind], areas_px2: Sequence[float]
 ) -> tuple[float, float] | None:
@@ -58,3 +62,10 @@ def scale_by_rooms(
     weights = np.array([(2.0 / spread) ** 2 for (_, spread), _ in known])
     middle = float(np.average(logs, weights=weights))
     return math.exp(middle), math.sqrt(_HOMES**2 + 1.0 / float(weights.sum()))
+
+
+def scale_by_home(areas_px2: Sequence[float]) -> tuple[float, float] | None:
+    """Metres per pixel at which all floors together are as large as a usual home, and the standard
+    deviation of its logarithm; None without floor."""
+    area_px2 = sum(areas_px2)
+    return (math.sqrt(_HOME_M2 / area_px2), _HOME_SPREAD) if area_px2 > 0 else None

@@ -52,6 +52,10 @@ _SHORTEST_LOOKALIKE, _SHORTEST_MISSPELT = 5, 8
 _UNITS = frozenset(("m", "cm", "mm", "qm", "kvm", "sqm", "sq", "ft", "sf", "in", "feet", "jo"))
 
 _TOKEN = re.compile(r"[^\W_]+\.?|[/+&,;|()\n]")
+_CODE = re.compile(
+    r"[^\W\d_]{1,4}\.?\s*(?:=\s*[-+±]?\d[\d.,]*|:?\s*[-+±]?\d{3,4})\s*(?:mm|cm|m)?\s*"
+)
+"""A height or a width with its letters: "LD:930" (a sill), "BH=700", "OH 2400"."""
 _NUMBERED = re.compile(r"(\d*)(.*?)(\d*)(\.?)")
 _UNBLANKED = re.compile(r"[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af々〆]+")
 """Scripts that put no blanks between words."""
@@ -75,6 +79,8 @@ def room_kinds(name: str) -> tuple[RoomKind, ...]:
 @lru_cache(4096)
 def _kinds(name: str) -> tuple[RoomKind, ...]:
     folded = unicodedata.normalize("NFKC", _humps_parted(name)).casefold()
+    if _CODE.fullmatch(folded):
+        return ()
     # Japanese sheets: LDK, DK and K, with the area behind them.
     if match := re.match(r"[^a-z]*(s?ldk|ld|dk)(?![a-z])", folded):
         return _by_rank(_OF_LETTER[letter] for letter in match[1] if letter in _OF_LETTER)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -148,3 +149,24 @@ def test_a_floor_is_parted_by_what_it_is_said_to_be():
     smallest = min(PLAN.rooms, key=lambda room: room_polygon(room).area)
     with pytest.raises(ChordError, match="has no room for"):
         with_rooms(PLAN, read_rooms(f"{smallest.id}: living + kitchen + dining + study + bedroom"))
+
+
+def test_a_kitchen_that_only_a_name_tells_is_a_warning_or_a_part(tmp_path: Path) -> None:
+    """JSON stays as it is, and says how to part it; walls with labels are parted."""
+    box = [[0, 0], [700, 0], [700, 500], [0, 500]]
+    room = {"roomId": "a", "roomName": "Living Room / Kitchen", "roomType": 1, "wallPoints": box}
+    door = {"type": "Door", "pos": [350, -12, 0], "length": 90, "width": 24, "height": 210,
+            "rotate": 0}  # fmt: skip
+    file = tmp_path / "plan.json"
+    file.write_text(json.dumps({"rooms": [room], "windowsDoors": [door], "furniture": []}))
+    (told,) = [one for one in read_plan_file(file).extra["warnings"] if "kitchen" in one]
+    rooms = told.split('"')[1]
+    kinds = {one.kind for one in with_rooms(read_plan_file(file), read_rooms(rooms)).rooms}
+    assert kinds == {"living", "kitchen"}
+    drawing = tmp_path / "plan.svg"
+    drawing.write_text(
+        '<svg width="7m" viewBox="0 0 700 500"><rect id="room-1" width="700" height="500" '
+        'data-name="Living Room / Kitchen"/><rect id="door-1" x="300" y="490" width="90" '
+        'height="20"/></svg>'
+    )
+    assert {one.kind for one in read_plan_file(drawing).rooms} == {"living", "kitchen"}

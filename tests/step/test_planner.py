@@ -15,11 +15,12 @@ import pytest
 
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
-from chord_usd.errors import CheckpointError, ChordError
+from chord_usd.errors import CheckpointError, ChordError, PlanError
 from chord_usd.layout.checkpoint import save_checkpoint
 from chord_usd.layout.config import FLOOR
 from chord_usd.layout.network import LayoutNetwork
 from chord_usd.layout.sample import LayoutModel
+from chord_usd.plan.read import read_plan_file
 from chord_usd.planning.encoder import (
     ENCODER_FOLDER,
     MOST_WORDS,
@@ -29,12 +30,14 @@ from chord_usd.planning.encoder import (
     minilm_folder,
 )
 from chord_usd.planning.floor_sheet import blank_sheet
-from chord_usd.planning.outline import open_shell
+from chord_usd.planning.outline import open_shell, shell_of
 from chord_usd.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
 from chord_usd.raster.canvas import draw_plan
 from chord_usd.raster.plan_labels import sheet_frame
 from chord_usd.raster.raster_files import write_raster
 from chord_usd.scene.chord_json import read_plan, write_plan
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
 from chord_usd.scene.wish import Wish
 from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
 from tests.exit_codes import written
@@ -139,6 +142,49 @@ def test_an_open_plan_gets_rooms_and_keeps_its_walls(run_cli: RunCli, tmp_path: 
     windows = [o for o in shell.openings if o.kind == "window"]
     outer = [o for o in plan.openings if o.kind == "window" and len(o.room_ids) < 2]
     assert len(outer) == len(windows)
+
+
+def outline_by_hand(kind: str) -> np.ndarray:
+    """Outer walls of 9 x 6 m or so at 1 cm a pixel, with three windows and a door, as people draw
+    them: filled, as two lines, or as one line."""
+    rgb = np.full((800, 1100, 3), 255, np.uint8)
+    corners = [[100, 100], [1000, 100], [1000, 450], [650, 450], [650, 700], [100, 700]]
+    thick = {"filled": 16, "two lines": 20, "one line": 6}[kind]
+    cv2.polylines(rgb, [np.array(corners)], True, (0, 0, 0), thick)
+    if kind == "two lines":
+        cv2.polylines(rgb, [np.array(corners)], True, (255, 255, 255), thick - 5)
+    half = thick // 2
+    for x0, y0, x1, y1 in ((300, 100, 450, 100), (1000, 200, 1000, 350), (100, 300, 100, 450)):
+        across = (0, half) if y0 == y1 else (half, 0)
+        box = (x0 - across[0], y0 - across[1]), (x1 + across[0], y1 + across[1])
+        cv2.rectangle(rgb, *box, (255, 255, 255), -1)
+        cv2.rectangle(rgb, *box, (0, 0, 0), 2)
+    cv2.rectangle(rgb, (400, 700 - half - 2), (490, 700 + half + 2), (255, 255, 255), -1)
+    cv2.line(rgb, (400, 700), (400, 610), (0, 0, 0), 2)
+    cv2.ellipse(rgb, (400, 700), (90, 90), 0, -90, 0, (0, 0, 0), 2)
+    return rgb
+
+
+@pytest.mark.parametrize("kind", ["filled", "two lines", "one line"])
+def test_outlines_drawn_by_hand_are_one_floor_of_a_home(kind: str, tmp_path: Path) -> None:
+    """The reader parted these floors by uses, and took a home for a room: 15 m2 for 45."""
+    file = tmp_path / "open.png"
+    cv2.imwrite(str(file), outline_by_hand(kind))
+    shell = shell_of(read_plan_file(file, is_open=True), str(file))
+    assert len(shell.rooms) == 1
+    assert 0.6 < room_polygon(shell.rooms[0]).area / 45.0 < 1.6
+
+
+def test_parts_of_a_floor_are_one_shell() -> None:
+    """As in a file whose open plan is parted already; rooms with a wall between are not."""
+    parts = [Room(f"r{at}", "living", frozen_array([[at, 0], [at + 4, 0], [at + 4, 5], [at, 5]]))
+             for at in (0, 4, 8.24)]  # fmt: skip
+    door = Opening("d", "door", Box((6.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("r4",))
+    shell = shell_of(Plan(tuple(parts[:2]), (door,)), "x")
+    assert room_polygon(shell.rooms[0]).area == pytest.approx(40.0)
+    assert shell.openings[0].room_ids == (shell.rooms[0].id,)
+    with pytest.raises(PlanError, match="has 2 closed rooms"):
+        shell_of(Plan(tuple(parts), (door,)), "x")
 
 
 BAD_TEXTS = {

@@ -418,3 +418,9 @@ def test_plan_errors_are_plan_errors() -> None:
     bow_tie(data)
     with pytest.raises(PlanError, match="room 'r1'"):
         plan_from_json(data, "plan.json")
+
+
+def test_a_scan_of_a_phone_is_refused_as_what_it_is() -> None:
+    scan = {key: [] for key in ("walls", "doors", "windows", "openings", "objects", "floors")}
+    with pytest.raises(PlanError, match=r"is a RoomPlan scan .* Try: export its floor plan"):
+        plan_from_json({"version": 2, **scan})

@@ -1,5 +1,7 @@
 """Open plans: parts as large as their kinds, names where they were, every opening kept."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -7,7 +9,12 @@ from shapely.geometry import Point
 from shapely.ops import unary_union
 
 from chord_usd.metrics.clear_floor import blocked_openings, clearances
-from chord_usd.plan.home_uses import kinds_of_home, part_open_plans, with_missing_rooms
+from chord_usd.plan.home_uses import (
+    kinds_of_home,
+    part_open_plans,
+    uses_elsewhere,
+    with_missing_rooms,
+)
 from chord_usd.plan.open_plans import Use, part_room
 from chord_usd.plan.seen_kinds import seen_kinds
 from chord_usd.plan.vector.assemble import assemble
@@ -147,6 +154,31 @@ def test_a_home_without_a_kitchen_gets_one_beside_the_bath():
     assert len(again.rooms) >= len(plan.rooms)
 
 
+def test_a_kitchen_lies_where_its_name_is_also_where_nothing_of_it_is_drawn():
+    empty = drawn(living=(0, 0, 9, 4))
+    spots = {"living": (7.5, 2.0), "kitchen": (1.0, 2.0)}
+    named = {"living1": [Use(kind, (kind,), (at,)) for kind, at in spots.items()]}
+    plan, told = with_missing_rooms(LONG, empty, named)
+    kitchen = next(room_polygon(one) for one in plan.rooms if one.kind == "kitchen")
+    assert kitchen.contains(Point(spots["kitchen"]))
+    assert kitchen.bounds[2] < spots["living"][0]
+    assert "no kitchen was recognised" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "seen", "said"),
+    [
+        ("", None, "no kitchen was recognised: a part of living1 became kitchen1"),
+        ("Living / Kitchen", None, "living1 is named a kitchen, too: a part of it became kitchen1"),
+        ("", drawn(living=(3, 0, 9, 4), kitchen=(0, 0, 3, 4)),
+         "kitchen1 is the part of living1 where a kitchen is drawn"),
+    ],
+)  # fmt: skip
+def test_a_parted_floor_is_told_as_it_is(name, seen, said):
+    plan = replace(LONG, rooms=(replace(LONG.rooms[0], name=name), LONG.rooms[1]))
+    assert with_missing_rooms(plan, seen)[1][0] == said
+
+
 def chances(**rows):
     table = np.full((len(rows), len(KIND_NAMES)), 0.01)
     for row, likely in zip(table, rows.values(), strict=True):
@@ -166,6 +198,21 @@ def test_what_a_home_needs_goes_to_the_room_that_speaks_against_it_least():
     assert [kind for kind, _ in home] == ["living", "bedroom", "bathroom"]
     named = kinds_of_home(seen, areas, ["unknown", "unknown", "bathroom"], is_home=True)
     assert named[1][0] == "bedroom"
+
+
+@pytest.mark.parametrize("is_drawn", [True, False])
+def test_no_other_room_is_a_kitchen_where_a_part_of_a_floor_is(is_drawn):
+    """A stairwell that looks a little like a kitchen became one, though "Keuken" was printed."""
+    rooms = [rectangle("", "living", 0, 0, 9, 4), rectangle("", "unknown", 0, 4.24, 3, 5)]
+    shown = drawn(kitchen=(0, 0, 3, 4), living=(3, 0, 9, 4)) if is_drawn else None
+    named = [[Use("living"), Use("kitchen")], []]
+    elsewhere = uses_elsewhere(rooms, [[], []] if is_drawn else named, shown)
+    assert "kitchen" in elsewhere
+    seen = chances(large={"living": 0.7}, stairs={"kitchen": 0.5, "corridor": 0.3}, bath={}, bed={})
+    areas, told = [36.0, 8.0, 4.0, 12.0], ["living", "unknown", "bathroom", "bedroom"]
+    assert kinds_of_home(seen, areas, told, is_home=True)[1][0] == "kitchen"
+    kinds = kinds_of_home(seen, areas, told, is_home=True, elsewhere=elsewhere)
+    assert kinds[1][0] != "kitchen"
 
 
 @pytest.mark.parametrize(

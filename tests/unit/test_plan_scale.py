@@ -189,6 +189,21 @@ def test_witnesses_far_apart_are_a_warning() -> None:
     assert "doors say 2.00 times" in scale.warnings()[0]
 
 
+def test_a_blend_of_witnesses_that_contradict_each_other_is_a_warning() -> None:
+    alike = choose_scale([], doors=0.01, walls=0.02, rooms=(0.012, 0.2))
+    assert alike.warnings() == []
+    apart = choose_scale([], doors=0.0064, walls=0.016, rooms=(0.0135, 0.2))
+    assert "differ 2.11 times" in apart.warnings()[0]
+    assert apart.report()["agreement"] < alike.report()["agreement"] < 1.0
+
+
+def test_a_sheet_has_its_usual_scale_where_doors_are_near_to_it() -> None:
+    near = choose_scale([], doors=0.0094, walls=0.0114, paper=0.0001)
+    assert (near.m_per_px, near.witness) == (pytest.approx(0.01), "paper")
+    assert choose_scale([], doors=0.0145, walls=0.0145, paper=0.0001).witness == "doors"
+    assert choose_scale(printed(0.013, 0.013), 0.0094, 0.0114, paper=0.0001).witness != "paper"
+
+
 def test_misread_measures_that_agree_are_doubted_where_walls_say_otherwise() -> None:
     measures = [Estimate("dimension lines", 0.06, text) for text in ("1", "2", "3")]
     assert "walls say" in choose_scale(measures, None, 0.0225).warnings()[0]

@@ -10,7 +10,8 @@ from chord_usd.scene.types import RoomKind
 
 NAMES: dict[RoomKind, str] = {
     "living": "Lounge|Living Room 2|Wohnzimmer|Séjour|Salón|Sala de Estar|VARDAGSRUM|Olohuone|OH"
-    "|客厅|リビング|LDK 12.5帖|salle de séjour|Reception Room|RECEPTION|Drawing Room"
+    "|客厅|リビング|LDK 12.5帖|LDK14.0|LD 26m2|OH 27.5"
+    "|salle de séjour|Reception Room|RECEPTION|Drawing Room"
     "|Bonus Room|Bonus|Family Room|Family|Great Rm|Studio|Sitting Room|Sun Room"
     "|Living / Kitchen / Dining|Kitchen/Living|Estar/Jantar/|Salon z aneksem kuchennym"
     "|Pokój dzienny|Woonkamer|Soggiorno|Stue|Stue/kjøkken|TV-stue|Гостиная|Кухня-гостиная"
@@ -65,7 +66,8 @@ NAMES: dict[RoomKind, str] = {
     "|Kotłownia|Bryggers|Bod|Vaskerom|Walk-in|Гардеробная|Кладовая|드레스룸|다용도실|창고"
     "|מחסן|חדר ארונות|シューズクローク|クローゼット|衣帽间|主卧衣帽间|Storage 1"
     "|Store Room|Abst.|Hauswirtschaftsraum|Laundry/Mech|STORAG|Placard|Buanderie",
-    "unknown": "Garden|BH=700|13 m²|SIZES ARE APPROXIMATE|First Floor|Ground Floor Plan|Third Floor"
+    "unknown": "Garden|BH=700|LD:930|LD: 930|LD 930|DK=900|OH 2400|ET.2100|KH+850|MH=2.40 m"
+    "|13 m²|SIZES ARE APPROXIMATE|First Floor|Ground Floor Plan|Third Floor"
     "|12 Church Street, London|Bath Road|Hall Lane 7|Badstraße 5|Kitchenaid"
     "|Kitchen Warehouse Ltd|Pinterest|Decorei.org"
     "|Plantas de Kitnet: Descubra Qual a Melhor Opção|Planta de Apartamento"

@@ -83,11 +83,11 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
     told = [*drawing.notes, *scale.warnings()]
     extra = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
     plan = Plan(rooms, openings, extra)
-    return plan if drawing.rooms else _parted(plan, scaled.labels)
+    return _parted(plan, () if drawing.rooms else scaled.labels)
 
 
 def _parted(plan: Plan, labels: Sequence[Label]) -> Plan:
-    """The plan whose rooms the walls alone told, with those of several labels parted."""
+    """The plan with rooms parted that have several names: labels, where walls alone make rooms."""
     texts = _as_texts(labels, -1.0)
     uses = {room.id: uses_named(room, texts, _AS_DRAWN) for room in plan.rooms}
     return part_open_plans(plan, uses)
