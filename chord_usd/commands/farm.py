@@ -145,6 +145,8 @@ def run_due(options: argparse.Namespace) -> Outcome:
 
     words, tasks = tasks_of(options.job)
     values = {"Param.Scene": options.job / SCENE_FOLDER, "Param.OutputDir": options.output}
+    if not tasks:
+        return Outcome(None, {"due": 0, "tasks": 0})
     asked = parsed(_filled(words, {**values, **_of_task(tasks[0])}))
     wanted = replace(picture_options(asked), frame=None, cameras=())
     every = camera_names(asked.stage, wanted)

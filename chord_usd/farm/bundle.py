@@ -20,6 +20,9 @@ from chord_usd.errors import RenderError
 from chord_usd.farm.environment import pinned
 from chord_usd.farm.slurm import Host, slurm_scripts
 from chord_usd.runtime.files import output_folder
+from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.runtime.json_lines import read_lines
+from chord_usd.runtime.json_text import parse_json
 from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.stages import StageFiles
 from chord_usd.runtime.targets import FolderMode
@@ -132,15 +135,26 @@ def tasks_of(folder: Path) -> tuple[list[str], list[dict[str, Any]]]:
 
     The words name tasks' parameters as the template does. Raises RenderError for no bundle.
     """
+    files = folder / TEMPLATE_FILE, folder / TASKS_FILE
     try:
-        steps = json.loads((folder / TEMPLATE_FILE).read_text())["steps"]
-        words = [str(word) for word in steps[0]["script"]["actions"]["onRun"]["args"]]
-        tasks = [json.loads(line) for line in (folder / TASKS_FILE).read_text().splitlines()]
-    except (OSError, ValueError, LookupError, TypeError) as error:
+        refuse_odd_file(files[0], RenderError)
+        template = parse_json(files[0].read_bytes(), str(files[0]), RenderError)
+        words = [str(word) for word in template["steps"][0]["script"]["actions"]["onRun"]["args"]]
+        tasks = [
+            _task(parse_json(line, f"{files[1]}:{number}", RenderError))
+            for number, line in read_lines(files[1], RenderError)
+        ]
+    except (OSError, LookupError, TypeError, ValueError) as error:
         raise RenderError(
             "is no bundle", where=str(folder), try_="chord-usd farm bundle STAGE -o FOLDER"
         ) from error
     return words, tasks
+
+
+def _task(told: Any) -> dict[str, Any]:
+    """Raises LookupError, TypeError, ValueError for what is none."""
+    view = CAMERA if CAMERA in told else FRAME
+    return {view: str(told[view]), "Tile": int(told["Tile"]), "Block": int(told["Block"])}
 
 
 def template(work: Work) -> dict[str, Any]:

@@ -119,6 +119,22 @@ def test_an_element_of_an_array_runs_several_tasks_and_passes_over_failures(bund
     assert done.stdout.count("Tile(INT) = ") == 2
 
 
+@pytest.mark.parametrize(
+    ("template", "tasks"),
+    [("{}", ""), ("[1", ""), (None, ""), ("whole", "[]"), ("whole", '{"Camera": "A"}')],
+)
+def test_what_is_no_bundle_is_one_line(
+    bundle: Path, tmp_path: Path, template: str | None, tasks: str
+) -> None:
+    if template is not None:
+        whole = (bundle / "template.json").read_text()
+        (tmp_path / "template.json").write_text(whole if template == "whole" else template)
+    (tmp_path / "tasks.jsonl").write_text(tasks + "\n")
+    with pytest.raises(RenderError) as told:
+        tasks_of(tmp_path)
+    assert "\n" not in str(told.value)
+
+
 def test_a_job_of_another_version_is_refused_by_its_worker(bundle: Path) -> None:
     words = ["render", "scene/house.usda", "-o", "other", "--require-version", "0.0.1"]
     done = run(["chord-usd", *words], bundle)

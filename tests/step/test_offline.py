@@ -35,6 +35,7 @@ QUICK: dict[str, str] = {
     "stage": "{scene} -o {out}/house.usda",
     "render": "{house} -o {out} --camera Top --samples 1 --resolution 32x32",
     "farm bundle": "{house} -o {out}/bundle",
+    "farm due": "{job} -o {out}/pictures",
     "check": "{house}",
     "describe": "{house}",
     "export": "{house} --for gltf -o {out}/house.glb",
@@ -146,6 +147,7 @@ def inputs(
         "plan": ROOT / "examples" / "studio.png",
         "scene": ROOT / "tests" / "fixtures" / "furnished_house.json",
         "house": base / "house.usda",
+        "job": base / "job",
         "layout": base / "layout.png",
         "houses": base / "houses",
         "models": base / "models",
@@ -153,6 +155,7 @@ def inputs(
     }
     for words in (
         ["stage", found["scene"], "-o", found["house"]],
+        ["farm", "bundle", found["house"], "-o", found["job"]],
         ["layout", found["plan"], "-o", found["layout"], "--steps", "1"],
         ["dataset", "synth", "-o", found["houses"], "--count", "2"],
     ):
