@@ -42,7 +42,7 @@ def documented(file: Path) -> list[str]:
 def plans(count: int, folder: Path) -> list[Path]:
     """Examples first, then procedural plans."""
     found = [ROOT / "examples" / name for name in EXAMPLES][:count]
-    for number in range(count - len(found)):
+    for number in range(1, 1 + count - len(found)):  # the first is a single room, no home
         found.append(folder / f"plan_{number}.json")
         rng = np.random.default_rng(_APART + number)
         write_plan(random_plan(rng, spread_room_count(number)), found[-1])

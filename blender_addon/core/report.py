@@ -29,6 +29,8 @@ def findings(report: Mapping[str, Any]) -> list[Finding]:
         ("empty_rooms", "is empty"),
     ):
         found += [Finding(f"{short(path)} {words}", (path,)) for path in report.get(key, ())]
+    for room in report.get("unreachable", ()):
+        found.append(Finding(f"{short(room['path'])} cannot be reached", (room["path"],)))
     for told in report.get("stairs", ()):
         found.append(Finding(short(told), (told.split(" ")[0],)))
     for error in report.get("errors", ()):

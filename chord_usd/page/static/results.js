@@ -51,17 +51,12 @@ const versions = (app) => [
 
 const percent = (share) => `${Math.round((share ?? 0) * 100)} %`;
 
-/** What is wrong, in words, with the prims to show for it. */
+const PATH = /\/House\/[^\s:,]+/g;
+
+/** What is wrong, in words, with the prims to show for it: all that speaks against the certificate, then advice. */
 function faultsOf(told) {
-  const one = (what) => (path) => ({ text: `${what}: ${leaf(path)}`, paths: [path] });
   return [
-    ...(told.errors ?? []).map((e) => ({ text: `${e.message} (${e.rule})`, paths: [e.path] })),
-    ...(told.collisions ?? []).map(({ a, b, depth_m }) => ({ text: `${leaf(a)} runs ${(depth_m * 100).toFixed(1)} cm into ${leaf(b)}`, paths: [a, b] })),
-    ...(told.out_of_room ?? []).map(one("Out of its room")),
-    ...(told.blocked_openings ?? []).map(one("Blocked")),
-    ...(told.unsupported ?? []).map(one("Floats")),
-    ...(told.empty_rooms ?? []).map(one("Empty")),
-    ...(told.stairs ?? []).map((text) => ({ text, paths: [text.split(" ")[0]] })),
+    ...(told.faults ?? []).map((line) => ({ text: line.replace(PATH, leaf), paths: line.match(PATH) ?? [] })),
     ...(told.missing ?? []).map(({ path, pieces }) => ({ text: `${leaf(path)} lacks ${pieces.join(", ").replaceAll("_", " ")}`, paths: [path] })),
     ...(told.home_lacks ?? []).map((piece) => ({ text: `The home has no ${piece}`, paths: [] })),
     ...(told.misplaced ?? []).map(({ item, fault }) => ({ text: `${leaf(item)} is ${fault}`, paths: [item] })),
