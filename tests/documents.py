@@ -68,10 +68,9 @@ def command_lines(text: str) -> list[str]:
     ]
 
 
-def spoken_lines(text: str) -> list[str]:
-    """Whole command lines of chord-usd within sentences: those with an output or an input."""
-    spans = re.findall(r"`(chord-usd [^`\n]+)`", text)
-    return [line for line in spans if re.search(r" -o \S+/? |\S+\.\w+|\S+/( |$)", f"{line} ")]
+def python_blocks(text: str) -> list[str]:
+    """The fenced blocks of Python."""
+    return re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
 def verb_of(line: str) -> str | None:

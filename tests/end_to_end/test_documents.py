@@ -15,6 +15,7 @@ from tests.documents import (
     ELSEWHERE,
     ROOT,
     command_lines,
+    python_blocks,
     verb_of,
     with_tiny_budgets,
     write_inputs,
@@ -37,11 +38,8 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the inputs and the house that the documents name."""
     folder = tmp_path_factory.mktemp("reader")
     write_inputs(folder)
-    ran(folder, "chord-usd generate examples/two_bedrooms.png -o house.usda --seed 3")
-    ran(folder, "chord-usd dataset synth -o homes --count 3")
-    shutil.copytree(folder / "homes", folder / "houses")
-    for name in ("before.usda", "after.usda"):
-        shutil.copyfile(folder / "house.usda", folder / name)
+    ran(folder, "chord-usd generate examples/two_bedrooms.png -o house/house.usda --seed 3")
+    ran(folder, "chord-usd dataset synth -o houses --count 3")
     return folder
 
 
@@ -59,18 +57,23 @@ def ran(folder: Path, line: str) -> None:
     assert done.returncode in good, f"{line}\n{done.stderr[-1500:]}"
 
 
+def reader(template: Path, tmp_path: Path) -> Path:
+    """A folder of a reader: the inputs, and the house both there and in out/."""
+    folder = tmp_path / "reader"
+    shutil.copytree(template, folder, symlinks=True)
+    shutil.copytree(template / "house", folder, dirs_exist_ok=True)
+    shutil.copytree(template / "house", folder / "out")
+    for name in ("before.usda", "after.usda"):
+        shutil.copyfile(folder / "house.usda", folder / name)
+    return folder
+
+
 @pytest.mark.acceptance
 @pytest.mark.parametrize(("document", "lines"), by_document(), ids=lambda value: str(value)[:30])
 def test_lines_run_in_their_order(
     document: str, lines: list[str], template: Path, tmp_path: Path
 ) -> None:
-    folder = tmp_path / "reader"
-    shutil.copytree(template, folder, symlinks=True)
-    (folder / "out").mkdir()
-    for path in template.glob("house*"):
-        if path.name != "houses":
-            copy = shutil.copytree if path.is_dir() else shutil.copyfile
-            copy(path, folder / "out" / path.name)
+    folder = reader(template, tmp_path)
     faults = []
     for line in lines:
         if any(word in line for word in ELSEWHERE):
@@ -82,6 +85,18 @@ def test_lines_run_in_their_order(
         except (AssertionError, subprocess.TimeoutExpired) as error:
             faults.append(str(error))
     assert not faults, f"{document}\n" + "\n".join(faults)
+
+
+@pytest.mark.acceptance
+@pytest.mark.parametrize("document", ["README.md", "docs/python.md"])
+def test_python_runs(document: str, template: Path, tmp_path: Path) -> None:
+    folder = reader(template, tmp_path)
+    for block in python_blocks((ROOT / document).read_text()):
+        done = subprocess.run(
+            [sys.executable, "-c", block], cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)},
+            capture_output=True, text=True, timeout=LONGEST_S, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-1500:]
 
 
 def make_room(folder: Path, line: str) -> None:
