@@ -102,7 +102,7 @@ def write_inputs(folder: Path) -> None:
     photo = cv2.imread(str(ROOT / "examples" / "studio.png"))
     cv2.imwrite(str(folder / "my_plan.jpg"), photo)
     outline = np.full((256, 256, 3), 255, np.uint8)
-    cv2.rectangle(outline, (30, 40), (220, 200), (0, 0, 0), 5)
+    cv2.rectangle(outline, (40, 60), (200, 180), (0, 0, 0), 3)
     cv2.imwrite(str(folder / "open.png"), outline)
     (folder / "models").mkdir()
     trimesh.creation.box((0.5, 0.9, 0.5)).export(folder / "models" / "chair.obj")
