@@ -59,7 +59,10 @@ def main() -> None:
         for step in told[0]["seconds"]
     ]
     rows.append(("peak memory", f"{max(run.peak_mib for run in generates):.0f} MiB"))
-    sys.stdout.write(write_section("generate", rows, f"Medians of {options.runs} runs, warm."))
+    note = f"Medians of {options.runs} runs, warm."
+    if os.getloadavg()[0] > (os.cpu_count() or 1):
+        note += " The machine had other work: of these figures, the processor time alone counts."
+    sys.stdout.write(write_section("generate", rows, note))
 
 
 def _generate(plan: Path, steps: int | None) -> Run:
