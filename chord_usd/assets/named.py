@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,13 +30,14 @@ def with_found_assets(
     allowed = [*(folder.resolve() for folder in (home, *folders, cache_folder()))]
     things = (*graph.items, *graph.dressing)
     named = {asset.usd_path: asset for item in things for asset in _assets_of(item)}
+    shipped = {asset.id for asset in embedded_assets()}
     found: dict[Path, Path] = {}
     for path, asset in sorted(named.items()):
         place = _found(path, home, allowed)
         if place is None:
             continue
         if not _is_inside(place, allowed) or _is_drawn_here(place):
-            place = _same_here(asset, database) or place
+            place = _same_here(asset, shipped, database) or place
         _require_inside(place, scene, allowed)
         found[path] = place
     _require_layers([place for place in found.values() if not _is_drawn_here(place)])
@@ -72,10 +73,9 @@ def _found(path: Path, home: Path, allowed: Sequence[Path]) -> Path | None:
         return None
 
 
-def _same_here(asset: Asset, database: AssetDatabase) -> Path | None:
+def _same_here(asset: Asset, shipped: Set[str], database: AssetDatabase) -> Path | None:
     """Where the shipped asset of this name is drawn for this user; None for what is not shipped."""
-    ids = {own.id for own in embedded_assets()}
-    if asset.id not in ids or asset.usd_path.parts[-2:] != (asset.id, f"{asset.id}.usda"):
+    if asset.id not in shipped or asset.usd_path.parts[-2:] != (asset.id, f"{asset.id}.usda"):
         return None
     return database.named(asset.id).usd_path
 

@@ -46,6 +46,7 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.arrange.rules import edits_told
     from chord_usd.pipeline import Settings, read_scene_file, require, settle, write_stage
+    from chord_usd.scene.estimates import of_stage
 
     settings = Settings(
         seed=options.seed,
@@ -64,6 +65,9 @@ def run(options: argparse.Namespace) -> Outcome:
         target = delivery.place(options.output)
         with watch.step("load"):
             graph = read_scene_file(scene_file, settings)
+            estimate = of_stage(graph)
+            estimate.require_memory(str(scene_file))
+            watch.announce(estimate.said())
         with watch.step("stage"):
             graph = settle(graph, settings)
             stage = write_stage(graph, target, settings)

@@ -29,6 +29,7 @@ from chord_usd.pipeline.settings import Settings
 from chord_usd.runtime.files import hash_file
 from chord_usd.runtime.locations import checkpoint_folder
 from chord_usd.runtime.progress import Progress, Stopwatch
+from chord_usd.scene.estimates import of_furnishing, of_stage
 from chord_usd.scene.roof_forms import NO_ROOF
 from chord_usd.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.scene.types import (
@@ -118,6 +119,9 @@ def generate(
         refuse_shut(plan, plan_file)
         refuse_roof(plan, settings)
         plan_image = draw_plan(plan)
+        estimate = of_furnishing(plan, plan_image) + of_stage(plan.scene())
+        estimate.require_memory(str(plan_file))
+        watch.announce(estimate.said())
         asked = asked_of(plan, settings)
     style = style_named(settings.style or MIXED, settings.seed)
     with watch.step("load"):

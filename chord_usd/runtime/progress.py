@@ -26,6 +26,9 @@ PROGRESS_STYLES: tuple[ProgressStyle, ...] = ProgressStyle.__args__  # type: ign
 class Reporter(Protocol):
     """Tells a user where the work stands."""
 
+    def announce(self, line: str) -> None:
+        """Say a sentence before long work."""
+
     def step(self, name: str) -> Progress:
         """Begin a step; the callable takes its progress."""
 
@@ -44,6 +47,11 @@ class Stopwatch:
         """Seconds per step; a step that ran twice counts both."""
         self._reporter = reporter or SilentReporter()
 
+    def announce(self, line: str) -> None:
+        """Say a sentence before long work; nothing where it is empty."""
+        if line:
+            self._reporter.announce(line)
+
     @contextmanager
     def step(self, name: str) -> Iterator[Progress]:
         """Time a block; yields the progress callable to hand to whatever does the work."""
@@ -60,6 +68,9 @@ class Stopwatch:
 
 class SilentReporter:
     """Says nothing."""
+
+    def announce(self, line: str) -> None:
+        pass
 
     def step(self, name: str) -> Progress:
         return _ignore
@@ -117,6 +128,9 @@ class JobReporter(SilentReporter):
 class LineReporter(SilentReporter):
     """One line per finished step, and one now and then while it goes on, with the time left."""
 
+    def announce(self, line: str) -> None:
+        _say(line)
+
     def step(self, name: str) -> Progress:
         return _lines_of(name, lambda: True)
 
@@ -124,7 +138,7 @@ class LineReporter(SilentReporter):
         _say(f"{name}: {seconds:.1f} s")
 
 
-class HeldReporter(SilentReporter):
+class HeldReporter(LineReporter):
     """As LineReporter, but lines wait until the verb has ended well, so that an error stands alone.
 
     A verb that takes longer than HOLD_SECONDS is followed live.
@@ -210,6 +224,9 @@ class BarReporter(SilentReporter):
 
     def __init__(self) -> None:
         self._bar: Any = None
+
+    def announce(self, line: str) -> None:
+        _say(line)
 
     def step(self, name: str) -> Progress:
         from tqdm import tqdm

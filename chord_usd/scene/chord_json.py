@@ -52,6 +52,7 @@ from chord_usd.scene.limits import (
     MOST_ROOMS,
 )
 from chord_usd.scene.palette import Level
+from chord_usd.scene.piles import is_piled
 from chord_usd.scene.room_names import room_kind
 from chord_usd.scene.types import (
     ROOM_KINDS,
@@ -125,10 +126,13 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     names = Names("furniture", MOST_ITEMS)
     elements = house.elements("furniture", "furniture", MOST_ITEMS)
     items = tuple(_read_item(element, names, floors) for element in elements)
+    dressing = _read_dressing(house, names, floors, items)
+    for things in (items, dressing):
+        if is_piled(things):
+            raise house.error("thousands of pieces stand in one another", "pieces side by side")
     return SceneGraph(
-        floors.rooms, openings, items, _read_provenance(house), extra,
-        _read_dressing(house, names, floors, items), read_style(house),
-    )  # fmt: skip
+        floors.rooms, openings, items, _read_provenance(house), extra, dressing, read_style(house)
+    )
 
 
 def _read_dressing(

@@ -16,6 +16,7 @@ from chord_usd.scene.units import rotation_2d
 from chord_usd.stage.names import NamedRoom
 from chord_usd.stage.prims import Types, attribute, define, note, set_op_order
 from chord_usd.stage.stage_levels import Level, is_shaft
+from chord_usd.stage.view_places import QUICK, THOROUGH, Effort
 from chord_usd.stage.viewpoints import EYE_M, NEAR_M, SENSOR_MM, View, choose_view
 from chord_usd.stage.walls import Walls
 
@@ -51,6 +52,9 @@ _ELEVATION_DEG = math.degrees(math.asin(math.tan(math.radians(30.0))))
 _TALLEST_M = 1.6
 """What stands higher may reach into the margin."""
 
+_MANY_ROOMS = 100
+"""From more on, few places of each room are tried for its camera."""
+
 _CUT_AT_M = 1.2
 """Where an isometric view cuts the walls."""
 
@@ -59,21 +63,24 @@ def set_cameras(layer: Sdf.Layer, levels: Sequence[Level]) -> None:
     """Write /House/Cameras: one per room under the room's name, Top, and Isometric; one of these
     for each storey where there are several, the lowest's without its name."""
     define(layer, "/House/Cameras", "Scope")
+    effort = THOROUGH if sum(len(level.rooms) for level in levels) <= _MANY_ROOMS else QUICK
     for level in levels:
         for room in level.rooms:
             if not is_shaft(level, room):
-                _set_room_camera(layer, room, level.walls, level.elevation_m)
+                _set_room_camera(layer, room, level.walls, level.elevation_m, effort)
     above = _camera(layer, TOP_CAMERA, _above(levels), Gf.Vec3f(0.0, 0.0, 0.0))
     _set_lens(above, _TOP_LENS_MM, 0.0, NEAR_M)
     for level in levels:
         _set_isometric(layer, level)
 
 
-def _set_room_camera(layer: Sdf.Layer, room: NamedRoom, walls: Walls, floor_m: float) -> None:
+def _set_room_camera(
+    layer: Sdf.Layer, room: NamedRoom, walls: Walls, floor_m: float, effort: Effort
+) -> None:
     openings = [tunnel.opening for tunnel in walls.tunnels_of(room.room.id)]
     floor, items = walls.floors_m[room.index], [named.item for named in room.items]
     dressing = _large(named.item for named in room.dressing)
-    _write_view(layer, room.name, choose_view(floor, items, openings, dressing), floor_m)
+    _write_view(layer, room.name, choose_view(floor, items, openings, dressing, effort), floor_m)
 
 
 def _large(dressing: Iterable[Item]) -> list[Item]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -27,9 +26,6 @@ _CLEAR_OF_PIECES_M = (0.4, 0.25, 0.1)
 """How far from furniture to stand; the next one where the first leaves no place."""
 
 _FROM_WALL_M = 0.2
-_BEHIND_WALL_M = (0.0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8)
-"""How far behind a wall to stand."""
-
 _CUT_M = 0.18
 """What hangs on the wall that one looks through (curtains, pictures) is cut away with it."""
 
@@ -50,6 +46,25 @@ _HALF_WIDTH = 0.65
 
 
 @dataclass(frozen=True)
+class Effort:
+    """How many places of a room are tried."""
+
+    inside: int
+    """At most so many."""
+    walls: int
+    """The longest; behind these."""
+    shares: tuple[float, ...]
+    """Of a wall's length, from its beginning."""
+    behind_m: tuple[float, ...]
+    """How far behind a wall to stand."""
+
+
+THOROUGH = Effort(200, 40, (0.3, 0.4, 0.5, 0.6, 0.7), (0.0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8))
+QUICK = Effort(16, 8, (0.5,), (0.0, 0.6, 1.5))
+"""For buildings of many rooms, whose views are the larger part of the time."""
+
+
+@dataclass(frozen=True)
 class Stand:
     """A place for the camera."""
 
@@ -67,17 +82,22 @@ class Stand:
         return self.heading_deg is not None
 
 
-def stands(floor: Polygon, things: Sequence[Item], openings: Sequence[Opening]) -> Iterator[Stand]:
-    """All places worth trying, the same ones for the same room.
+def stands(
+    floor: Polygon, things: Sequence[Item], openings: Sequence[Opening], effort: Effort = THOROUGH
+) -> Iterator[Stand]:
+    """The places that are tried, the same ones for the same room.
 
     things: furniture, and whatever else stands in the room or hangs in it.
     """
     doors = [one for one in openings if one.kind != "window"]
-    yield from _inside(floor, [one for one in things if one.box.center_m[2] < 0.1], doors)
-    yield from _behind_walls(floor, things)
+    standing = [one for one in things if one.box.center_m[2] < 0.1]
+    yield from _inside(floor, standing, doors, effort.inside)
+    yield from _behind_walls(floor, things, effort)
 
 
-def _inside(floor: Polygon, items: Sequence[Item], doors: Sequence[Opening]) -> Iterator[Stand]:
+def _inside(
+    floor: Polygon, items: Sequence[Item], doors: Sequence[Opening], most: int
+) -> Iterator[Stand]:
     """Corners of the free floor, middles of its sides, doorways; never inside an item: where there
     is no room between them one leans over the low ones."""
     tall = unary_union([footprint_polygon(i.box) for i in items if i.box.top_m > LOW_M])
@@ -91,7 +111,8 @@ def _inside(floor: Polygon, items: Sequence[Item], doors: Sequence[Opening]) -> 
         places = _free_places(floor, tall, 0.1, middles)
     if not len(places):
         places = np.array([floor.representative_point().coords[0]])
-    for place in np.unique(places.round(3), axis=0):
+    places = np.unique(places.round(3), axis=0)
+    for place in places[:: -(-len(places) // most)]:
         yield Stand(place)
 
 
@@ -114,7 +135,7 @@ def _free_places(
     return np.concatenate(places)
 
 
-def _behind_walls(floor: Polygon, things: Sequence[Item]) -> Iterator[Stand]:
+def _behind_walls(floor: Polygon, things: Sequence[Item], effort: Effort) -> Iterator[Stand]:
     """Places before and behind each wall from which one looks straight at the one across."""
     standing = np.array(
         [footprint_polygon(one.box) for one in things if one.box.center_m[2] < _HIGH_M],
@@ -122,17 +143,19 @@ def _behind_walls(floor: Polygon, things: Sequence[Item]) -> Iterator[Stand]:
     )
     clear = floor.difference(unary_union([piece.buffer(_UNCUT_M) for piece in standing]))
     ring = np.asarray(shapely.geometry.polygon.orient(floor).exterior.simplify(0.02).coords)
-    for start, end in pairwise(ring):
-        length_m = float(np.hypot(*(end - start)))
+    lengths_m = np.hypot(*np.diff(ring, axis=0).T)
+    longest = np.sort(np.argsort(-lengths_m, kind="stable")[: effort.walls])
+    for wall in longest.tolist():
+        start, end, length_m = ring[wall], ring[wall + 1], float(lengths_m[wall])
         if length_m < 0.8:
             continue
         along = (end - start) / length_m
         inwards = np.array([-along[1], along[0]])
         heading_deg = math.degrees(math.atan2(inwards[1], inwards[0]))
-        for share in (0.3, 0.4, 0.5, 0.6, 0.7):
+        for share in effort.shares:
             foot = start + share * (end - start)
             worth = 1.0 if share == 0.5 else 0.97
-            for behind_m in _BEHIND_WALL_M:
+            for behind_m in effort.behind_m:
                 half_m = (behind_m + _CUT_M) * _HALF_WIDTH
                 cut_m = _cut_m(foot, along, inwards, half_m, standing)
                 if cut_m is None:

@@ -21,7 +21,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.scene.geometry import footprint
 from chord_usd.scene.types import BoolArray, FloatArray, Item, Opening
-from chord_usd.stage.view_places import NEAR_M, Stand, stands
+from chord_usd.stage.view_places import NEAR_M, THOROUGH, Effort, Stand, stands
 from chord_usd.stage.view_rays import TURNS_DEG, Surroundings, picture_weights
 
 EYE_M = 1.5
@@ -81,6 +81,10 @@ _WORTH = np.array([one * other for _, one in _LENSES_MM for _, other in _SHIFTS_
 _WITHIN = 0.92
 """Points so far out from the middle of a piece stand for it."""
 
+MOST_PIECES, MOST_BOXES = 64, 256
+"""Of a room: the largest are what a view is judged by, and what hides others. Each place compares
+all points of the pieces with all boxes, so that a store of thousands would never be through."""
+
 _SAMPLES = 70
 """Points of a room's floor that a view is judged by."""
 
@@ -106,15 +110,17 @@ def choose_view(
     items: Sequence[Item],
     openings: Sequence[Opening] = (),
     dressing: Sequence[Item] = (),
+    effort: Effort = THOROUGH,
 ) -> View:
     """The view that shows most of a room's floor and furniture.
 
     openings: doors, passages and windows of the room. dressing: what nobody comes to see, but
-    what may stand or hang before the lens. The same room always has the same view.
+    what may stand or hang before the lens. effort: how many places are tried. The same room always
+    has the same view.
     """
     room = _Room(floor, items, openings, dressing)
     best, most = View((0.0, 0.0), 0.0, 24.0, _SHIFTS_MM[0][0]), -math.inf
-    sights = [room.sight(stand) for stand in stands(floor, [*items, *dressing], openings)]
+    sights = [room.sight(stand) for stand in stands(floor, [*items, *dressing], openings, effort)]
     # What fills the picture takes longer to find: only where what is shown is worth more yet.
     for sight in sorted(sights, key=lambda one: -one.at_most):
         if sight.at_most <= most:
@@ -151,6 +157,7 @@ class _Room:
         self._side_m = math.sqrt(floor.area)
         self._enough = min(_ENOUGH_FLOOR, _ENOUGH_FLOOR_M2 / max(floor.area, 1e-6))
         self._floor_m = _floor_points(floor)
+        items, dressing = _largest(items, MOST_PIECES), _largest(dressing, MOST_BOXES - MOST_PIECES)
         self._pieces_m, self._owners, self._weights = _piece_points(items)
         things = [*items, *dressing]
         self._all = Surroundings(floor, [one.box for one in things], openings)
@@ -255,6 +262,12 @@ class _Room:
         ]
         seen: BoolArray = np.minimum(walls, np.concatenate(first)) > 0.98
         return seen
+
+
+def _largest(items: Sequence[Item], count: int) -> list[Item]:
+    """The largest items, in their order."""
+    sizes = np.array([math.prod(item.box.size_m) for item in items])
+    return [items[index] for index in np.sort(np.argsort(-sizes, kind="stable")[:count])]
 
 
 @cache
