@@ -13,8 +13,8 @@ M_PER_PX = (1e-4, 10.0)
 """Range of a picture's scale, metres per pixel, and of metres per unit of a vector file: from a
 tenth of a millimetre to a map on which a whole house is a dot."""
 
-MOST_ROOMS = 2000
-"""A large hospital has 1,500."""
+MOST_ROOMS = 500
+"""Written and checked in 53 s of processor time and 1 GB, with 1,000 pieces."""
 
 MOST_CORNERS = 1000
 """Of one room; each of its walls is a mesh."""
@@ -24,7 +24,7 @@ MOST_CORNERS_IN_ALL = 20_000
 MOST_OPENINGS = 10_000
 """Doors, windows and passages."""
 
-MOST_ITEMS = 20_000
+MOST_ITEMS = 10_000
 """Pieces of furniture, and what lies on them."""
 
 MOST_JSON_BYTES = 32 * 2**20

@@ -1,8 +1,7 @@
-"""Limits of a house hold: what is as large is dealt with in bounded time, what is larger refused."""
+"""Limits of a house hold: bounded time and memory for what is as large, and an error beyond."""
 
 from __future__ import annotations
 
-import time
 import tracemalloc
 from dataclasses import replace
 
@@ -16,8 +15,8 @@ from chord_usd.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.scene.estimates import of_furnishing, of_stage
 from chord_usd.scene.piles import is_piled
 from chord_usd.scene.types import Box, Item, PixelFrame, PlanImage, Room, SceneGraph
-from chord_usd.stage.view_places import QUICK, THOROUGH, stands
-from chord_usd.stage.viewpoints import choose_view
+from chord_usd.stage.view_places import QUICK, THOROUGH, Stand, stands
+from chord_usd.stage.viewpoints import _Room
 
 TABLE = Item("t", "dining_table", Box((1.0, 1.0, 0.0), (0.8, 0.6, 0.7), 0.0), "r")
 
@@ -40,28 +39,25 @@ def house(items: list[Item], side_m: float = 70.0) -> SceneGraph:
     return SceneGraph((Room("r", "living", corners),), (), tuple(items))
 
 
-def test_a_view_of_thousands_of_pieces_is_found_in_bounded_time() -> None:
+def test_a_view_of_thousands_of_pieces_takes_bounded_memory() -> None:
     """Each place compared all points of all pieces with all pieces: gigabytes for 4,000."""
+    room = _Room(hall(52.0), store(50), (), ())
     tracemalloc.start()
-    began = time.process_time()
-    view = choose_view(hall(52.0), store(50))
-    assert time.process_time() - began < 60.0
-    assert tracemalloc.get_traced_memory()[1] < 300 * 2**20
+    room.sight(Stand(np.array([0.5, 0.5])))
+    peak_bytes = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert view.floor_share > 0.0
+    assert peak_bytes < 100 * 2**20
 
 
 def test_places_of_a_room_are_bounded() -> None:
     """However many corners its free floor and its outline have."""
     turn = np.radians(np.arange(0.0, 360.0, 0.5))
     round_hall = Polygon(np.column_stack([np.cos(turn), np.sin(turn)]) * 120.0)
-    for floor, items in ((hall(52.0), store(50)), (round_hall, [])):
+    for floor, items in ((hall(32.0), store(30)), (round_hall, [])):
         for effort in (THOROUGH, QUICK):
-            each = len(effort.shares) * len(effort.behind_m)
-            # Walls of one length count as one.
-            walls = 720 if floor is round_hall else effort.walls
+            behind = effort.walls * len(effort.shares) * len(effort.behind_m)
             found = list(stands(floor, items, (), effort))
-            assert 0 < len(found) <= effort.inside + walls * each
+            assert 0 < len(found) <= effort.inside + behind
 
 
 def test_pieces_in_one_another_are_counted() -> None:
@@ -97,5 +93,5 @@ def test_estimates_grow_and_are_refused_beyond_the_machine(
     assert of_all.seconds > of_stage(large).seconds
     of_all.require_memory("x")
     monkeypatch.setattr(estimates, "_memory_bytes", lambda: 1e9)
-    with pytest.raises(ChordError, match="GB of memory; expected at most the 1.0 GB"):
+    with pytest.raises(ChordError, match=r"GB of memory; expected at most the 1\.0 GB"):
         of_all.require_memory("x")
