@@ -50,7 +50,7 @@ def of_stage(graph: SceneGraph) -> Estimate:
     """Of writing a scene as a stage, and checking it."""
     rooms = len(graph.rooms)
     pieces = len(graph.items) + len(graph.dressing) + sum(len(one.children) for one in graph.items)
-    return Estimate(6.0 + 0.08 * rooms + 0.025 * pieces, 3e8 + 1.2e6 * rooms + 3e5 * pieces)
+    return Estimate(6.0 + 0.08 * rooms + 0.012 * pieces, 3e8 + 1.2e6 * rooms + 4.5e5 * pieces)
 
 
 def of_furnishing(plan: Plan, raster: PlanImage) -> Estimate:
