@@ -72,9 +72,9 @@ def _configure(folder: Path) -> None:
         (folder / name).mkdir()
     with ExitStack() as held:
         sockets = [held.enter_context(socket.socket()) for _ in range(2)]
-        for one in sockets:
-            one.bind(("127.0.0.1", 0))
-        ports = [one.getsockname()[1] for one in sockets]
+        for bound in sockets:
+            bound.bind(("127.0.0.1", 0))
+        ports = [bound.getsockname()[1] for bound in sockets]
     host = socket.gethostname().split(".")[0]
     (folder / "slurm.conf").write_text(_CONFIG.format(host=host, folder=folder, ports=ports))
     key = folder / "munge.key"
@@ -86,8 +86,8 @@ def _configure(folder: Path) -> None:
 def _daemons(folder: Path) -> Iterator[list[str]]:
     places = {"key": "key-file", "socket": "socket", "pid": "pid-file", "log": "log-file",
               "seed": "seed-file"}  # fmt: skip
-    told = [f"--{option}={folder}/munge.{name}" for name, option in places.items()]
-    yield ["munged", "--foreground", "--force", *told]
+    options = [f"--{option}={folder}/munge.{name}" for name, option in places.items()]
+    yield ["munged", "--foreground", "--force", *options]
     yield ["slurmctld", "-D"]
     yield ["slurmd", "-D"]
 

@@ -21,14 +21,14 @@ def note_failures(folder: Path, failures: Iterable[Result]) -> None:
     """Write failures/NAME.json for each. Raises OutputError."""
     for result in failures:
         unit = result.unit
-        told = {
+        record = {
             "house": unit.name,
             "plan": unit.source,
             "seed": unit.seed,
             "why": result.why,
             "log": result.detail.splitlines(),
         }
-        write_atomic(_file(folder, unit.name), json.dumps(told, indent=1) + "\n", asked=False)
+        write_atomic(_file(folder, unit.name), json.dumps(record, indent=1) + "\n", asked=False)
 
 
 def forget_failures(folder: Path, units: Iterable[Unit]) -> None:
@@ -39,17 +39,19 @@ def forget_failures(folder: Path, units: Iterable[Unit]) -> None:
 
 def failures_in(folder: Path) -> dict[str, dict[str, Any]]:
     """The failures of all runs that were not mended since, by the name of the house."""
-    found = (_read(file) for file in sorted((folder / FAILURES_FOLDER).glob("*.json")))
-    return {told["house"]: told for told in found if told}
+    records = (_read(file) for file in sorted((folder / FAILURES_FOLDER).glob("*.json")))
+    return {record["house"]: record for record in records if record}
 
 
 def _read(file: Path) -> dict[str, Any] | None:
     try:
-        told = json.loads(file.read_text())
+        record = json.loads(file.read_text())
     except (OSError, ValueError):
         return None
     return (
-        told if isinstance(told, dict) and {"house", "plan", "seed", "why"} <= set(told) else None
+        record
+        if isinstance(record, dict) and {"house", "plan", "seed", "why"} <= set(record)
+        else None
     )
 
 

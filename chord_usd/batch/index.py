@@ -59,7 +59,7 @@ def rows(folder: Path, names: Container[str] | None = None) -> list[dict[str, An
         if record and house.name not in failed and (names is None or house.name in names):
             found.append(_house_row(house.name, record))
             found += _picture_rows(house, record)
-    found += [_failed_row(told) for name, told in failed.items() if names is None or name in names]
+    found += [_failed_row(why) for name, why in failed.items() if names is None or name in names]
     return found
 
 
@@ -151,9 +151,9 @@ def _picture_rows(house: Path, made: Record) -> Iterator[dict[str, Any]]:
         )
 
 
-def _failed_row(told: Mapping[str, Any]) -> dict[str, Any]:
-    """told: as failures_in has it."""
-    known = {key: told[key] for key in ("house", "plan", "seed", "why")}
+def _failed_row(failure: Mapping[str, Any]) -> dict[str, Any]:
+    """failure: as failures_in has it."""
+    known = {key: failure[key] for key in ("house", "plan", "seed", "why")}
     return _row(kind="house", status="failed", files=[], sha256=[], **known)
 
 

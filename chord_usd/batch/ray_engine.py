@@ -86,7 +86,7 @@ class RayEngine:
         )(function)
 
     def _place(self, ray: Any) -> None:
-        """Wait until a worker has found room. Raises ChordError."""
+        """Wait until a worker has room. Raises ChordError."""
         first = self._task(ray, _nothing).remote()
         placed, _ = ray.wait(
             [first], timeout=PLACE_SECONDS if self._address or self._room(ray) else 0.0
@@ -179,7 +179,7 @@ def _result(ray: Any, unit: Unit, answer: Any) -> Result:
 
 
 def _lines(error: Exception) -> list[str]:
-    return [line.strip() for line in str(error).splitlines() if line.strip()] or ["no reason told"]
+    return [line.strip() for line in str(error).splitlines() if line.strip()] or ["no reason given"]
 
 
 def _unable(unit: Unit, how: str) -> Result:

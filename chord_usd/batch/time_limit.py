@@ -21,7 +21,7 @@ _GRACE_S = 60.0
 
 
 class _Late(BaseException):
-    """Not an Exception, which somebody on the way could take for an error of his own."""
+    """Not an Exception, which somebody on the way could take for another error."""
 
 
 def limited(load: Load, seconds: float) -> Make:

@@ -167,10 +167,10 @@ def run_due(options: argparse.Namespace) -> Outcome:
         return {(camera, part_of(task)) for camera in seen}
 
     pictures = [pictures_of(task) for task in tasks]
-    cameras = tuple({camera: None for one in pictures for camera, _ in one})
+    cameras = tuple({camera: None for shown in pictures for camera, _ in shown})
     parts = list(dict.fromkeys(map(part_of, tasks)))
     left = set(unfinished(asked.stage, options.output, replace(wanted, cameras=cameras), parts))
-    due = [json.dumps(task) for task, one in zip(tasks, pictures, strict=True) if one & left]
+    due = [json.dumps(task) for task, shown in zip(tasks, pictures, strict=True) if shown & left]
     return Outcome("\n".join(due) or None, {"due": len(due), "tasks": len(tasks)})
 
 

@@ -49,7 +49,7 @@ HOST = Host(cores=2, memory_mib=4096)
 
 @dataclass(frozen=True)
 class Work:
-    """What a farm shall render."""
+    """What a farm renders."""
 
     stage: Path
     files: StageFiles
@@ -151,10 +151,10 @@ def tasks_of(folder: Path) -> tuple[list[str], list[dict[str, Any]]]:
     return words, tasks
 
 
-def _task(told: Any) -> dict[str, Any]:
+def _task(parsed: Any) -> dict[str, Any]:
     """Raises LookupError, TypeError, ValueError for what is none."""
-    view = CAMERA if CAMERA in told else FRAME
-    return {view: str(told[view]), "Tile": int(told["Tile"]), "Block": int(told["Block"])}
+    view = CAMERA if CAMERA in parsed else FRAME
+    return {view: str(parsed[view]), "Tile": int(parsed["Tile"]), "Block": int(parsed["Block"])}
 
 
 def template(work: Work) -> dict[str, Any]:
