@@ -17,6 +17,7 @@ _VERBS = {
 }
 """Verbs of networks that are not named as their verb."""
 _LEARN_FROM_FLATS = ("plan2layout", "lists", "reader", "bubbles", "text2plan", "outline2plan")
+_PAINTERS = ("plan2layout", "table", "text2plan", "outline2plan")
 _NO_START = ("bubbles",)
 
 
@@ -57,7 +58,17 @@ def run_next(options: argparse.Namespace) -> Outcome:
         return Outcome(f"{text}\n{' '.join(command)}", data)
     sys.stderr.write(text + "\n")
     os.nice(10)
-    os.execv(sys.executable, [sys.executable, "-m", "chord_usd", *arguments])
+    os.execv(sys.executable, [sys.executable, "-m", *_launcher(name, options.device), *arguments])
+
+
+def _launcher(name: str, device: str) -> list[str]:
+    """Module that runs the verb: torchrun with a process a core for pictures on a CPU."""
+    from chord_usd.runtime.networks import usable_cores
+
+    cores = usable_cores()
+    if device != "cpu" or name not in _PAINTERS or cores == 1:
+        return ["chord_usd"]
+    return ["torch.distributed.run", "--standalone", f"--nproc-per-node={cores}", "-m", "chord_usd"]
 
 
 def _arguments(name: str, options: argparse.Namespace, checkpoint: Path) -> list[str]:
@@ -68,4 +79,6 @@ def _arguments(name: str, options: argparse.Namespace, checkpoint: Path) -> list
         arguments += ["--start", str(checkpoint)]
     if options.flats and name in _LEARN_FROM_FLATS:
         arguments += ["--flats", str(options.flats)]
+    if name in _PAINTERS and options.device == "cpu":
+        arguments += ["--workers", "0"]  # a process a core makes the data that it learns from
     return arguments

@@ -29,6 +29,7 @@ from chord_usd.training.budget import Budget
 from chord_usd.training.held_out import CURVE_FILE, HeldOut, curve_of, draw_curve
 from chord_usd.training.layout_graph import write_layout_graph
 from chord_usd.training.memory import keep_freed_memory
+from chord_usd.training.processes import Processes
 from chord_usd.training.stream import Batch, BatchStream, batch_loader
 from chord_usd.training.weights import Weights, warm_and_cool
 
@@ -114,7 +115,12 @@ class LayoutTrainer:
         network = LayoutNetwork(network_config).to(self.device)
         if self.device.type == "cuda":  # on a CPU the conversions cost more than they give
             network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-        self.weights = Weights(network, config.learning_rate, config.weight_decay, config.ema_decay)
+        self.processes = Processes(config.device)
+        # Networks begin alike, noise does not.
+        torch.manual_seed(self.processes.seed(config.seed))
+        self.weights = Weights(
+            network, config.learning_rate, config.weight_decay, config.ema_decay, self.processes
+        )
         self.network, self.average = self.weights.network, self.weights.average
         self.scheduler = training_scheduler(network_config)
         self.step, self.minutes_before = 0, 0.0
@@ -161,7 +167,7 @@ class LayoutTrainer:
         """What the model card says of this run."""
         return {
             "steps": self.step,
-            "batch": self.config.batch,
+            "batch": self.config.batch * self.processes.count,
             "minutes": round(self.minutes_before + self.minutes, 1),
             "device": self.config.device,
             "date": date.today().isoformat(),
@@ -177,28 +183,43 @@ class LayoutTrainer:
     def train(self, stream: BatchStream, report: Report) -> None:
         """Runs until the minutes are spent, saving every save_minutes and at the end."""
         config = self.config
-        begin_run(self.folder)
+        is_first = self.processes.is_first
+        if is_first:
+            begin_run(self.folder)
         keep_freed_memory()
         self.data = asdict(stream.config)
         # A resumed run must not see the data of its first minutes again.
-        stream.skip_to(self.step)
+        stream.skip_to(self.processes.seed(self.step))
         budget = self.budget = Budget(config.minutes, processor_time=config.processor_time)
         control = HeldOut(self.folder, partial(self._score, stream.held_out_batch(HELD_OUT)))
         for batch in batch_loader(stream, config.workers):
             losses = self._step(batch)
-            if self.step % 25 == 0:
-                self._log(losses, report)
-            ended = budget.is_over
-            if ended or budget.is_due("checkpoint", config.checkpoint_minutes):
-                self.write_checkpoint(control)
-            else:
-                control.take_if_due(budget, self.step, self.minutes_before)
-            if ended or budget.is_due("save", config.save_minutes):
-                self.save()
-            if ended or budget.is_due("sheet", config.sheet_minutes):
-                self._draw_sheet(stream)
+            ended = self.processes.agree(budget.is_over, self.device)
+            if is_first:
+                self._keep(stream, control, losses, report, ended)
             if ended:
                 break
+
+    def _keep(
+        self,
+        stream: BatchStream,
+        control: HeldOut,
+        losses: dict[str, Tensor],
+        report: Report,
+        ended: bool,
+    ) -> None:
+        """Write what is due after a step: log, scores, checkpoint, state, sheet."""
+        config, budget = self.config, self.budget
+        if self.step % 25 == 0:
+            self._log(losses, report)
+        if ended or budget.is_due("checkpoint", config.checkpoint_minutes):
+            self.write_checkpoint(control)
+        else:
+            control.take_if_due(budget, self.step, self.minutes_before)
+        if ended or budget.is_due("save", config.save_minutes):
+            self.save()
+        if ended or budget.is_due("sheet", config.sheet_minutes):
+            self._draw_sheet(stream)
 
     @torch.no_grad()
     def _score(self, batch: Batch) -> dict[str, float]:
@@ -316,7 +337,7 @@ class LayoutTrainer:
     def _log(self, losses: dict[str, Tensor], report: Report) -> None:
         row = {
             "step": float(self.step),
-            "images": float(self.step * self.config.batch),
+            "images": float(self.step * self.config.batch * self.processes.count),
             "minutes": round(self.minutes_before + self.minutes, 2),
             "learning_rate": self._learning_rate(),
             **{name: round(float(value.detach()), 5) for name, value in losses.items()},

@@ -11,6 +11,7 @@ import torch
 from torch import Tensor, nn
 
 from chord_usd.training.eight_bits import pack, unpack
+from chord_usd.training.processes import Processes
 from chord_usd.training.training_state import load_state, save_state
 
 _MOMENTS = {"exp_avg": 3, "exp_avg_sq": 4}
@@ -44,9 +45,18 @@ class Weights(Generic[NetworkT]):
     """A network in training."""
 
     def __init__(
-        self, network: NetworkT, learning_rate: float, weight_decay: float, decay: float
+        self,
+        network: NetworkT,
+        learning_rate: float,
+        weight_decay: float,
+        decay: float,
+        processes: Processes | None = None,
     ) -> None:
-        """decay: of the average, at most; runs too short for it average over their last 5 %."""
+        """decay: of the average, at most; runs too short for it average over their last 5 %.
+
+        processes: whose gradients are averaged.
+        """
+        self.processes = processes
         self.network = network
         self.decay = decay
         self.taken = 0
@@ -67,6 +77,8 @@ class Weights(Generic[NetworkT]):
             group["lr"] = learning_rate
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
+        if self.processes:
+            self.processes.average_gradients(self.network.parameters())
         nn.utils.clip_grad_norm_(self.network.parameters(), clip)
         self.optimiser.step()
         self.taken += 1

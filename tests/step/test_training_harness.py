@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
+import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -243,3 +247,45 @@ class TestNext:
         (tmp_path / "targets.tsv").write_text("network\tvalue\nlists\t2\n")
         with pytest.raises(CheckpointError, match="targets"):
             standings(tmp_path)
+
+
+_OF_TWO = """
+import sys, torch
+from torch import nn
+from chord_usd.training.processes import Processes
+from chord_usd.training.weights import Weights
+processes = Processes("cpu")
+torch.manual_seed(0)
+weights = Weights(nn.Linear(3, 1, bias=False), 0.1, 0.0, 0.9, processes)
+torch.manual_seed(processes.seed(1))
+for _ in range(5):
+    batch = torch.randn(4, 3)
+    weights.step(weights.network(batch).square().mean(), 0.1, 1.0)
+ended = processes.agree(processes.is_first, torch.device("cpu"))
+torch.save((weights.network.weight.detach(), batch, ended), sys.argv[1])
+"""
+
+
+def test_two_processes_learn_as_one_from_different_data(tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    environment = {
+        **os.environ, "WORLD_SIZE": "2", "MASTER_ADDR": "127.0.0.1", "MASTER_PORT": str(port),
+        "OMP_NUM_THREADS": "1",
+    }  # fmt: skip
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-c", _OF_TWO, str(tmp_path / f"{rank}.pt")],
+            env={**environment, "RANK": str(rank)},
+        )
+        for rank in range(2)
+    ]
+    assert [process.wait(timeout=300) for process in running] == [0, 0]
+    (first, seen, ended), (second, others, agreed) = (
+        torch.load(tmp_path / f"{rank}.pt") for rank in range(2)
+    )
+    assert torch.equal(first, second)
+    assert not torch.equal(seen, others)
+    assert ended
+    assert agreed
