@@ -9,8 +9,9 @@ from pathlib import Path
 
 from chord_usd.assets.database import INDEX_NAME, AssetDatabase, embedded_assets
 from chord_usd.errors import AssetError, StageError
+from chord_usd.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.runtime.locations import absolute, cache_folder
-from chord_usd.runtime.stages import LAYER_SUFFIXES, look_through, open_layer
+from chord_usd.runtime.stages import look_through, open_layer
 from chord_usd.scene.types import Asset, Item, SceneGraph
 
 _EXPECTED = "a USD layer in the scene's folder, or in a folder given with --assets"
@@ -88,7 +89,7 @@ def _require_inside(place: Path, scene: Path, allowed: Sequence[Path]) -> None:
             expected=_EXPECTED,
             try_=f"--assets {_database_of(place)}, or copy the asset's folder beside the scene",
         )
-    if not place.is_file() or place.suffix not in LAYER_SUFFIXES:
+    if not place.is_file() or place.suffix not in STAGE_SUFFIXES:
         raise AssetError(
             f"names the asset {place}, which is no USD file", where=str(scene), expected=_EXPECTED
         )

@@ -12,8 +12,7 @@ from typing import Any
 
 from chord_usd.commands.paths import UsageError, refuse_odd_name
 from chord_usd.runtime.files import deliver, hash_file
-
-HOUSE_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+from chord_usd.runtime.inputs import STAGE_SUFFIXES
 
 MOST_LISTED = 500
 """Files in one answer; an agent reads all of it."""
@@ -87,7 +86,7 @@ class AgentFiles:
         for path in self._walked(start):
             if len(houses) + len(files) == MOST_LISTED:
                 return {"houses": houses, "files": files, "more": True}
-            (houses if path.suffix.lower() in HOUSE_SUFFIXES else files).append(self.name(path))
+            (houses if path.suffix.lower() in STAGE_SUFFIXES else files).append(self.name(path))
         return {"houses": houses, "files": files, "more": False}
 
     def _walked(self, start: Path) -> Iterator[Path]:
@@ -168,4 +167,4 @@ def _own_files(house: Path) -> tuple[Path, Path]:
 
 
 def _is_house(name: str) -> bool:
-    return Path(name).suffix.lower() in HOUSE_SUFFIXES
+    return Path(name).suffix.lower() in STAGE_SUFFIXES

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from chord_usd.commands.paths import UsageError, output_file, output_folder
-from chord_usd.runtime.inputs import refuse_odd_file
+from chord_usd.commands.paths import UsageError, output_file, output_folder, sky, with_suffixes
+from chord_usd.runtime.inputs import STAGE_SUFFIXES, refuse_odd_file
 from chord_usd.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.scene.articulation import FIXED, JOINTED
 from chord_usd.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
@@ -86,11 +86,25 @@ def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
 
 
 def add_output(
-    parser: Parser, summary: str, role: Callable[[str], Path] = output_file, **options: Any
+    parser: Parser,
+    summary: str,
+    role: Callable[[str], Path] = output_file,
+    *,
+    suffixes: Sequence[str] = (),
+    **options: Any,
 ) -> argparse.Action:
-    """The option -o. role: what kind of output, of commands.paths."""
+    """The option -o. role: what kind of output, of commands.paths. suffixes: those it may have,
+    by default any."""
     options = {"required": True, "metavar": "PATH", **options}
-    return parser.add_argument("-o", "--output", type=role, help=summary, **options)
+    output = parser.add_argument("-o", "--output", type=role, help=summary, **options)
+    with_suffixes(output, suffixes)
+    return output
+
+
+def add_stage_output(parser: Parser) -> None:
+    """The option -o of a stage."""
+    summary = "the stage: house.usda, .usd, .usdc, or .usdz for one file"
+    add_output(parser, summary, suffixes=STAGE_SUFFIXES)
 
 
 def add_output_folder(parser: Parser, summary: str) -> None:
@@ -157,7 +171,7 @@ def add_redraws(parser: Options, count: int = 2) -> None:
 def add_sky(parser: Options) -> None:
     """The option --sky."""
     parser.add_argument(
-        "--sky", default="", metavar="NAME",
+        "--sky", type=sky, default="", metavar="NAME",
         help="morning, noon, overcast, evening or night, or an HDRI of yours, .hdr or .exr (noon)",
     )  # fmt: skip
 

@@ -65,10 +65,10 @@ def add(verbs: Verbs) -> None:
         group, "split", run_split, "divide houses into training and test, by their names"
     )
     split.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    add_output(split, "the split, a JSON file of names")
+    add_output(split, "the split, a JSON file of names", suffixes=(".json",))
     draw = add_verb(group, "draw", run_draw, "draw layout rasters on one sheet, to look at")
     draw.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    add_output(draw, "the sheet, a PNG")
+    add_output(draw, "the sheet, a PNG", suffixes=(".png",))
     draw.add_argument(
         "--most", type=whole_number(1, 10_000), default=24, metavar="N", help="houses to draw (24)"
     )

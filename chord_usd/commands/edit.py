@@ -15,7 +15,8 @@ from chord_usd.commands.common import (
     existing_file,
     stopwatch,
 )
-from chord_usd.commands.paths import in_place_of, output_file
+from chord_usd.commands.paths import in_place_of, output_file, with_suffixes
+from chord_usd.runtime.inputs import STAGE_SUFFIXES
 
 if TYPE_CHECKING:
     from chord_usd.pipeline.edit_house import Reading
@@ -51,6 +52,7 @@ def add(verbs: Verbs) -> None:
         "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
     )
     in_place_of(target, "STAGE")
+    with_suffixes(target, STAGE_SUFFIXES)
     add_assets(parser)
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.commands.common import (
     Outcome,
-    UsageError,
     Verbs,
     add_device,
     add_steps,
@@ -87,12 +86,6 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.evaluation import detector_scores, detector_sheet
     from chord_usd.graph.detect import load_item_detector, load_room_segmenter
 
-    if options.sheet and options.sheet.suffix not in detector_sheet.PICTURES:
-        raise UsageError(
-            f"cannot draw a {options.sheet.suffix or 'nameless'} file",
-            where="--sheet",
-            expected=f"a name that ends in {' or '.join(detector_sheet.PICTURES)}",
-        )
     watch = stopwatch(options)
     with watch.step("load"):
         items = load_item_detector(options.items)

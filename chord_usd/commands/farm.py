@@ -23,6 +23,7 @@ from chord_usd.commands.common import (
     names,
     whole_number,
 )
+from chord_usd.commands.paths import optional_input
 from chord_usd.commands.render import (
     add_how,
     add_what,
@@ -74,7 +75,12 @@ def add(verbs: Verbs) -> None:
     due = add_verb(group, "due", run_due, "list the tasks of a bundle that are not finished")
     due.add_argument("job", type=Path, metavar="JOB", help="folder of a bundle")
     due.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="PATH", help="folder of its pictures"
+        "-o",
+        "--output",
+        type=optional_input,
+        required=True,
+        metavar="PATH",
+        help="folder of its pictures",
     )
 
 

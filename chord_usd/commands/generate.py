@@ -17,13 +17,13 @@ from chord_usd.commands.common import (
     add_device,
     add_dressing,
     add_lists,
-    add_output,
     add_part,
     add_redraws,
     add_roof,
     add_rooms,
     add_seed,
     add_sky,
+    add_stage_output,
     add_steps,
     add_style,
     add_texture_size,
@@ -56,7 +56,7 @@ def add(verbs: Verbs) -> None:
         help="take all storeys that a sheet, IFC or Sweet Home 3D file shows, as one house",
     )
     add_sources(parser)
-    add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
+    add_stage_output(parser)
     add_seed(parser)
     add_style(parser)
     add_texture_size(parser)

@@ -31,7 +31,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "graph", run, "read a layout raster into a scene graph (CHOrD JSON)")
     parser.add_argument("layout", type=Path, metavar="LAYOUT", help="layout raster, layout.png")
-    add_output(parser, "the scene graph, scene.json")
+    add_output(parser, "the scene graph, scene.json", suffixes=(".json",))
     parser.add_argument(
         "--scale", type=scale, metavar="M_PER_PX", help="for pictures that do not say it"
     )

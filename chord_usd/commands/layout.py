@@ -28,7 +28,7 @@ def add(verbs: Verbs) -> None:
         verbs, "layout", run, "furnish a plan as a picture: what the diffusion model paints"
     )
     parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
-    add_output(parser, "the layout raster, layout.png")
+    add_output(parser, "the layout raster, layout.png", suffixes=(".png",))
     add_seed(parser)
     add_steps(parser)
     add_lists(parser)

@@ -47,7 +47,7 @@ def add(verbs: Verbs) -> None:
         "--style", type=style_name, metavar="NAME", help="what a home of this style and seed wears"
     )
     add_seed(sheet)
-    add_output(sheet, "the sheet, PNG")
+    add_output(sheet, "the sheet, PNG", suffixes=(".png",))
 
 
 def _add_set(parser: Parser) -> None:

@@ -15,9 +15,14 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from chord_usd.errors import ChordError, OutputError
+from chord_usd.errors import ChordError, OutputError, reason_of
 from chord_usd.runtime.locations import require_open
-from chord_usd.runtime.targets import check_file_target, check_run_folder
+from chord_usd.runtime.targets import (
+    check_file_target,
+    check_run_folder,
+    refuse_folder,
+    refuse_full_disk,
+)
 
 
 class UsageError(ChordError):
@@ -49,11 +54,28 @@ def output_package(text: str) -> Path:
     return Path(text)
 
 
+def optional_input(text: str) -> Path:
+    """An option type: what is read where it is there."""
+    return Path(text)
+
+
+def sky(text: str) -> str:
+    """An option type: the name of a sky, or a picture of one, which is read."""
+    return text
+
+
 _OUTPUTS: tuple[Callable[[str], Path], ...] = (
     output_file, output_folder, output_place, output_run, output_package,
 )  # fmt: skip
 
+_INPUTS = (Path, optional_input)
+
 _WHOLE_FOLDERS = (output_folder, output_package)
+
+_SUFFIXES = {
+    "PNG": (".png",), "JSON": (".json",), "GLB": (".glb",), "PICTURE": (".png", ".jpg"),
+}  # fmt: skip
+"""Of outputs, by the word that stands for them on the help page."""
 
 _NOT_IN_USD = ("\\", ":SDF_FORMAT_ARGS:")
 """A separator of folders on other systems, and what parts a path from arguments."""
@@ -78,6 +100,8 @@ class Named:
     role: Callable[[str], Path]
     replaces: str = ""
     """Name of the input that this output may be: a stage that is edited in its place."""
+    suffixes: tuple[str, ...] = ()
+    """That an output may have; none for any."""
 
     @property
     def dest(self) -> Path:
@@ -98,39 +122,57 @@ def named_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
 def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iterator[Named]:
     for action in parser._actions:
         role: Any = action.type
-        if role is not Path and role not in _OUTPUTS:
+        if role not in (Path, optional_input, sky, *_OUTPUTS):
             continue
         given = getattr(options, action.dest, None)
         for path in given if isinstance(given, list | tuple) else [given]:
-            if path is not None:
-                option = action.option_strings[-1] if action.option_strings else action.metavar
-                yield Named(str(option), path, role, getattr(action, "replaces", ""))
+            if path is None or (role is sky and not Path(path).suffix):
+                continue
+            option = str(action.option_strings[-1] if action.option_strings else action.metavar)
+            role = Path if role is sky else role
+            yield Named(option, Path(path), role, getattr(action, "replaces", ""), _may_be(action))
+
+
+def with_suffixes(action: argparse.Action, suffixes: Sequence[str]) -> None:
+    """Say which suffixes an output may have, where its word on the help page does not."""
+    action.suffixes = tuple(suffixes)  # type: ignore[attr-defined]
+
+
+def _may_be(action: argparse.Action) -> tuple[str, ...]:
+    named: tuple[str, ...] = getattr(action, "suffixes", ())
+    return named or _SUFFIXES.get(str(action.metavar), ()) if action.type is output_file else ()
 
 
 def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
     """Raise UsageError where an output is an input, holds one, or is another output,
     for a name that cannot be written down, for an input outside the open folders, and OutputError
     for what is no plain file, a folder that no training run may go on in, and a place where nothing
-    can be written."""
-    check_named(named_paths(parser, options))
+    can be written, a suffix that is none of the output's, a folder that holds something already,
+    and a full disk. All that a command line names is settled before anything takes time."""
+    check_named(named_paths(parser, options), overwrite=getattr(options, "overwrite", False))
 
 
-def check_named(paths: Sequence[Named]) -> None:
+def check_named(paths: Sequence[Named], *, overwrite: bool = False) -> None:
     """The same of paths that are named elsewhere than on a command line."""
     for one in paths:
         refuse_odd_name(one.option, one.path)
-        if one.role is Path:
+        if one.role in _INPUTS:
             require_open(one.path, UsageError)
-    inputs = [one for one in paths if one.role is Path]
-    outputs = [one for one in paths if one.role is not Path]
+        if one.role is Path:
+            _require_there(one)
+    inputs = [one for one in paths if one.role in _INPUTS]
+    outputs = [one for one in paths if one.role not in _INPUTS]
     for output in outputs:
         for given in inputs:
             if output.replaces != given.option or not _same(output, given):
                 _check_input(output, given)
         if output.role is output_file:
             check_file_target(output.path)
+        _require_suffix(output)
         if output.role is output_run:
             check_run_folder(output.path)
+        if output.role in _WHOLE_FOLDERS and output.path.is_dir():
+            refuse_folder(output.path, "replace" if overwrite else "new")
         _refuse_read_only(output)
     for first, second in combinations(outputs, 2):
         if _same(first, second) or _is_within(second, first):
@@ -139,6 +181,30 @@ def check_named(paths: Sequence[Named]) -> None:
                 where=str(second.path),
                 expected="a path for each",
             )
+
+
+def _require_there(given: Named) -> None:
+    try:
+        given.path.stat()
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise UsageError(
+            "cannot be read (no such file)", where=str(given.path), try_="check the path"
+        ) from error
+    except OSError as error:
+        raise UsageError(
+            f"cannot be read ({reason_of(error)})", where=str(given.path), try_="check the path"
+        ) from error
+
+
+def _require_suffix(output: Named) -> None:
+    if output.suffixes and output.path.suffix not in output.suffixes:
+        named = ", ".join(output.suffixes)
+        raise UsageError(
+            f"{output.option} has {output.path.suffix or 'no suffix'}",
+            where=str(output.path),
+            expected=named if len(output.suffixes) == 1 else f"one of {named}",
+            try_=f"{output.option} {output.path.stem}{output.suffixes[0]}",
+        )
 
 
 def refuse_odd_name(option: str, path: Path) -> None:
@@ -186,6 +252,7 @@ def _refuse_read_only(output: Named) -> None:
             expected="a path in a writable folder",
             try_=f"another {output.option}",
         )
+    refuse_full_disk(there, output.path)
 
 
 def _check_input(output: Named, given: Named) -> None:

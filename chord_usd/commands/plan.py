@@ -35,7 +35,7 @@ def add(verbs: Verbs) -> None:
         "image", type=Path, metavar="IMAGE",
         help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
     )  # fmt: skip
-    add_output(read, "the vector plan, plan.json")
+    add_output(read, "the vector plan, plan.json", suffixes=(".json",))
     read.add_argument(
         "--scale", type=scale, metavar="M_PER_PX",
         help="metres per pixel of the drawing, or per unit of a vector file",
@@ -54,7 +54,7 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
     draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
-    add_output(draw, "the plan raster, plan.png")
+    add_output(draw, "the plan raster, plan.png", suffixes=(".png",))
     planned.add(group)
 
 

@@ -53,7 +53,10 @@ def add(group: Verbs) -> None:
 
 
 def _add_options(parser: Parser) -> None:
-    add_output(parser, "the plan: plan.png, the raster, or plan.json, the vectors (CHOrD JSON)")
+    add_output(
+        parser, "the plan: plan.png, the raster, or plan.json, the vectors (CHOrD JSON)",
+        suffixes=(".png", ".json"),
+    )  # fmt: skip
     add_seed(parser)
     add_steps(parser)
     add_device(parser)
@@ -85,12 +88,6 @@ def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
     from chord_usd.scene.chord_json import write_plan
 
     suffix = options.output.suffix.lower()
-    if suffix not in (".png", ".json"):
-        raise UsageError(
-            f"cannot write a plan as {suffix or 'a file without suffix'}",
-            where=str(options.output),
-            expected=".png or .json",
-        )
     settings = Settings(
         seed=options.seed,
         steps=options.steps,

@@ -22,9 +22,10 @@ from chord_usd.commands.common import (
     seed,
     stopwatch,
 )
-from chord_usd.commands.paths import in_place_of, output_file
+from chord_usd.commands.paths import in_place_of, output_file, with_suffixes
 from chord_usd.runtime.counting import counted
 from chord_usd.runtime.files import deliver
+from chord_usd.runtime.inputs import STAGE_SUFFIXES
 
 
 def add(verbs: Verbs) -> None:
@@ -58,6 +59,7 @@ def add(verbs: Verbs) -> None:
         "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
     )
     in_place_of(target, "STAGE")
+    with_suffixes(target, STAGE_SUFFIXES)
     parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
     add_style(parser, "that of the stage")
     add_steps(parser)

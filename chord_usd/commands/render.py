@@ -25,7 +25,7 @@ from chord_usd.commands.common import (
     tile,
     whole_number,
 )
-from chord_usd.commands.paths import output_place
+from chord_usd.commands.paths import output_place, sky
 from chord_usd.scene.label_sets import LABEL_SETS, OWN
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def add_look(group: Options) -> None:
         help="day, evening or another lighting of the stage (the one it has selected)",
     )  # fmt: skip
     group.add_argument(
-        "--sky", default="", metavar="NAME",
+        "--sky", type=sky, default="", metavar="NAME",
         help="another sky than the stage's: morning, noon, overcast, evening, night, or an HDRI",
     )  # fmt: skip
     group.add_argument(

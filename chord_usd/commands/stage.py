@@ -12,10 +12,10 @@ from chord_usd.commands.common import (
     add_arrange,
     add_articulation,
     add_assets,
-    add_output,
     add_roof,
     add_seed,
     add_sky,
+    add_stage_output,
     add_style,
     add_texture_size,
     add_verb,
@@ -30,7 +30,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "stage", run, "write a scene graph as a USD stage")
     parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
-    add_output(parser, "the stage: house.usda, .usd, .usdc, or .usdz for one file")
+    add_stage_output(parser)
     add_seed(parser)
     add_style(parser, "the scene's own")
     add_texture_size(parser)

@@ -16,7 +16,7 @@ from chord_usd.commands.common import (
     positive,
     whole_number,
 )
-from chord_usd.commands.paths import output_run
+from chord_usd.commands.paths import optional_input, output_run
 from chord_usd.errors import SceneError
 
 if TYPE_CHECKING:
@@ -140,7 +140,10 @@ def add_loop_options(parser: Parser) -> None:
 def add_start(parser: Parser) -> None:
     """Whose weights a run begins with."""
     parser.add_argument(
-        "--start", type=Path, metavar="DIR", help="checkpoint to start from where no run is there"
+        "--start",
+        type=optional_input,
+        metavar="DIR",
+        help="checkpoint to start from where no run is there",
     )
 
 

@@ -25,6 +25,7 @@ from chord_usd.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.runtime.scratch import Scratch
 from chord_usd.runtime.targets import (
     FREE_SPACE,
+    NEARLY_FULL_BYTES,
     FolderMode,
     check_file_target,
     is_full,
@@ -45,10 +46,6 @@ __all__ = [
 
 CHANGED = ".changed"
 """Added to the name of a file that is set aside, since somebody may have worked on it."""
-
-_NEARLY_FULL_BYTES = 16 * 2**20
-"""Less than this free: a writer that failed without words of its own failed for want of space.
-Libraries seldom tell, and what they had half written may be gone before anyone can look."""
 
 
 def destination(folder: Path) -> Path:
@@ -320,7 +317,7 @@ class Delivery:
     def disk_is_full(self) -> bool:
         """Whether so little is left that a failure without words is one of space."""
         with contextlib.suppress(OSError):
-            return any(shutil.disk_usage(p.home).free < _NEARLY_FULL_BYTES for p in self._parcels)
+            return any(shutil.disk_usage(p.home).free < NEARLY_FULL_BYTES for p in self._parcels)
         return False
 
 

@@ -13,6 +13,9 @@ from chord_usd.runtime.locations import require_open
 
 _MIB = 2**20
 
+STAGE_SUFFIXES = (".usda", ".usd", ".usdc", ".usdz")
+"""Of stages, read and written."""
+
 LARGEST_BYTES = {
     ".json": 512 * _MIB, ".jsonl": 4096 * _MIB, ".svg": 64 * _MIB,
     ".pdf": 512 * _MIB, ".dxf": 512 * _MIB, ".ifc": 1024 * _MIB, ".sh3d": 1024 * _MIB,

@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, Any
 from chord_usd.errors import ChordError, StageError, reason_of
 from chord_usd.runtime.archives import Archive
 from chord_usd.runtime.decoders import decode
+from chord_usd.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.runtime.locations import absolute, open_folders
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
-LAYER_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 EXPECTED = "a .usda, .usdc or .usdz stage"
 
 MOST_LAYERS = 10_000
@@ -459,7 +459,7 @@ class _Walk:
             self.missing[asset_path] = None
             return
         self._met.add(resolved)
-        if resolved.rstrip("]").endswith(LAYER_SUFFIXES):
+        if resolved.rstrip("]").endswith(STAGE_SUFFIXES):
             self._add(resolved)
         else:
             self.others[file] = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import shutil
@@ -21,6 +22,9 @@ damaged or changed are set aside, which replace refuses. add: new files join tho
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 FREE_SPACE = "free some space, or write to another disk"
+
+NEARLY_FULL_BYTES = 16 * 2**20
+"""Less than this free: no house fits, and a writer that failed without words failed for it."""
 
 
 def check_run_folder(folder: Path) -> None:
@@ -43,6 +47,13 @@ def begin_run(folder: Path) -> None:
         interrupts.delivered.append(folder)
     except OSError as error:
         raise output_error(error, folder) from error
+
+
+def refuse_full_disk(folder: Path, target: Path) -> None:
+    """Raise DiskFullError where a folder that is there has no space for a house."""
+    with contextlib.suppress(OSError):
+        if shutil.disk_usage(folder).free < NEARLY_FULL_BYTES:
+            raise DiskFullError("the disk is full", where=str(target), try_=FREE_SPACE)
 
 
 def check_file_target(target: Path) -> None:

@@ -18,6 +18,7 @@ from chord_usd import __version__
 from chord_usd.errors import OutputError
 from chord_usd.raster.hdri import require_picture
 from chord_usd.runtime.files import deliver, destination
+from chord_usd.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.runtime.stages import open_layer
 from chord_usd.scene.articulation import FIXED
 from chord_usd.scene.looks import LookSource
@@ -67,7 +68,6 @@ from chord_usd.stage.variants import Wardrobe
 SCHEMA = 1
 """Version of the structure and the `chord:` attributes; readers refuse a newer one."""
 
-SUFFIXES = (".usda", ".usd", ".usdc", ".usdz")
 _RESOLUTION_PX = (1280, 720)
 ARCHIVE_TIME_S = 500_000_000
 """Any fixed time that a zip archive can hold, so that the same house is the same archive."""
@@ -138,11 +138,11 @@ def author_levels(
 
 
 def _refuse_odd_suffix(path: Path) -> None:
-    if Path(path).suffix not in SUFFIXES:
+    if Path(path).suffix not in STAGE_SUFFIXES:
         raise OutputError(
             f"{Path(path).suffix or 'no suffix'} is no kind of stage",
             where=str(path),
-            expected=f"one of {', '.join(SUFFIXES)}",
+            expected=f"one of {', '.join(STAGE_SUFFIXES)}",
         )
 
 

@@ -338,4 +338,4 @@ def test_as_a_program_it_says_nothing_but_the_protocol(root: Path) -> None:
 def test_a_folder_that_is_not_there_is_refused(root: Path) -> None:
     done = subprocess.run([*SERVER, "nowhere"], capture_output=True, text=True, check=False)
     assert done.returncode == 2
-    assert done.stderr.startswith("error: nowhere: is no folder")
+    assert done.stderr.startswith("error: nowhere: cannot be read (no such file)")

@@ -100,7 +100,7 @@ class TestOutcomes:
     def run_verb(self, monkeypatch: pytest.MonkeyPatch):
         def run(behaviour, *words: str) -> int:
             monkeypatch.setattr(check, "run", lambda options: behaviour())
-            return main(["check", "house.usda", *words])
+            return main(["check", __file__, *words])
 
         return run
 

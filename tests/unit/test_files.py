@@ -255,7 +255,7 @@ def test_an_input_that_is_missing_is_not_called_an_output_error(tmp_path: Path) 
 def test_a_writer_that_fails_on_a_full_disk_is_told_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(files, "_NEARLY_FULL_BYTES", 1 << 62)
+    monkeypatch.setattr(files, "NEARLY_FULL_BYTES", 1 << 62)
     with pytest.raises(OutputError, match="disk is full"), deliver() as delivery:
         delivery.place(tmp_path / "house.usda")
         raise RuntimeError("usd writer: bad stream")
