@@ -34,7 +34,7 @@ def with_found_assets(
     shipped = {asset.id for asset in embedded_assets()}
     found: dict[Path, Path] = {}
     for path, asset in sorted(named.items()):
-        place = _found(path, home, allowed)
+        place = _found(path, home, allowed) or _same_here(asset, database)
         if place is None:
             continue
         if not _is_inside(place, allowed) or _is_drawn_here(place):
@@ -63,11 +63,12 @@ def _with_assets(item: Item, found: dict[Path, Path]) -> Item:
 
 
 def _found(path: Path, home: Path, allowed: Sequence[Path]) -> Path | None:
-    """Where the path leads to: from the scene's folder, else from the current one into a folder
-    that is allowed. None where nothing is there."""
+    """Where the path leads to: from the scene's folder or the cache, else from the current one into
+    a folder that is allowed. None where nothing is there."""
     try:
-        if os.path.lexists(home / path):
-            return Path(os.path.abspath(home / path))  # noqa: PTH100 (not through links)
+        for start in (home, cache_folder()):
+            if os.path.lexists(start / path):
+                return Path(os.path.abspath(start / path))  # noqa: PTH100 (not through links)
         here = absolute(path)
         return here if here.is_file() and _is_inside(here, allowed) else None
     except (OSError, ValueError):  # too long, or not a path at all

@@ -83,7 +83,9 @@ class Understood:
         """The wish in short: "2 bedrooms, 1 kitchen, 70 m²"."""
         parts = [f"{n} {NAMES[kind][n != 1]}" for kind, n in self.wish.counts.items()]
         parts += ["an open kitchen"] if self.wish.open_kitchen else []
-        parts += [f"{self.wish.area_m2:.0f} m²"] if self.wish.area_m2 is not None else []
+        area_m2 = self.wish.area_m2
+        if area_m2 is not None:
+            parts.append(f"{area_m2:.0f} m²" if area_m2 < 1e6 else f"{area_m2:.3g} m²")
         return listed(parts)
 
 
@@ -158,11 +160,15 @@ def _error(what: str, expected: str = "rooms and a floor area, in words") -> Cho
     )
 
 
+_DIGITS = r"(?:(?<![a-z\d.,])\d[\d.,]*(?:e[+-]?\d+)?)"
+"""A number from its first digit on: the 99 of 1e99 is none."""
+
+
 def _area(text: str, warnings: list[str]) -> tuple[float | None, str]:
     """The floor area in square metres, the largest of several, and the text without it."""
     found: list[float] = []
     for units, factor in _UNITS_M2.items():
-        pattern = re.compile(rf"((?:\d[\d.,]*)|(?:\b[a-z]+)(?:[\s-][a-z]+)??)[\s-]*(?:{units})")
+        pattern = re.compile(rf"({_DIGITS}|(?:\b[a-z]+)(?:[\s-][a-z]+)??)[\s-]*(?:{units})")
         for match in pattern.finditer(text):
             number = _number(match[1])
             if number is not None:
@@ -178,6 +184,8 @@ def _number(said: str) -> float | None:
     """A number in digits ("1,200", "72.5") or words ("seventy five")."""
     if said[0].isdigit():
         digits = said.rstrip(".,")
+        if "e" in digits:
+            return _in_powers(digits)
         if re.fullmatch(r"\d{1,3}([.,]\d{3})+", digits):
             return float(re.sub(r"[.,]", "", digits))
         return (
@@ -186,6 +194,14 @@ def _number(said: str) -> float | None:
     numbers = [NUMBERS.get(word) for word in re.split(r"[\s-]", said)]
     known = [number for number in numbers if number is not None]
     return float(sum(known)) if known and numbers[-1] is not None else None
+
+
+def _in_powers(digits: str) -> float | None:
+    """A number as programs write it: "1e3"."""
+    try:
+        return float(digits.replace(",", "."))
+    except ValueError:
+        return None
 
 
 def _counts(

@@ -19,7 +19,7 @@ from pathlib import Path
 from chord_usd.errors import ChordError, DiskFullError, OutputError
 from chord_usd.runtime import interrupts
 from chord_usd.runtime.hashes import hash_file, same_bytes
-from chord_usd.runtime.locations import absolute
+from chord_usd.runtime.locations import absolute, cache_folder
 from chord_usd.runtime.manifest import MANIFEST_FILE, Manifest
 from chord_usd.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.runtime.scratch import Scratch
@@ -201,7 +201,7 @@ class Delivery:
                 for stale in parcel.stale():
                     self._take_away(parcel, stale)
                 parcel.note()
-            interrupts.delivered += [p.target for p in self._parcels if not p.is_scratch]
+            interrupts.delivered += [p.target for p in self._parcels if not p.is_unseen]
         self._clean()
 
     def _parcel(self, home: Path, target: Path, asked: set[Path]) -> _Parcel:
@@ -340,9 +340,10 @@ class _Parcel:
         self._old.mkdir()
 
     @property
-    def is_scratch(self) -> bool:
-        """Whether it lies in another delivery's hidden folder, which nobody sees."""
-        return any(part.startswith(SCRATCH_PREFIX) for part in self.home.parts)
+    def is_unseen(self) -> bool:
+        """Whether it lies in another delivery's hidden folder, or in the cache: nobody asked."""
+        is_scratch = any(part.startswith(SCRATCH_PREFIX) for part in self.home.parts)
+        return is_scratch or self.home.is_relative_to(absolute(cache_folder()))
 
     def prepare(self) -> None:
         """What takes time, before anything moves."""

@@ -95,6 +95,19 @@ def cache_folder() -> Path:
     return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
 
 
+def portable(path: Path, home: Path) -> Path:
+    """A path as a file in the folder home names it: relative to the cache, or else to home.
+
+    An absolute path says who made the file, and leads nowhere on another machine.
+    """
+    if not path.is_absolute():
+        return path
+    cache = absolute(cache_folder())
+    return (
+        path.relative_to(cache) if path.is_relative_to(cache) else Path(os.path.relpath(path, home))
+    )
+
+
 def open_folders() -> list[Path]:
     """Folders that a run may read, with our own; empty where it may read all of the disk."""
     root = os.environ.get(ROOT_VARIABLE)

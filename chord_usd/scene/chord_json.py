@@ -35,9 +35,10 @@ import shapely
 from shapely import LinearRing, Point, Polygon
 
 from chord_usd.errors import ChordError, PlanError, SceneError, reason_of
-from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.files import destination, write_atomic
 from chord_usd.runtime.inputs import refuse_odd_file
 from chord_usd.runtime.json_text import parse_json
+from chord_usd.runtime.locations import portable
 from chord_usd.scene.geometry import Floors, extent_m, footprint_polygon, rooms_beside
 from chord_usd.scene.json_categories import read_category, read_style, refuse_loose_ends, spelling
 from chord_usd.scene.json_elements import Element, Names, shown
@@ -390,8 +391,19 @@ def write_plan(plan: Plan, path: Path) -> None:
 
 
 def write_scene(graph: SceneGraph, path: Path) -> None:
-    """Write a scene graph as CHOrD JSON, whole or not at all. Raises OutputError."""
-    write_atomic(path, json_text(scene_to_json(graph)))
+    """Write a scene graph as CHOrD JSON, whole or not at all, without absolute paths.
+
+    Raises OutputError.
+    """
+    data, home = scene_to_json(graph), destination(path.parent)
+    due = [*data["furniture"], *data.get("dressing", ())]
+    while due:
+        element = due.pop()
+        due += element.get("children", ())
+        if "asset" in element:
+            named = Path(element["asset"]["usdPath"])
+            element["asset"]["usdPath"] = portable(named, home).as_posix()
+    write_atomic(path, json_text(data))
 
 
 def plan_to_json(plan: Plan) -> dict[str, Any]:

@@ -61,6 +61,20 @@ def test_a_mesh_of_flat_points(tmp_path: Path, capsys: Capture) -> None:
     refused(capsys, "assets", "add", tmp_path / "flat.sh3f", "-o", tmp_path / "database")
 
 
+@pytest.mark.parametrize("turn", ["nan 0 0 0 1 0 0 0 1", "-1 0 0 0 5 0 0 0 1", "0 0 0 0 0 0 0 0 0"])
+def test_a_rotation_that_turns_nothing(turn: str, tmp_path: Path, capsys: Capture) -> None:
+    """Numbers that are none, or a matrix that bends, came into the database."""
+    with zipfile.ZipFile(tmp_path / "bent.sh3f", "w") as archive:
+        archive.writestr(
+            "PluginFurnitureCatalog.properties",
+            "id#1=a\nname#1=Chair\nmodel#1=/a.obj\nwidth#1=48\ndepth#1=52\nheight#1=90\n"
+            f"modelRotation#1={turn}\n",
+        )
+        archive.writestr("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n")
+    told = refused(capsys, "assets", "add", tmp_path / "bent.sh3f", "-o", tmp_path / "database")
+    assert "no rotation" in told
+
+
 def test_a_mesh_with_thousands_of_faces_at_one_point() -> None:
     """Pairs of faces at a point took 60 s and 10 GB."""
     angles = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)

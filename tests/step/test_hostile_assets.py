@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 from pxr import UsdUtils
@@ -18,8 +19,8 @@ from chord_usd.assets.database import read_index
 from chord_usd.assets.libraries.add import add_library
 from chord_usd.errors import AssetError
 from chord_usd.pipeline import Settings, read_scene_file, write_stage
-from chord_usd.scene.chord_json import write_scene
-from chord_usd.scene.types import Asset, SceneGraph
+from chord_usd.scene.chord_json import read_scene, write_scene
+from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph
 from chord_usd.stage.author import author_stage
 
 
@@ -243,3 +244,22 @@ def test_a_count_in_a_header_takes_no_memory(tmp_path: Path) -> None:
     whole = data[:8] + (12 + len(body)).to_bytes(4, "little") + body
     (folder / "chair.glb").write_bytes(whole)
     refused(folder, tmp_path)
+
+
+def test_a_scene_names_no_folder_of_its_maker(
+    tmp_path: Path, block: Asset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Meshes of the cache are named by their place in it, others from the scene's folder."""
+    monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "home of mine" / "cache"))
+    shipped = tmp_path / "home of mine" / "cache" / "assets" / "x" / "Bed" / "Bed.usda"
+    box = Box((1.0, 1.0, 0.0), (1.0, 1.0, 1.0), 0.0)
+    room = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
+    items = (
+        Item("a", "bed", box, "r", replace(block, usd_path=shipped)),
+        Item("b", "table", box, "r", replace(block, usd_path=tmp_path / "lib" / "B" / "B.usda")),
+    )
+    scene = tmp_path / "out" / "scene.json"
+    write_scene(SceneGraph((room,), (), items), scene)
+    assert str(tmp_path) not in scene.read_text()
+    named = [item.asset.usd_path.as_posix() for item in read_scene(scene).items if item.asset]
+    assert named == ["assets/x/Bed/Bed.usda", "../lib/B/B.usda"]

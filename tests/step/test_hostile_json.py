@@ -428,6 +428,15 @@ def test_what_is_not_heard_is_told(text: str, told: str) -> None:
     assert any(told in warning for warning in read_wish(text).warnings)
 
 
+@pytest.mark.parametrize("text", ["a flat of 1e99 m²", "a flat of 1e999 m²", "flat, 9,9e9 m2"])
+def test_an_area_in_powers_of_ten_is_read_whole(text: str) -> None:
+    """The 99 of 1e99 was taken for the area."""
+    with pytest.raises(ChordError, match="cannot be planned") as caught:
+        read_wish(text)
+    assert len(str(caught.value)) < 300
+    assert read_wish("a flat of 1e2 m² with two bedrooms").wish.area_m2 == 100.0
+
+
 def test_a_palace_in_a_cupboard_is_refused() -> None:
     with pytest.raises(ChordError, match="cannot be planned"):
         read_wish("a 5 m² flat with nine bedrooms")

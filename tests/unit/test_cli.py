@@ -137,7 +137,7 @@ class TestOutcomes:
             "def run(options):\n"
             "    exec('os.kill(os.getpid(), signal.SIGINT)\\nsignal.pause()')\n"
             "describe.run = run\n"
-            "sys.exit(cli.main(['describe', 'house.usda']))\n"
+            "sys.exit(cli.main(['describe', 'job.py']))\n"
         )
         done = subprocess.run(
             [sys.executable, "-m", "job"],

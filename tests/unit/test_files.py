@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from chord_usd.errors import OutputError
-from chord_usd.runtime import files
+from chord_usd.runtime import files, interrupts
 from chord_usd.runtime.files import deliver, output_folder, write_atomic
 from chord_usd.runtime.locations import absolute
 from chord_usd.runtime.manifest import MANIFEST_FILE
@@ -290,3 +290,13 @@ def test_a_deleted_working_folder_is_one_line(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("error: the working folder was deleted")
     assert done.stderr.count("\n") == 1
+
+
+def test_what_is_kept_in_the_cache_is_not_told_as_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CHORD_USD_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(interrupts, "delivered", [])
+    write_atomic(tmp_path / "cache" / "assets" / "a.usda", "kept")
+    write_atomic(tmp_path / "asked.usda", "written")
+    assert interrupts.delivered == [tmp_path / "asked.usda"]

@@ -110,6 +110,11 @@ def _require_sound(mesh: Mesh, path: Path) -> None:
         uvs = np.zeros(0) if sheet.uvs is None else sheet.uvs
         if not all(np.isfinite(values).all() for values in (sheet.points, uvs, scalars)):
             raise AssetError("the mesh has values that are no numbers", where=path.name)
+        if not all(0.0 <= value <= 1.0 for value in scalars):
+            raise AssetError(
+                "the mesh has a material out of range", where=path.name,
+                expected="roughness, metalness and opacity from 0 to 1",
+            )  # fmt: skip
         if sheet.faces.min() < 0 or sheet.faces.max() >= len(sheet.points):
             raise AssetError("the mesh has faces without points", where=path.name)
 

@@ -10,6 +10,8 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import numpy as np
+
 from chord_usd.assets.database import SizeM
 from chord_usd.assets.libraries.models import AXES, UNITS_M, Library, Model
 from chord_usd.errors import AssetError
@@ -165,6 +167,7 @@ class SweetHomeLibrary:
             size = tuple(float(entry[side]) / 100.0 for side in ("width", "depth", "height"))
             name, licence = _told(entry, "name"), _told({**library, **entry}, "license")
             author = _told(entry, "creator") or _told(library, "provider")
+            rotation = _rotation(entry.get("modelRotation", ""))
         except (KeyError, ValueError) as error:
             raise AssetError(
                 f"furniture {number} of the catalogue is wrong ({error})", where=str(self._path)
@@ -176,7 +179,7 @@ class SweetHomeLibrary:
             size_m=(size[0], size[1], size[2]),
             up="+y",
             front="+z",
-            rotation=_rotation(entry.get("modelRotation", "")),
+            rotation=rotation,
             label=name,
             licence=licence,
             author=author,
@@ -281,12 +284,20 @@ def _size_m(row: Mapping[str, Any]) -> SizeM | None:
 
 
 def _rotation(text: str) -> tuple[float, ...]:
-    """The nine numbers of a catalogue's modelRotation; none where it has none."""
+    """The nine numbers of a catalogue's modelRotation; none where it has none.
+
+    Raises ValueError for numbers that turn nothing.
+    """
     try:
         numbers = tuple(float(number) for number in text.split())
     except ValueError:
         return ()
-    return numbers if len(numbers) == 9 else ()
+    if len(numbers) != 9:
+        return ()
+    matrix = np.array(numbers).reshape(3, 3)
+    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=0.01):
+        raise ValueError(f"modelRotation is {text}, no rotation")
+    return numbers
 
 
 def _axis(value: object) -> str | None:
