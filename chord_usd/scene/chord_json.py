@@ -128,9 +128,8 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     elements = house.elements("furniture", "furniture", MOST_ITEMS)
     items = tuple(_read_item(element, names, floors) for element in elements)
     dressing = _read_dressing(house, names, floors, items)
-    for things in (items, dressing):
-        if is_piled(things):
-            raise house.error("thousands of pieces stand in one another", "pieces side by side")
+    if is_piled(items) or is_piled(dressing):
+        raise house.error("thousands of pieces stand in one another", "pieces side by side")
     return SceneGraph(
         floors.rooms, openings, items, _read_provenance(house), extra, dressing, read_style(house)
     )

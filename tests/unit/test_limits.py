@@ -84,7 +84,7 @@ def test_a_pile_is_refused_when_it_is_read(key: str) -> None:
 def test_estimates_grow_and_are_refused_beyond_the_machine(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    small, large = house([TABLE]), house(store(60))
+    small, large = house([TABLE]), house(store(70), 80.0)
     assert of_stage(small).said() == ""
     assert of_stage(large).seconds > of_stage(small).seconds
     assert "min of processor time" in of_stage(large).said()
