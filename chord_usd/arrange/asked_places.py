@@ -32,7 +32,7 @@ OFF_WALL_M = 0.005
 NEAR_M = {"by": 1.0, "before": 1.2, "between": 2.0, "above": 0.5, "under": 0.01}
 """Farther from what a relation is to is not where it was asked for."""
 
-_HUNG_M = 0.002
+_HUNG_M = 0.001
 _LEAST_SIDE_M = 0.3
 _CHAIR_M = 0.02
 _HOLES_M = 0.12

@@ -28,9 +28,6 @@ _CHIMNEY_FROM_M = 0.75
 _GLAZED = 0.15
 """Share of wall cabinets with glass doors."""
 
-_SPLASH_M = 0.014
-"""From the wall to the face of a splashback, and a little."""
-
 _HOB_M = 0.06
 """What one cooks on is no farther from the height of the worktop."""
 
@@ -141,8 +138,8 @@ def _rail(frame: RoomFrame, face: WallFace, units: Sequence[Placed]) -> None:
     for _, low, high in sorted(beside, key=lambda one: abs((one[1] + one[2]) / 2 - (at or [0])[0])):
         for asset in sorted(rails, key=lambda a: (-a.size_m[0], a.id)):
             base_m = _CABINET_BASE_M - 0.05 - asset.size_m[2]
-            box = face.box((low + high) / 2, base_m, asset.size_m, _SPLASH_M)
-            if asset.size_m[0] < high - low and frame.put_where_free(asset, box):
+            box = frame.against(face, (low + high) / 2, base_m, asset.size_m)
+            if box and asset.size_m[0] < high - low and frame.put_where_free(asset, box):
                 return
 
 

@@ -118,12 +118,10 @@ def _worktop_sockets(frame: RoomFrame, asset: Asset) -> None:
         for face in frame.faces:
             if face.has_back_of(item.box):
                 low, high, _, _ = face.span_of(item.box)
-                # On the splashback, where there is one.
-                v_m = 0.014
                 for share in (0.3, 0.7):
                     middle = low + share * (high - low)
-                    box = face.box(middle, _WORKTOP_SOCKET_M, asset.size_m, v_m)
-                    if frame.put_where_free(asset, box):
+                    box = frame.against(face, middle, _WORKTOP_SOCKET_M, asset.size_m)
+                    if box and frame.put_where_free(asset, box):
                         break
 
 

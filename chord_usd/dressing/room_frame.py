@@ -121,6 +121,23 @@ class RoomFrame:
         """Whether a box is in the room and free."""
         return self.is_inside(box) and not self.taken.hits(box, ignoring, but)
 
+    def against(
+        self, face: WallFace, middle_m: float, base_m: float, size_m: tuple[float, float, float]
+    ) -> Box | None:
+        """A box with its back on a wall, or on the splashback that is there; None over its edge."""
+        bare = face.box(middle_m, base_m, size_m)
+        low, high, _, _ = face.span_of(bare)
+        for panel in self.dressed("splashback"):
+            left, right, near_m, face_m = face.span_of(panel.box)
+            covers = left <= low and high <= right and panel.box.center_m[2] <= base_m
+            if near_m < 0.0 or near_m > _AT_WALL_M or min(right, high) <= max(left, low):
+                continue
+            if panel.box.top_m <= base_m or panel.box.center_m[2] >= bare.top_m:
+                continue
+            is_whole = covers and bare.top_m <= panel.box.top_m
+            return face.box(middle_m, base_m, size_m, face_m) if is_whole else None
+        return bare
+
     def has_wall_behind(self, box: Box, within_m: float = _AT_WALL_M) -> bool:
         """Whether the whole back of a box is at a wall: walls end where a room has a corner."""
         back = LineString(footprint(box)[[0, 3]])

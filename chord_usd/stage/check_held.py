@@ -17,8 +17,11 @@ from chord_usd.stage.check_scene import StageScene
 WALL_GAP_M = 0.01
 """Furniture that has its back no further than this from the wall can hang on it."""
 
-DRESSING_WALL_GAP_M = 0.05
-"""The same of dressing, whose hooks and brackets are no part of its mesh."""
+DRESSING_WALL_GAP_M = 0.002
+"""The same of dressing, which hangs on walls and on splashbacks."""
+
+LEANING_GAP_M = 0.05
+"""From a wall to the nearest of what leans against it, at its foot."""
 
 CEILING_GAP_M = 0.02
 
@@ -52,6 +55,9 @@ class Held:
         # Curtains hang beside glass doors, too.
         windows = [footprint_polygon(one.box) for one in graph.openings if one.kind != "passage"]
         self._windows = shapely.union_all(windows)
+        self._panels = shapely.union_all(
+            [footprint_polygon(one.box) for one in graph.dressing if one.category == "splashback"]
+        )
 
     def __call__(self, body: Body) -> bool:
         item = self._items.get(body.path)
@@ -62,7 +68,8 @@ class Held:
             hangs = row.mount is Mount.WALL or row.name in PLUMBED
             return hangs and self._has_back_at_wall(item, WALL_GAP_M)
         if row.mount is Mount.WALL or row.name in LEANING:
-            return self._has_back_at_wall(item, DRESSING_WALL_GAP_M)
+            leans = row.name in LEANING
+            return self._has_back_at_wall(item, LEANING_GAP_M if leans else DRESSING_WALL_GAP_M)
         if row.mount is Mount.CEILING:
             return bool(abs(body.bounds_m[1, 2] - ROOM_HEIGHT_M) <= CEILING_GAP_M)
         if row.mount is Mount.WINDOW:
@@ -74,7 +81,8 @@ class Held:
             return False
         floor = self._floors[item.room_id]
         back = shapely.points(footprint(item.box)[[0, 3]])
-        near = shapely.distance(floor.exterior, back) <= gap_m
+        panels_m = shapely.distance(self._panels, back)  # not a number where there is none
+        near = np.fmin(shapely.distance(floor.exterior, back), panels_m) <= gap_m
         return bool(np.all(near | ~floor.contains(back)))
 
     def _lies_on(self, body: Body) -> bool:
