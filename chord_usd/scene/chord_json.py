@@ -25,7 +25,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, get_args
@@ -43,6 +42,7 @@ from chord_usd.scene.geometry import Floors, extent_m, footprint_polygon, rooms_
 from chord_usd.scene.json_categories import read_category, read_style, refuse_loose_ends, spelling
 from chord_usd.scene.json_elements import Element, Names, shown
 from chord_usd.scene.json_facts import FACT_KEYS, facts_to_json, read_facts
+from chord_usd.scene.json_provenance import provenance_to_json, read_provenance
 from chord_usd.scene.limits import (
     LARGEST_HOUSE_M,
     MOST_CORNERS,
@@ -89,7 +89,6 @@ _ROOM_KEYS = ("roomId", "roomName", "roomType", "roomKind", "wallPoints")
 _OPENING_KEYS = ("type", *_BOX_KEYS, "id", "roomIds")
 _ITEM_KEYS = ("type", *_BOX_KEYS, "id", "roomId", "asset", "score", "children",
               *FACT_KEYS)  # fmt: skip
-_PROVENANCE_KEYS = ("inputHash", "checkpointHash", "seed", "version", "configuration")
 
 _OPENING_SYNONYMS: dict[str, OpeningKind] = {
     "opening": "passage", "doorway": "passage", "archway": "passage", "hole": "passage",
@@ -131,7 +130,7 @@ def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
     if is_piled(items) or is_piled(dressing):
         raise house.error("thousands of pieces stand in one another", "pieces side by side")
     return SceneGraph(
-        floors.rooms, openings, items, _read_provenance(house), extra, dressing, read_style(house)
+        floors.rooms, openings, items, read_provenance(house), extra, dressing, read_style(house)
     )
 
 
@@ -338,21 +337,6 @@ def _read_asset(element: Element) -> Asset:
     )
 
 
-def _read_provenance(house: Element) -> Provenance:
-    if not house.has("provenance"):
-        return Provenance()
-    element = house.element("provenance")
-    for key in element.rest(_PROVENANCE_KEYS):
-        raise element.error(f"unknown key '{key}'", expected=f"{', '.join(_PROVENANCE_KEYS)}")
-    return Provenance(
-        input_hash=element.text("inputHash"),
-        checkpoint_hash=element.text("checkpointHash"),
-        seed=element.whole("seed"),
-        version=element.text("version"),
-        configuration=element.element("configuration").raw(),
-    )
-
-
 def _optional_id(element: Element) -> str | None:
     return element.text("id") if element.has("id") else None
 
@@ -419,8 +403,7 @@ def scene_to_json(graph: SceneGraph) -> dict[str, Any]:
     if graph.style:
         data["style"] = graph.style
     if graph.provenance != Provenance():
-        values = asdict(graph.provenance).values()
-        data["provenance"] = dict(zip(_PROVENANCE_KEYS, values, strict=True))
+        data["provenance"] = provenance_to_json(graph.provenance)
     return data
 
 
