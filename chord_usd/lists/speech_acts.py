@@ -25,7 +25,7 @@ _DUTIES = frozenset((
 ))  # fmt: skip
 _CHANCES = frozenset(("can", "could", "may", "might", "will", "would"))
 _ASKING = frozenset((
-    "what", "where", "which", "who", "whose", "why", "how", "when", "whether", "any",
+    "what", "where", "which", "who", "whose", "why", "how", "when", "whether",
 ))  # fmt: skip
 _REQUESTS = frozenset(("could you", "can you", "would you", "will you"))
 _SPEAKERS = frozenset(("i", "we"))
@@ -132,7 +132,7 @@ class _Head:
         """What the clause does if this token is its verb; None where it is none."""
         said = token.said
         if self.is_first and (said in _ASKING or said in _BE or said in ("has", "had")):
-            return None if said == "any" else "question"
+            return "question"
         if said in _BE or (said == "like" and self.subject in ("speaker", "other")):
             return "statement"
         if said in _HAVE:
