@@ -4,9 +4,9 @@
 
 The house is that of tests/fixtures/furnished_house.json, dressed; each sentence of sentences.json
 is said to a copy of it, by the command line's own function; with force, since some cost a room
-what it needs. Whether it was done is told by the facts that the file has for it, not by the program: a sentence is done right if they hold and
-nothing that no fact speaks of was changed. Rooms that the program does not name have to be the
-same, byte for byte.
+what it needs. Whether it was done is told by the facts that the file has for it, not by the
+program: a sentence is done right if they hold and nothing that no fact speaks of was changed.
+Rooms that the program does not name have to be the same, byte for byte.
 """
 
 from __future__ import annotations

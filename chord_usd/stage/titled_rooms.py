@@ -23,7 +23,7 @@ def titled_rooms(path: Path) -> dict[str, Room]:
         for prim in room_prims(stage):
             group = storeys.setdefault(str(prim.GetParent().GetPath()), [])
             group.append((_room(prim), printable(prim.GetDisplayName())))
-    titled = {}
+    titled: dict[str, Room] = {}
     for group in storeys.values():
         rooms = [room for room, _ in group]
         titled |= {room.id: replace(room, name=room_title(room, shown, rooms))
