@@ -12,7 +12,7 @@ def add(group: Verbs) -> None:
     """Adds the verb to those of dataset."""
     keep = add_verb(group, "keep", run_keep, "pack chosen houses into one file to learn from")
     keep.add_argument("houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON")
-    add_output(keep, "the kept set, a .jsonl.gz; train --furnished reads it")
+    add_output(keep, "the kept set, a .jsonl.gz; train --furnished reads it", suffixes=(".gz",))
     keep.add_argument(
         "--add", action="store_true", help="add to the kept set that lies there already"
     )

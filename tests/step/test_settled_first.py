@@ -58,7 +58,7 @@ def words_of(verb: str, option: str, path: str) -> list[str]:
 def _fitting(verb: str) -> str:
     """A name for the main output of a verb."""
     parser = build_parser([verb.split()[0]])
-    for suffix in ("", ".usda", ".png", ".json"):
+    for suffix in ("", ".usda", ".png", ".json", ".gz"):
         try:
             options = parser.parse_args([*verb.split(), *INPUTS[verb], "-o", f"made{suffix}"])
             check_paths(options.parser, options)
@@ -125,7 +125,10 @@ def test_a_folder_that_holds_something_is_refused(
 def test_a_full_disk_is_told_first(
     verb: str, option: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    tried = (words_of(verb, option, f"made{one}") for one in (".png", ".usda", ".json", ".glb", ""))
+    tried = (
+        words_of(verb, option, f"made{one}")
+        for one in (".png", ".usda", ".json", ".glb", ".gz", "")
+    )
     words = next(one for one in tried if _passes(one))
     usage = namedtuple("usage", "total used free")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage(100, 99, 1))
