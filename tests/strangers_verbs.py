@@ -43,6 +43,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "dataset clean": ("houses",),
     "dataset stats": ("houses",),
     "dataset split": ("houses",),
+    "dataset keep": ("houses",),
     "dataset draw": ("houses",),
     "dataset keep": ("houses",),
     "dataset release": ("--count", "1"),

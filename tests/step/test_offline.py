@@ -48,6 +48,7 @@ QUICK: dict[str, str] = {
     "dataset clean": "{houses} -o {out}/houses",
     "dataset stats": "{houses} --plot {out}/plot.png",
     "dataset split": "{houses} -o {out}/split.json",
+    "dataset keep": "{houses} -o {out}/kept.jsonl.gz",
     "dataset draw": "{houses} -o {out}/sheet.png",
     "dataset release": "--count 1 -o {out}/release --workers 1 --steps 1 --redraws 0 --no-dressing",
     "train detector": f"{TRAIN} --score-houses 1",
