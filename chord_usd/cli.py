@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from chord_usd.commands.common import Outcome, Parser
 from chord_usd.runtime import console
 from chord_usd.runtime.extras import missing_extra
-from chord_usd.runtime.locations import keep_caches, working_folder
+from chord_usd.runtime.locations import keep_caches, untrained_in_use, working_folder
 from chord_usd.runtime.offline import stay_offline
 from chord_usd.runtime.progress import held_lines
 
@@ -116,6 +116,7 @@ def _run(options: argparse.Namespace) -> Outcome:
 def _tell(outcome: Outcome, *, as_json: bool) -> None:
     if not as_json:
         sys.stderr.writelines(f"warning: {warning}\n" for warning in outcome.warnings)
+    sys.stderr.writelines(f"warning: {warning}\n" for warning in untrained_in_use())
     if outcome.text is None:
         return
     text = json.dumps(outcome.data) if as_json else outcome.text

@@ -15,6 +15,7 @@ from chord_usd.commands import train_lists, train_next
 from chord_usd.commands.common import (
     Outcome,
     Parser,
+    Run,
     UsageError,
     Verbs,
     add_group,
@@ -36,6 +37,7 @@ from chord_usd.commands.train_options import (
     unseen_of,
 )
 from chord_usd.runtime.counting import counted
+from chord_usd.runtime.locations import RUN_CHECKPOINT, name_checkpoint
 
 if TYPE_CHECKING:
     from chord_usd.layout.config import LayoutConfig
@@ -129,6 +131,8 @@ def add(verbs: Verbs) -> None:
         metavar="N",
         help="held-out houses to score the result on (200)",
     )
+    for verb, parser in group.choices.items():
+        parser.set_defaults(run=partial(_run_named, parser.get_default("run"), verb))
 
 
 def _add_guidance(parser: Parser) -> None:
@@ -145,6 +149,18 @@ def _add_guidance(parser: Parser) -> None:
         metavar="W",
         help="how far: 1 is the teacher as it is (2)",
     )
+
+
+def _run_named(run: Run, verb: str, options: argparse.Namespace) -> Outcome:
+    """Runs a verb, and notes in its folder which checkpoint it trains, also where it is ended."""
+    names = {
+        "detector": f"detector_{getattr(options, 'kind', '')}",
+        "lists": "things" if getattr(options, "of", "") == "things" else "lists",
+    }
+    try:
+        return run(options)
+    finally:
+        name_checkpoint(options.output, names.get(verb, verb))
 
 
 def run_plan2layout(options: argparse.Namespace) -> Outcome:
@@ -332,7 +348,8 @@ def run_detector(options: argparse.Namespace) -> Outcome:
         device=device_of(options),
         start=options.start,
     )
-    resumed = (options.output / WEIGHTS_FILE).exists()
+    checkpoint = options.output / RUN_CHECKPOINT
+    resumed = (checkpoint / WEIGHTS_FILE).exists()
     watch = stopwatch(options)
     generated: list[Sample] = []
     if options.generated:
@@ -345,9 +362,9 @@ def run_detector(options: argparse.Namespace) -> Outcome:
         facts = train_detector(options.kind, options.output, config, resumed, progress, generated)
     with watch.step("score"):
         cases = list(clean_cases(options.score_houses))
-        scores = asdict(score_checkpoint(options.kind, options.output, cases))
+        scores = asdict(score_checkpoint(options.kind, checkpoint, cases))
     scores |= {"layouts": len(cases), "split": split_hash(case.name for case in cases)}
-    write_card(options.kind, options.output, facts, scores)
-    data = {"checkpoint": str(options.output), "resumed": resumed, **facts, "scores": scores}
+    write_card(options.kind, checkpoint, facts, scores)
+    data = {"checkpoint": str(checkpoint), "resumed": resumed, **facts, "scores": scores}
     text = f"mAP50 {scores['map50']:.3f}, n = {scores['truths']} {options.kind}"
-    return Outcome(f"{options.output}: {text} in {counted(len(cases), 'house')}", data)
+    return Outcome(f"{checkpoint}: {text} in {counted(len(cases), 'house')}", data)

@@ -23,6 +23,7 @@ from chord_usd.pipeline.loading import (
     load_model,
     load_models,
     load_reader,
+    with_networks,
 )
 from chord_usd.pipeline.redraw import Draw, arrange_drawn, mend_rooms
 from chord_usd.pipeline.settings import Settings
@@ -170,7 +171,7 @@ def furnish(
         if settings.arrange:
             graph = match_assets(arrange_drawn(graph, draw), models.reader.database)
         draw.refuse_lacking(graph)
-        graph = in_style(graph, style)
+        graph = in_style(with_networks(graph, settings), style)
     with watch.step("outliers"):
         graph = score_outliers(graph, plan_image, models.layout)
     tabletops = None

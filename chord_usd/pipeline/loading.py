@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from chord_usd.pipeline.settings import Settings
 from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import content_hash
 from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
 
 if TYPE_CHECKING:
@@ -107,6 +108,14 @@ def checkpoints(settings: Settings) -> tuple[str, ...]:
     table = (of_tables,) if settings.tabletop else ()
     lists = (LISTS_CHECKPOINT,) if settings.lists else ()
     return (LAYOUT_CHECKPOINT, DETECTOR_CHECKPOINT, *lists, *table)
+
+
+def with_networks(graph: SceneGraph, settings: Settings) -> SceneGraph:
+    """The graph that notes the content hash of each checkpoint that it was made with."""
+    hashes = {name: content_hash(checkpoint_folder(name)) for name in checkpoints(settings)}
+    made = graph.provenance
+    configuration = {**made.configuration, "checkpoints": hashes}
+    return replace(graph, provenance=replace(made, configuration=configuration))
 
 
 _kept: dict[Settings, Models] = {}

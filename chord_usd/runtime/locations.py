@@ -6,17 +6,31 @@ in an installed wheel they are inside the package.
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
 from chord_usd.errors import AssetError, CheckpointError, ChordError
+from chord_usd.runtime.counting import counted
 from chord_usd.runtime.extras import REINSTALL
 
 CACHE_VARIABLE = "CHORD_USD_CACHE"
 """Environment variable: folder for what is computed once and kept."""
 
 CHECKPOINTS_VARIABLE = "CHORD_USD_CHECKPOINTS"
-"""Environment variable: a folder of checkpoints that is looked into before the shipped ones."""
+"""Environment variable: a folder of checkpoints, or a run of `chord-usd train`, that is looked into
+before the shipped ones."""
+
+RUN_CHECKPOINT = "checkpoint"
+"""Folder of the checkpoint in a run of `chord-usd train`."""
+
+_NAME_FILE = "NETWORK"
+"""In the checkpoint of a run: which of the shipped checkpoints it stands for."""
+
+_LEAST_STEPS = 100
+"""A network that was trained for fewer steps is as good as untrained."""
+
+_in_use: dict[str, Path] = {}
 
 ROOT_VARIABLE = "CHORD_USD_ROOT"
 """Environment variable: files below this folder may be read, and none elsewhere."""
@@ -52,33 +66,94 @@ def checkpoint_folder(name: str) -> Path:
     """Folder of a checkpoint, such as "plan2layout" or "detector".
 
     One that the folder of CHORD_USD_CHECKPOINTS lacks is the shipped one. Raises CheckpointError
-    when there is none of this name, or nothing in it, or where the variable names no folder.
+    when there is none of this name, or nothing in it, or where the variable names no folder with
+    checkpoints.
     """
-    places = [*_own_checkpoints(), _shipped("checkpoints")]
-    for place in places:
-        folder = place / name
-        if folder.is_dir() and any(folder.iterdir()):
-            return folder
+    own = _own_checkpoints()
+    if name in own:
+        _in_use[name] = own[name]
+        return own[name]
+    folder = _shipped("checkpoints") / name
+    if folder.is_dir() and any(folder.iterdir()):
+        return folder
     raise CheckpointError(
         f"there is no checkpoint {name!r}",
-        where=str(places[0]),
+        where=str(folder.parent),
         expected=f"a folder {name} with safetensors weights and a config",
         try_=f"chord-usd train {name}, or set {CHECKPOINTS_VARIABLE} to a folder that holds it",
     )
 
 
-def _own_checkpoints() -> list[Path]:
+def name_checkpoint(run: Path, name: str) -> None:
+    """Note in the folder of a training run which checkpoint it makes; before the first one is
+    written, nothing."""
+    if (run / RUN_CHECKPOINT).is_dir():
+        (run / RUN_CHECKPOINT / _NAME_FILE).write_text(f"{name}\n", encoding="ascii")
+
+
+def untrained_in_use() -> list[str]:
+    """A line for each network of CHORD_USD_CHECKPOINTS that this process took though it is hardly
+    trained."""
+    lines = []
+    for name, folder in sorted(_in_use.items()):
+        steps = _steps_of(folder)
+        if steps is not None and steps < _LEAST_STEPS:
+            trained = f"{name} in {folder} was trained for {counted(steps, 'step')}"
+            lines.append(f"{trained}: what it makes is noise")
+    return lines
+
+
+def _steps_of(folder: Path) -> int | None:
+    """How many steps a checkpoint was trained for; None where it does not say."""
+    try:
+        config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+        if "images" in config:
+            return int(config["images"]) // max(int(config["batch"]), 1)
+        return int(config["training"]["steps"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+
+
+def _own_checkpoints() -> dict[str, Path]:
+    """Folders in CHORD_USD_CHECKPOINTS by the names of the shipped checkpoints."""
     own = os.environ.get(CHECKPOINTS_VARIABLE)
     if not own:
-        return []
+        return {}
+    where = f"{CHECKPOINTS_VARIABLE}={own}"
+    unset = f"unset {CHECKPOINTS_VARIABLE}, for the checkpoints that come with chord-usd"
     if not Path(own).is_dir():
         raise CheckpointError(
             "is no folder" if Path(own).exists() else "there is no such folder",
-            where=f"{CHECKPOINTS_VARIABLE}={own}",
+            where=where,
             expected="a folder of checkpoints, one folder each, such as plan2layout",
-            try_=f"unset {CHECKPOINTS_VARIABLE}, for the checkpoints that come with chord-usd",
+            try_=unset,
         )
-    return [Path(own)]
+    found = _named_in(Path(own))
+    if not found:
+        raise CheckpointError(
+            "holds no networks",
+            where=where,
+            expected="a run of chord-usd train, or folders such as plan2layout",
+            try_=unset,
+        )
+    return found
+
+
+def _named_in(place: Path) -> dict[str, Path]:
+    """Checkpoints in a folder of runs or checkpoints, in a run, or in a checkpoint of a run."""
+    found = {}
+    for folder in (place, place / RUN_CHECKPOINT):
+        if (folder / _NAME_FILE).is_file():
+            found[(folder / _NAME_FILE).read_text(encoding="ascii", errors="replace").strip()] = (
+                folder
+            )
+    names = [shipped.name for shipped in _shipped("checkpoints").iterdir() if shipped.is_dir()]
+    for name in names:
+        run = place / name / RUN_CHECKPOINT
+        folder = run if run.is_dir() else place / name
+        if folder.is_dir() and any(folder.iterdir()):
+            found[name] = folder
+    return found
 
 
 def shipped_checkpoints() -> Path:

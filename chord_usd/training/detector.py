@@ -22,6 +22,7 @@ from torch import Tensor
 from chord_usd import __version__
 from chord_usd.errors import CheckpointError
 from chord_usd.graph.detect import CONFIG_FILE, IMAGE_PX, Kind, scaled
+from chord_usd.runtime.locations import RUN_CHECKPOINT
 from chord_usd.runtime.networks import WEIGHTS_FILE
 from chord_usd.runtime.progress import Progress
 from chord_usd.runtime.targets import begin_run
@@ -79,9 +80,9 @@ def train_detector(
     progress: Progress | None = None,
     generated: Sequence[Sample] = (),
 ) -> dict[str, Any]:
-    """Train one network for config.minutes and leave weights, config and log in out.
+    """Train one network for config.minutes; leave out/checkpoint and a log in out.
 
-    resume: start from the weights in out (their running mean; the optimiser starts anew). The
+    resume: start from the weights there (their running mean; the optimiser starts anew). The
     checkpoint is whole at any time: it is rewritten every save_minutes. progress is told seconds
     done and in all. generated: painted by the layout model, seen beside drawings. Returns what the
     model card tells of the run. Raises CheckpointError when there is nothing to resume from.
@@ -107,6 +108,7 @@ class _Run:
         generated: Sequence[Sample],
     ) -> None:
         self.kind, self.out, self.config = kind, out, config
+        self.checkpoint = out / RUN_CHECKPOINT
         self.images, self.minutes_before = 0, 0.0
         self.minutes, self.step, self.loss = 0.0, 0, math.nan
         self.parts: dict[str, list[float]] = {}
@@ -148,7 +150,7 @@ class _Run:
         current = {name: value.clone() for name, value in self._floats()}
         self.model.load_state_dict(self.ema, strict=False)
         self._turn_stem(_CHROMA_GAIN)
-        save_model(self.kind, self.model, self.out, facts)
+        save_model(self.kind, self.model, self.checkpoint, facts)
         self.model.load_state_dict(current, strict=False)
 
     def _turn_stem(self, gain: float) -> None:
@@ -180,15 +182,15 @@ class _Run:
         }
 
     def _resume(self) -> None:
-        if not (self.out / WEIGHTS_FILE).is_file():
+        if not (self.checkpoint / WEIGHTS_FILE).is_file():
             raise CheckpointError(
                 "there is nothing to resume from",
-                where=str(self.out),
+                where=str(self.checkpoint),
                 expected=f"a folder with {WEIGHTS_FILE}",
                 try_="train without resuming",
             )
-        load_weights(self.kind, self.model, self.out)
-        before = json.loads((self.out / CONFIG_FILE).read_text(encoding="utf-8"))
+        load_weights(self.kind, self.model, self.checkpoint)
+        before = json.loads((self.checkpoint / CONFIG_FILE).read_text(encoding="utf-8"))
         self.images = int(before.get("images", 0))
         self.minutes_before = float(before.get("minutes", 0.0))
         self.origin = str(before.get("start", ""))

@@ -205,11 +205,13 @@ def test_training_leaves_a_checkpoint_and_goes_on_from_it(kind: Kind, tmp_path: 
     before = train_detector(kind, tmp_path, config)
     after = train_detector(kind, tmp_path, config, resume=True)
     assert after["images"] > before["images"] >= 2
-    assert json.loads((tmp_path / CONFIG_FILE).read_text())["images"] == after["images"]
+    assert (
+        json.loads((tmp_path / "checkpoint" / CONFIG_FILE).read_text())["images"] == after["images"]
+    )
     log = [json.loads(line) for line in (tmp_path / LOG_FILE).read_text().splitlines()]
     assert log[-1]["images"] == after["images"]
     assert all(np.isfinite(value) for row in log for value in row.values())
-    scores = score_checkpoint(kind, tmp_path, list(clean_cases(1)))
+    scores = score_checkpoint(kind, tmp_path / "checkpoint", list(clean_cases(1)))
     write_card(kind, tmp_path, after, {**asdict(scores), "layouts": 1, "split": "0"})
     assert "mAP50" in (tmp_path / "README.md").read_text()
 

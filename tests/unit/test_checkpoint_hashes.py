@@ -23,12 +23,17 @@ from chord_usd.runtime.checksums import (
     checkpoint_hash,
 )
 from chord_usd.runtime.files import hash_file
-from chord_usd.runtime.locations import CHECKPOINTS_VARIABLE, checkpoint_folder
+from chord_usd.runtime.locations import (
+    CHECKPOINTS_VARIABLE,
+    checkpoint_folder,
+    name_checkpoint,
+    untrained_in_use,
+)
 from chord_usd.runtime.networks import content_hash, granted_threads
 from tests.every import for_every
 
 SHIPPED = Path(__file__).parents[2] / "checkpoints"
-NAMES = sorted(folder.name for folder in SHIPPED.iterdir())
+NAMES = sorted(folder.name for folder in SHIPPED.iterdir() if folder.is_dir())
 STRANGE = (None, True, -1, 10**400, 0.5, "x", [], ["x"], {}, [[1]])
 
 
@@ -49,9 +54,11 @@ def flip(path: Path, bit: int) -> None:
 
 @for_every("name", NAMES)
 def test_what_ships_is_what_its_hashes_say(name: str) -> None:
-    """Whoever changes a checkpoint by hand runs `sha256sum` on the three files again."""
+    """Whoever changes a checkpoint by hand runs `sha256sum` on what runs again."""
     lines = (SHIPPED / name / SUMS_FILE).read_text().splitlines()
-    assert [line.split("  ")[1] for line in lines] == list(SUMMED_FILES)
+    there = [file for file in SUMMED_FILES if (SHIPPED / name / file).is_file()]
+    assert [line.split("  ")[1] for line in lines] == there
+    assert {"config.json", "network.onnx", "weights.safetensors"} <= set(there)
     for line in lines:
         expected, file = line.split("  ")
         assert hash_file(SHIPPED / name / file) == expected
@@ -166,6 +173,39 @@ def test_a_named_folder_that_is_none_is_told(
     with pytest.raises(CheckpointError, match=r"folder.*own") as told:
         checkpoint_folder("bubbles")
     assert CHECKPOINTS_VARIABLE in str(told.value)
+
+
+@pytest.mark.parametrize("files", [(), ("notes.txt",), ("checkpoint/weights.safetensors",)])
+def test_a_named_folder_without_networks_is_refused(
+    files: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, such a folder gave the house of the shipped networks, byte for byte."""
+    for file in files:
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).write_text("x")
+    monkeypatch.setenv(CHECKPOINTS_VARIABLE, str(tmp_path))
+    with pytest.raises(CheckpointError, match="holds no networks"):
+        checkpoint_folder("bubbles")
+
+
+def test_a_run_of_training_is_accepted_and_a_short_one_is_warned_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run, its checkpoint, and a folder of runs; content hashes are those of the run."""
+    run = tmp_path / "runs" / "bubbles"
+    shutil.copytree(SHIPPED / "bubbles", run / "checkpoint")
+    name_checkpoint(run, "bubbles")
+    for named in (run, run / "checkpoint", tmp_path / "runs"):
+        monkeypatch.setenv(CHECKPOINTS_VARIABLE, str(named))
+        assert checkpoint_folder("bubbles") == run / "checkpoint"
+        assert checkpoint_folder("table") == SHIPPED / "table"
+        assert untrained_in_use() == []
+    config = json.loads((run / "checkpoint/config.json").read_text())
+    config["training"]["steps"] = 1
+    (run / "checkpoint/config.json").write_text(json.dumps(config))
+    (warning,) = untrained_in_use()
+    assert "bubbles" in warning
+    assert "1 step:" in warning
 
 
 def test_what_a_named_folder_lacks_is_what_ships(
