@@ -13,7 +13,6 @@ setup(
     package_data={
         "chord_usd": [
             "py.typed",
-            "planning/*.onnx",
             "scene/*.tsv",
             "data/*.tsv",
             "assets/cloth/*.npz",

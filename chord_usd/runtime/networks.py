@@ -19,6 +19,7 @@ import numpy.typing as npt
 from chord_usd.errors import CheckpointError
 from chord_usd.runtime.checksums import check_file, checkpoint_hash
 from chord_usd.runtime.offline import refuse_telemetry
+from chord_usd.runtime.packed_weights import unpacked
 
 if TYPE_CHECKING:
     import onnxruntime
@@ -80,13 +81,16 @@ def content_hash(folder: Path) -> str:
 
 
 def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[Any]]:
-    """Tensors by name. Raises CheckpointError with the remedy try_ where the file is unusable."""
+    """Tensors by name, those in eight bits unpacked.
+
+    Raises CheckpointError with the remedy try_ where the file is unusable.
+    """
     from safetensors import SafetensorError
     from safetensors.numpy import load_file
 
     check_file(path)
     try:
-        return load_file(path)
+        return unpacked(load_file(path))
     except (OSError, SafetensorError, TypeError, ValueError, KeyError) as error:
         raise CheckpointError(
             f"the weights are damaged or cannot be read ({_first_line(error)})",

@@ -40,7 +40,7 @@ def write_graph(
     with checkpoint_files(folder), deliver() as delivery:
         model = traced(network, inputs, outputs, free_axes)
         outside = {name: there + STORED_SUFFIX for name, there in stored.items()}
-        leave_out(model.graph, outside, half=True)
+        leave_out(model.graph, outside)
         delivery.place(folder / GRAPH_FILE).write_bytes(model.SerializeToString())
 
 
@@ -82,10 +82,10 @@ def _with_unlike_weights(network: nn.Module) -> nn.Module:
     return copied
 
 
-def leave_out(graph: Any, outside: Mapping[str, str], *, half: bool) -> None:
-    """Turn tensors of a graph into ones that are given at loading.
+def leave_out(graph: Any, outside: Mapping[str, str]) -> None:
+    """Turn tensors of a graph into ones that are given at loading, in half precision.
 
-    outside: by the name of a tensor, the name that it is given under; half: in half precision.
+    outside: by the name of a tensor, the name that it is given under.
     """
     from onnx import TensorProto, helper
 
@@ -94,11 +94,8 @@ def leave_out(graph: Any, outside: Mapping[str, str], *, half: bool) -> None:
         if tensor.name not in outside:
             continue
         name = outside[tensor.name]
-        if half:
-            node = helper.make_node("Cast", [name], [tensor.name], to=TensorProto.FLOAT)
-            tensor.data_type = TensorProto.FLOAT16
-        else:
-            node = helper.make_node("Identity", [name], [tensor.name])
+        node = helper.make_node("Cast", [name], [tensor.name], to=TensorProto.FLOAT)
+        tensor.data_type = TensorProto.FLOAT16
         given.append(node)
         tensor.name = name
         tensor.ClearField("raw_data")

@@ -1,22 +1,30 @@
-"""How MiniLM computes, as an ONNX file without its weights: planning/minilm.onnx.
+"""MiniLM as a checkpoint of this program: its weights in eight bits, its graph, its tokenizer.
 
-The file is part of the program. `python -m chord_usd.training.text_graph` writes it again, should a
-version of ONNX Runtime not read it any more.
+python -m chord_usd.training.text_graph MODEL CHECKPOINT
+
+MODEL is a folder that transformers reads: config.json, model.safetensors, tokenizer.json.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import torch
 from torch import Tensor, nn
 
-from chord_usd.planning.encoder import GRAPH_PATH, minilm_folder
-from chord_usd.runtime.files import deliver
-from chord_usd.training.onnx_file import leave_out, traced
+from chord_usd.planning.encoder import TOKENIZER_FILE
+from chord_usd.runtime.checksums import checkpoint_files
+from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.networks import WEIGHTS_FILE
+from chord_usd.training.onnx_file import write_graph
+from chord_usd.training.packed_file import write_eight_bits
 
 TEXTS, TOKENS = "texts", "tokens"
 """Axes of any length."""
+
+_UNUSED = ("pooler.", "embeddings.position_ids", "embeddings.token_type_ids")
+"""Weights that the graph does without: for one vector of the whole text, and mere counting."""
 
 
 class _Hidden(nn.Module):
@@ -33,21 +41,32 @@ class _Hidden(nn.Module):
         return hidden
 
 
-def write_text_graph(path: Path, folder: Path) -> None:
-    """Write the graph of the text model in folder, as transformers reads it."""
+def write_text_encoder(model_folder: Path, folder: Path) -> None:
+    """Write a text model that transformers reads, a BERT, as a checkpoint folder."""
+    from safetensors.torch import save
     from transformers import AutoModel
 
     # The other ways to attend look at the values of the mask, which a graph must not.
-    model = AutoModel.from_pretrained(folder, local_files_only=True, attn_implementation="eager")
+    model = AutoModel.from_pretrained(
+        model_folder, local_files_only=True, attn_implementation="eager"
+    )
+    stored = {
+        name: tensor.half()
+        for name, tensor in model.state_dict().items()
+        if not name.startswith(_UNUSED)
+    }
+    with checkpoint_files(folder):
+        write_atomic(folder / WEIGHTS_FILE, save(stored))
+        for name in ("config.json", TOKENIZER_FILE):
+            write_atomic(folder / name, (model_folder / name).read_bytes())
+    write_eight_bits(folder)
     # Two lengths, or the mask would be left out.
     ids = torch.tensor([[101, 2048, 102, 0], [101, 2048, 5010, 102]])
     inputs = {"input_ids": ids, "attention_mask": (ids > 0).long()}
     axes = {name: {0: TEXTS, 1: TOKENS} for name in (*inputs, "hidden")}
-    graph = traced(_Hidden(model), inputs, ["hidden"], axes)
-    leave_out(graph.graph, {f"model.{name}": name for name in model.state_dict()}, half=False)
-    with deliver() as delivery:
-        delivery.place(path).write_bytes(graph.SerializeToString())
+    names = {f"model.{name}": name for name in stored}
+    write_graph(folder, _Hidden(model), names, inputs, ["hidden"], axes)
 
 
 if __name__ == "__main__":
-    write_text_graph(GRAPH_PATH, minilm_folder())
+    write_text_encoder(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -12,6 +12,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import torch
+from tokenizers import Tokenizer
 
 from chord_usd.data.descriptions import describe
 from chord_usd.data.houses import random_plan
@@ -23,11 +25,12 @@ from chord_usd.layout.sample import LayoutModel
 from chord_usd.plan.read import read_plan_file
 from chord_usd.planning.encoder import (
     ENCODER_FOLDER,
+    MINILM_CHECKPOINT,
     MOST_WORDS,
+    TOKENIZER_FILE,
     MiniLM,
     TransformersEncoder,
     encoder_of,
-    minilm_folder,
 )
 from chord_usd.planning.floor_sheet import blank_sheet
 from chord_usd.planning.outline import open_shell, shell_of
@@ -35,6 +38,8 @@ from chord_usd.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
 from chord_usd.raster.canvas import draw_plan
 from chord_usd.raster.plan_labels import sheet_frame
 from chord_usd.raster.raster_files import write_raster
+from chord_usd.runtime.locations import checkpoint_folder
+from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
 from chord_usd.scene.chord_json import read_plan, write_plan
 from chord_usd.scene.geometry import room_polygon
 from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
@@ -104,17 +109,30 @@ def test_a_folder_without_a_text_model_is_an_error(tmp_path: Path) -> None:
 
 def test_minilm_gives_what_transformers_gives() -> None:
     """For every word of fifty texts, whether they come alone or with longer ones."""
+    from transformers import BertConfig, BertModel
+
+    folder = checkpoint_folder(MINILM_CHECKPOINT)
+    model = BertModel(BertConfig.from_json_file(str(folder / "config.json"))).eval()
+    weights = read_weights(folder / WEIGHTS_FILE, "")
+    tensors = {name: torch.from_numpy(value).float() for name, value in weights.items()}
+    lacking, unknown = model.load_state_dict(tensors, strict=False)
+    assert {name.partition(".")[0] for name in lacking} <= {"pooler"}
+    assert unknown == []
+    tokenizer = Tokenizer.from_file(str(folder / TOKENIZER_FILE))
     dice = [np.random.default_rng(seed) for seed in range(46)]
     texts = [describe(random_plan(rng), rng).text for rng in dice]
     texts += ["", "a", "Zwei Zimmer, Küche & Bad: 70 m²", "three bedrooms " * MOST_WORDS]
-    ours, theirs = MiniLM(), TransformersEncoder(minilm_folder())
-    together, expected = ours.encode(texts), theirs.encode(texts)
-    for text, found, wanted in zip(texts, together, expected, strict=True):
+    ours = MiniLM()
+    for text, together in zip(texts, ours.encode(texts), strict=True):
+        tokenizer.enable_truncation(MOST_WORDS)
+        tokenizer.no_padding()
+        ids = torch.tensor([tokenizer.encode(text).ids])
+        with torch.inference_mode():
+            wanted = model(ids, torch.ones_like(ids)).last_hidden_state[0].numpy()
         (alone,) = ours.encode([text])
-        np.testing.assert_allclose(found, wanted, atol=1e-4)
+        np.testing.assert_allclose(together, wanted, atol=1e-4)
         np.testing.assert_allclose(alone, wanted, atol=1e-4)
-    assert ours.channels == expected[0].shape[1]
-    assert len(expected[-1]) == MOST_WORDS
+    assert len(wanted) == MOST_WORDS
 
 
 def test_text_becomes_a_plan(run_cli: RunCli, tmp_path: Path) -> None:
