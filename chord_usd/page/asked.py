@@ -34,7 +34,7 @@ QUALITIES = {"draft": ("draft", "640x360"), "good": ("good", "1280x720")}
 Fields = Mapping[str, type | tuple[type, ...]]
 
 GIVEN: Fields = {
-    "version": int, "seed": int, "part": int, "scale": (int, float), "keep": list,
+    "version": int, "seed": int, "part": int, "force": int, "scale": (int, float), "keep": list,
     **dict.fromkeys(
         (
             "room", "with", "without", "style", "sky", "roof", "furniture", "text", "sentence",
