@@ -45,7 +45,6 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "dataset split": ("houses",),
     "dataset keep": ("houses",),
     "dataset draw": ("houses",),
-    "dataset keep": ("houses",),
     "dataset release": ("--count", "1"),
     "train plan2layout": (),
     "train table": (),
