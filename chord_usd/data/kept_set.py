@@ -10,21 +10,19 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
-import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from chord_usd.errors import SceneError
 from chord_usd.runtime.files import write_atomic
+from chord_usd.runtime.json_lines import read_lines
 from chord_usd.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.scene.types import Provenance, SceneGraph
 
 FORMAT, VERSION = "chord-usd kept set", 1
 SUFFIX = ".jsonl.gz"
-MAX_BYTES = 512 * 2**20
-"""Of the lines, unpacked: some 70,000 houses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +50,10 @@ def write_kept(houses: Iterable[KeptHouse], target: Path) -> int:
 
 def read_kept(source: Path) -> list[KeptHouse]:
     """The houses of a set. Raises SceneError where it is none, or a row of it was changed."""
-    lines = iter(_text_of(source).splitlines())
-    _require_header(next(lines, ""), source)
-    return list(_houses(lines, source))
+    lines = read_lines(source, SceneError)
+    _, header = next(lines, (1, b""))
+    _require_header(header, source)
+    return [_house_of(line, number, source) for number, line in lines]
 
 
 def _line_of(kept: KeptHouse) -> str:
@@ -66,28 +65,17 @@ def _line_of(kept: KeptHouse) -> str:
     )
     row = {"name": kept.name, "scores": dict(kept.scores), "house": scene_to_json(bare)}
     text = json.dumps(row, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return f"{_hash_of(text)}\t{text}"
+    return f"{_hash_of(text.encode())}\t{text}"
 
 
-def _hash_of(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+def _hash_of(text: bytes) -> str:
+    return hashlib.sha256(text).hexdigest()[:16]
 
 
-def _text_of(source: Path) -> str:
-    try:
-        with gzip.open(source) as file:
-            data = file.read(MAX_BYTES + 1)
-        if len(data) > MAX_BYTES:
-            raise _unusable(source, f"holds over {MAX_BYTES // 2**20} MiB")
-        return data.decode()
-    except (OSError, EOFError, UnicodeDecodeError, zlib.error) as error:
-        raise _unusable(source, f"cannot be read ({error})") from error
-
-
-def _require_header(line: str, source: Path) -> None:
+def _require_header(line: bytes, source: Path) -> None:
     try:
         header = json.loads(line)
-    except json.JSONDecodeError:
+    except ValueError:
         header = None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise _unusable(source, "is no kept set")
@@ -95,14 +83,13 @@ def _require_header(line: str, source: Path) -> None:
         raise _unusable(source, f"is a kept set of another version ({header.get('version')!r})")
 
 
-def _houses(lines: Iterator[str], source: Path) -> Iterator[KeptHouse]:
-    for number, line in enumerate(lines, start=2):
-        digest, _, text = line.partition("\t")
-        if digest != _hash_of(text):
-            raise _unusable(source, f"line {number} was changed: its hash does not match")
-        row: dict[str, Any] = json.loads(text)
-        house = scene_from_json(row["house"], f"{source.name}, line {number}")
-        yield KeptHouse(row["name"], house, row["scores"])
+def _house_of(line: bytes, number: int, source: Path) -> KeptHouse:
+    digest, _, text = line.rstrip(b"\n").partition(b"\t")
+    if digest.decode(errors="replace") != _hash_of(text):
+        raise _unusable(source, f"line {number} was changed: its hash does not match")
+    row: dict[str, Any] = json.loads(text)
+    house = scene_from_json(row["house"], f"{source.name}, line {number}")
+    return KeptHouse(row["name"], house, row["scores"])
 
 
 def _unusable(source: Path, what: str) -> SceneError:

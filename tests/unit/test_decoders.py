@@ -52,8 +52,6 @@ HERE = {
     # Looked at before anything is unpacked, and no more of it than a limit.
     "runtime.archives": {"zipfile.ZipFile"},
     "runtime.json_lines": {"gzip.GzipFile"},
-    # Written.
-    "data.kept_set": {"gzip.open"},
     # Textures of a stage that was tried, after a look at their heads.
     "stage.textures": {"PIL.Image.open"},
 }  # fmt: skip
