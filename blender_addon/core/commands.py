@@ -45,6 +45,7 @@ PASSES = {
     "normal": ("Normals", "Directions of surfaces"),
     "instance": ("Instances", "Which piece a pixel shows"),
     "semantic": ("Categories", "Of which category a pixel is"),
+    "layers": ("Layers", "Blender's layers with Cryptomatte, in one EXR"),
 }
 """As chord-usd render has them: the label of each, and what it shows."""
 

@@ -34,7 +34,7 @@ def with_found_assets(
     shipped = {asset.id for asset in embedded_assets()}
     found: dict[Path, Path] = {}
     for path, asset in sorted(named.items()):
-        place = _found(path, home, allowed) or _same_here(asset, database)
+        place = _found(path, home, allowed) or _same_here(asset, shipped, database)
         if place is None:
             continue
         if not _is_inside(place, allowed) or _is_drawn_here(place):

@@ -41,7 +41,8 @@ def _make_in_time(make: Make, seconds: float, unit: Unit) -> None:
 
 @contextmanager
 def _alarm(seconds: float) -> Iterator[None]:
-    faulthandler.dump_traceback_later(seconds + _GRACE_S, exit=True, file=sys.__stderr__)
+    stderr = sys.__stderr__ or sys.stderr
+    faulthandler.dump_traceback_later(seconds + _GRACE_S, exit=True, file=stderr)
     before = signal.signal(signal.SIGALRM, _ring)
     signal.setitimer(signal.ITIMER_REAL, seconds)
     try:

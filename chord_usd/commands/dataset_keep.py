@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from chord_usd.commands.common import Outcome, Verbs, add_output, add_verb, stopwatch
+from chord_usd.runtime.counting import counted
 
 
 def add(group: Verbs) -> None:
@@ -34,5 +35,6 @@ def run_keep(options: argparse.Namespace) -> Outcome:
     data = {
         "kept": str(options.output), "houses": count, "added": count - len(before), "bytes": size,
     }  # fmt: skip
-    text = f"{options.output}: {count} houses, {count - len(before)} of them new, {size} bytes"
+    houses = counted(count, "house")
+    text = f"{options.output}: {houses}, {count - len(before)} of them new, {size} bytes"
     return Outcome(text, data, warnings=cases.warnings)

@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "seconds": watch.seconds,
     }
     return Outcome(
-        f"{options.output}: {counted_rooms(data)}, {counted(data['openings'], 'opening')}",
+        f"{options.output}: {counted_rooms(data)}, {counted(len(graph.openings), 'opening')}",
         data,
     )
 

@@ -6,7 +6,7 @@ import argparse
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from chord_usd.commands.common import (
     Parser,
@@ -157,8 +157,8 @@ def device_of(options: argparse.Namespace) -> str:
 def run_of(options: argparse.Namespace, base: ConfigT) -> ConfigT:
     """The settings of a run, as far as the options of its verb have them."""
     names = ("minutes", "seed", "workers", "processor_time", "kinds_only")
-    chosen = {name: getattr(options, name, None) for name in names}
-    chosen = {name: value for name, value in chosen.items() if value is not None}
+    named = {name: getattr(options, name, None) for name in names}
+    chosen: dict[str, Any] = {name: value for name, value in named.items() if value is not None}
     device = device_of(options)
     if device != "cpu" and hasattr(base, "workers"):
         chosen.setdefault("workers", max(1, min(_MOST_WORKERS, (os.cpu_count() or 2) - 1)))

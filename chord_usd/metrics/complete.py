@@ -227,7 +227,10 @@ class _House:
         found = []
         for item in own:
             faults = [*self._faults(item, room.kind, sides)]
-            faults += ["apart from its run"] * (item.id in apart) + [SHUT] * (item.id in self._shut)
+            if item.id in apart:
+                faults.append("apart from its run")
+            if item.id in self._shut:
+                faults.append(SHUT)
             found += [Misplaced(item.id, item.category, fault) for fault in faults if fault]
         return tuple(found)
 

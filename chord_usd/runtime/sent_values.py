@@ -35,7 +35,7 @@ def packed(value: object) -> Iterable[Any]:
         described = np.lib.format.header_data_from_array_1_0(array)
         np.lib.format.write_array_header_1_0(header, described)
         yield header.getvalue()
-        yield memoryview(array).cast("B") if array.size else b""
+        yield array.data.cast("B") if array.size else b""
         yield bytes(-array.nbytes % _ALIGNED_BYTES)
 
 

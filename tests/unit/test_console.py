@@ -43,8 +43,11 @@ def described(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """describe, by a verb and libraries that are anything but quiet."""
     script = folder / "noise.py"
     script.write_text(NOISE)
+    (folder / words[0]).touch()
     command = [sys.executable, str(script), "describe", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=60, check=False, cwd=folder
+    )
 
 
 def test_an_error_stands_alone(tmp_path: Path) -> None:

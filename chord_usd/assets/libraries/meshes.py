@@ -193,7 +193,7 @@ def _small(picture: Image) -> ByteArray:
     picture.draft("RGB", (TEXTURE_PX, TEXTURE_PX))
     picture = picture.convert("RGB")
     picture.thumbnail((TEXTURE_PX, TEXTURE_PX))
-    return frozen_array(picture, np.uint8)
+    return frozen_array(np.asarray(picture), np.uint8)
 
 
 def _usd_sheets(prim: Any, path: Path) -> Iterator[Sheet]:
