@@ -7,6 +7,7 @@ import ipaddress
 from pathlib import Path
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, whole_number
+from chord_usd.commands.paths import output_place
 from chord_usd.runtime import console
 from chord_usd.runtime.extras import needed_for
 from chord_usd.runtime.locations import absolute
@@ -18,7 +19,7 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "serve", run, "serve a page that furnishes plans, in the browser")
     parser.add_argument(
-        "--root", type=Path, required=True, metavar="DIR",
+        "--root", type=output_place, required=True, metavar="DIR",
         help="the folder that holds the page's houses, made where there is none",
     )  # fmt: skip
     parser.add_argument(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from difflib import get_close_matches
 from pathlib import Path
 
 from chord_usd.errors import ChordError, StageError
+
+_PRIM_NAME = re.compile(r"[A-Za-z]+_\d+")
 
 
 def named_room(stage: Path, said: str) -> str:
@@ -19,9 +22,17 @@ def named_room(stage: Path, said: str) -> str:
     from chord_usd.stage.titled_rooms import titled_rooms
 
     rooms = titled_rooms(stage)
-    if said in rooms:
-        return said
+    prims = {name.lower(): name for name in rooms}
+    if said.lower() in prims:
+        return prims[said.lower()]
     try:
+        if _PRIM_NAME.fullmatch(said):
+            # Prims count from 0, printed names from 1: "Bedroom_1" is never the first bedroom.
+            raise StageError(
+                f"there is no room {said!r}",
+                where=str(stage),
+                expected=f"one of {', '.join(rooms)}",
+            )
         found = rooms_meant(said, rooms, str(stage))
     except ChordError as error:
         near = get_close_matches(said, [*rooms, *(room.name for room in rooms.values())], n=1)

@@ -96,7 +96,7 @@ def test_steps_and_samplers_that_are_none(
 
 
 def test_a_folder_without_a_house(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "no such folder" in fails(["evaluate", "layouts", "--from", tmp_path / "no"], capsys)
+    assert "no such file" in fails(["evaluate", "layouts", "--from", tmp_path / "no"], capsys)
     (tmp_path / "broken.json").write_text("{")
     assert "broken.json" in fails(["evaluate", "layouts", "--from", tmp_path], capsys)
 

@@ -148,8 +148,8 @@ def test_the_certificate_is_that_of_check(made: Made, run_cli: RunCli) -> None:
 def test_progress_is_json_and_ends_every_step(made: Made) -> None:
     lines = [json.loads(line) for line in made.progress.splitlines()]
     last = {line["step"]: line for line in lines}
-    steps = ["plan", "load", "list", "layout", "graph", "redraw", "outliers", "tabletop", "stage"]
-    assert list(last) == [*steps, "dress", "check"]
+    steps = ["plan", "load", "list", "layout", "graph", "redraw", "outliers", "tabletop"]
+    assert list(last) == [*steps, "settle", "dress", "stage", "check"]
     assert all(line["done"] == line["total"] for line in last.values())
     assert 1 <= last["layout"]["total"] <= STEPS
 

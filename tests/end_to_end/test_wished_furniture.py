@@ -58,7 +58,9 @@ def test_wishes_that_cannot_be_are_refused_before_anything_is_read(
     wishes: list[str], words: str, tmp_path: Path, run_cli: RunCli
 ) -> None:
     output = tmp_path / "house.usda"
-    done = run_cli("generate", "missing.png", "-o", output, *WORDS, "--furniture", *wishes)
+    plan = tmp_path / "plan.png"
+    plan.write_bytes(b"no picture: reading it would be the error")
+    done = run_cli("generate", plan, "-o", output, *WORDS, "--furniture", *wishes)
     refused(done, tmp_path, words)
 
 

@@ -42,7 +42,8 @@ def dressed(run_in_blender: Callable[..., Told], tmp_path_factory: pytest.TempPa
     )
     write_scene(replace(graph, dressing=dressing), folder / "scene.json")
     stage = folder / "house.usda"
-    assert main(["stage", str(folder / "scene.json"), "-o", str(stage)]) == 0
+    # The picture hangs in the panel behind the bed: what Blender does with it is looked at here.
+    assert main(["stage", str(folder / "scene.json"), "-o", str(stage), "--no-check"]) == 0
     return {**run_in_blender("dressing.py", stage), "stage": str(stage)}
 
 

@@ -45,6 +45,6 @@ def test_a_folder_of_files_becomes_a_table_and_a_sheet(tmp_path: Path) -> None:
 
 
 def test_an_empty_or_missing_folder_is_told(tmp_path: Path, capsys) -> None:  # type: ignore[no-untyped-def]
-    for place, said in ((tmp_path, "holds no file to read"), (tmp_path / "no", "no such folder")):
+    for place, said in ((tmp_path, "holds no file to read"), (tmp_path / "no", "no such file")):
         assert main(["evaluate", "plans", "--real", str(place)]) == 2
         assert said in capsys.readouterr().err

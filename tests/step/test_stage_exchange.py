@@ -141,7 +141,7 @@ def test_an_extra_that_is_not_there_is_named(
     package: str, module: str, plain: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(MissingExtraError, match=rf"pip install 'chord-usd\[{package}\]'"):
+    with pytest.raises(MissingExtraError, match=rf"pip install '\.\[{package}\]'"):
         exported(plain, tmp_path, package)
     assert list(tmp_path.iterdir()) == []
 
