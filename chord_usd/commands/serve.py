@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import ipaddress
-from pathlib import Path
 
 from chord_usd.commands.common import Outcome, Verbs, add_verb, whole_number
 from chord_usd.commands.paths import output_place

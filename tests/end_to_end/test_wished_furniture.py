@@ -57,11 +57,13 @@ def refused(done: subprocess.CompletedProcess[str], folder: Path, *words: str) -
 def test_wishes_that_cannot_be_are_refused_before_anything_is_read(
     wishes: list[str], words: str, tmp_path: Path, run_cli: RunCli
 ) -> None:
-    output = tmp_path / "house.usda"
+    folder = tmp_path / "out"
+    folder.mkdir()
+    output = folder / "house.usda"
     plan = tmp_path / "plan.png"
     plan.write_bytes(b"no picture: reading it would be the error")
     done = run_cli("generate", plan, "-o", output, *WORDS, "--furniture", *wishes)
-    refused(done, tmp_path, words)
+    refused(done, folder, words)
 
 
 def test_a_layout_model_that_sees_no_lists_is_told(

@@ -256,7 +256,7 @@ def test_twice_the_rooms_take_about_twice_as_long() -> None:
         return min(taken)
 
     seconds(20)
-    assert seconds(800) < 4 * 2.0 * seconds(200)
+    assert seconds(480) < 4 * 2.0 * seconds(120)
 
 
 # Files that are none ------------------------------------------------------------------------------
