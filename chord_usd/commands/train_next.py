@@ -56,7 +56,7 @@ def run_next(options: argparse.Namespace) -> Outcome:
     if options.dry_run:
         data = {"network": name, "excess": round(row.excess, 3), "command": command}
         return Outcome(f"{text}\n{' '.join(command)}", data)
-    import torch  # noqa: F401 (a missing extra is one line, and nothing begins)
+    from chord_usd.training import loop  # noqa: F401 (a missing extra is one line; nothing begins)
 
     sys.stderr.write(text + "\n")
     os.nice(10)
