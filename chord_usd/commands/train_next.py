@@ -70,7 +70,10 @@ def _launcher(name: str, device: str) -> list[str]:
     cores = usable_cores()
     if device != "cpu" or name not in _PAINTERS or cores == 1:
         return ["chord_usd"]
-    return ["torch.distributed.run", "--standalone", f"--nproc-per-node={cores}", "-m", "chord_usd"]
+    return [
+        "torch.distributed.run", "--standalone", f"--nproc-per-node={cores}",
+        "-m", "--", "chord_usd",  # its own --start-method would take --start
+    ]  # fmt: skip
 
 
 def _arguments(name: str, options: argparse.Namespace, checkpoint: Path) -> list[str]:
