@@ -1,8 +1,8 @@
 """Several training processes as one: each learns from data of its own, gradients are averaged.
 
-torchrun starts them (`torchrun --nproc-per-node 2 -m -- chord_usd train plan2layout …`). Two processes
-of one thread each learn faster on two cores than one process of two threads, which wait for one
-another at every layer.
+torchrun starts them: `torchrun --nproc-per-node 2 -m -- chord_usd train plan2layout …`. Two
+processes of one thread each learn faster on two cores than one process of two threads, which wait
+for one another at every layer.
 """
 
 from __future__ import annotations
