@@ -32,6 +32,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "graph": ("plan.png",),
     "stage": ("scene.json",),
     "render": ("house.usda",),
+    "serve": (),
     "batch": ("plan.png",),
     "farm bundle": ("house.usda",),
     "describe": ("house.usda",),
@@ -75,6 +76,9 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "looks show": ("planks",),
 }
 """What each verb that writes is given to read."""
+
+ENDLESS = {"serve"}
+"""Verbs that run until they are interrupted."""
 
 
 _ROLES = (output_file, output_folder, output_package, output_place, output_run)
