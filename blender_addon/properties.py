@@ -175,7 +175,7 @@ class ChordScene(bpy.types.PropertyGroup):
         name="Without", description="Pieces that a room furnished anew shall not hold, in words"
     )
     sentence: bpy.props.StringProperty(  # type: ignore[valid-type]
-        name="Change", description="What shall be changed in the house, in words"
+        name="Change", description="A change to the house, in words"
     )
     understood: bpy.props.StringProperty(options={"SKIP_SAVE"})  # type: ignore[valid-type]
     """What the program takes a sentence to mean, in lines."""

@@ -163,7 +163,7 @@ def edit(house: Path, sentence: str, assets: str = "", *, only_read: bool = Fals
     only_read: only tell what is understood. Raises InputError.
     """
     if not sentence.strip():
-        raise InputError("Say what shall be changed.")
+        raise InputError("No change is given: write one in words.")
     edits = edits_file(_existing(house))
     seen = ["--edits", str(edits)] if edits.is_file() else []
     dry = ["--dry-run"] if only_read else []

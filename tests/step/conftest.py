@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 import pytest
 from pxr import Gf, Kind, Usd, UsdGeom
@@ -16,6 +17,11 @@ from chord_usd.assets.look_library import StyleLooks, style_looks
 from chord_usd.scene.styles import MIXED, style_named
 from chord_usd.scene.types import Asset, Box, Item, Provenance, SceneGraph
 from chord_usd.stage.author import author_stage
+
+if TYPE_CHECKING:
+    from starlette.testclient import TestClient
+
+    from tests.page_stand_in import StandIn
 
 BLOCK_SIZE_M = (0.5, 0.4, 0.25)
 
@@ -104,3 +110,20 @@ def puller() -> ModuleType:
         return importlib.import_module("openable")
     finally:
         sys.path.remove(str(folder))
+
+
+@pytest.fixture
+def verbs() -> StandIn:
+    """The verbs that the page's server runs, recorded and not run."""
+    from tests.page_stand_in import StandIn
+
+    return StandIn()
+
+
+@pytest.fixture
+def page(tmp_path: Path, verbs: StandIn) -> Iterator[TestClient]:
+    """A browser at the page's server."""
+    from tests.page_stand_in import browser
+
+    with browser(tmp_path, verbs) as client:
+        yield client

@@ -32,17 +32,6 @@ from tests.page_stand_in import (
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def verbs() -> StandIn:
-    return StandIn()
-
-
-@pytest.fixture
-def page(tmp_path: Path, verbs: StandIn) -> Iterator[TestClient]:
-    with browser(tmp_path, verbs) as client:
-        yield client
-
-
 REFUSED: list[tuple[str, dict[str, str], int]] = [
     ("another name", {"host": "evil.example:8321"}, 403),
     ("no name", {"host": ""}, 403),

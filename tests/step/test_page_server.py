@@ -42,17 +42,6 @@ from tests.page_stand_in import (
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def verbs() -> StandIn:
-    return StandIn()
-
-
-@pytest.fixture
-def page(tmp_path: Path, verbs: StandIn) -> Iterator[TestClient]:
-    with browser(tmp_path, verbs) as client:
-        yield client
-
-
 def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
     house = dropped(page)
     shown = until_over(page, house)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
-
 from chord_usd.errors import ChordError
 from chord_usd.lists.sentences import understand
 from chord_usd.scene.types import SceneGraph
 from chord_usd.stage.names import name_rooms
+from tests.every import for_every
 
 STATEMENTS = (
     # complaints
@@ -112,16 +111,22 @@ ORDERS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("sentence", [*STATEMENTS, *QUESTIONS])
+def actions_of(sentence: str, house: SceneGraph) -> set[str]:
+    """Which actions a sentence asks for; none where it is refused."""
+    rooms = {one.name: one.room for one in name_rooms(house)}
+    try:
+        return {one.action for one in understand(sentence, house, rooms).intents}
+    except ChordError:
+        return set()
+
+
+@for_every("sentence", [*STATEMENTS, *QUESTIONS])
 def test_a_statement_or_a_question_changes_nothing(
     sentence: str, furnished_house: SceneGraph
 ) -> None:
-    rooms = {one.name: one.room for one in name_rooms(furnished_house)}
-    with pytest.raises(ChordError):
-        understand(sentence, furnished_house, rooms)
+    assert not actions_of(sentence, furnished_house)
 
 
-@pytest.mark.parametrize(("sentence", "action"), ORDERS.items())
+@for_every(("sentence", "action"), ORDERS.items())
 def test_an_order_is_understood(sentence: str, action: str, furnished_house: SceneGraph) -> None:
-    rooms = {one.name: one.room for one in name_rooms(furnished_house)}
-    assert {one.action for one in understand(sentence, furnished_house, rooms).intents} == {action}
+    assert actions_of(sentence, furnished_house) == {action}

@@ -63,12 +63,13 @@ def _turned(index: np.ndarray) -> np.ndarray:
 
 
 def thickened(
-    grid_m: FloatArray, thick_m: float, core_m: tuple[float, float, float]
+    grid_m: FloatArray, thick_m: float, core_m: tuple[float, float, float] | None = None
 ) -> tuple[FloatArray, np.ndarray, np.ndarray]:
     """A thick cloth around a sheet (rows, columns, 3) seen from its upper side.
 
-    Its rim is rolled in and closed by a fan to core_m, a point inside of what it lies on. Returns
-    points, faces, and for each point the index of the grid's point it belongs to.
+    Its rim is rolled in. An underside closes it; with core_m, a fan to this point, which lies
+    within what carries the cloth. Returns points, faces, and for each point the index of the
+    grid's point it belongs to.
     """
     rows, columns = grid_m.shape[:2]
     normals = grid_normals(grid_m)
@@ -86,8 +87,13 @@ def thickened(
         middle + out * half * 0.5 - up * half * 0.9,
         middle - out * half * 1.2 - up * half * 0.9,
     ]
-    points = np.concatenate([flat, *rolls, np.array([core_m])])
-    owner = np.concatenate([np.arange(rows * columns), *[edge] * len(rolls), edge[:1]])
+    inside = np.arange(rows * columns).reshape(rows, columns)[1:-1, 1:-1].ravel()
+    if core_m is None:
+        below, beneath = grid_m.reshape(-1, 3) - 0.9 * half * normals.reshape(-1, 3), inside
+    else:
+        below, beneath = np.tile(core_m, (rows * columns, 1)), edge[:1]
+    points = np.concatenate([flat, *rolls, below[beneath]])
+    owner = np.concatenate([np.arange(rows * columns), *[edge] * len(rolls), beneath])
     faces = [_turned(np.arange(rows * columns).reshape(rows, columns))]
     count, start = len(edge), rows * columns
     here, after = np.arange(count), (np.arange(count) + 1) % count
@@ -97,7 +103,12 @@ def thickened(
         faces.append(np.stack([inner[here], outer[after], outer[here]], -1))
         faces.append(np.stack([inner[here], inner[after], outer[after]], -1))
         inner = outer
-    faces.append(np.stack([inner[here], inner[after], np.full(count, len(points) - 1)], -1))
+    if core_m is None:
+        under = np.empty(rows * columns, dtype=np.int64)
+        under[edge], under[inside] = inner, np.arange(len(points) - len(inside), len(points))
+        faces.append(_turned(under.reshape(rows, columns))[:, ::-1])
+    else:
+        faces.append(np.stack([inner[here], inner[after], np.full(count, len(points) - 1)], -1))
     return points, np.concatenate(faces), owner
 
 

@@ -84,8 +84,7 @@ def laid_over(throw: Throw, place: Place, width_m: float) -> tuple[Made, Solid |
         -down + off * np.cos(turn) - place.sinks_m * edge * (1.0 - hangs),
     ], axis=-1)  # fmt: skip
     grid[..., 2] += 0.02 * hangs * _wander(across + sign, rng) * down / max(place.hang_m, 1e-6)
-    middle = 0.0 if not place.back_m else -place.back_m / 2
-    points, faces, owner = thickened(grid, throw.thick_m, (middle, 0.0, -0.05))
+    points, faces, owner = thickened(grid, throw.thick_m)
     flat = np.stack([along, across * 0.6 * width_m], axis=-1).reshape(-1, 2)
     fringe = _fringe(grid, throw, rng) if throw.fringe_m else None
     return (points, faces, flat[owner]), fringe

@@ -236,9 +236,9 @@ class HouseTab {
     );
   }
 
-  /** What shall be different, in words; understood whole, or refused with a reason. */
+  /** A change in words: carried out whole, or refused with a reason. */
   sentenceForm() {
-    const sentence = el("input", { placeholder: "put a plant in bedroom 1", maxlength: 500, value: this.sentence ?? "", "aria-label": "What shall be different" });
+    const sentence = el("input", { placeholder: "put a plant in bedroom 1", maxlength: 500, value: this.sentence ?? "", "aria-label": "Change in words" });
     sentence.addEventListener("input", () => { this.sentence = sentence.value; });
     const say = (more) => this.edits.save()
       .then(() => this.app.start("say", { version: this.version.number, sentence: sentence.value, ...more }))
